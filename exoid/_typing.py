@@ -1,0 +1,10 @@
+"""Names for the array types used throughout."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+
+__all__ = ["ArrayLike", "FloatArray"]

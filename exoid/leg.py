@@ -1,0 +1,282 @@
+"""The leg: a URDF, the joints that move, and the parameters that its motion can determine."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from . import dynamics
+from ._typing import ArrayLike, FloatArray
+from .description import Description, read_description
+from .errors import ExoidError
+from .model import build_model, dynamic_parameters, with_dynamic_parameters
+from .reduction import PlanarChain, Plane, Reduction, documented, fill_regressor, numeric
+from .torso import TORSO_JOINTS, TorsoMotion, moving_torso_model, torso_coordinates
+
+SIDES = ("left_", "right_")
+
+
+class JointLimits(NamedTuple):
+    """Limits of each joint as the URDF states them, (n,) each; infinite where it states none.
+
+    Attributes:
+        lower: Smallest angle [rad].
+        upper: Largest angle [rad].
+        velocity: Largest speed [rad/s].
+        effort: Largest torque [N·m].
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    velocity: FloatArray
+    effort: FloatArray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Leg:
+    """Rigid-body model of one leg (or any other robot): Pinocchio's, and its minimal parameters.
+
+    For a planar chain the parameters are the documents' (X, Y, J) of each segment; for any other robot they are
+    numeric base parameters. For every motion, ``regressor(q, v, a) @ parameters == inverse_dynamics(q, v, a)``.
+
+    Make one with :func:`exoid.load_leg` or :meth:`Leg.from_urdf`.
+
+    Attributes:
+        description: The URDF.
+        locked: Positions of joints that do not move [rad].
+        cumulative: Whether J of a segment contains the J below it (doc. 1) or not (doc. 2).
+        model: Pinocchio model of the moving joints. Not to be changed.
+        chain: Planar geometry, or None where the leg is not a planar chain.
+        reduction: From link parameters to :attr:`parameters`.
+    """
+
+    description: Description
+    model: pin.Model
+    reduction: Reduction
+    chain: PlanarChain | None
+    locked: Mapping[str, float] = field(default_factory=dict)
+    cumulative: bool = True
+
+    @classmethod
+    def from_urdf(
+        cls,
+        path: str | Path,
+        joints: Sequence[str] | None = None,
+        *,
+        locked: Mapping[str, float] | None = None,
+        cumulative: bool = True,
+    ) -> Leg:
+        """Read a leg from a URDF file.
+
+        Args:
+            path: The URDF.
+            joints: Joints that move, from the torso outwards; all others are locked. None for every joint of one
+                degree of freedom.
+            locked: Positions of other joints [rad or m]; zero where not given.
+            cumulative: See the class.
+
+        Returns:
+            The leg.
+
+        Raises:
+            ExoidError: The URDF is unreadable or unfit, or a joint is missing.
+
+        Example:
+            >>> leg = Leg.from_urdf("my_leg.urdf", joints=("hip", "knee"))  # doctest: +SKIP
+        """
+        return cls.from_description(read_description(path), joints, locked=locked, cumulative=cumulative)
+
+    @classmethod
+    def from_description(
+        cls,
+        description: Description,
+        joints: Sequence[str] | None = None,
+        *,
+        locked: Mapping[str, float] | None = None,
+        cumulative: bool = True,
+    ) -> Leg:
+        """Build a leg from a description that is already in memory; see :meth:`from_urdf`."""
+        locked = MappingProxyType(dict(locked or {}))
+        model = build_model(description, joints, locked)
+        chain = PlanarChain.from_model(model)
+        if chain is not None:
+            reduction = documented(chain, cumulative=cumulative)
+        else:
+            links = [description.child_links[name] for name in list(model.names)[1:]]
+            reduction = numeric(model, _without_side(links))
+        return cls(description, model, reduction, chain, locked, cumulative)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints in the URDF, from the torso outwards."""
+        return tuple(self.model.names)[1:]
+
+    @property
+    def joint_labels(self) -> tuple[str, ...]:
+        """Joint names without ``left_`` or ``right_``: what parameters are named after, so that sides compare."""
+        return _without_side(self.joint_names)
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters, the order of every array of them."""
+        return self.reduction.names
+
+    @property
+    def parameter_units(self) -> tuple[str, ...]:
+        """Units of the parameters."""
+        return self.reduction.units
+
+    @cached_property
+    def parameters(self) -> FloatArray:
+        """Values of the parameters in SI units, (p,)."""
+        values = self.reduction.parameters(dynamic_parameters(self.model))
+        values.flags.writeable = False
+        return values
+
+    @property
+    def limits(self) -> JointLimits:
+        """Limits of the joints."""
+        model = self.model
+        joints = [model.joints[j] for j in range(1, model.njoints)]
+        turning = np.array([joint.nq == 2 for joint in joints])  # continuous joints have no limits
+        lower = np.array([model.lowerPositionLimit[joint.idx_q] for joint in joints])
+        upper = np.array([model.upperPositionLimit[joint.idx_q] for joint in joints])
+        lower, upper = np.where(turning, -np.inf, lower), np.where(turning, np.inf, upper)
+        return JointLimits(lower, upper, model.velocityLimit.copy(), model.effortLimit.copy())
+
+    def with_parameters(self, values: ArrayLike) -> Leg:
+        """Return the same leg with other parameters, (p,); masses stay, so single links may look unphysical.
+
+        Raises:
+            ExoidError: The number of values is wrong or one is not finite.
+        """
+        array = np.asarray(values, dtype=np.float64)
+        if array.shape != self.parameters.shape or not np.isfinite(array).all():
+            raise ExoidError(f"expected {len(self.parameter_names)} finite values for {self.parameter_names}")
+        adjusted = self.reduction.adjust(dynamic_parameters(self.model), array)
+        return replace(self, model=with_dynamic_parameters(self.model, adjusted))
+
+    def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
+        """Regressor W of the parameters: τ = W(q, v, a) β.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            a: Joint accelerations [rad/s²], (N, n).
+            torso: Motion of the torso; None where it is upright and still.
+
+        Returns:
+            W, (N, n, p), each column contiguous in memory.
+
+        Raises:
+            ExoidError: Shapes do not fit, or the torso of a leg that is not a planar chain moves.
+        """
+        q, v, a = self.samples(q, v, a)
+        out = np.zeros((len(self.parameter_names), *q.shape[::-1]))
+        self.fill_regressor(q, v, a, out, torso)
+        return out.transpose(2, 1, 0)
+
+    def fill_regressor(
+        self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, torso: TorsoMotion | None = None
+    ) -> None:
+        """Write the regressor into zeroed memory of shape (p, n, N); see :meth:`regressor`."""
+        if self.chain is not None:
+            moved = None if torso is None else torso.samples(len(q))
+            fill_regressor(self.chain, q, v, a, out, cumulative=self.cumulative, torso=moved)
+        elif torso is not None:
+            raise ExoidError(
+                "a moving torso brings in further parameters unless the leg is a planar chain",
+                where=self.description.name,
+                remedy="use inverse_dynamics, or add the torso's motion to the URDF as joints",
+            )
+        else:
+            self._fill_numeric(q, v, a, out)
+
+    def inverse_dynamics(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None
+    ) -> FloatArray:
+        """Joint torques by Pinocchio's RNEA [N·m], (N, n); arguments as for :meth:`regressor`."""
+        samples = self.samples(q, v, a)
+        if torso is None:
+            return dynamics.inverse_dynamics(self.model, *samples)
+        moved = (np.hstack(pair) for pair in zip(torso_coordinates(torso.samples(len(samples[0]))), samples, strict=True))
+        return dynamics.inverse_dynamics(self._on_torso, *moved)[:, TORSO_JOINTS:]
+
+    def mass_matrix(self, q: ArrayLike) -> FloatArray:
+        """Mass matrix M(q) [kg·m²], (N, n, n). A tilt of the torso does not change it."""
+        return dynamics.mass_matrix(self.model, *self.samples(q))
+
+    def coriolis(self, q: ArrayLike, v: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
+        """Coriolis matrix C(q, v) with ½Ṁ − C skew, (N, n, n).
+
+        With a torso motion (N, n, 1 + n): its first column multiplies the pitch rate.
+        """
+        q, v = self.samples(q, v)
+        if torso is None:
+            return dynamics.coriolis_matrix(self.model, q, v)
+        position, velocity, _ = torso_coordinates(torso.samples(len(q)))
+        C = dynamics.coriolis_matrix(self._on_torso, np.hstack([position, q]), np.hstack([velocity, v]))
+        return C[:, TORSO_JOINTS:, TORSO_JOINTS - 1 :]
+
+    def gravity(self, q: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
+        """Gravity torque G(q) [N·m], (N, n); of the torso only the pitch matters."""
+        (q,) = self.samples(q)
+        if torso is None:
+            return dynamics.gravity_torque(self.model, q)
+        position, _, _ = torso_coordinates(torso.samples(len(q)))
+        return dynamics.gravity_torque(self._on_torso, np.hstack([position, q]))[:, TORSO_JOINTS:]
+
+    def forward_kinematics(self, q: ArrayLike, torso: TorsoMotion | None = None) -> dynamics.SegmentPlacements:
+        """Place the frame of every segment in the base frame; a pitching torso turns about the hip."""
+        (q,) = self.samples(q)
+        if torso is None:
+            return dynamics.segment_placements(self.model, q)
+        position, _, _ = torso_coordinates(torso.samples(len(q)))
+        rotation, translation = dynamics.segment_placements(self._on_torso, np.hstack([position, q]))
+        return dynamics.SegmentPlacements(rotation[:, TORSO_JOINTS:], translation[:, TORSO_JOINTS:])
+
+    def samples(self, *arrays: ArrayLike) -> tuple[FloatArray, ...]:
+        """Check that arrays are (N, n) alike; a single sample (n,) counts as N = 1."""
+        checked = tuple(np.atleast_2d(np.asarray(x, dtype=np.float64)) for x in arrays)
+        n = len(self.joint_names)
+        if any(x.shape != checked[0].shape or x.shape[1] != n or x.ndim != 2 for x in checked):
+            raise ExoidError(
+                f"arrays of shapes {', '.join(str(x.shape) for x in checked)} do not fit a leg of {n} joints",
+                remedy=f"pass (N, {n}) arrays: samples first, then {', '.join(self.joint_names)}",
+            )
+        return checked
+
+    def __repr__(self) -> str:
+        """Name the source, the joints and the parameters."""
+        kind = "numeric" if self.chain is None else "planar"
+        names = ", ".join(self.parameter_names)
+        return f"Leg({self.description.name!r}, joints={self.joint_names}, {kind}: {names})"
+
+    @property
+    def _plane(self) -> Plane:
+        return self.chain.plane if self.chain is not None else Plane(*np.eye(3))
+
+    @cached_property
+    def _on_torso(self) -> pin.Model:
+        return moving_torso_model(self.model, self._plane)
+
+    def _fill_numeric(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
+        block = 2048  # samples: keeps Pinocchio's wide regressor out of the way of memory
+        for start in range(0, len(q), block):
+            rows = slice(start, start + block)
+            Y = dynamics.joint_torque_regressor(self.model, q[rows], v[rows], a[rows])
+            out[..., rows] = self.reduction.reduce(Y).transpose(2, 1, 0)
+
+
+def _without_side(names: Sequence[str]) -> tuple[str, ...]:
+    for side in SIDES:
+        if all(name.startswith(side) and name != side for name in names):
+            return tuple(name.removeprefix(side) for name in names)
+    return tuple(names)

@@ -1,0 +1,126 @@
+"""From a description to the Pinocchio model of the chosen joints, everything else locked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+
+import numpy as np
+import pinocchio as pin
+
+from ._typing import FloatArray
+from .description import Description
+from .errors import ExoidError
+
+
+def build_model(description: Description, joints: Sequence[str] | None, locked: Mapping[str, float]) -> pin.Model:
+    """Build the model whose only joints are ``joints``; links behind locked joints are lumped into their parents.
+
+    Args:
+        description: The URDF.
+        joints: Joints that move, from the torso outwards; None for all of one degree of freedom.
+        locked: Positions of other joints [rad or m]; 0 where not given.
+
+    Raises:
+        ExoidError: The URDF does not parse, a joint is missing or unsuited, or a moving link has no inertia.
+    """
+    full = _parse(description)
+    single = [full.names[j] for j in range(1, full.njoints) if full.nvs[j] == 1]
+    if joints is not None and (isinstance(joints, str) or not joints):
+        raise ExoidError(f"joints must be names, not {joints!r}", remedy="pass e.g. joints=('hip', 'knee')")
+    moving = [name for name in single if name not in locked] if joints is None else list(joints)
+    for name in (*moving, *locked):
+        if name not in single:
+            raise _missing(name, single, full, description)
+    if sorted(moving, key=single.index) != moving or len(set(moving)) != len(moving):
+        raise ExoidError(
+            f"joints {tuple(moving)} are not in the order of the chain",
+            where=description.name,
+            remedy=f"name each once, from the torso outwards: {tuple(sorted(set(moving), key=single.index))}",
+        )
+    if set(moving) & set(locked):
+        raise ExoidError(f"{sorted(set(moving) & set(locked))} both move and are locked", where=description.name)
+    positions = np.zeros((1, full.nv))
+    for name, value in locked.items():
+        positions[0, full.joints[full.getJointId(name)].idx_v] = value
+    if not np.isfinite(positions).all():
+        raise ExoidError(f"a locked position is not finite: {dict(locked)}", where=description.name)
+    fixed = [j for j in range(1, full.njoints) if full.names[j] not in moving]
+    model = pin.buildReducedModel(full, fixed, configuration(full, positions)[0])
+    _check_inertias(model, description)
+    return model
+
+
+def configuration(model: pin.Model, q: FloatArray) -> FloatArray:
+    """Turn joint angles into Pinocchio's configuration: a continuous joint is stored as (cos, sin).
+
+    Args:
+        model: Model whose joints all have one degree of freedom (others stay neutral).
+        q: Angles [rad], (N, n).
+
+    Returns:
+        Configurations, (N, nq).
+    """
+    if model.nq == model.nv:
+        return q
+    out = np.tile(pin.neutral(model), (len(q), 1))
+    for j in range(1, model.njoints):
+        joint = model.joints[j]
+        if joint.nv != 1:
+            continue
+        angle = q[:, joint.idx_v]
+        if joint.nq == 1:
+            out[:, joint.idx_q] = angle
+        else:
+            out[:, joint.idx_q], out[:, joint.idx_q + 1] = np.cos(angle), np.sin(angle)
+    return out
+
+
+def dynamic_parameters(model: pin.Model) -> FloatArray:
+    """Stack π = [m, mc, I] of the moving links, I about the joint frame, as Pinocchio orders them, (10 n,)."""
+    return np.concatenate([model.inertias[j].toDynamicParameters() for j in range(1, model.njoints)])
+
+
+def with_dynamic_parameters(model: pin.Model, parameters: FloatArray) -> pin.Model:
+    """Copy the model with other inertial parameters π, (10 n,)."""
+    copy = pin.Model(model)
+    for j, values in enumerate(parameters.reshape(-1, 10), start=1):
+        copy.inertias[j] = pin.Inertia.FromDynamicParameters(values)
+    return copy
+
+
+def _parse(description: Description) -> pin.Model:
+    try:
+        return pin.buildModelFromXML(description.text)
+    except Exception as error:  # Pinocchio raises whatever its URDF parser throws
+        raise ExoidError(
+            f"Pinocchio cannot read this URDF ({error})",
+            where=description.name,
+            remedy="check it with a URDF validator; every joint needs <parent>, <child> and a known type",
+        ) from error
+
+
+def _missing(name: str, single: list[str], model: pin.Model, description: Description) -> ExoidError:
+    if name in list(model.names):
+        what = f"joint {name!r} has {model.nvs[model.getJointId(name)]} degrees of freedom"
+        return ExoidError(what, where=description.name, remedy="use joints of one degree of freedom")
+    close = get_close_matches(name, single, n=1)
+    hint = f"did you mean {close[0]!r}? " if close else ""
+    return ExoidError(
+        f"no moving joint {name!r}", where=description.name, remedy=f"{hint}it has {', '.join(single) or 'none'}"
+    )
+
+
+def _check_inertias(model: pin.Model, description: Description) -> None:
+    for j in range(1, model.njoints):
+        inertia = model.inertias[j]
+        link = description.child_links.get(model.names[j], model.names[j])
+        place = f"{description.name}, link {link!r}"
+        if not np.isfinite(inertia.toDynamicParameters()).all():
+            raise ExoidError("its inertia is not finite", where=place, remedy="write finite numbers in <inertial>")
+        if inertia.mass <= 0.0:
+            raise ExoidError(
+                f"joint {model.names[j]!r} moves a link of mass {inertia.mass:g} kg: no <inertial>?",
+                where=place,
+                remedy="add an <inertial> with mass and inertia, an estimate from CAD or a scale is enough to start",
+            )

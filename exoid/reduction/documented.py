@@ -1,0 +1,62 @@
+"""The documents' minimal parameters (X, Y, J) of a planar chain as an explicit linear map of Pinocchio's."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .._typing import FloatArray
+from .planar import PlanarChain
+from .reduction import Reduction
+
+MASS, MOMENT, INERTIA = 0, slice(1, 4), slice(4, 10)
+"""Where mass, first moment and inertia stand in Pinocchio's ten link parameters."""
+
+
+def documented(chain: PlanarChain, *, cumulative: bool) -> Reduction:
+    """Map link parameters π onto (X1, Y1, J1, X2, Y2, J2, …), segment by segment from the torso.
+
+    For each segment, with z up and x forward at the zero pose and d the vector to the next joint (doc. 1, eqs. (1)-(9)):
+
+        X = −m c_z − M d_z,    Y = m c_x + M d_x,    J = I_yy + M |d|²,
+
+    M being the mass of all segments below and I_yy the inertia about the segment's own joint. With ``cumulative``, J
+    also contains the J below it (doc. 1); without, it does not (doc. 2, Table I, with its last term read as J_t).
+
+    Args:
+        chain: Geometry of the leg.
+        cumulative: Which of the documents' two definitions of J to use.
+
+    Returns:
+        The reduction, of 3 n parameters.
+    """
+    n = chain.n
+    collect, spread = np.zeros((3 * n, 10 * n)), np.zeros((10 * n, 3 * n))
+    for j, rotation in enumerate(chain.rotations):
+        forward, lateral, up = (rotation.T @ direction for direction in chain.plane)
+        about_lateral = _quadratic_form(lateral)
+        link = collect[:, 10 * j : 10 * (j + 1)]
+        link[3 * j, MOMENT], link[3 * j + 1, MOMENT], link[3 * j + 2, INERTIA] = -up, forward, about_lateral
+        for above in range(j):  # the mass of this segment hangs on every one above it
+            x, z = chain.offsets[above]
+            link[3 * above : 3 * above + 3, MASS] = -z, x, x**2 + z**2
+        carrier = spread[10 * j : 10 * (j + 1)]
+        carrier[MOMENT, 3 * j], carrier[MOMENT, 3 * j + 1] = -up, forward
+        carrier[INERTIA, 3 * j + 2] = _tensor(lateral)
+    if cumulative:
+        inertias = slice(2, None, 3)
+        collect[inertias] = np.cumsum(collect[inertias][::-1], axis=0)[::-1]
+        spread[:, inertias] = np.diff(spread[:, inertias], prepend=0.0, axis=1)
+    names = tuple(f"{symbol}{j}" for j in range(1, n + 1) for symbol in "XYJ")
+    return Reduction(names, ("kg·m", "kg·m", "kg·m²") * n, collect, spread)
+
+
+def _quadratic_form(axis: FloatArray) -> FloatArray:
+    """Coefficients of (Ixx, Ixy, Iyy, Ixz, Iyz, Izz) in axisᵀ I axis."""
+    x, y, z = axis
+    return np.array([x * x, 2 * x * y, y * y, 2 * x * z, 2 * y * z, z * z])
+
+
+def _tensor(axis: FloatArray) -> FloatArray:
+    """Entries (Ixx, Ixy, Iyy, Ixz, Iyz, Izz) of the tensor axis axisᵀ, whose inertia about the axis is 1."""
+    x, y, z = axis
+    return np.array([x * x, x * y, y * y, x * z, y * z, z * z])

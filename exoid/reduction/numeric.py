@@ -1,0 +1,111 @@
+"""Base parameters of any robot: QR with column pivoting of Pinocchio's regressor over random motions.
+
+M. Gautier, "Numerical calculation of the base inertial parameters of robots", J. Robotic Systems 8(4), 1991.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+from scipy.linalg import qr, solve_triangular
+
+from .._typing import FloatArray
+from ..dynamics import joint_torque_regressor
+from ..errors import ExoidError
+from .reduction import LINK_PARAMETERS, LINK_UNITS, RankDecision, Reduction
+
+THRESHOLD = 1e-9
+"""Singular values of the unit-column regressor below this fraction of the largest count as zero."""
+
+PREFERENCE = {"Iyy": 8, "Izz": 8, "Ixx": 7, "mcx": 6, "mcy": 6, "mcz": 6, "Ixy": 5, "Ixz": 5, "Iyz": 5, "m": 0}
+"""Which parameter stands for a group of inseparable ones: inertias and moments rather than masses."""
+
+LONGEST_NAME = 4
+"""Terms written out in a parameter's name; the whole sum is in :attr:`Reduction.collect`."""
+
+
+def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0) -> Reduction:
+    """Find the base parameters of a model and name each one as a sum, such as ``Iyy_shank + 0.185*m_foot``.
+
+    Columns are scaled to unit length times a preference, so that the pivoting, and with it the names, is the same on
+    every machine: inseparable parameters go to the first moment or inertia of the link nearest to the base.
+
+    Args:
+        model: Any model of joints with one degree of freedom.
+        labels: Name of the link behind each joint, for the parameter names.
+        seed: Of the random motions.
+
+    Returns:
+        The reduction, with its :class:`RankDecision`.
+
+    Raises:
+        ExoidError: The singular values show no clear gap, so that the rank is a matter of opinion.
+    """
+    W = _random_regressor(model, seed)
+    scale = np.linalg.norm(W, axis=0)
+    seen = np.flatnonzero(scale > THRESHOLD * scale.max())
+    unit = W[:, seen] / scale[seen]
+    rank = _decide_rank(unit, W.shape[1])
+    _, R, order = qr(unit * _preferences(seen, W.shape[1]), mode="economic", pivoting=True)
+    r = rank.rank
+    kept, grouped = seen[order[:r]], seen[order[r:]]
+    weights = np.zeros((r, W.shape[1]))
+    if len(grouped):
+        length = scale / _preferences(np.arange(W.shape[1]), W.shape[1])
+        ratio = solve_triangular(R[:r, :r], R[:r, r:]) * length[grouped] / length[kept][:, None]
+        weights[:, grouped] = np.where(np.abs(ratio) > THRESHOLD, ratio, 0.0)
+    weights[np.arange(r), kept] = 1.0
+    ascending = np.argsort(kept)
+    kept, weights = kept[ascending], weights[ascending]
+    spread = np.zeros((W.shape[1], r))
+    spread[kept, np.arange(r)] = 1.0
+    names = tuple(_label(row, k, labels) for row, k in zip(weights, kept, strict=True))
+    return Reduction(names, tuple(LINK_UNITS[k % 10] for k in kept), weights, spread, rank)
+
+
+def _random_regressor(model: pin.Model, seed: int) -> FloatArray:
+    rng = np.random.default_rng(seed)
+    samples = 15 * model.nv + 20
+    low = np.maximum(_positions(model, model.lowerPositionLimit), -np.pi)
+    high = np.minimum(_positions(model, model.upperPositionLimit), np.pi)
+    low, high = np.where(low < high, low, -np.pi), np.where(low < high, high, np.pi)
+    q = rng.uniform(low, high, (samples, model.nv))
+    v, a = rng.uniform(-3, 3, (2, samples, model.nv))
+    return joint_torque_regressor(model, q, v, 3.0 * a).reshape(samples * model.nv, -1)
+
+
+def _positions(model: pin.Model, limits: FloatArray) -> FloatArray:
+    """Limits by degree of freedom; a continuous joint has none."""
+    joints = [model.joints[j] for j in range(1, model.njoints)]
+    sign = 1.0 if limits is model.upperPositionLimit else -1.0
+    return np.array([limits[joint.idx_q] if joint.nq == 1 else sign * np.pi for joint in joints])
+
+
+def _decide_rank(unit: FloatArray, columns: int) -> RankDecision:
+    sigma = np.linalg.svd(unit, compute_uv=False)
+    sigma = sigma / sigma[0]
+    rank = int((sigma > THRESHOLD).sum())
+    dropped = float(sigma[rank]) if rank < len(sigma) else 0.0
+    decision = RankDecision(rank, columns, float(sigma[rank - 1]), dropped, THRESHOLD)
+    if dropped * 10.0 > sigma[rank - 1]:
+        raise ExoidError(f"the number of base parameters is not clear-cut ({decision})", remedy="check the URDF")
+    return decision
+
+
+def _preferences(columns: FloatArray | np.ndarray, total: int) -> FloatArray:
+    """Weights in (0, 1] that order equally good columns: by kind of parameter, then from the base outwards."""
+    kind = np.array([PREFERENCE[LINK_PARAMETERS[k % 10]] for k in columns])
+    return np.asarray((1.0 + kind) / 9.0 * (1.0 - 0.1 * np.asarray(columns) / total))
+
+
+def _label(row: FloatArray, first: int, labels: Sequence[str]) -> str:
+    terms = [first, *(k for k in np.flatnonzero(row) if k != first)]
+    text = ""
+    for k in terms[:LONGEST_NAME]:
+        name = f"{LINK_PARAMETERS[k % 10]}_{labels[k // 10]}"
+        size = f"{abs(row[k]):.3g}"
+        sign = " - " if row[k] < 0 else " + "
+        text += (sign if text else "") + (name if size == "1" else f"{size}*{name}")
+    return text if len(terms) <= LONGEST_NAME else f"{text} + …"

@@ -1,0 +1,58 @@
+"""Terms by name, for files and the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+from ..errors import ExoidError
+from .armature import Armature
+from .coulomb import Coulomb
+from .offset import Offset
+from .stiffness import Stiffness
+from .term import Term
+from .viscous import Viscous
+
+TERMS: Mapping[str, type[Term]] = {
+    "armature": Armature,
+    "coulomb": Coulomb,
+    "offset": Offset,
+    "stiffness": Stiffness,
+    "viscous": Viscous,
+}
+
+DEFAULT_TERMS: tuple[Term, ...] = (Coulomb(), Viscous(), Armature(), Offset())
+"""What a leg is assumed to have where the caller does not say: leaving out an effect that exists costs far more
+accuracy than including one that does not."""
+
+
+def term_by_name(name: str) -> Term:
+    """Make a term with its default settings.
+
+    Raises:
+        ExoidError: There is no such term.
+    """
+    if name not in TERMS:
+        raise ExoidError(f"no term {name!r}", remedy=f"use some of {', '.join(TERMS)}")
+    return TERMS[name]()
+
+
+def term_to_json(term: Term) -> dict[str, Any]:
+    """Describe a term by its name and settings."""
+    name = next(known for known, kind in TERMS.items() if type(term) is kind)
+    return {"term": name, **asdict(term)}
+
+
+def term_from_json(data: Mapping[str, Any]) -> Term:
+    """Make a term from its description.
+
+    Raises:
+        ExoidError: The description is of no known term.
+    """
+    settings = {key: tuple(value) if isinstance(value, list) else value for key, value in data.items()}
+    name = settings.pop("term", None)
+    try:
+        return TERMS[name](**settings)
+    except (KeyError, TypeError) as error:
+        raise ExoidError(f"unknown term {dict(data)}", remedy=f"terms are {', '.join(TERMS)}") from error

@@ -1,0 +1,44 @@
+"""Springs, hoses and straps: a torque that depends on the angle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .._typing import FloatArray
+from ..errors import ExoidError
+from .term import Term
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stiffness(Term):
+    """Polynomial stiffness τ = b2 q² + b1 q + b0 (doc. 1, eqs. (21), (26), with the opposite sign).
+
+    b1 > 0 pulls the joint back to zero. b0 is the same as an offset of the torque sensor: use only one of the two.
+
+    Attributes:
+        degree: Of the polynomial.
+    """
+
+    degree: int = 2
+
+    def __post_init__(self) -> None:
+        """Check the degree."""
+        if not 0 <= self.degree <= 8:
+            raise ExoidError(f"stiffness of degree {self.degree}", remedy="use a degree between 0 and 8")
+
+    @property
+    def symbols(self) -> tuple[str, ...]:
+        """Return b2, b1, b0."""
+        return tuple(f"b{power}" for power in range(self.degree, -1, -1))
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Newton metres over powers of radians."""
+        units = {0: "N·m", 1: "N·m/rad"}
+        return tuple(units.get(power, f"N·m/rad^{power}") for power in range(self.degree, -1, -1))
+
+    def fill(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
+        """Columns q^degree, …, q, 1."""
+        out[-1] = 1.0
+        for k in range(self.degree - 1, -1, -1):
+            out[k] = out[k + 1] * q
