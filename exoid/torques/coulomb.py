@@ -46,7 +46,7 @@ class Coulomb(Term):
     def fill(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
         """Column sgn(v), sharp or smooth, zero in the dead band."""
         if self.smoothing > 0.0:
-            np.tanh(v / self.smoothing, out=out[0])
+            np.tanh(np.divide(v, self.smoothing, out=out[0]), out=out[0])
         else:
             np.sign(v, out=out[0])
         if self.dead_band > 0.0:

@@ -15,6 +15,9 @@ from ..leg import Leg
 from ..torso import TorsoMotion
 from .term import Term
 
+BLOCK = 8192
+"""Samples worked on at once."""
+
 DEPENDENT = 1e-9
 """A unit column this close to the span of those before it is dependent on them."""
 
@@ -126,14 +129,22 @@ class TorqueModel:
     ) -> FloatArray:
         """Regressor of the named parameters, of which the leg's are the first."""
         out = np.zeros((len(names), *q.shape[::-1]))
-        row = len(self.leg.parameter_names)
-        self.leg.fill_regressor(q, v, a, out[:row], torso)
+        self.leg.fill_regressor(q, v, a, out[: len(self.leg.parameter_names)], torso)
+        for start in range(0, len(q), BLOCK):
+            rows = slice(start, start + BLOCK)
+            joints_first = [np.ascontiguousarray(x[rows].T) for x in (q, v, a)]
+            self._fill_terms(*joints_first, out[len(self.leg.parameter_names) :, :, rows], names)
+        return out.transpose(2, 1, 0)
+
+    def _fill_terms(
+        self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, names: tuple[str, ...]
+    ) -> None:
+        row = 0
         for term, joint, symbols in self._blocks:
             kept = [k for k, name in enumerate(symbols) if name in names]
             rows = slice(row, row + len(kept))
-            columns = out[rows, joint] if len(kept) == len(symbols) else np.zeros((len(symbols), len(q)))
-            term.fill(q[:, joint], v[:, joint], a[:, joint], columns)
+            columns = out[rows, joint] if len(kept) == len(symbols) else np.zeros((len(symbols), q.shape[1]))
+            term.fill(q[joint], v[joint], a[joint], columns)
             if len(kept) < len(symbols):
                 out[rows, joint] = columns[kept]
             row = rows.stop
-        return out.transpose(2, 1, 0)
