@@ -1,0 +1,25 @@
+"""The documents' tables as data: as printed, the errata beside them, the assumptions apart.
+
+>>> from exoid import published
+>>> published.bleex().table("V").quantity("X1")
+Quantity(value=3.783, unit='kg·m', printed='3.783')
+>>> published.bleex_parameters("left")["J1"]
+2.38
+"""
+
+from .document import Assumption, Document, Erratum, Quantity, Table, bleex, cuhk
+from .parameters import bleex_parameters, bleex_resistances, cuhk_parameters, cuhk_resistances
+
+__all__ = [
+    "Assumption",
+    "Document",
+    "Erratum",
+    "Quantity",
+    "Table",
+    "bleex",
+    "bleex_parameters",
+    "bleex_resistances",
+    "cuhk",
+    "cuhk_parameters",
+    "cuhk_resistances",
+]

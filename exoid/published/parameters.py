@@ -1,0 +1,102 @@
+"""The published numbers in this library's own order and signs: reduced parameters and joint resistances."""
+
+from __future__ import annotations
+
+from exoid.errors import ExoidError
+
+from .document import bleex, cuhk
+
+BLEEX_PARAMETERS = ("X1", "Y1", "J1", "X2", "Y2", "J2", "X3", "Y3", "J3")
+CUHK_PARAMETERS = ("X1", "Y1", "J1", "X2", "Y2", "J2")
+
+BLEEX_SETS = ("cad", "left", "right")
+"""The three parameter sets of document 1: Table V, and the two legs of Tables II-III."""
+
+
+def bleex_parameters(which: str) -> dict[str, float]:
+    """Reduced parameters of a BLEEX leg, doc. 1, eqs. (1)-(9); J is cumulative.
+
+    Args:
+        which: ``"cad"`` for Table V (the same for both legs), ``"left"`` or ``"right"`` for the leg
+            identified in Tables II and III.
+
+    Returns:
+        X1, Y1 [kg·m], J1 [kg·m²], X2, … J3, in this order: hip, knee, ankle.
+
+    Raises:
+        ExoidError: There is no such set.
+    """
+    _one_of(which, BLEEX_SETS, "parameter set")
+    document = bleex()
+    if which == "cad":
+        printed = dict(document.table("V").values)
+    else:
+        printed = {**document.table("II").column(which), **document.table("III").column(which)}
+    return {name: printed[name].value for name in BLEEX_PARAMETERS}
+
+
+def cuhk_parameters() -> dict[str, float]:
+    """Reduced parameters of the assumed CUHK-EXO plant, doc. 2, Table I with J_t; J1 does not contain J2.
+
+    They describe a wearer-sized payload with hardware (see the assumptions of :func:`exoid.published.cuhk`).
+    Table III of the document is no physical leg and stays in ``cuhk().table("III")``.
+
+    Returns:
+        X1, Y1 [kg·m], J1 [kg·m²], X2, Y2, J2, in this order: hip, knee.
+    """
+    return {name: cuhk().assumption(name).value for name in CUHK_PARAMETERS}
+
+
+def bleex_resistances(side: str) -> dict[str, float]:
+    """Stiffness and kinetic friction of Tables I and IV as torques that the actuator has to overcome.
+
+    Document 1 lets them act on the joint, A + B + C = RNEA (13). Here τ = A = RNEA − B − C: every coefficient
+    changes its sign, so that with r(θ, θ̇) = b2 θ² + b1 θ + b0 + c0 sgn θ̇
+
+        τ = RNEA(θ, θ̇, θ̈) + r(θ, θ̇),
+
+    and a dissipative friction c0 is positive. The hip was not identified: it has no entry.
+
+    Args:
+        side: ``"left"`` or ``"right"``.
+
+    Returns:
+        ``b2_knee`` [N·m/rad²], ``b1_knee`` [N·m/rad], ``b0_knee`` [N·m], ``c0_knee`` [N·m], then the ankle's.
+
+    Raises:
+        ExoidError: There is no such side.
+    """
+    _one_of(side, ("left", "right"), "side")
+    stiffness, friction = bleex().table("I").column(side), bleex().table("IV").column(side)
+    resistances = {}
+    for index, joint in ((2, "knee"), (3, "ankle")):
+        for power in (2, 1, 0):
+            resistances[f"b{power}_{joint}"] = -stiffness[f"b{power}{index}"].value
+        resistances[f"c0_{joint}"] = -friction[f"c0{index}"].value
+    return resistances
+
+
+def cuhk_resistances() -> dict[str, float]:
+    """Stiffness and friction of the assumed CUHK-EXO plant as torques that the actuator has to overcome.
+
+    τ = RNEA(θ, θ̇, θ̈) + b1 θ + c0 sgn θ̇ + d θ̇, with the magnitudes of Table III in the dissipative sign,
+    which is positive under doc. 2, eq. (6), and without the table's offsets.
+
+    Returns:
+        ``c0_hip`` [N·m], ``d_hip`` [N·m·s/rad], ``b1_knee`` [N·m/rad], ``c0_knee``, ``d_knee``.
+    """
+    sources = {
+        "c0_hip": "hip_coulomb",
+        "d_hip": "hip_viscous",
+        "b1_knee": "knee_stiffness",
+        "c0_knee": "knee_coulomb",
+        "d_knee": "knee_viscous",
+    }
+    return {name: cuhk().assumption(source).value for name, source in sources.items()}
+
+
+def _one_of(name: str, known: tuple[str, ...], kind: str) -> None:
+    if name not in known:
+        raise ExoidError(
+            f"there is no {kind} {name!r}", where="BLEEX", remedy=f"choose one of {', '.join(known)}"
+        )

@@ -1,0 +1,227 @@
+"""The published tables against numbers typed from the documents a second time, apart from the TOML files."""
+
+import dataclasses
+import math
+
+import pytest
+
+from exoid import ExoidError, published
+
+PRINTED = [  # document, table, name, digits, unit
+    ("bleex", "I", "left.b23", "0.3129", "N·m/rad²"),
+    ("bleex", "I", "left.b13", "0.1557", "N·m/rad"),
+    ("bleex", "I", "left.b03", "-0.5829", "N·m"),
+    ("bleex", "I", "left.b22", "0.6263", "N·m/rad²"),
+    ("bleex", "I", "left.b12", "1.9334", "N·m/rad"),
+    ("bleex", "I", "left.b02", "0.5", "N·m"),
+    ("bleex", "I", "right.b23", "-1.5341", "N·m/rad²"),
+    ("bleex", "I", "right.b13", "2.1484", "N·m/rad"),
+    ("bleex", "I", "right.b03", "4.5771", "N·m"),
+    ("bleex", "I", "right.b22", "1.2573", "N·m/rad²"),
+    ("bleex", "I", "right.b12", "2.2442", "N·m/rad"),
+    ("bleex", "I", "right.b02", "-1.0", "N·m"),
+    ("bleex", "II", "left.Y1", "-0.4083", "kg·m"),
+    ("bleex", "II", "right.Y1", "-0.4990", "kg·m"),
+    ("bleex", "III", "left.J1", "2.380", "kg·m²"),
+    ("bleex", "III", "right.J3", "0.05243", "kg·m²"),
+    ("bleex", "IV", "left.c03", "-0.2646", "N·m"),
+    ("bleex", "IV", "left.c02", "-0.5291", "N·m"),
+    ("bleex", "IV", "right.c03", "-0.3370", "N·m"),
+    ("bleex", "IV", "right.c02", "-0.4081", "N·m"),
+    ("bleex", "V", "Y2", "0.05778", "kg·m"),
+    ("cuhk", "II", "no1.knee_start", "10", "deg"),
+    ("cuhk", "II", "no2.pairs", "40", "1"),
+    ("cuhk", "II", "no4.knee_omega", "0.1", "π rad/s"),
+    ("cuhk", "III", "hip.X1", "0.2567", "kg·m"),
+    ("cuhk", "III", "hip.Y1", "-1.5967", "kg·m"),
+    ("cuhk", "III", "hip.J1", "15.0022", "kg·m²"),
+    ("cuhk", "III", "hip.sign_coefficient", "-1.445", "N·m"),
+    ("cuhk", "III", "hip.viscous", "-0.03776", "N·m per unit of θ̇"),
+    ("cuhk", "III", "hip.offset", "-16.39", "N·m"),
+    ("cuhk", "III", "knee.X2", "-0.6023", "kg·m"),
+    ("cuhk", "III", "knee.Y2", "-0.6240", "kg·m"),
+    ("cuhk", "III", "knee.J2", "3.1043", "kg·m²"),
+    ("cuhk", "III", "knee.stiffness", "0.039", "N·m per unit of θ"),
+    ("cuhk", "III", "knee.sign_coefficient", "-0.5929", "N·m"),
+    ("cuhk", "III", "knee.viscous", "-0.1921", "N·m per unit of θ̇"),
+    ("cuhk", "III", "knee.offset", "2.784", "N·m"),
+]
+
+PARAMETERS = {  # X1, Y1, J1, X2, Y2, J2, X3, Y3, J3
+    "cad": (3.783, -0.1601, 2.497, 2.055, 0.05778, 0.8939, 0.2793, 0.1546, 0.05628),
+    "left": (3.9819, -0.4083, 2.38, 1.9628, 0.0031, 0.7833, 0.2552, 0.1313, 0.04528),
+    "right": (4.0474, -0.499, 2.598, 1.9532, -0.0386, 0.7897, 0.2554, 0.1279, 0.05243),
+}
+
+DOCUMENTS = {"bleex": published.bleex, "cuhk": published.cuhk}
+
+
+@pytest.mark.parametrize(("document", "table", "name", "digits", "unit"), PRINTED)
+def test_a_table_holds_the_printed_digits_and_unit(document, table, name, digits, unit):
+    quantity = DOCUMENTS[document]().table(table).quantity(name)
+    assert quantity == published.Quantity(float(digits), unit, digits)
+
+
+def test_each_document_has_its_tables_in_order():
+    assert tuple(published.bleex().tables) == ("I", "II", "III", "IV", "V")
+    assert tuple(published.cuhk().tables) == ("I", "II", "III")
+
+
+def test_tables_hold_as_many_numbers_as_are_printed():
+    assert {n: len(t.values) for n, t in published.bleex().tables.items()} == {
+        "I": 12,
+        "II": 12,
+        "III": 6,
+        "IV": 4,
+        "V": 9,
+    }
+    assert len(published.cuhk().table("III").values) == 6 + 2 * 4
+
+
+def test_captions_are_the_printed_ones():
+    captions = {n: t.caption for n, t in published.bleex().tables.items()}
+    assert captions == {
+        "I": "Stiffness torques",
+        "II": "Mass moment parameters",
+        "III": "Inertia parameters",
+        "IV": "Kinetic friction torques",
+        "V": "SolidWorks parameters",
+    }
+
+
+def test_the_misprint_in_table_i_of_document_2_is_kept_and_corrected_beside_it():
+    table = published.cuhk().table("I")
+    assert table.texts["J1"].endswith("+ J_2")
+    assert any("J_t must stand" in erratum.remark for erratum in table.errata)
+
+
+@pytest.mark.parametrize("which", PARAMETERS)
+def test_bleex_parameters_come_from_the_right_tables_in_the_librarys_order(which):
+    parameters = published.bleex_parameters(which)
+    assert tuple(parameters) == ("X1", "Y1", "J1", "X2", "Y2", "J2", "X3", "Y3", "J3")
+    assert tuple(parameters.values()) == PARAMETERS[which]
+
+
+def test_the_cuhk_plant_is_the_assumed_one_and_not_table_iii():
+    assert published.cuhk_parameters() == {
+        "X1": 4.252,
+        "Y1": 0.09,
+        "J1": 1.516,
+        "X2": 1.52,
+        "Y2": 0.04,
+        "J2": 0.598,
+    }
+    assert tuple(published.cuhk_parameters()) == ("X1", "Y1", "J1", "X2", "Y2", "J2")
+
+
+def test_bleex_resistances_have_the_opposite_sign_of_the_printed_torques():
+    assert published.bleex_resistances("left") == {
+        "b2_knee": -0.6263,
+        "b1_knee": -1.9334,
+        "b0_knee": -0.5,
+        "c0_knee": 0.5291,
+        "b2_ankle": -0.3129,
+        "b1_ankle": -0.1557,
+        "b0_ankle": 0.5829,
+        "c0_ankle": 0.2646,
+    }
+    right = published.bleex_resistances("right")
+    assert (right["b0_ankle"], right["c0_knee"], right["b2_ankle"]) == (-4.5771, 0.4081, 1.5341)
+
+
+def test_friction_dissipates_in_the_librarys_sign():
+    coefficients = {
+        **published.bleex_resistances("left"),
+        **{f"right {k}": v for k, v in published.bleex_resistances("right").items()},
+        **{f"cuhk {k}": v for k, v in published.cuhk_resistances().items()},
+    }
+    friction = {name: c for name, c in coefficients.items() if name.split()[-1].startswith(("c0", "d"))}
+    assert len(friction) == 2 + 2 + 4
+    assert min(friction.values()) > 0
+
+
+def test_the_cuhk_plant_has_the_magnitudes_of_table_iii_as_resistances():
+    table, plant = published.cuhk().table("III"), published.cuhk_resistances()
+    for joint in ("hip", "knee"):
+        printed = table.column(joint)
+        assert plant[f"c0_{joint}"] == pytest.approx(-printed["sign_coefficient"].value, abs=5e-4)
+        assert plant[f"d_{joint}"] == pytest.approx(-printed["viscous"].value, abs=5e-4)
+    assert plant["b1_knee"] == 0.5
+
+
+def test_the_right_ankles_offset_exceeds_its_whole_gravity_torque_as_the_errata_say():
+    foot = published.bleex().table("II").column("right")
+    gravity = 9.81 * math.hypot(foot["X3"].value, foot["Y3"].value)
+    assert round(gravity, 2) == 2.80
+    assert published.bleex().table("I").quantity("right.b03").value > gravity
+    assert any("2.80" in erratum.remark for erratum in published.bleex().table("I").errata)
+
+
+def test_table_iii_of_document_2_puts_the_shank_above_the_knee_as_the_errata_say():
+    assert published.cuhk().table("III").quantity("knee.X2").value < 0
+    assert any("Not a physical leg" in erratum.remark for erratum in published.cuhk().table("III").errata)
+
+
+@pytest.mark.parametrize("document", DOCUMENTS)
+def test_every_assumption_has_a_unit_and_a_reason(document):
+    for name, assumption in DOCUMENTS[document]().assumptions.items():
+        assert math.isfinite(assumption.value), name
+        assert assumption.unit, name
+        assert len(assumption.reason) > 10, name
+
+
+@pytest.mark.parametrize("document", DOCUMENTS)
+def test_every_table_named_by_the_errata_exists(document):
+    doc = DOCUMENTS[document]()
+    named = [place for erratum in doc.errata for place in erratum.where if place.startswith("Table ")]
+    assert named
+    assert {place.removeprefix("Table ") for place in named} <= set(doc.tables)
+
+
+def test_bleex_masses_and_lengths_are_the_assumed_ones():
+    value = {name: a.value for name, a in published.bleex().assumptions.items()}
+    assert [value[n] for n in ("L_t", "L_s", "m_t", "m_s", "m_f")] == [0.43, 0.43, 4.75, 4.2, 3.1]
+    value = {name: a.value for name, a in published.cuhk().assumptions.items()}
+    assert [value[n] for n in ("L_t", "L_s", "m_t", "m_s", "rotor_inertia")] == [
+        0.4165,
+        0.4182,
+        9.5,
+        5.965,
+        0.8,
+    ]
+
+
+def test_columns_keep_the_legs_apart():
+    table = published.bleex().table("IV")
+    assert table.columns == ("left", "right")
+    assert {n: q.value for n, q in table.column("right").items()} == {"c03": -0.337, "c02": -0.4081}
+    assert published.bleex().table("V").columns == ()
+
+
+@pytest.mark.parametrize(
+    ("ask", "offered"),
+    [
+        (lambda: published.bleex().table("VI"), "I, II, III, IV, V"),
+        (lambda: published.bleex().table("V").quantity("X4"), "X3, X2, X1"),
+        (lambda: published.bleex().table("II").column("middle"), "left, right"),
+        (lambda: published.bleex().table("V").column("left"), "none"),
+        (lambda: published.cuhk().assumption("L_f"), "L_t, L_s"),
+        (lambda: published.bleex_parameters("identified"), "cad, left, right"),
+        (lambda: published.bleex_resistances("cad"), "left, right"),
+    ],
+)
+def test_an_unknown_name_is_refused_with_what_exists(ask, offered):
+    with pytest.raises(ExoidError, match=offered):
+        ask()
+
+
+def test_nobody_can_change_a_published_number():
+    document = published.bleex()
+    with pytest.raises(TypeError):
+        document.table("V").values["X1"] = published.Quantity(0.0, "kg·m", "0")
+    with pytest.raises(TypeError):
+        document.tables["V"] = document.table("I")
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        document.table("V").quantity("X1").value = 0.0
+    published.bleex_parameters("cad")["X1"] = 0.0
+    assert published.bleex_parameters("cad")["X1"] == 3.783
