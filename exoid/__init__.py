@@ -1,10 +1,33 @@
 """exoid: a URDF and a log go in; an identified leg you can trust, look at and control with comes out."""
 
+from . import datasets, published, signals, torques
 from .catalog import load_leg
 from .errors import ExoidError
+from .identification import Estimate, Validation, identify, validate
 from .leg import Leg
+from .signals import Recording
+from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
 from .torso import TorsoMotion
 
 __version__ = "0.1.0"
 
-__all__ = ["ExoidError", "Leg", "TorsoMotion", "load_leg"]
+__all__ = [
+    "Armature",
+    "Coulomb",
+    "Estimate",
+    "ExoidError",
+    "Leg",
+    "Offset",
+    "Recording",
+    "Stiffness",
+    "TorsoMotion",
+    "Validation",
+    "Viscous",
+    "datasets",
+    "identify",
+    "load_leg",
+    "published",
+    "signals",
+    "torques",
+    "validate",
+]

@@ -43,7 +43,7 @@ def mass_matrix(model: pin.Model, q: FloatArray) -> FloatArray:
     """M(q) by the composite rigid-body algorithm, (N, n, n)."""
     data = model.createData()
     upper = np.array([np.triu(pin.crba(model, data, row)) for row in configuration(model, q)])
-    return upper + np.swapaxes(np.triu(upper, 1), 1, 2)
+    return np.asarray(upper + np.swapaxes(np.triu(upper, 1), 1, 2))
 
 
 def coriolis_matrix(model: pin.Model, q: FloatArray, v: FloatArray) -> FloatArray:

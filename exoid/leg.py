@@ -206,7 +206,9 @@ class Leg:
         samples = self.samples(q, v, a)
         if torso is None:
             return dynamics.inverse_dynamics(self.model, *samples)
-        moved = (np.hstack(pair) for pair in zip(torso_coordinates(torso.samples(len(samples[0]))), samples, strict=True))
+        moved = (
+            np.hstack(pair) for pair in zip(torso_coordinates(torso.samples(len(samples[0]))), samples, strict=True)
+        )
         return dynamics.inverse_dynamics(self._on_torso, *moved)[:, TORSO_JOINTS:]
 
     def mass_matrix(self, q: ArrayLike) -> FloatArray:

@@ -45,17 +45,17 @@ class TorsoMotion:
         """
         arrays = [np.asarray(getattr(self, field.name), dtype=np.float64) for field in fields(self)]
         try:
-            scalars = [np.broadcast_to(x, (count,)) for x in arrays[:3]]
+            pitch, rate, acceleration = (np.broadcast_to(x, (count,)) for x in arrays[:3])
             hip = np.broadcast_to(arrays[3], (count, 2))
         except ValueError as error:
             raise ExoidError(f"torso motion does not fit {count} samples ({error})") from error
         if not all(np.isfinite(x).all() for x in arrays):
             raise ExoidError("torso motion is not finite", remedy="remove the NaN or infinite samples")
-        return TorsoSamples(*scalars, hip[:, 0], hip[:, 1])
+        return TorsoSamples(pitch, rate, acceleration, hip[:, 0], hip[:, 1])
 
 
 def moving_torso_model(model: pin.Model, plane: Plane) -> pin.Model:
-    """Put the leg on a torso that moves forward and up with the hip and pitches about it: three joints before its own."""
+    """Put three joints before the leg's: the hip moves forward and up, and the torso pitches about it."""
     hip = pin.SE3(np.eye(3), model.jointPlacements[1].translation)
     torso = pin.Model()
     joint = torso.addJoint(0, pin.JointModelPrismaticUnaligned(plane.forward), hip, "torso_forward")

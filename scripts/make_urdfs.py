@@ -252,8 +252,7 @@ Izz = 0.12 Iyy (no effect in the plane); mass and inertia of the base, which doe
 def listed(document: published.Document) -> str:
     """Return the assumptions of a document, one in a line."""
     lines = (
-        f"  {n} = {a.value!r} {a.unit}".removesuffix(" 1") + f": {a.reason}"
-        for n, a in document.assumptions.items()
+        f"  {n} = {a.value!r} {a.unit}".removesuffix(" 1") + f": {a.reason}" for n, a in document.assumptions.items()
     )
     return f"Not in the document, assumed ({document.name}, {document.robot}):\n" + "\n".join(lines)
 

@@ -76,17 +76,13 @@ def hub(material: str, radius: float, width: float, xyz: Vector) -> Visual:
     return rod(material, radius, (x, y - width / 2, z), (x, y + width / 2, z))
 
 
-def ring(
-    material: str, radius: float, height: float, centre: Vector, span: tuple[float, float]
-) -> list[Visual]:
+def ring(material: str, radius: float, height: float, centre: Vector, span: tuple[float, float]) -> list[Visual]:
     """A piece of a band around a limb: thin boxes from one bearing to another [deg, 0 forward, 90 left]."""
     pieces = 9
     step = math.radians(span[1] - span[0]) / pieces
     plate = (0.008, 2.08 * radius * math.tan(step / 2), height)
     bearings = [math.radians(span[0]) + (k + 0.5) * step for k in range(pieces)]
-    places = [
-        (centre[0] + radius * math.cos(b), centre[1] + radius * math.sin(b), centre[2]) for b in bearings
-    ]
+    places = [(centre[0] + radius * math.cos(b), centre[1] + radius * math.sin(b), centre[2]) for b in bearings]
     return [Visual("box", plate, p, material, (0.0, 0.0, b)) for p, b in zip(places, bearings, strict=True)]
 
 

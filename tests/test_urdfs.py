@@ -40,9 +40,7 @@ def make_urdfs(monkeypatch):
 def model_of(name: str, *, floating: bool = False) -> pin.Model:
     """Pinocchio's model; floating keeps the root link as a body."""
     path = str(ROOT / "urdf" / name)
-    return (
-        pin.buildModelFromUrdf(path, pin.JointModelFreeFlyer()) if floating else pin.buildModelFromUrdf(path)
-    )
+    return pin.buildModelFromUrdf(path, pin.JointModelFreeFlyer()) if floating else pin.buildModelFromUrdf(path)
 
 
 def xml_of(name: str) -> ET.Element:
@@ -152,9 +150,7 @@ def test_every_link_is_physical(name):
         principal = np.linalg.eigvalsh(inertia.inertia)
         assert inertia.mass > 0
         assert principal[0] > 0
-        assert (
-            principal[0] + principal[1] > 1.01 * principal[2]
-        )  # strict, with room for rounding in other readers
+        assert principal[0] + principal[1] > 1.01 * principal[2]  # strict, with room for rounding in other readers
 
 
 @pytest.mark.parametrize("which", BOUNDS)
@@ -276,9 +272,7 @@ def test_flexion_brings_the_knee_forward_and_the_shank_back(name, flexed, side):
     assert (knee.rotation @ [0.0, 0.0, -1.0])[0] == pytest.approx(-math.sin(0.5))
 
 
-@pytest.mark.parametrize(
-    ("name", "link", "ankle"), [("bleex.urdf", "foot", 0.0), ("cuhk.urdf", "shank", -0.4182)]
-)
+@pytest.mark.parametrize(("name", "link", "ankle"), [("bleex.urdf", "foot", 0.0), ("cuhk.urdf", "shank", -0.4182)])
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_the_foot_is_drawn_flat_and_forward_below_the_ankle(name, link, ankle, side):
     drawn = xml_of(name).find(f"link[@name='{side}_{link}']").findall("visual")

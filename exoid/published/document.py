@@ -168,8 +168,7 @@ def _read(file_name: str) -> Document:
     content = tomllib.loads(text, parse_float=str)  # as text, to keep the digits as printed
     errata = tuple(Erratum(tuple(entry["where"]), entry["remark"]) for entry in content["errata"])
     assumptions = {
-        name: Assumption(float(value), unit, reason)
-        for name, (value, unit, reason) in content["assumptions"].items()
+        name: Assumption(float(value), unit, reason) for name, (value, unit, reason) in content["assumptions"].items()
     }
     return Document(
         **content["document"],
@@ -203,6 +202,4 @@ def _flat(entry: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _unknown(kind: str, name: str, known: Iterable[str], *, where: str) -> NoReturn:
-    raise ExoidError(
-        f"there is no {kind} {name!r}", where=where, remedy=f"choose one of {', '.join(known) or 'none'}"
-    )
+    raise ExoidError(f"there is no {kind} {name!r}", where=where, remedy=f"choose one of {', '.join(known) or 'none'}")

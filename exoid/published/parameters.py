@@ -97,6 +97,4 @@ def cuhk_resistances() -> dict[str, float]:
 
 def _one_of(name: str, known: tuple[str, ...], kind: str) -> None:
     if name not in known:
-        raise ExoidError(
-            f"there is no {kind} {name!r}", where="BLEEX", remedy=f"choose one of {', '.join(known)}"
-        )
+        raise ExoidError(f"there is no {kind} {name!r}", where="BLEEX", remedy=f"choose one of {', '.join(known)}")

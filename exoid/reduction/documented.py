@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._typing import FloatArray
+from exoid._typing import FloatArray
+
 from .planar import PlanarChain
 from .reduction import Reduction
 
@@ -15,7 +16,7 @@ MASS, MOMENT, INERTIA = 0, slice(1, 4), slice(4, 10)
 def documented(chain: PlanarChain, *, cumulative: bool) -> Reduction:
     """Map link parameters π onto (X1, Y1, J1, X2, Y2, J2, …), segment by segment from the torso.
 
-    For each segment, with z up and x forward at the zero pose and d the vector to the next joint (doc. 1, eqs. (1)-(9)):
+    For each segment, with x forward, z up and d the vector to the next joint at the zero pose (doc. 1, eqs. (1)-(9)):
 
         X = −m c_z − M d_z,    Y = m c_x + M d_x,    J = I_yy + M |d|²,
 

@@ -11,9 +11,10 @@ import numpy as np
 import pinocchio as pin
 from scipy.linalg import qr, solve_triangular
 
-from .._typing import FloatArray
-from ..dynamics import joint_torque_regressor
-from ..errors import ExoidError
+from exoid._typing import FloatArray
+from exoid.dynamics import joint_torque_regressor
+from exoid.errors import ExoidError
+
 from .reduction import LINK_PARAMETERS, LINK_UNITS, RankDecision, Reduction
 
 THRESHOLD = 1e-9
@@ -61,7 +62,7 @@ def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0) -> Reduct
     kept, weights = kept[ascending], weights[ascending]
     spread = np.zeros((W.shape[1], r))
     spread[kept, np.arange(r)] = 1.0
-    names = tuple(_label(row, k, labels) for row, k in zip(weights, kept, strict=True))
+    names = tuple(_label(row, int(k), labels) for row, k in zip(weights, kept, strict=True))
     return Reduction(names, tuple(LINK_UNITS[k % 10] for k in kept), weights, spread, rank)
 
 
@@ -101,7 +102,7 @@ def _preferences(columns: FloatArray | np.ndarray, total: int) -> FloatArray:
 
 
 def _label(row: FloatArray, first: int, labels: Sequence[str]) -> str:
-    terms = [first, *(k for k in np.flatnonzero(row) if k != first)]
+    terms = [first, *(int(k) for k in np.flatnonzero(row) if k != first)]
     text = ""
     for k in terms[:LONGEST_NAME]:
         name = f"{LINK_PARAMETERS[k % 10]}_{labels[k // 10]}"

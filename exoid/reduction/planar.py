@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from .._typing import ComplexArray, FloatArray
+from exoid._typing import ComplexArray, FloatArray
 
 GRAVITY = 9.81
 """Standard of the documents and of Pinocchio [m/s²]."""
@@ -86,9 +86,7 @@ class PlanarChain:
         data = model.createData()
         pin.computeJointJacobians(model, data, pin.neutral(model))
         joints = range(1, n + 1)
-        axes = np.array(
-            [pin.getJointJacobian(model, data, j, pin.LOCAL_WORLD_ALIGNED)[:, j - 1] for j in joints]
-        )
+        axes = np.array([pin.getJointJacobian(model, data, j, pin.LOCAL_WORLD_ALIGNED)[:, j - 1] for j in joints])
         plane = _plane(axes[0, 3:], -gravity / GRAVITY)
         signs = -np.round(axes[:, 3:] @ plane.lateral)
         parallel = np.allclose(axes[:, 3:], -signs[:, None] * plane.lateral, atol=TOLERANCE) and signs.all()
@@ -149,10 +147,13 @@ class _Workspace(NamedTuple):
 
     @classmethod
     def allocate(cls, n: int, block: int) -> _Workspace:
-        return cls(*np.empty((4, n, block)), *np.empty((6, n, block), dtype=np.complex128))
+        """Ask for the memory."""
+        angle, rate, acceleration, scratch = np.empty((4, n, block))
+        return cls(angle, rate, acceleration, scratch, *np.empty((6, n, block), dtype=np.complex128))
 
     def first(self, count: int) -> _Workspace:
-        return _Workspace(*(x[:, :count] for x in self))
+        """View the memory as that of a smaller block."""
+        return _Workspace._make(x[:, :count] for x in self)
 
 
 def _make_absolute(work: _Workspace, torso: TorsoSamples | None) -> None:
@@ -189,8 +190,8 @@ def _fill_block(
                 moment[j] += np.multiply(turn[j], lever[k], out=swing[k])
             X[k], Y[k] = moment[j].imag, moment[j].real
             J[k] = work.acceleration[j] if k == j or relative is None else relative[j]
-    for k in np.flatnonzero(chain.signs < 0.0):
-        out[:, k] *= -1.0
+    for row in np.flatnonzero(chain.signs < 0.0):
+        out[:, row] *= -1.0
 
 
 def _direct(angle: FloatArray, *, out: ComplexArray, scratch: FloatArray) -> None:

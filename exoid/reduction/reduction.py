@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._typing import FloatArray
+from exoid._typing import FloatArray
 
 LINK_PARAMETERS = ("m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 """Pinocchio's order of a link's dynamic parameters π; mc in kg·m, I in kg·m² about the joint frame."""

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from ..errors import ExoidError
+from exoid.errors import ExoidError
+
 from .armature import Armature
 from .coulomb import Coulomb
 from .offset import Offset
@@ -50,9 +51,8 @@ def term_from_json(data: Mapping[str, Any]) -> Term:
     Raises:
         ExoidError: The description is of no known term.
     """
-    settings = {key: tuple(value) if isinstance(value, list) else value for key, value in data.items()}
-    name = settings.pop("term", None)
+    settings = {key: tuple(value) if isinstance(value, list) else value for key, value in data.items() if key != "term"}
     try:
-        return TERMS[name](**settings)
+        return TERMS[data["term"]](**settings)
     except (KeyError, TypeError) as error:
         raise ExoidError(f"unknown term {dict(data)}", remedy=f"terms are {', '.join(TERMS)}") from error

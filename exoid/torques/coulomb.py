@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .._typing import FloatArray
-from ..errors import ExoidError
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
 from .term import Term
 
 
@@ -22,7 +23,7 @@ class Coulomb(Term):
             doc. 1, sec. III-G; the column is zero there.
     """
 
-    smoothing: float = 0.05
+    smoothing: float = 0.02
     dead_band: float = 0.0
 
     def __post_init__(self) -> None:

@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._typing import ArrayLike, FloatArray
-from ..errors import ExoidError
-from ..leg import Leg
-from ..torso import TorsoMotion
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+from exoid.torso import TorsoMotion
+
 from .term import Term
 
 BLOCK = 8192
@@ -82,7 +83,8 @@ class TorqueModel:
         every = (*self.leg.parameter_names, *(name for block in self._blocks for name in block.names))
         rng = np.random.default_rng(0)
         motion = rng.standard_normal((3, 10 * len(every), len(self.leg.joint_names)))
-        W = self._fill(*motion * [[[1.0]], [[2.0]], [[5.0]]], None, every).reshape(-1, len(every))
+        q, v, a = motion * [[[1.0]], [[2.0]], [[5.0]]]
+        W = self._fill(q, v, a, None, every).reshape(-1, len(every))
         scale = np.linalg.norm(W, axis=0)
         W, scale = W / np.where(scale > 0.0, scale, 1.0), np.where(scale > 0.0, scale, 1.0)
         kept, merged = list(range(len(self.leg.parameter_names))), []
@@ -97,7 +99,8 @@ class TorqueModel:
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
         """Columns of all parameters, (N, n, P); arguments as for :meth:`exoid.Leg.regressor`."""
-        return self._fill(*self.leg.samples(q, v, a), torso, self.names)
+        q, v, a = self.leg.samples(q, v, a)
+        return self._fill(q, v, a, torso, self.names)
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
         """Say which joint's sample can be identified from, given velocities [rad/s], (N, n)."""
@@ -132,13 +135,11 @@ class TorqueModel:
         self.leg.fill_regressor(q, v, a, out[: len(self.leg.parameter_names)], torso)
         for start in range(0, len(q), BLOCK):
             rows = slice(start, start + BLOCK)
-            joints_first = [np.ascontiguousarray(x[rows].T) for x in (q, v, a)]
-            self._fill_terms(*joints_first, out[len(self.leg.parameter_names) :, :, rows], names)
+            q_block, v_block, a_block = (np.ascontiguousarray(x[rows].T) for x in (q, v, a))
+            self._fill_terms(q_block, v_block, a_block, out[len(self.leg.parameter_names) :, :, rows], names)
         return out.transpose(2, 1, 0)
 
-    def _fill_terms(
-        self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, names: tuple[str, ...]
-    ) -> None:
+    def _fill_terms(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, names: tuple[str, ...]) -> None:
         row = 0
         for term, joint, symbols in self._blocks:
             kept = [k for k, name in enumerate(symbols) if name in names]

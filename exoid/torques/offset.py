@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .._typing import FloatArray
+from exoid._typing import FloatArray
+
 from .term import Term
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .._typing import FloatArray
-from ..errors import ExoidError
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
 from .term import Term
 
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .._typing import FloatArray
-from ..errors import ExoidError
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
 
 
 @dataclass(frozen=True, kw_only=True)

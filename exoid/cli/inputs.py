@@ -1,0 +1,127 @@
+"""What the words on the command line stand for: legs, logs, terms."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Literal, NamedTuple
+
+import typer
+
+from exoid import datasets
+from exoid.catalog import SEGMENTS, load_leg
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+from exoid.signals import Recording
+from exoid.torques import DEFAULT_TERMS, Term, term_by_name
+
+DATASETS = {"bleex_swing": datasets.bleex_swing, "dfki_double_pendulum": datasets.dfki_double_pendulum}
+"""Data that come with exoid, as LEG ``name`` and LOG ``name:train`` or ``name:test``."""
+
+Column = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--column", metavar="NAME=HEADER", help="The file's header for a column, e.g. q_hip=pos1. Repeatable."
+    ),
+]
+Degrees = Annotated[bool, typer.Option("--degrees", help="Angles in the logs are degrees.")]
+Start = Annotated[float | None, typer.Option(metavar="S", help="Use each log from this time stamp on [s].")]
+Stop = Annotated[float | None, typer.Option(metavar="S", help="Use each log up to before this time stamp [s].")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
+
+
+class LogOptions(NamedTuple):
+    """How to read logs.
+
+    Attributes:
+        columns: "NAME=HEADER" pairs.
+        degrees: Whether angles are degrees.
+        start: First time stamp to use [s].
+        stop: First time stamp not to use [s].
+    """
+
+    columns: Sequence[str] | None = None
+    degrees: bool = False
+    start: float | None = None
+    stop: float | None = None
+
+
+def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] | None = None) -> list[Recording]:
+    """Read logs, or the parts of a built-in dataset.
+
+    Args:
+        names: Paths, or ``dataset:train`` and ``dataset:test``.
+        options: How to read files.
+        joints: Joints wanted; None for all in the file.
+    """
+    return [_read_log(name, options, joints) for name in names]
+
+
+def find_leg(
+    name: str, side: str | None, inertias: str | None, joints: Sequence[str] | None, logged: Sequence[str]
+) -> Leg:
+    """Find the leg that a word means: a built-in one, that of a dataset, or a URDF file.
+
+    Args:
+        name: The word.
+        side: "left" or "right" for a built-in leg; None for the side whose joints were logged.
+        inertias: Inertia set of a built-in leg.
+        joints: Joints of a URDF that move; None for those that were logged.
+        logged: Joints in the log.
+    """
+    if name in DATASETS:
+        return DATASETS[name]().leg
+    if name in SEGMENTS:
+        right = any(joint.startswith("right_") for joint in logged)
+        left = any(joint.startswith("left_") for joint in logged)
+        return load_leg(name, side or ("right" if right and not left else "left"), inertias)
+    if not Path(name).is_file():
+        known = ", ".join([*SEGMENTS, *DATASETS])
+        raise ExoidError(f"no leg or URDF file {name!r}", remedy=f"name a built-in leg ({known}) or a URDF file")
+    if joints is not None:
+        return Leg.from_urdf(name, joints)
+    every = Leg.from_urdf(name)
+    moving = tuple(joint for joint in every.joint_names if joint in logged)
+    if not moving:
+        raise ExoidError(
+            f"none of the logged joints ({', '.join(logged)}) is in the URDF ({', '.join(every.joint_names)})",
+            where=name,
+            remedy="map the log's columns, e.g. --column q_" + every.joint_names[0] + "=HEADER",
+        )
+    return every if moving == every.joint_names else Leg.from_urdf(name, moving)
+
+
+def parse_terms(text: str | None) -> tuple[Term, ...]:
+    """Turn "coulomb,viscous" into terms; None is the default and "none" is nothing."""
+    if text is None:
+        return DEFAULT_TERMS
+    return () if text.strip() == "none" else tuple(term_by_name(name.strip()) for name in text.split(","))
+
+
+def split_names(text: str | None) -> tuple[str, ...] | None:
+    """Turn "hip,knee" into names."""
+    return None if text is None else tuple(name.strip() for name in text.split(","))
+
+
+def _read_log(name: str, options: LogOptions, joints: Sequence[str] | None) -> Recording:
+    dataset, _, part = name.partition(":")
+    if dataset in DATASETS and part in ("train", "test") and not Path(name).exists():
+        data = DATASETS[dataset]()
+        recording = data.train if part == "train" else data.test
+    else:
+        unit: Literal["deg", "rad"] = "deg" if options.degrees else "rad"
+        recording = Recording.from_csv(name, joints, _columns(options.columns), angle_unit=unit)
+    if options.start is None and options.stop is None:
+        return recording
+    start = recording.time[0] if options.start is None else options.start
+    return recording.between(start, float("inf") if options.stop is None else options.stop)
+
+
+def _columns(pairs: Sequence[str] | None) -> dict[str, str] | None:
+    if not pairs:
+        return None
+    split = [pair.partition("=") for pair in pairs]
+    for pair, (name, _, header) in zip(pairs, split, strict=True):
+        if not name or not header:
+            raise ExoidError(f"--column {pair}", remedy="write NAME=HEADER, e.g. --column q_hip=pos1")
+    return {name.strip(): header.strip() for name, _, header in split}

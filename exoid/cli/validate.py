@@ -1,0 +1,31 @@
+"""``exoid validate``: how well an estimate predicts logs it has not seen."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from exoid import identification
+
+from .inputs import AsJson, Column, Degrees, LogOptions, Start, Stop, read_logs
+
+
+def validate(
+    estimate: Annotated[str, typer.Argument(metavar="EST.JSON", help="What exoid identify -o wrote.")],
+    log: Annotated[str, typer.Argument(metavar="LOG", help="A CSV file, or a dataset's name:test.")],
+    column: Column = None,
+    degrees: Degrees = False,
+    start: Start = None,
+    stop: Stop = None,
+    as_json: AsJson = False,
+) -> None:
+    """Predict the torque of LOG from its motion and compare with what was measured."""
+    loaded = identification.Estimate.load(estimate)
+    recording = read_logs([log], LogOptions(column, degrees, start, stop))[0]
+    result = identification.validate(loaded, recording)
+    if as_json:
+        typer.echo(json.dumps(identification.validation_to_json(result), indent=1))
+    else:
+        typer.echo(str(result))

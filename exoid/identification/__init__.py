@@ -1,0 +1,19 @@
+"""From recordings to parameters with their uncertainty, and how well these predict."""
+
+from .estimate import Estimate, Input
+from .estimate_file import estimate_from_json, estimate_to_json
+from .estimators import ESTIMATORS
+from .identify import identify
+from .validation import Validation, validate, validation_to_json
+
+__all__ = [
+    "ESTIMATORS",
+    "Estimate",
+    "Input",
+    "Validation",
+    "estimate_from_json",
+    "estimate_to_json",
+    "identify",
+    "validate",
+    "validation_to_json",
+]

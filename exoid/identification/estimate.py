@@ -1,0 +1,197 @@
+"""The result of an identification: parameters, their uncertainty, and the evidence for both."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.stats import t as student
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+from exoid.signals import Preparation
+from exoid.tables import make_table, to_text, with_error
+from exoid.torques import Merged, TorqueModel
+from exoid.torso import TorsoMotion
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+ILL_CONDITIONED = 100.0
+"""Beyond this condition number of the scaled regressor, single parameters deserve little trust."""
+
+
+@dataclass(frozen=True)
+class Input:
+    """One recording that went into an estimate.
+
+    Attributes:
+        name: File name, or "array" for one made in memory.
+        sha256: Hash of the file, or of the arrays.
+        samples: Number of samples.
+        sample_rate: [Hz].
+    """
+
+    name: str
+    sha256: str
+    samples: int
+    sample_rate: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Estimate:
+    """Identified parameters of a leg with their covariance; prints itself as a table.
+
+    Attributes:
+        model: Leg as it was given, and the terms beside it: what the parameters belong to.
+        values: Parameters in the order of :attr:`names`, (P,).
+        covariance: Of the values, (P, P).
+        condition_number: Of the regressor with columns scaled to unit length; below 100 is good.
+        dof: Independent samples less parameters.
+        residual_rms: Of each joint on the data it was fitted to [N·m], (n,).
+        estimator: Name of the estimator.
+        preparation: How the recordings became rows.
+        inputs: What was identified from.
+    """
+
+    model: TorqueModel
+    values: FloatArray
+    covariance: FloatArray
+    condition_number: float
+    dof: float
+    residual_rms: FloatArray
+    estimator: str
+    preparation: Preparation
+    inputs: tuple[Input, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        """Check sizes and forbid changes."""
+        count = len(self.names)
+        for name, shape in (("values", (count,)), ("covariance", (count, count))):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            if array.shape != shape or not np.isfinite(array).all():
+                raise ExoidError(f"{name} of shape {array.shape} do not fit {count} parameters {self.names}")
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters: the leg's, then those of the terms, joint by joint."""
+        return self.model.names
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Their units."""
+        return self.model.units
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Joints of the leg."""
+        return self.model.leg.joint_names
+
+    @property
+    def merged(self) -> tuple[Merged, ...]:
+        """Parameters that are part of others, as no motion tells them apart."""
+        return self.model.merged
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard deviations, (P,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def interval(self, level: float = 0.95) -> FloatArray:
+        """Confidence intervals by Student's t, (P, 2).
+
+        Args:
+            level: Probability that an interval contains the true value, between 0 and 1.
+
+        Raises:
+            ExoidError: The level is not between 0 and 1.
+        """
+        if not 0.0 < level < 1.0:
+            raise ExoidError(f"an interval of level {level}", remedy="use a level between 0 and 1, such as 0.95")
+        half = student.ppf(0.5 + level / 2.0, self.dof) * self.std
+        return np.column_stack([self.values - half, self.values + half])
+
+    def value(self, name: str) -> float:
+        """Look one parameter up by name.
+
+        Raises:
+            ExoidError: There is none of that name.
+        """
+        if name not in self.names:
+            raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(self.names)}")
+        return float(self.values[self.names.index(name)])
+
+    @cached_property
+    def leg(self) -> Leg:
+        """The leg with the identified rigid-body parameters."""
+        return self.model.leg.with_parameters(self.values[: len(self.model.leg.parameter_names)])
+
+    def torque(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
+        """Predict actuator torques τ = W(q, v, a) β, rigid bodies and terms together.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            a: Joint accelerations [rad/s²], (N, n).
+            torso: Motion of the torso, if it moves.
+
+        Returns:
+            Torques [N·m], (N, n).
+        """
+        return self.model.regressor(q, v, a, torso) @ self.values
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the estimate as JSON, whole or not at all; see :meth:`load`.
+
+        Raises:
+            ExoidError: The file cannot be written.
+        """
+        from .estimate_file import write_estimate  # noqa: PLC0415 - it needs this class
+
+        write_estimate(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Estimate:
+        """Read an estimate that :meth:`save` wrote; it contains the URDF, so it needs no other file.
+
+        Raises:
+            ExoidError: The file is unreadable or not an estimate.
+        """
+        from .estimate_file import read_estimate  # noqa: PLC0415
+
+        return read_estimate(path)
+
+    def __repr__(self) -> str:
+        """Name the parameters."""
+        return f"Estimate({', '.join(f'{n}={v:.4g}' for n, v in zip(self.names, self.values, strict=True))})"
+
+    def __str__(self) -> str:
+        """Print as a table, followed by what the reader should know before trusting it."""
+        rows = [
+            (name, *with_error(value, std), *(f"{x:.4g}" for x in interval), unit)
+            for name, value, std, interval, unit in zip(
+                self.names, self.values, self.std, self.interval(), self.units, strict=True
+            )
+        ]
+        title = f"{self.model.leg.description.name}: {self.estimator} estimate of {len(rows)} parameters"
+        headers = ("parameter", "value", "± std", "95 % from", "to", "unit")
+        return to_text(make_table(title, headers, rows), *self._remarks())
+
+    def _remarks(self) -> Sequence[str]:
+        residuals = ", ".join(
+            f"{joint} {rms:.3g}" for joint, rms in zip(self.joint_names, self.residual_rms, strict=True)
+        )
+        names = ", ".join(source.name for source in self.inputs)
+        verdict = "" if self.condition_number < ILL_CONDITIONED else " (ill-conditioned: excite more, or plan a motion)"
+        return [
+            f"residual RMS [N·m]: {residuals}",
+            f"condition number {self.condition_number:.1f}{verdict}; {self.dof:.0f} degrees of freedom",
+            f"from {names}; {self.preparation.name} preparation",
+            *(f"note: {merged}" for merged in self.merged),
+        ]

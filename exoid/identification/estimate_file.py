@@ -1,0 +1,113 @@
+"""Estimates as JSON files: self-contained, versioned, exact to the last bit."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from exoid.description import describe
+from exoid.errors import ExoidError
+from exoid.files import write_whole
+from exoid.leg import Leg
+from exoid.signals import PREPARATIONS, Preparation
+from exoid.torques import TorqueModel, term_from_json, term_to_json
+
+from .estimate import Estimate, Input
+
+SCHEMA = "exoid-estimate-1"
+
+
+def write_estimate(estimate: Estimate, path: str | os.PathLike[str]) -> None:
+    """Write an estimate; see :meth:`Estimate.save`."""
+    write_whole(path, [json.dumps(estimate_to_json(estimate), indent=1, ensure_ascii=False), "\n"])
+
+
+def read_estimate(path: str | os.PathLike[str]) -> Estimate:
+    """Read an estimate; see :meth:`Estimate.load`."""
+    try:
+        data = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        remedy = "give the path of a file that exoid identify wrote"
+        raise ExoidError(f"cannot be read ({error.strerror or error})", where=str(path), remedy=remedy) from error
+    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        raise ExoidError(f"not JSON ({error})", where=str(path), remedy="identify again and save") from error
+    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
+        raise ExoidError(f"not an estimate of schema {SCHEMA!r}", where=str(path), remedy="identify again and save")
+    try:
+        return estimate_from_json(data)
+    except ExoidError as error:
+        raise ExoidError(error.what, where=f"{path}, {error.where}".rstrip(", "), remedy=error.remedy) from error
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        what = f"damaged: {type(error).__name__} {error}"
+        raise ExoidError(what, where=str(path), remedy="identify again and save") from error
+
+
+def estimate_to_json(estimate: Estimate) -> dict[str, Any]:
+    """Turn an estimate into what JSON can hold, values by name."""
+    model, leg = estimate.model, estimate.model.leg
+    interval = estimate.interval(0.95)
+    return {
+        "schema": SCHEMA,
+        "values": dict(zip(estimate.names, estimate.values.tolist(), strict=True)),
+        "std": dict(zip(estimate.names, estimate.std.tolist(), strict=True)),
+        "interval_95": dict(zip(estimate.names, interval.tolist(), strict=True)),
+        "units": dict(zip(estimate.names, estimate.units, strict=True)),
+        "condition_number": estimate.condition_number,
+        "degrees_of_freedom": estimate.dof,
+        "residual_rms": dict(zip(estimate.joint_names, estimate.residual_rms.tolist(), strict=True)),
+        "merged": {merged.name: merged.into for merged in estimate.merged},
+        "estimator": estimate.estimator,
+        "preparation": {"name": estimate.preparation.name, **_settings(estimate.preparation)},
+        "inputs": [asdict(source) for source in estimate.inputs],
+        "terms": [term_to_json(term) for term in model.terms],
+        "leg": {
+            "name": leg.description.name,
+            "sha256": leg.description.sha256,
+            "joints": list(leg.joint_names),
+            "locked": dict(leg.locked),
+            "cumulative": leg.cumulative,
+            "urdf": leg.description.text,
+        },
+        "covariance": estimate.covariance.tolist(),
+    }
+
+
+def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
+    """Rebuild an estimate.
+
+    Raises:
+        ExoidError: Names of the values do not fit the leg and terms.
+    """
+    about = data["leg"]
+    leg = Leg.from_description(
+        describe(about["urdf"], about["name"]),
+        about["joints"],
+        locked=about["locked"],
+        cumulative=about["cumulative"],
+    )
+    model = TorqueModel(leg, tuple(term_from_json(term) for term in data["terms"]))
+    if tuple(data["values"]) != model.names:
+        raise ExoidError(f"values {', '.join(data['values'])} do not fit the parameters {', '.join(model.names)}")
+    settings = dict(data["preparation"])
+    preparation = PREPARATIONS[settings.pop("name")](**settings)
+    return Estimate(
+        model=model,
+        values=np.array(list(data["values"].values()), dtype=np.float64),
+        covariance=np.array(data["covariance"], dtype=np.float64),
+        condition_number=float(data["condition_number"]),
+        dof=float(data["degrees_of_freedom"]),
+        residual_rms=np.array([data["residual_rms"][name] for name in leg.joint_names], dtype=np.float64),
+        estimator=str(data["estimator"]),
+        preparation=preparation,
+        inputs=tuple(Input(**source) for source in data["inputs"]),
+    )
+
+
+def _settings(preparation: Preparation) -> dict[str, Any]:
+    return asdict(preparation)  # type: ignore[call-overload,no-any-return]

@@ -1,0 +1,93 @@
+"""The one call from a leg and recordings to an estimate."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+from exoid.signals import Preparation, Recording, ZeroPhase
+from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+
+from .estimate import Estimate, Input
+from .estimators import ESTIMATORS
+from .rows import Triangle, join, make_rows, make_triangles, refuse_still_joints
+
+
+def identify(
+    leg: Leg,
+    recordings: Recording | Iterable[Recording],
+    terms: Sequence[Term] | None = None,
+    estimator: str = "wls",
+    *,
+    cutoff: float = 8.0,
+    preparation: Preparation | None = None,
+) -> Estimate:
+    """Identify the parameters of a leg from recorded motions and torques.
+
+    τ = W(q, v, a) β is formed for every sample, columns and torque pass the same zero-phase low-pass (the parallel
+    filter), the ends that filters spoil are removed, and β follows by least squares on an orthogonal factorisation.
+
+    Args:
+        leg: The leg; its inertias do not enter, only its geometry.
+        recordings: One recording or several of the same leg, with torques. Velocity and acceleration are derived
+            where they are missing.
+        terms: What acts on the joints besides rigid-body dynamics; None for Coulomb and viscous friction, rotor
+            inertia and offset at every joint; () for nothing.
+        estimator: "wls" (joints weighted by their residuals) or "ols".
+        cutoff: Of the parallel filter [Hz]; above the fastest motion, below the noise.
+        preparation: Another way from a recording to rows, such as :class:`exoid.signals.FiniteDifference`; ``cutoff``
+            then does not apply.
+
+    Returns:
+        The estimate, with the covariance of its parameters. It is right for white torque noise; correlated noise
+        makes the intervals too narrow.
+
+    Raises:
+        ExoidError: A joint stands still or is missing, torque is missing, samples are too few, or parameters are not
+            determined by the recordings: names them and what to do.
+
+    Example:
+        >>> est = identify(leg, Recording.from_csv("log.csv"))  # doctest: +SKIP
+    """
+    recordings = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    if not recordings:
+        raise ExoidError("no recordings", remedy="pass at least one Recording")
+    if estimator not in ESTIMATORS:
+        raise ExoidError(f"no estimator {estimator!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
+    model = TorqueModel(leg, tuple(DEFAULT_TERMS if terms is None else terms))
+    refuse_still_joints(model, recordings)
+    preparation = ZeroPhase(cutoff) if preparation is None else preparation
+    triangles = _triangles(model, recordings, preparation)
+    solution = ESTIMATORS[estimator](triangles, model.names)
+    residuals = [t.residual(solution.values) / np.sqrt(max(t.rows, 1)) for t in triangles]
+    return Estimate(
+        model=model,
+        values=solution.values,
+        covariance=solution.covariance,
+        condition_number=solution.condition_number,
+        dof=solution.dof,
+        residual_rms=np.array(residuals),
+        estimator=estimator,
+        preparation=preparation,
+        inputs=tuple(_evidence(recording) for recording in recordings),
+    )
+
+
+def _triangles(model: TorqueModel, recordings: Sequence[Recording], preparation: Preparation) -> list[Triangle]:
+    """Accumulate one triangle a joint over all recordings."""
+    each = [make_triangles(make_rows(model, recording, preparation)) for recording in recordings]
+    return [join(of_joint) for of_joint in zip(*each, strict=True)]
+
+
+def _evidence(recording: Recording) -> Input:
+    if recording.source is not None:
+        return Input(recording.source.name, recording.source.sha256, len(recording), recording.sample_rate)
+    digest = hashlib.sha256()
+    for array in (recording.time, recording.q, recording.v, recording.a, recording.tau):
+        if array is not None:
+            digest.update(array.tobytes())
+    return Input("array", digest.hexdigest(), len(recording), recording.sample_rate)

@@ -1,0 +1,83 @@
+"""Least squares by orthogonal factorisations, and which parameters the rows determine."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
+from .rows import Triangle
+
+UNDETERMINED = 1e-7
+"""Singular values of the unit-column regressor below this fraction of the largest count as zero."""
+
+INVOLVED = 0.05
+"""A parameter with less than this part in a direction that the rows do not see is not blamed for it."""
+
+
+class Solution(NamedTuple):
+    """Least-squares estimate with its evidence.
+
+    Attributes:
+        values: β, (P,).
+        covariance: For independent noise of one size in all rows, as weighted, (P, P).
+        condition_number: Of the regressor with columns scaled to unit length.
+        dof: Independent samples less parameters.
+    """
+
+    values: FloatArray
+    covariance: FloatArray
+    condition_number: float
+    dof: float
+
+
+def solve(triangle: Triangle, names: Sequence[str]) -> Solution:
+    """Minimise ‖W β − τ‖ (doc. 1, eq. (17), without its normal matrix).
+
+    With columns scaled to unit length and R = U Σ Vᵀ, β = V Σ⁻¹ Uᵀ (Qᵀτ) and cov β = s² V Σ⁻² Vᵀ. Of m rows only m'
+    carry independent noise, so that each residual counts m'/m: s² = ‖residual‖² / (m' − P).
+
+    Args:
+        triangle: R of [W τ].
+        names: Parameters, (P,).
+
+    Raises:
+        ExoidError: Names the parameters that the rows do not determine, and what to do.
+    """
+    count = len(names)
+    R, z, rest = triangle.R[:count, :count], triangle.R[:count, count], triangle.R[count, count]
+    dof = triangle.samples - count
+    if dof <= 0.0:
+        raise ExoidError(
+            f"too few samples: {triangle.samples:.0f} independent ones for {count} parameters",
+            remedy="record longer, or raise the cut-off",
+        )
+    scale = np.linalg.norm(R, axis=0)
+    unit = R / np.where(scale > 0.0, scale, 1.0)
+    U, sigma, Vt = np.linalg.svd(unit)
+    unseen = Vt[sigma < UNDETERMINED * sigma[0]]
+    if len(unseen):
+        raise _undetermined(unseen, names)
+    V = Vt.T / sigma / scale[:, None]
+    covariance = rest**2 / dof * (V @ V.T)
+    return Solution(V @ (U.T @ z), covariance, float(sigma[0] / sigma[-1]), dof)
+
+
+def _undetermined(unseen: FloatArray, names: Sequence[str]) -> ExoidError:
+    """Explain the directions, rows of ``unseen``, in which the regressor is zero."""
+    alone = [names[int(np.argmax(np.abs(row)))] for row in unseen if np.sum(np.abs(row) > INVOLVED) == 1]
+    involved = [name for name, part in zip(names, np.abs(unseen).max(axis=0), strict=True) if part > INVOLVED]
+    together = [name for name in involved if name not in alone]
+    what = []
+    if alone:
+        what.append(f"{', '.join(alone)} left no trace in the torque")
+    if together:
+        what.append(f"{', '.join(together)} can only be told apart by another motion")
+    return ExoidError(
+        f"the recordings do not determine {', '.join(involved)}: {'; '.join(what)}",
+        remedy="move all joints at once, through different angles and speeds, or leave out terms that cannot act",
+    )

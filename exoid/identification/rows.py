@@ -1,0 +1,134 @@
+"""From recordings to the rows of the least-squares problem, and from rows to one small triangle a joint."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.signals import Preparation, Recording
+from exoid.torques import TorqueModel
+
+SMALLEST_MOTION = 2e-3
+"""A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""
+
+
+class Rows(NamedTuple):
+    """Both sides of τ = W β for each sample and joint of one recording, filtered alike, ends removed.
+
+    Attributes:
+        time: [s], (N,).
+        W: Regressor, (N, n, P).
+        tau: Measured torque [N·m], (N, n).
+        usable: Which samples of which joint may be fitted, (N, n).
+        independence: Share of the samples that carry independent noise; a low-pass leaves fewer.
+    """
+
+    time: FloatArray
+    W: FloatArray
+    tau: FloatArray
+    usable: NDArray[np.bool_]
+    independence: float
+
+
+class Triangle(NamedTuple):
+    """All that least squares needs to know of the rows of one joint: R of the QR factorisation of [W τ].
+
+    Attributes:
+        R: Upper triangle, (P + 1, P + 1).
+        rows: How many rows went in.
+        samples: How many independent samples they amount to.
+    """
+
+    R: FloatArray
+    rows: int
+    samples: float
+
+    def residual(self, values: FloatArray) -> float:
+        """Root of the sum of squared residuals ‖W β − τ‖ [N·m]."""
+        return float(np.linalg.norm(self.R @ np.append(values, -1.0)))
+
+
+def make_rows(model: TorqueModel, recording: Recording, preparation: Preparation) -> Rows:
+    """Form regressor columns from the kinematics, then pass columns and torque through the same filter.
+
+    Raises:
+        ExoidError: The recording has no torque, lacks a joint of the leg, or is too short for the filter.
+    """
+    recording = for_leg(model, recording).resampled()
+    if recording.tau is None:
+        raise ExoidError(
+            "there is no torque in the recording",
+            where=recording.source.name if recording.source else "",
+            remedy=f"record tau, in columns {', '.join('tau_' + n for n in recording.joint_names)}",
+        )
+    rate = recording.sample_rate
+    q, v, a, valid = preparation.kinematics(recording)
+    W = preparation.filter_columns(model.regressor(q, v, a), rate)
+    tau = preparation.filter(recording.tau, rate)
+    return Rows(recording.time[valid], W[valid], tau[valid], model.usable(v)[valid], preparation.independence(rate))
+
+
+def for_leg(model: TorqueModel, recording: Recording) -> Recording:
+    """Pick the leg's joints from a recording, by name.
+
+    Raises:
+        ExoidError: A joint is missing.
+    """
+    names = model.leg.joint_names
+    if set(names) <= set(recording.joint_names):
+        return recording.select(names)
+    labels = model.leg.joint_labels
+    if set(labels) <= set(recording.joint_names):
+        return recording.select(labels)
+    missing = [name for name in names if name not in recording.joint_names]
+    raise ExoidError(
+        f"the leg's {', '.join(missing)} not in the recording, which has {', '.join(recording.joint_names)}",
+        where=recording.source.name if recording.source else "",
+        remedy="rename its columns, or map them: columns={'q_" + missing[0] + "': '<header>', ...}",
+    )
+
+
+def make_triangles(rows: Rows) -> list[Triangle]:
+    """Reduce the rows of each joint to a triangle."""
+    triangles = []
+    for joint in range(rows.tau.shape[1]):
+        use = rows.usable[:, joint]
+        table = np.column_stack([rows.W[use, joint], rows.tau[use, joint]])
+        triangles.append(_triangle(table, int(use.sum()), float(use.sum()) * rows.independence))
+    return triangles
+
+
+def join(triangles: Sequence[Triangle], weights: Sequence[float] | None = None) -> Triangle:
+    """Combine triangles, each multiplied by its weight, into the triangle of all their rows."""
+    weights = [1.0] * len(triangles) if weights is None else weights
+    table = np.vstack([weight * triangle.R for weight, triangle in zip(weights, triangles, strict=True)])
+    return _triangle(table, sum(t.rows for t in triangles), sum(t.samples for t in triangles))
+
+
+def refuse_still_joints(model: TorqueModel, recordings: Sequence[Recording]) -> None:
+    """Refuse recordings in which a joint of the leg never moves.
+
+    Raises:
+        ExoidError: Names the joint, how little it moves, and how to lock it.
+    """
+    angles = np.vstack([for_leg(model, recording).q for recording in recordings])
+    for joint, span, mean in zip(model.leg.joint_names, np.ptp(angles, axis=0), angles.mean(axis=0), strict=True):
+        if span < SMALLEST_MOTION:
+            others = tuple(name for name in model.leg.joint_names if name != joint)
+            raise ExoidError(
+                f"joint {joint} stands still: its angle spans {span:.2g} rad, so nothing of it can be identified",
+                where=", ".join(r.source.name for r in recordings if r.source),
+                remedy=f"move it, or lock it: Leg.from_urdf(..., joints={others}, locked={{{joint!r}: {mean:.4g}}})",
+            )
+
+
+def _triangle(table: FloatArray, rows: int, samples: float) -> Triangle:
+    width = table.shape[1]
+    if len(table) < width:
+        table = np.vstack([table, np.zeros((width - len(table), width))])
+    return Triangle(np.asarray(np.linalg.qr(table, mode="r")), rows, samples)

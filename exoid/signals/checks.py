@@ -1,0 +1,213 @@
+"""What a recording is refused for: each function raises one kind of `ExoidError`, or does nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.integrate import cumulative_trapezoid
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+
+from .whereabouts import Whereabouts
+
+FEWEST_SAMPLES = 10
+"""Fewer rows than this are no motion."""
+LARGEST_ANGLE = 2.0 * np.pi
+"""A leg's joint does not turn further [rad]; larger values are almost always degrees."""
+LARGEST_VALUE = 1e9
+"""No angle, velocity, acceleration or torque of a leg is larger, in SI units."""
+LARGEST_TIME = 1e11
+"""Stamps beyond this many seconds (3000 years) count milli-, micro- or nanoseconds."""
+SHORTEST_INTERVAL = 1e-9
+"""Stamps closer than this [s] are not in seconds."""
+SMALLEST_MOTION = 1e-3
+"""RMS excursion [rad] below which angle and velocity are not compared: it may be all noise."""
+
+
+def as_numbers(values: ArrayLike, name: str) -> FloatArray:
+    """Return a C-contiguous, read-only float64 copy; masked entries become NaN, which are refused by place.
+
+    Raises:
+        ExoidError: The values are not real numbers in a rectangular array.
+    """
+    try:
+        masked = isinstance(values, np.ma.MaskedArray)
+        raw = np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan) if masked else np.asarray(values)
+        if raw.dtype.kind not in "iufO":
+            raise TypeError(f"its elements are {raw.dtype}")
+        numbers = np.array(raw, dtype=np.float64, order="C")
+    except (TypeError, ValueError) as problem:
+        raise ExoidError(
+            f"{name} is not an array of real numbers: {problem}",
+            remedy=f"pass {name} as a float array in SI units",
+        ) from None
+    numbers.flags.writeable = False
+    return numbers
+
+
+def refuse_names(names: tuple[object, ...]) -> None:
+    """Refuse joint names that are not unique, printable strings fit for a column header.
+
+    Raises:
+        ExoidError: Names the offending one.
+    """
+    for name in names:
+        if not isinstance(name, str) or not name.isprintable() or not name.strip() or name != name.strip():
+            raise ExoidError(
+                f"joint name {name!r} is not a printable, non-empty string without outer spaces",
+                remedy="pass joint_names as a tuple such as ('hip', 'knee')",
+            )
+        if set(name) & set(',;"'):
+            raise ExoidError(f'joint name {name!r} contains one of , ; "', remedy="rename it: names head CSV columns")
+        if names.count(name) > 1:
+            raise ExoidError(f"joint name {name!r} occurs {names.count(name)} times", remedy="name each joint once")
+
+
+def refuse_shape(values: FloatArray, shape: tuple[int, ...], name: str) -> None:
+    """Refuse an array whose shape differs from what time stamps and joint names call for.
+
+    Raises:
+        ExoidError: Says which array, the shape found and the shape expected.
+    """
+    if values.shape == shape:
+        return
+    remedy = "give every array one row per time stamp and one column per joint name"
+    if len(shape) == 2 and values.ndim == 1:
+        remedy = f"for one joint pass {name}[:, np.newaxis]; arrays are (samples, joints)"
+    elif len(shape) == 2 and values.shape == shape[::-1]:
+        remedy = f"pass {name}.T; arrays are (samples, joints)"
+    raise ExoidError(f"{name} has shape {values.shape}, expected {shape}", remedy=remedy)
+
+
+def refuse_too_few(samples: int, where: Whereabouts) -> None:
+    """Refuse a recording of fewer than `FEWEST_SAMPLES` rows.
+
+    Raises:
+        ExoidError: With the number of rows found.
+    """
+    if samples < FEWEST_SAMPLES:
+        raise ExoidError(
+            f"too few samples: {samples}, at least {FEWEST_SAMPLES} are needed",
+            where=where.file,
+            remedy="record longer, or pass the whole log",
+        )
+
+
+def refuse_not_finite(values: FloatArray, columns: tuple[str, ...], where: Whereabouts) -> None:
+    """Refuse NaN and infinity, naming the first one.
+
+    Args:
+        values: Any numbers, (N, k).
+        columns: Names of the k columns.
+        where: Translates the row.
+
+    Raises:
+        ExoidError: Names row (or line) and column.
+    """
+    bad = ~np.isfinite(values)
+    if bad.any():
+        row, column = np.unravel_index(int(bad.argmax()), values.shape)
+        raise ExoidError(
+            f"{values[row, column]} is not a finite number ({np.count_nonzero(bad)} such values in all)",
+            where=where.cell(int(row), columns[column]),
+            remedy="drop those rows, or fill them by a method you can defend",
+        )
+
+
+def refuse_absurd(values: FloatArray, columns: tuple[str, ...], where: Whereabouts) -> None:
+    """Refuse values that no leg can have, (N, k), before arithmetic overflows on them.
+
+    Raises:
+        ExoidError: Names row (or line) and column.
+    """
+    if values.size and np.abs(values).max() > LARGEST_VALUE:
+        row, column = np.unravel_index(int(np.abs(values).argmax()), values.shape)
+        raise ExoidError(
+            f"{values[row, column]:.6g} is beyond anything a leg does (limit {LARGEST_VALUE:.0e}, SI)",
+            where=where.cell(int(row), columns[column]),
+            remedy="check unit and logger, or drop those rows",
+        )
+
+
+def refuse_time_disorder(time: FloatArray, where: Whereabouts) -> None:
+    """Refuse time stamps [s] that do not strictly increase, or cannot be seconds.
+
+    Raises:
+        ExoidError: Names the row and both stamps, and whether time is repeated or runs backwards.
+    """
+    if np.abs(time).max() > LARGEST_TIME:
+        raise ExoidError(
+            f"time reaches {np.abs(time).max():.6g} s: that looks like milli- or nanoseconds",
+            where=where.row(int(np.abs(time).argmax())),
+            remedy="divide the stamps to get seconds",
+        )
+    wrong = time[1:] <= time[:-1]
+    if wrong.any():
+        row = int(wrong.argmax()) + 1
+        before, stamp = time[row - 1], time[row]
+        kind = "is repeated" if stamp == before else "runs backwards"
+        raise ExoidError(
+            f"time {kind}: {float(stamp)!r} s after {float(before)!r} s",
+            where=where.row(row),
+            remedy="drop repeated rows; split a log that holds several runs and pass the pieces separately",
+        )
+    if np.median(np.diff(time)) < SHORTEST_INTERVAL:
+        raise ExoidError(
+            f"the median interval of {np.median(np.diff(time)):.3g} s is too short for a log",
+            where=where.file,
+            remedy="give time in seconds",
+        )
+
+
+def refuse_degrees(q: FloatArray, columns: tuple[str, ...], largest: float, where: Whereabouts) -> None:
+    """Refuse angles [rad] beyond ``largest`` [rad]: they look like degrees.
+
+    Raises:
+        ExoidError: Names the largest value's row (or line) and column.
+    """
+    if not largest > 0.0:
+        raise ExoidError(f"largest_angle is {largest}", remedy="pass a positive angle in rad, or math.inf")
+    size = np.abs(q)
+    if size.size and size.max() > largest:
+        row, column = np.unravel_index(int(size.argmax()), q.shape)
+        raise ExoidError(
+            f"an angle of {q[row, column]:.6g} rad (limit {largest:.4g} rad) looks like degrees",
+            where=where.cell(int(row), columns[column]),
+            remedy='pass angle_unit="deg" to Recording.from_csv or np.deg2rad(q) to Recording; '
+            "if the joint really turns that far, largest_angle=math.inf",
+        )
+
+
+def refuse_velocity_in_other_unit(
+    time: FloatArray, q: FloatArray, v: FloatArray, joints: tuple[str, ...], where: Whereabouts
+) -> None:
+    """Refuse velocities that are 180/π or π/180 times the rate of change of their angles.
+
+    Compared are q and ∫v dt, not dq/dt and v: differences of a quantised angle are mostly noise, the
+    integral is not. Only a joint that moves, and whose two signals agree in shape, is judged.
+
+    Args:
+        time: Time stamps [s], (N,).
+        q: Angles [rad], (N, n).
+        v: Velocities [rad/s], (N, n).
+        joints: The n joint names.
+        where: Names the file.
+
+    Raises:
+        ExoidError: Names the joint and the ratio.
+    """
+    for joint, angle, velocity in zip(joints, q.T, v.T, strict=True):
+        travelled = cumulative_trapezoid(velocity, time)
+        angle_size, travelled_size = float(np.std(angle[1:])), float(np.std(travelled))
+        if min(angle_size, travelled_size) < SMALLEST_MOTION:
+            continue
+        correlation = float(np.corrcoef(angle[1:], travelled)[0, 1])
+        ratio = travelled_size / angle_size
+        if correlation < 0.9 or abs(abs(np.log(ratio)) - np.log(180.0 / np.pi)) > np.log(1.2):
+            continue
+        culprit, mend = ("v", "np.deg2rad(v)") if ratio > 1.0 else ("q", "np.deg2rad(q)")
+        raise ExoidError(
+            f"v of joint {joint} is {ratio:.3g} times the rate of its q: {culprit} looks like degrees",
+            where=where.file,
+            remedy=f'give both in rad and rad/s ({mend}); angle_unit="deg" takes both as degrees',
+        )

@@ -1,0 +1,154 @@
+"""Which columns of a CSV log are time, angle, velocity, acceleration and torque of which joint."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
+from . import checks
+from .source import Source
+from .text_table import TextTable, read_text_table
+from .whereabouts import Whereabouts
+
+QUANTITIES = ("q", "v", "a", "tau")
+"""Prefixes of column names: ``q_<joint>`` [rad], ``v_`` [rad/s], ``a_`` [rad/s²], ``tau_`` [N·m]."""
+
+
+class Log(NamedTuple):
+    """The checked content of a log file, SI units, as `Recording` takes it.
+
+    Attributes:
+        time: Stamps [s], (N,), strictly increasing.
+        arrays: By quantity: "q", and those of "v", "a" and "tau" that the file has, each (N, n).
+        joint_names: Names of the n columns.
+        source: The file and its SHA-256.
+        where: Translates rows into line numbers.
+    """
+
+    time: FloatArray
+    arrays: Mapping[str, FloatArray]
+    joint_names: tuple[str, ...]
+    source: Source
+    where: Whereabouts
+
+
+def read_log(
+    path: str | os.PathLike[str],
+    joint_names: Sequence[str] | None = None,
+    columns: Mapping[str, str] | None = None,
+    angle_unit: Literal["rad", "deg"] = "rad",
+    largest_angle: float = checks.LARGEST_ANGLE,
+) -> Log:
+    """Read ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>`` from a CSV file; see `Recording.from_csv`.
+
+    Raises:
+        ExoidError: The file cannot be trusted; names file, line, column and remedy.
+    """
+    if angle_unit not in ("rad", "deg"):
+        raise ExoidError(f"angle_unit is {angle_unit!r}", remedy='pass angle_unit="rad" or angle_unit="deg"')
+    table = read_text_table(path)
+    headers = _own_names(table, dict(columns or {}))
+    joints = _joints(table, headers) if joint_names is None else _named(joint_names)
+    present = _present(table, headers, joints)
+    names = ("time", *(f"{quantity}_{joint}" for quantity in present for joint in joints))
+    where = Whereabouts(table.file, table.lines, headers)
+    checks.refuse_too_few(len(table.rows), where)
+    numbers = table.numbers([headers[name] for name in names])
+    checks.refuse_not_finite(numbers, names, where)
+    time = numbers[:, 0]
+    checks.refuse_time_disorder(time, where)
+    checks.refuse_absurd(numbers[:, 1:], names[1:], where)
+    blocks = np.split(numbers[:, 1:], len(present), axis=1)
+    arrays = {
+        quantity: np.deg2rad(block) if angle_unit == "deg" and quantity != "tau" else block
+        for quantity, block in zip(present, blocks, strict=True)
+    }
+    checks.refuse_degrees(arrays["q"], names[1 : 1 + len(joints)], largest_angle, where)
+    if "v" in arrays:
+        checks.refuse_velocity_in_other_unit(time, arrays["q"], arrays["v"], joints, where)
+    return Log(time, arrays, joints, table.source, where)
+
+
+def _own_names(table: TextTable, columns: Mapping[str, str]) -> dict[str, str]:
+    """Map exoid's column names to the headers of the file: those in ``columns``, else by equal name."""
+    for name, header in columns.items():
+        if name != "time" and not (name.startswith(tuple(f"{quantity}_" for quantity in QUANTITIES))):
+            raise ExoidError(
+                f"columns names {name!r}, which is not a column of exoid's",
+                where=table.file,
+                remedy="its names are time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>",
+            )
+        if header not in table.header:
+            raise _missing(header, f"columns[{name!r}] asks for it", table)
+        rivals = [other for other, used in columns.items() if used == header]
+        if len(rivals) > 1:
+            raise ExoidError(
+                f"column {header!r} is to be read as {' and '.join(rivals)}",
+                where=table.file,
+                remedy="map each of exoid's columns to a header of its own",
+            )
+    taken = set(columns.values())
+    return {**{header: header for header in table.header if header and header not in taken}, **columns}
+
+
+def _joints(table: TextTable, headers: Mapping[str, str]) -> tuple[str, ...]:
+    """Take the joints from the q_ columns, in the order of the file."""
+    angles = [name for name in headers if name.startswith("q_")]
+    if not angles:
+        raise _missing("q_<joint>", "no joint angle", table)
+    joints = _named([name[2:] for name in sorted(angles, key=lambda name: table.header.index(headers[name]))])
+    for name, header in headers.items():
+        if name not in (header, "time") and name.partition("_")[2] not in joints:
+            raise ExoidError(
+                f"columns names {name!r}, but no column gives the angle of that joint",
+                where=table.file,
+                remedy=f"joints with an angle are {', '.join(joints)}; map q_<joint> too",
+            )
+    return joints
+
+
+def _named(joint_names: Sequence[str]) -> tuple[str, ...]:
+    if isinstance(joint_names, str):
+        raise ExoidError(f"joint_names is the string {joint_names!r}", remedy=f"pass joint_names=({joint_names!r},)")
+    names = tuple(joint_names)
+    checks.refuse_names(names)
+    if not names:
+        raise ExoidError("joint_names is empty", remedy="name at least one joint")
+    return names
+
+
+def _present(table: TextTable, headers: Mapping[str, str], joints: Sequence[str]) -> list[str]:
+    """Tell which quantities the file has for these joints: q must be there, the others for all or none."""
+    if "time" not in headers:
+        raise _missing("time", "no time stamps", table)
+    present = []
+    for quantity in QUANTITIES:
+        absent = [f"{quantity}_{joint}" for joint in joints if f"{quantity}_{joint}" not in headers]
+        if quantity == "q" and absent:
+            raise _missing(absent[0], "no angle for that joint", table)
+        if 0 < len(absent) < len(joints):
+            raise _missing(absent[0], "other joints have theirs: all or none; joint_names chooses joints", table)
+        if not absent:
+            present.append(quantity)
+    return present
+
+
+def _missing(column: str, why: str, table: TextTable) -> ExoidError:
+    """Make the error about a column that is not there: the closest ones, and what exists."""
+    close = get_close_matches(column, table.header, n=3, cutoff=0.4)
+    nearest = f"; closest: {', '.join(close)}" if close else ""
+    exists = ", ".join(table.header[:20]) + (f", … ({len(table.header)} in all)" if len(table.header) > 20 else "")
+    return ExoidError(
+        f"no column {column!r} ({why}){nearest}; the file has: {exists}",
+        where=table.file,
+        remedy=f"rename it in the file or pass columns={{{column!r}: <header in the file>}}"
+        if not why.startswith("columns[")
+        else "pass columns={exoid's name: <header in the file>}",
+    )

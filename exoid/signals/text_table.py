@@ -1,0 +1,182 @@
+"""A text file as header and numbers: delimiters, comments, and which line is bad. Knows nothing of joints."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import os
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
+from .source import Source
+
+DELIMITERS = (",", ";", "\t")
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """Header and data lines of a delimited text file, not yet numbers.
+
+    Attributes:
+        file: Path as the caller gave it, for messages.
+        source: Name and SHA-256 of the file.
+        header: Column names without outer spaces.
+        rows: The data lines.
+        lines: (N,) line number of each data line, counted from 1.
+        delimiter: One of ``DELIMITERS``.
+    """
+
+    file: str
+    source: Source
+    header: tuple[str, ...]
+    rows: Sequence[str]
+    lines: NDArray[np.int64]
+    delimiter: str
+
+    def numbers(self, columns: Sequence[str]) -> FloatArray:
+        """Parse some columns; text in the others does not matter.
+
+        Args:
+            columns: Headers, k of them.
+
+        Returns:
+            Numbers, (N, k); NaN and infinity pass, as they are numbers to a parser.
+
+        Raises:
+            ExoidError: A row is ragged or a cell is empty or not a number; names line and column.
+        """
+        self._refuse_ragged()
+        wanted = [self.header.index(column) for column in columns]
+        quote = '"' if any('"' in row for row in self.rows) else None
+        try:
+            table = np.loadtxt(
+                self.rows, delimiter=self.delimiter, usecols=wanted, ndmin=2, comments=None, quotechar=quote
+            )
+        except ValueError as problem:
+            raise self._bad_cell(wanted, problem) from None
+        if len(table) != len(self.rows):
+            raise ExoidError("a quotation mark opens and does not close", where=self.file, remedy="remove the quotes")
+        return np.asarray(table, dtype=np.float64)
+
+    def _refuse_ragged(self) -> None:
+        for line, row in zip(self.lines, self.rows, strict=True):
+            where = f"{self.file}, line {line}"
+            width = len(_cells(row, self.delimiter, where)) if '"' in row else row.count(self.delimiter) + 1
+            if width != len(self.header):
+                raise ExoidError(
+                    f"{width} cells, but the header has {len(self.header)} columns",
+                    where=where,
+                    remedy="mend or drop that row (decimal commas split cells: write 0.5, not 0,5)",
+                )
+
+    def _bad_cell(self, wanted: Sequence[int], problem: ValueError) -> ExoidError:
+        """Find the cell that is not a number, once the fast reader has failed."""
+        for line, row in zip(self.lines, self.rows, strict=True):
+            cells = _cells(row, self.delimiter, f"{self.file}, line {line}")
+            for column in wanted:
+                cell = cells[column] if column < len(cells) else ""
+                if _is_number(cell):
+                    continue
+                what, remedy = f"{cell[:40]!r} is not a number", "mend or drop that row"
+                if not cell:
+                    what, remedy = "the cell is empty", "drop that row, or fill it by a method you can defend"
+                elif _is_number(cell.replace(",", ".")):
+                    remedy = "write numbers with a decimal point"
+                return ExoidError(what, where=f"{self.file}, line {line}, column {self.header[column]}", remedy=remedy)
+        return ExoidError(f"unreadable: {problem}", where=self.file, remedy="write plain decimal numbers")
+
+
+def read_text_table(path: str | os.PathLike[str]) -> TextTable:
+    """Read a UTF-8 text file with a header line, delimited by comma, semicolon or tab.
+
+    Lines that start with ``#`` and blank lines are skipped, a byte-order mark and any line ending are
+    understood. When the first line is all numbers, a ``#`` line of as many cells before it is the header.
+
+    Raises:
+        ExoidError: The file is missing, empty, not text, or has no header or a repeated one.
+    """
+    file = os.fsdecode(path)
+    data = _read_bytes(Path(file), file)
+    text = _decode(data, file).replace("\r\n", "\n").replace("\r", "\n")
+    source = Source(name=Path(file).name, sha256=hashlib.sha256(data).hexdigest())
+    written = [(number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
+    content = [(number, line) for number, line in written if not line.lstrip().startswith("#")]
+    if not content:
+        raise ExoidError("no lines with data", where=file, remedy="a log has a header line, then one line per sample")
+    number, first = content[0]
+    delimiter = max(DELIMITERS, key=lambda mark: len(_cells(first, mark, f"{file}, line {number}")))
+    header = _cells(first, delimiter, f"{file}, line {number}")
+    if all(map(_is_number, header)):
+        comments = [line.lstrip("# \t") for before, line in written if before < number]
+        header = _cells(comments[-1], delimiter, file) if comments else []
+        if len(header) != first.count(delimiter) + 1:
+            raise ExoidError(
+                "no header line: the first line holds only numbers",
+                where=f"{file}, line {number}",
+                remedy="put a line of column names first: time, q_<joint>, tau_<joint>",
+            )
+    else:
+        content = content[1:]
+    for name, count in Counter(header).items():
+        if name and count > 1:
+            raise ExoidError(f"{count} columns are headed {name!r}", where=file, remedy="rename or drop one")
+    rows = [(number, line) for number, line in content if line.strip(f'{delimiter}" \t')]
+    lines = np.array([number for number, _ in rows], dtype=np.int64)
+    return TextTable(file, source, tuple(header), [line for _, line in rows], lines, delimiter)
+
+
+def _read_bytes(path: Path, file: str) -> bytes:
+    try:
+        if path.is_dir():
+            raise ExoidError("is a directory, not a file", where=file, remedy="name the CSV file in it")
+        if path.exists() and not path.is_file():
+            raise ExoidError("is not a regular file", where=file, remedy="copy the log into a file first")
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise ExoidError("no such file", where=file, remedy=f"check the path; looked in {path.parent}") from None
+    except (OSError, ValueError) as problem:
+        raise ExoidError(
+            f"cannot be read: {problem}", where=repr(file), remedy="check the path and its rights"
+        ) from None
+
+
+def _decode(data: bytes, file: str) -> str:
+    if not data.strip():
+        raise ExoidError("the file is empty", where=file, remedy="check that the logger closed it")
+    if b"\0" in data:
+        raise ExoidError("the file is binary, not text", where=file, remedy="export it as CSV in UTF-8")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        line = data.count(b"\n", 0, problem.start) + 1
+        raise ExoidError(
+            f"byte {data[problem.start]:#04x} is not UTF-8 text",
+            where=f"{file}, line {line}",
+            remedy="save it as UTF-8",
+        ) from None
+
+
+def _cells(line: str, delimiter: str, where: str) -> list[str]:
+    try:
+        cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+    except csv.Error as problem:
+        raise ExoidError(
+            f"not a line of a table: {problem}", where=where, remedy="export the log as plain CSV"
+        ) from None
+    return [cell.strip() for cell in cells]
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return cell.isascii() and "_" not in cell

@@ -1,0 +1,436 @@
+"""CSV logs: what was written comes back bit by bit, and whatever is wrong is named."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from exoid import ExoidError
+from exoid.signals import Recording
+
+HEADER = "time,q_hip,q_knee,tau_hip,tau_knee"
+ROWS = [f"{0.02 * k:.2f},{0.1 * math.sin(k / 9):.4f},{-0.01 * k:.2f},{k},{-k}.5" for k in range(12)]
+
+
+@pytest.fixture
+def log(tmp_path):
+    """Write lines (or bytes) as log.csv and return its path."""
+
+    def write(content):
+        path = tmp_path / "log.csv"
+        path.write_bytes(content if isinstance(content, bytes) else "\n".join(content).encode())
+        return path
+
+    return write
+
+
+def refused(path, match, **options):
+    with pytest.raises(ExoidError, match=match) as caught:
+        Recording.from_csv(path, **options)
+    assert caught.value.remedy
+    return str(caught.value)
+
+
+def changed(line, text):
+    """The good log with one line (counted from 1) replaced."""
+    lines = [HEADER, *ROWS]
+    lines[line - 1] = text
+    return lines
+
+
+# --- what is read -------------------------------------------------------------------------------------------
+
+
+def test_joints_come_from_the_angle_columns_in_the_order_of_the_file(log):
+    recording = Recording.from_csv(log([HEADER, *ROWS]))
+    assert recording.joint_names == ("hip", "knee")
+    np.testing.assert_array_equal(recording.q[:, 1], [-0.01 * round(k) if k else 0.0 for k in range(12)])
+    np.testing.assert_array_equal(recording.tau[3], [3.0, -3.5])
+    assert recording.v is None
+    assert recording.a is None
+
+
+def test_the_file_is_evidence(log):
+    path = log([HEADER, *ROWS])
+    source = Recording.from_csv(str(path)).source
+    assert source.name == "log.csv"
+    assert source.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def test_joint_names_choose_and_order_the_columns(log):
+    recording = Recording.from_csv(log([HEADER, *ROWS]), joint_names=["knee"])
+    assert recording.joint_names == ("knee",)
+    np.testing.assert_array_equal(recording.tau[:, 0], [float(f"{-k}.5") for k in range(12)])
+
+
+def test_columns_map_foreign_headers(log):
+    lines = ["t,pos1,trq1,time,mode", *(f"{0.01 * k},{0.1 * k},{k},now,idle" for k in range(12))]
+    recording = Recording.from_csv(log(lines), columns={"time": "t", "q_hip": "pos1", "tau_hip": "trq1"})
+    assert recording.joint_names == ("hip",)
+    np.testing.assert_array_equal(recording.time, [0.01 * k for k in range(12)])
+    assert recording.tau[5, 0] == 5.0
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+@pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"], ids=["plain", "BOM"])
+def test_delimiters_line_endings_and_byte_order_marks_do_not_matter(log, delimiter, ending, mark):
+    lines = [
+        "# made by a logger",
+        HEADER.replace(",", " , "),
+        *ROWS[:5],
+        "",
+        "# pause",
+        *ROWS[5:],
+        "",
+        ",,,,",
+        "  ",
+    ]
+    text = ending.join(line.replace(",", delimiter) for line in lines)
+    recording = Recording.from_csv(log(mark + text.encode()))
+    plain = Recording.from_csv(log([HEADER, *ROWS]))
+    assert recording.joint_names == plain.joint_names
+    for name in ("time", "q", "tau"):
+        np.testing.assert_array_equal(getattr(recording, name), getattr(plain, name))
+
+
+def test_a_header_in_a_comment_line_is_understood(log):
+    recording = Recording.from_csv(log(["# a log", f"# {HEADER}", *ROWS]))
+    assert recording.joint_names == ("hip", "knee")
+    assert len(recording) == 12
+
+
+def test_quoted_cells_are_read_and_quoted_text_in_other_columns_may_hold_delimiters(log):
+    lines = ['"time","q_hip",note', *(f'"{0.01 * k}","{0.1 * k}","a, b"' for k in range(12))]
+    assert Recording.from_csv(log(lines)).q[3, 0] == 0.1 * 3
+
+
+def test_degrees_apply_to_angles_velocities_and_accelerations_but_not_to_torques(log):
+    lines = ["time,q_hip,v_hip,a_hip,tau_hip", *(f"{0.01 * k},{9.0 * k},900.0,0.0,9.0" for k in range(12))]
+    recording = Recording.from_csv(log(lines), angle_unit="deg")
+    np.testing.assert_allclose(recording.q[2], np.deg2rad(18.0))
+    np.testing.assert_allclose(recording.v[2], np.deg2rad(900.0))
+    assert recording.tau[2, 0] == 9.0
+
+
+def test_uneven_stamps_are_resampled_unless_asked_otherwise(log):
+    lines = ["time,q_hip", *(f"{0.01 * (k + 0.1 * (k % 3))},{0.02 * k}" for k in range(40))]
+    assert Recording.from_csv(log(lines)).is_uniform
+    raw = Recording.from_csv(log(lines), resample=False)
+    assert not raw.is_uniform
+    assert len(raw) == 40
+
+
+# --- round trip ---------------------------------------------------------------------------------------------
+
+
+NAMES = st.text(min_size=1, max_size=8).filter(
+    lambda name: name.isprintable() and name == name.strip() and not set(name) & set(',;"')
+)
+
+
+@st.composite
+def recordings(draw):
+    """Random recordings: any joint names, any subset of quantities, any floats, uneven time."""
+    joints = tuple(draw(st.lists(NAMES, min_size=1, max_size=3, unique=True)))
+    samples = draw(st.integers(10, 25))
+    floats = {
+        "q": st.floats(-6.28, 6.28),
+        "v": st.floats(-1e8, 1e8),
+        "a": st.floats(-1e8, 1e8),
+        "tau": st.floats(-1e8, 1e8),
+    }
+    wanted = ["q", *draw(st.sets(st.sampled_from(["v", "a", "tau"])))]
+    intervals = draw(hnp.arrays(np.float64, samples, elements=st.floats(1e-4, 10.0)))
+    made = {name: draw(hnp.arrays(np.float64, (samples, len(joints)), elements=floats[name])) for name in wanted}
+    try:
+        return Recording(time=np.cumsum(intervals), **made, joint_names=joints)
+    except ExoidError:  # by chance the velocity looks like degrees
+        return Recording(time=np.cumsum(intervals), q=made["q"], joint_names=joints)
+
+
+@given(recording=recordings())
+@settings(max_examples=60, deadline=None)
+def test_every_recording_reads_back_bit_by_bit(recording):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "log.csv"
+        recording.to_csv(path)
+        again = Recording.from_csv(path, resample=False)
+    assert again.joint_names == recording.joint_names
+    for name in ("time", "q", "v", "a", "tau"):
+        written, read = getattr(recording, name), getattr(again, name)
+        assert (written is None) == (read is None)
+        if written is not None:
+            assert written.tobytes() == read.tobytes()
+
+
+def test_an_even_recording_reads_back_bit_by_bit_with_resampling_on(tmp_path):
+    time = np.arange(5000) / 300.0
+    recording = Recording(time=time, q=np.sin(time)[:, np.newaxis], joint_names=("hip",))
+    recording.to_csv(tmp_path / "log.csv")
+    assert Recording.from_csv(tmp_path / "log.csv").q.tobytes() == recording.q.tobytes()
+
+
+@pytest.mark.parametrize("failing", ["write", "replace"])
+def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, log, monkeypatch, failing):
+    path = log([HEADER, *ROWS])
+    before, recording = path.read_bytes(), Recording.from_csv(path)
+    seen = []
+
+    def fail(*_):
+        seen.extend(tmp_path.iterdir())
+        raise OSError(28, "No space left on device")
+
+    def open_on_a_full_disk(self, *args, opened=Path.open, **options):
+        file = opened(self, *args, **options)
+        file.write("time,q_h")
+        file.writelines = fail
+        return file
+
+    if failing == "replace":
+        monkeypatch.setattr(Path, "replace", fail)
+    else:
+        monkeypatch.setattr(Path, "open", open_on_a_full_disk)
+    with pytest.raises(ExoidError, match=r"log\.csv: cannot be written: No space left on device.*disk with room"):
+        recording.to_csv(path)
+    monkeypatch.undo()
+    assert len(seen) == 2  # the old file and the half-written one beside it
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_writing_into_a_missing_folder_is_refused(tmp_path, log):
+    with pytest.raises(ExoidError, match=r"cannot be written: No such file.*existing folder"):
+        Recording.from_csv(log([HEADER, *ROWS])).to_csv(tmp_path / "nowhere" / "log.csv")
+
+
+# --- what is refused: the file ------------------------------------------------------------------------------
+
+
+def test_a_missing_file_a_directory_and_a_device_are_refused(tmp_path):
+    refused(tmp_path / "none.csv", r"none\.csv: no such file.*check the path")
+    refused(tmp_path, "is a directory, not a file")
+    refused("a\0b.csv", "cannot be read")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+def test_a_pipe_is_refused_instead_of_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe.csv")
+    refused(tmp_path / "pipe.csv", "not a regular file")
+
+
+@pytest.mark.parametrize(
+    ("content", "match"),
+    [
+        (b"", r"log\.csv: the file is empty"),
+        (b"\n  \r\n", "the file is empty"),
+        (b"# nothing here\n", "no lines with data"),
+        (b"\x93NUMPY\x01\x00v\x00{'descr'", "binary, not text"),
+        ("time,q_hip\n0,1\n".encode("utf-16"), "binary, not text.*UTF-8"),
+        (b"time,q_hip\n0,1\n0,\xff\n", r"log\.csv, line 3: byte 0xff is not UTF-8"),
+        (b"0.0,0.1\n0.1,0.2\n", r"log\.csv, line 1: no header line"),
+        (b"# made today\n0.0,0.1\n0.1,0.2\n", r"log\.csv, line 2: no header line"),
+        (b"time,q_hip\n", r"log\.csv: too few samples: 0"),
+        (b"time,q_hip\n" + b"\n".join(b"%d,0.1" % k for k in range(9)), "too few samples: 9"),
+        (b"time,q_hip,q_hip\n0,1,2\n", r"log\.csv: 2 columns are headed 'q_hip'"),
+    ],
+)
+def test_a_file_that_is_no_log_is_refused_by_name(log, content, match):
+    refused(log(content), match)
+
+
+# --- what is refused: the columns ---------------------------------------------------------------------------
+
+
+def test_a_missing_time_or_angle_column_is_refused_with_the_closest_and_with_what_exists(log):
+    lines = [HEADER.replace("time", "Time"), *ROWS]
+    message = refused(log(lines), r"log\.csv: no column 'time' .*closest: Time; the file has: Time, q_hip, q_knee,")
+    assert "columns={'time': <header in the file>}" in message
+    refused(log([HEADER, *ROWS]), r"no column 'q_ankle'.*columns=\{'q_ankle'", joint_names=("hip", "ankle"))
+    refused(log([HEADER.replace("q_", "pos_"), *ROWS]), r"no column 'q_<joint>'.*the file has: time, pos_hip")
+
+
+def test_a_header_asked_for_by_the_mapping_must_exist(log):
+    message = refused(log([HEADER, *ROWS]), r"no column 'q_hipp'", columns={"q_hip": "q_hipp"})
+    assert "columns['q_hip'] asks for it" in message
+    assert "closest: q_hip" in message
+
+
+def test_a_wide_file_is_not_listed_in_full(log):
+    lines = ["time," + ",".join(f"signal{k}" for k in range(50)), *(["0" + ",0" * 50] * 12)]
+    message = refused(log(lines), r"\(51 in all\)")
+    assert "signal30" not in message
+
+
+@pytest.mark.parametrize("quantity", ["v", "a", "tau"])
+def test_a_quantity_given_for_some_joints_only_is_refused(log, quantity):
+    lines = [f"time,q_hip,q_knee,{quantity}_hip", *(f"{0.01 * k},0.1,0.1,0.1" for k in range(12))]
+    refused(log(lines), rf"no column '{quantity}_knee' \(other joints have theirs")
+    assert len(Recording.from_csv(log(lines), joint_names=("hip",))) == 12
+
+
+@pytest.mark.parametrize(
+    ("columns", "match"),
+    [
+        ({"angle_hip": "q_hip"}, "'angle_hip', which is not a column of exoid's.*time, q_<joint>"),
+        ({"tau_hpi": "tau_hip"}, "'tau_hpi', but no column gives the angle.*hip, knee"),
+        ({"q_a": "q_hip", "q_b": "q_hip"}, "'q_hip' is to be read as q_a and q_b"),
+    ],
+)
+def test_a_mapping_that_makes_no_sense_is_refused(log, columns, match):
+    refused(log([HEADER, *ROWS]), match, columns=columns)
+
+
+@pytest.mark.parametrize(
+    ("options", "match"),
+    [
+        ({"angle_unit": "degrees"}, "angle_unit is 'degrees'"),
+        ({"joint_names": "hip"}, r"the string 'hip'.*\('hip',\)"),
+        ({"joint_names": ()}, "joint_names is empty"),
+        ({"joint_names": ("hip", "hip")}, "occurs 2 times"),
+    ],
+)
+def test_options_that_make_no_sense_are_refused(log, options, match):
+    refused(log([HEADER, *ROWS]), match, **options)
+
+
+# --- what is refused: the cells -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("cell", "match"),
+    [
+        ("nan", "nan is not a finite number.*drop those rows"),
+        ("-inf", "-inf is not a finite number"),
+        ("1e999", "inf is not a finite number"),
+        ("", "the cell is empty.*drop that row"),
+        ("off", "'off' is not a number"),
+        ("1_0", "'1_0' is not a number"),
+        ("٣", "'٣' is not a number"),
+        ('"0,5"', "'0,5' is not a number.*decimal point"),
+        ("1e300", r"1e\+300 is beyond anything a leg does"),
+    ],
+)
+def test_a_cell_that_is_no_finite_number_is_named_by_line_and_column(log, cell, match):
+    lines = ["# a comment moves the lines", *changed(5, f"0.06,0.1,0.1,{cell},0.1")]
+    refused(log(lines), rf"log\.csv, line 6, column tau_hip: {match}")
+
+
+def test_a_column_with_a_foreign_header_is_named_by_both(log):
+    lines = changed(5, "0.06,0.1,nan,1,0.1")
+    lines[0] = HEADER.replace("q_knee", "pos2")
+    refused(log(lines), r"line 5, column pos2 \(q_knee\): nan", columns={"q_knee": "pos2"})
+
+
+@pytest.mark.parametrize(
+    ("row", "width"), [("0.06,0.1,0.1,1", 4), ("0.06,0.1,0.1,1,2,3", 6), ('0.06,"0.1,0.1",1,2', 4)]
+)
+def test_a_ragged_row_is_refused_by_line(log, row, width):
+    refused(
+        log(changed(5, row)),
+        rf"log\.csv, line 5: {width} cells, but the header has 5 columns.*decimal commas",
+    )
+
+
+def test_a_quotation_mark_that_does_not_close_is_refused(log):
+    lines = ["time,q_hip,note", *(f"{0.01 * k},0.1,ok" for k in range(12))]
+    lines[4] = '0.03,0.1,"ok'
+    refused(log(lines), r"log\.csv: a quotation mark")
+
+
+@pytest.mark.parametrize(("stamp", "kind"), [("0.04", "is repeated"), ("0.01", "runs backwards")])
+def test_disordered_time_is_refused_by_line(log, stamp, kind):
+    lines = ["", *changed(5, f"{stamp},0.1,0.1,1,1")]
+    refused(log(lines), rf"log\.csv, line 6: time {kind}: {stamp} s after 0\.04 s.*split a log")
+
+
+def test_degrees_in_the_file_are_refused_by_line_with_the_remedy(log):
+    message = refused(log(changed(7, "0.10,0.1,40,1,1")), r"log\.csv, line 7, column q_knee: an angle of 40 rad")
+    assert 'angle_unit="deg"' in message
+    assert len(Recording.from_csv(log(changed(7, "0.10,0.1,40,1,1")), largest_angle=50.0)) == 12
+
+
+def test_velocity_in_degrees_is_refused_by_file(log):
+    lines = [
+        "time,q_hip,v_hip",
+        *(f"{0.02 * k},{math.sin(0.06 * k)},{171.9 * math.cos(0.06 * k)}" for k in range(99)),
+    ]
+    refused(log(lines), r"log\.csv: v of joint hip is 57\.\d times .* v looks like degrees")
+
+
+def test_a_gap_in_time_is_refused_by_line_unless_resampling_is_off(log):
+    lines = ["time,q_hip", *(f"{0.01 * k + (k >= 20)},0.1" for k in range(40))]
+    refused(log(lines), r"log\.csv, line 22: a gap of 1\.01 s .*split the log there")
+    assert len(Recording.from_csv(log(lines), resample=False)) == 40
+
+
+# --- whatever the bytes -------------------------------------------------------------------------------------
+
+
+def read_or_refuse(data):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "log.csv"
+        path.write_bytes(data)
+        try:
+            recording = Recording.from_csv(path)
+        except ExoidError:
+            return None
+    assert np.isfinite(recording.q).all()
+    assert (np.diff(recording.time) > 0.0).all()
+    return recording
+
+
+@given(data=st.binary(max_size=300))
+@settings(max_examples=150, deadline=None)
+def test_any_bytes_are_read_or_refused(data):
+    read_or_refuse(data)
+
+
+@given(text=st.text(max_size=200))
+@settings(max_examples=150, deadline=None)
+@example("time\tq_a\n" + '"\n' * 12)
+def test_any_text_is_read_or_refused(text):
+    read_or_refuse(text.encode("utf-8", "surrogatepass"))
+
+
+CELLS = st.one_of(
+    st.floats(width=64).map(repr),
+    st.integers(-(10**20), 10**20).map(str),
+    st.text(alphabet='0123456789.,;"eE+-# nax\t', max_size=5),
+)
+
+
+@given(
+    start=st.sampled_from(["time,q_a", "time,q_a,tau_a,v_a", "time;q_a;note", '"time","q_a"', "# time,q_a"]),
+    cells=st.lists(st.lists(CELLS, min_size=2, max_size=4), min_size=8, max_size=14),
+    numbered=st.booleans(),
+)
+@settings(max_examples=200, deadline=None)
+def test_anything_shaped_like_a_log_is_read_or_refused(start, cells, numbered):
+    mark = ";" if ";" in start else ","
+    width = start.count(mark) + 1
+    rows = [mark.join([str(0.01 * k), *row][:width] if numbered else row) for k, row in enumerate(cells)]
+    read_or_refuse("\n".join([start, *rows]).encode())
+
+
+@given(
+    stamps=st.lists(st.floats(-1e12, 1e12), min_size=10, max_size=20, unique=True).map(sorted),
+    values=st.lists(st.floats(-6.0, 6.0), min_size=20, max_size=20),
+)
+@settings(max_examples=150, deadline=None)
+def test_any_increasing_time_is_read_or_refused(stamps, values):
+    rows = [f"{stamp!r},{value!r}" for stamp, value in zip(stamps, values, strict=False)]
+    read_or_refuse("\n".join(["time,q_a", *rows]).encode())
+
+
+def test_a_good_log_passes_the_same_gate():
+    assert len(read_or_refuse("\n".join([HEADER, *ROWS]).encode())) == 12

@@ -1,0 +1,161 @@
+"""Low-pass filters against closed forms and measured frequency responses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import signal
+
+from exoid import ExoidError
+from exoid.signals import edge_length, exponential_moving_average, filters, zero_phase
+
+
+def response(frequency, rate, cutoff, order):
+    """Complex gain of the filter at a frequency, measured on a sinusoid far from the ends."""
+    edge = edge_length(rate, cutoff, order, tolerance=1e-12)
+    samples = 2 * edge + int(40 * rate / frequency)
+    time = np.arange(samples) / rate
+    wave = np.exp(2j * np.pi * frequency * time)
+    out = zero_phase(np.column_stack([wave.real, wave.imag]), rate, cutoff, order)
+    middle = slice(edge, samples - edge)
+    return np.mean((out[middle, 0] + 1j * out[middle, 1]) / wave[middle])
+
+
+@pytest.mark.parametrize("order", [1, 2, 4, 6])
+@pytest.mark.parametrize(("rate", "cutoff"), [(500.0, 8.0), (50.0, 8.0), (50.0, 20.0), (100.0, 45.0)])
+def test_the_two_passes_together_have_their_minus_3_db_point_at_the_cutoff(rate, cutoff, order):
+    gain = response(cutoff, rate, cutoff, order)
+    assert abs(gain) == pytest.approx(np.sqrt(0.5), rel=1e-9)
+
+
+@given(
+    rate=st.floats(20.0, 2000.0),
+    share=st.floats(0.02, 0.45),
+    frequency_share=st.floats(0.02, 0.48),
+    order=st.integers(1, 5),
+)
+@settings(max_examples=40, deadline=None)
+def test_every_frequency_passes_without_delay_and_with_the_documented_gain(rate, share, frequency_share, order):
+    cutoff, frequency = share * rate, frequency_share * rate
+    gain = response(frequency, rate, cutoff, order)
+    ratio = np.tan(np.pi * frequency / rate) / np.tan(np.pi * cutoff / rate)
+    expected = 1.0 / (1.0 + (np.sqrt(2.0) - 1.0) * ratio ** (2 * order))
+    assert abs(gain - expected) < 1e-8
+
+
+@pytest.mark.parametrize("shape", [(400,), (400, 2), (400, 2, 7)])
+def test_every_column_is_filtered_along_time_whatever_the_trailing_shape(shape):
+    x = np.random.default_rng(1).normal(size=shape)
+    out = zero_phase(x, 100.0, 8.0)
+    assert out.shape == shape
+    columns, filtered = x.reshape(400, -1), out.reshape(400, -1)
+    for column in range(columns.shape[1]):
+        np.testing.assert_array_equal(filtered[:, column], zero_phase(columns[:, column], 100.0, 8.0))
+
+
+def test_filtering_in_blocks_of_columns_changes_nothing(monkeypatch):
+    x = np.random.default_rng(2).normal(size=(500, 3, 5))
+    whole = zero_phase(x, 100.0, 8.0)
+    widths = []
+    filtfilt = signal.sosfiltfilt
+    monkeypatch.setattr(filters, "BLOCK_BYTES", 500 * 8 * 4)
+    monkeypatch.setattr(
+        filters.signal, "sosfiltfilt", lambda s, b, **k: widths.append(b.shape[1]) or filtfilt(s, b, **k)
+    )
+    np.testing.assert_array_equal(zero_phase(x, 100.0, 8.0), whole)
+    assert widths == [4, 4, 4, 3]
+
+
+def test_the_filter_is_linear_so_an_equation_stays_true():
+    rng = np.random.default_rng(3)
+    columns, parameters = rng.normal(size=(600, 2, 5)), rng.normal(size=5)
+    filtered = zero_phase(columns @ parameters, 200.0, 8.0)
+    np.testing.assert_allclose(zero_phase(columns, 200.0, 8.0) @ parameters, filtered, atol=1e-12)
+
+
+def test_a_constant_and_a_ramp_pass_unchanged_up_to_the_very_ends():
+    time = np.arange(400) / 100.0
+    x = np.column_stack([np.full(400, 3.0), 2.0 - 0.7 * time])
+    np.testing.assert_allclose(zero_phase(x, 100.0, 8.0), x, atol=2e-3)
+    np.testing.assert_allclose(zero_phase(x, 100.0, 8.0)[50:-50], x[50:-50], atol=2e-6)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4, 6])
+@pytest.mark.parametrize(("rate", "cutoff"), [(500.0, 8.0), (50.0, 8.0), (50.0, 20.0), (1000.0, 2.0), (100.0, 25.0)])
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-5])
+def test_beyond_the_edge_length_the_impulse_response_has_decayed_as_promised(rate, cutoff, order, tolerance):
+    edge = edge_length(rate, cutoff, order, tolerance)
+    impulse = np.zeros(8 * edge + 4001)
+    impulse[len(impulse) // 2] = 1.0
+    tail = np.cumsum(zero_phase(impulse, rate, cutoff, order))[: len(impulse) // 2][::-1]
+    assert 2.0 * np.abs(tail[edge:]).max() <= tolerance
+    assert edge <= 5 or 2.0 * np.abs(tail[: edge // 2]).max() > tolerance
+
+
+def test_a_parabola_keeps_its_curvature_inside_the_edge_and_loses_it_outside():
+    rate = 200.0
+    x = 0.5 * (np.arange(1000) / rate) ** 2
+    curvature = np.diff(zero_phase(x, rate, 8.0), 2) * rate**2
+    edge = edge_length(rate, 8.0)
+    assert np.abs(curvature[edge:-edge] - 1.0).max() < 2e-3
+    assert np.abs(curvature[: edge // 4] - 1.0).max() > 0.5
+
+
+@pytest.mark.parametrize("cutoff", [0.0, -1.0, 25.0, 100.0, np.nan, np.inf])
+def test_a_cutoff_not_below_half_the_rate_is_refused_with_what_to_choose(cutoff):
+    with pytest.raises(ExoidError, match=r"sampling rate of 50 Hz.*between 0 and 20 Hz.*time is in seconds"):
+        zero_phase(np.zeros((500, 1)), 50.0, cutoff)
+
+
+def test_a_record_shorter_than_the_pad_is_refused_with_the_length_needed():
+    pad = edge_length(100.0, 8.0)
+    with pytest.raises(ExoidError, match=rf"{pad} samples .* too few .* more than {pad} .*record longer"):
+        zero_phase(np.zeros((pad, 2)), 100.0, 8.0)
+    assert zero_phase(np.zeros((pad + 1, 2)), 100.0, 8.0).shape == (pad + 1, 2)
+
+
+@pytest.mark.parametrize("order", [0, -2, 1.5])
+def test_an_order_that_is_no_natural_number_is_refused(order):
+    with pytest.raises(ExoidError, match="order is"):
+        zero_phase(np.zeros((500, 1)), 100.0, 8.0, order)
+
+
+@pytest.mark.parametrize(
+    ("rate", "cutoff", "order"), [(500.0, 8.0, 4), (50.0, 8.0, 2), (50.0, 20.0, 4), (100.0, 25.0, 1)]
+)
+def test_the_noise_bandwidth_is_the_power_of_the_impulse_response(rate, cutoff, order):
+    impulse = np.zeros(4001)
+    impulse[2000] = 1.0
+    power = np.sum(zero_phase(impulse, rate, cutoff, order) ** 2)
+    assert filters.noise_bandwidth(rate, cutoff, order) == pytest.approx(power, rel=1e-4)
+
+
+def test_the_moving_average_answers_a_step_in_closed_form():
+    alpha, k = 0.2, np.arange(1, 41)
+    step = np.concatenate([[0.0], np.ones(40)])
+    np.testing.assert_allclose(exponential_moving_average(step, alpha)[1:], 1.0 - (1.0 - alpha) ** k, rtol=1e-12)
+
+
+@pytest.mark.parametrize("alpha", [0.1, 0.3, 0.8])
+def test_the_moving_average_delays_a_ramp_by_its_documented_lag(alpha):
+    ramp = np.arange(600.0)
+    lag = ramp - exponential_moving_average(ramp, alpha)
+    assert lag[-1] == pytest.approx((1.0 - alpha) / alpha, rel=1e-9)
+
+
+@given(alpha=st.floats(0.01, 1.0), seed=st.integers(0, 2**32 - 1))
+@settings(max_examples=30, deadline=None)
+def test_the_moving_average_is_its_recursion_started_at_the_first_sample(alpha, seed):
+    x = np.random.default_rng(seed).normal(size=(30, 2, 3))
+    expected = x.copy()
+    for k in range(1, 30):
+        expected[k] = alpha * x[k] + (1.0 - alpha) * expected[k - 1]
+    np.testing.assert_allclose(exponential_moving_average(x, alpha), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("alpha", [0.0, -0.1, 1.1, np.nan])
+def test_a_weight_outside_zero_to_one_is_refused(alpha):
+    with pytest.raises(ExoidError, match="weight of the newest sample"):
+        exponential_moving_average(np.zeros(20), alpha)

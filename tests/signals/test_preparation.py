@@ -1,0 +1,221 @@
+"""From recordings to kinematics: accurate inside the valid rows, known to be bad outside."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from exoid import ExoidError
+from exoid.signals import (
+    PREPARATIONS,
+    FiniteDifference,
+    MovingAverage,
+    Recording,
+    ZeroPhase,
+    edge_length,
+    exponential_moving_average,
+)
+
+FREQUENCIES = 2.0 * np.pi * np.array([0.3, 0.7, 1.3, 2.1])
+AMPLITUDES = np.array([0.4, 0.2, 0.08, 0.04])
+WAYS = [ZeroPhase(), ZeroPhase(5.0, 20.0, 2), FiniteDifference(), MovingAverage(0.3)]
+
+
+def truth(time):
+    """Angle, velocity and acceleration of two joints; at t = 0 both are in the middle of a motion."""
+    q, v, a = (np.empty((len(time), 2)) for _ in range(3))
+    for joint, shift in enumerate((0.4, 2.0)):
+        phase = np.outer(time, FREQUENCIES) + shift * np.arange(1, 5)
+        q[:, joint] = np.sin(phase) @ AMPLITUDES
+        v[:, joint] = np.cos(phase) @ (AMPLITUDES * FREQUENCIES)
+        a[:, joint] = -np.sin(phase) @ (AMPLITUDES * FREQUENCIES**2)
+    return q, v, a
+
+
+def recording(rate=200.0, seconds=12.0, **changes):
+    time = 2.137 + np.arange(int(seconds * rate)) / rate
+    q, v, _ = truth(time)
+    return Recording(**{"time": time, "q": q, "tau": 10.0 * v, "joint_names": ("hip", "knee"), **changes})
+
+
+def worst(found, exact):
+    return np.abs(found - exact).max() / np.abs(exact).max()
+
+
+@pytest.mark.parametrize("rate", [50.0, 200.0, 1000.0])
+def test_velocity_and_acceleration_are_accurate_in_valid_rows_of_a_record_that_starts_mid_motion(rate):
+    log = recording(rate)
+    kinematics = ZeroPhase().kinematics(log)
+    q, v, a = truth(log.time)
+    rows = kinematics.valid
+    assert worst(kinematics.q[rows], q[rows]) < 1e-8
+    assert worst(kinematics.v[rows], v[rows]) < 5e-5
+    assert worst(kinematics.a[rows], a[rows]) < 5e-5
+
+
+@pytest.mark.parametrize("rate", [50.0, 200.0, 1000.0])
+def test_acceleration_is_useless_outside_the_valid_rows_so_they_must_be_cut(rate):
+    log = recording(rate)
+    kinematics = ZeroPhase().kinematics(log)
+    a = truth(log.time)[2]
+    assert worst(kinematics.a[: kinematics.valid.start // 4], a[: kinematics.valid.start // 4]) > 0.3
+    assert worst(kinematics.a[-kinematics.valid.start // 4 :], a[-kinematics.valid.start // 4 :]) > 0.3
+
+
+def identified(log, way, rows):
+    """Inertia, gravity moment, Coulomb and viscous friction of the first joint by least squares."""
+
+    def columns(q, v, a):
+        return np.stack([a[:, 0], np.sin(q[:, 0]), np.tanh(v[:, 0] / 0.02), v[:, 0]], axis=1)
+
+    parameters = np.array([0.3, 8.0, 1.0, 0.3])
+    tau = columns(*truth(log.time)) @ parameters
+    kinematics = way.kinematics(log)
+    left = way.filter_columns(columns(*kinematics[:3]), log.sample_rate)
+    right = way.filter(tau, log.sample_rate)
+    inside = rows(kinematics.valid)
+    return np.abs(np.linalg.lstsq(left[inside], right[inside], rcond=None)[0] / parameters - 1.0).max()
+
+
+@pytest.mark.parametrize("rate", [50.0, 200.0, 500.0])
+def test_identification_from_exact_angles_is_exact_in_valid_rows_and_biased_if_the_edges_stay(rate):
+    log = recording(rate)
+    trimmed = identified(log, ZeroPhase(), lambda valid: valid)
+    untrimmed = identified(log, ZeroPhase(), lambda _: slice(None))
+    assert trimmed < 1e-4
+    assert untrimmed > 1e-2
+
+
+def test_plain_differences_at_fifty_hertz_bias_what_five_points_do_not():
+    log = recording(50.0)
+    assert identified(log, FiniteDifference(), lambda valid: valid) > 4e-3
+    assert identified(log, ZeroPhase(), lambda valid: valid) < 1e-4
+
+
+def test_valid_rows_exclude_the_edges_of_both_filters():
+    log = recording(200.0)
+    edge = edge_length(200.0, 16.0) + edge_length(200.0, 8.0)
+    assert ZeroPhase().kinematics(log).valid == slice(edge, len(log) - edge)
+    assert ZeroPhase().edge(200.0) == edge
+
+
+def test_the_kinematics_cutoff_is_twice_the_cutoff_but_at_most_two_fifths_of_the_rate():
+    assert ZeroPhase(8.0).kinematics_cutoff_at(200.0) == 16.0
+    assert ZeroPhase(8.0).kinematics_cutoff_at(30.0) == 12.0
+    assert ZeroPhase(8.0, 25.0).kinematics_cutoff_at(30.0) == 25.0
+
+
+def test_noise_is_kept_out_of_the_acceleration():
+    rng = np.random.default_rng(7)
+    log = recording(500.0)
+    noisy = dataclasses.replace(log, q=log.q + 1e-4 * rng.normal(size=log.q.shape))
+    a = truth(log.time)[2]
+    smooth, plain = ZeroPhase().kinematics(noisy), FiniteDifference().kinematics(noisy)
+    assert np.std((smooth.a - a)[smooth.valid]) < 0.3
+    assert np.std((plain.a - a)[plain.valid]) > 30.0
+
+
+@pytest.mark.parametrize("way", WAYS, ids=lambda way: way.name)
+def test_recorded_velocity_and_acceleration_are_used_and_the_rest_is_derived_from_the_angle(way):
+    log = recording(200.0)
+    _, v, a = truth(log.time)
+    with_velocity = way.kinematics(dataclasses.replace(log, v=1.1 * v))
+    with_both = way.kinematics(dataclasses.replace(log, v=1.1 * v, a=1.2 * a))
+    bare = way.kinematics(log)
+    rows = bare.valid
+    np.testing.assert_allclose(with_velocity.v[rows], 1.1 * bare.v[rows], atol=0.01)
+    np.testing.assert_allclose(with_velocity.a[rows], bare.a[rows], atol=1e-12)
+    np.testing.assert_allclose(with_both.a[rows], 1.2 * bare.a[rows], atol=0.1)
+
+
+@pytest.mark.parametrize("way", WAYS, ids=lambda way: way.name)
+def test_an_uneven_recording_is_resampled_first(way):
+    rng = np.random.default_rng(5)
+    time = 2.0 + (np.arange(2400) + rng.uniform(-0.2, 0.2, 2400)) / 200.0
+    q, v, _ = truth(time)
+    uneven = Recording(time=time, q=q, tau=v, joint_names=("hip", "knee"))
+    even = uneven.resampled()
+    kinematics = way.kinematics(uneven)
+    for found, expected in zip(kinematics[:3], way.kinematics(even)[:3], strict=True):
+        np.testing.assert_array_equal(found, expected)
+    assert len(kinematics.q) == len(even)
+
+
+@pytest.mark.parametrize("way", WAYS, ids=lambda way: way.name)
+def test_a_preparation_names_itself_and_its_settings_and_does_not_change(way):
+    described = way.describe()
+    assert described["name"] == way.name
+    assert all(isinstance(value, (int, float, str)) for value in described.values())
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        way.cutoff = 1.0
+
+
+@pytest.mark.parametrize("way", WAYS, ids=lambda way: way.name)
+def test_a_preparation_is_found_by_its_name(way):
+    assert PREPARATIONS[way.name] is type(way)
+
+
+@pytest.mark.parametrize("way", WAYS, ids=lambda way: way.name)
+def test_the_share_of_independent_samples_is_the_noise_power_left_by_the_filter(way):
+    noise = np.random.default_rng(11).normal(size=(200_000, 1))
+    assert np.var(way.filter(noise, 100.0)) == pytest.approx(way.independence(100.0), rel=0.05)
+
+
+def test_settings_appear_in_the_evidence():
+    assert ZeroPhase(5.0, 20.0, 2).describe() == {
+        "name": "zero-phase",
+        "cutoff": 5.0,
+        "kinematics_cutoff": 20.0,
+        "order": 2,
+    }
+    assert ZeroPhase().describe()["kinematics_cutoff"] == "min(2 cutoff, 0.4 rate)"
+    assert MovingAverage(0.3).describe() == {"name": "moving-average", "alpha": 0.3}
+
+
+def test_finite_differences_filter_nothing_and_drop_the_first_and_last_sample():
+    log, way = recording(100.0), FiniteDifference()
+    kinematics = way.kinematics(log)
+    assert kinematics.valid == slice(1, len(log) - 1)
+    np.testing.assert_array_equal(kinematics.q, log.q)
+    np.testing.assert_allclose(kinematics.v[1:-1], (log.q[2:] - log.q[:-2]) * 50.0, atol=1e-9)
+    np.testing.assert_allclose(kinematics.a[1:-1], np.diff(log.q, 2, axis=0) * 1e4, atol=1e-8)
+    assert way.filter(log.tau, 100.0) is log.tau
+    assert way.filter_columns(log.tau, 100.0) is log.tau
+
+
+def test_the_moving_average_delays_every_signal_alike_and_smooths_columns_only_once():
+    log, way = recording(200.0), MovingAverage(0.25)
+    v = truth(log.time)[1]
+    kinematics = way.kinematics(dataclasses.replace(log, v=v))
+    np.testing.assert_array_equal(kinematics.q, exponential_moving_average(log.q, 0.25))
+    np.testing.assert_array_equal(kinematics.v, exponential_moving_average(v, 0.25))
+    np.testing.assert_array_equal(way.filter(log.tau, 200.0), exponential_moving_average(log.tau, 0.25))
+    assert way.filter_columns(log.tau, 200.0) is log.tau
+    assert 0.75**kinematics.valid.start <= 1e-3 < 0.75 ** (kinematics.valid.start - 1)
+
+
+def test_a_recording_that_is_all_edges_is_refused():
+    with pytest.raises(
+        ExoidError, match=r"100 samples are too few: the filters spoil \d+ at the beginning.*record longer"
+    ):
+        ZeroPhase().kinematics(recording(200.0, 0.5))
+    with pytest.raises(ExoidError, match="20 samples are too few"):
+        MovingAverage(0.01).kinematics(recording(200.0, 0.1))
+
+
+def test_a_cutoff_that_the_rate_cannot_carry_is_refused():
+    with pytest.raises(ExoidError, match=r"cut-off of 8 Hz is not below half the sampling rate of 10 Hz"):
+        ZeroPhase().kinematics(recording(10.0, 30.0))
+
+
+@pytest.mark.parametrize("settings", [{"cutoff": 0.0}, {"cutoff": np.inf}, {"kinematics_cutoff": -1.0}])
+def test_a_cutoff_that_is_no_frequency_is_refused(settings):
+    with pytest.raises(ExoidError, match="positive frequency"):
+        ZeroPhase(**settings)
+
+
+def test_a_moving_average_without_weight_is_refused():
+    with pytest.raises(ExoidError, match="weight of the newest sample"):
+        MovingAverage(0.0)

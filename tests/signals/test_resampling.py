@@ -1,0 +1,116 @@
+"""Uneven stamps: how they are recognised, resampled, and refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from exoid import ExoidError
+from exoid.signals import Recording
+
+OMEGA = 2.0 * np.pi * np.array([0.5, 1.3])
+
+
+def jittered(rate=100.0, samples=800, jitter=0.3, seed=0, start=0.0):
+    """Stamps whose every one is off by up to ± jitter/2 intervals."""
+    offsets = np.random.default_rng(seed).uniform(-jitter / 2, jitter / 2, samples)
+    return start + (np.arange(samples) + offsets) / rate
+
+
+def motion(time):
+    """Angle and velocity of two joints at any time."""
+    phase = np.outer(time, OMEGA) + np.array([0.2, 1.0])
+    return 0.5 * np.sin(phase), 0.5 * OMEGA * np.cos(phase)
+
+
+def recorded(time):
+    q, v = motion(time)
+    return Recording(time=time, q=q, v=v, tau=20.0 * np.sign(v) + 5.0 * q, joint_names=("hip", "knee"))
+
+
+@pytest.mark.parametrize(("jitter", "uniform"), [(0.0, True), (4e-4, True), (4e-3, False), (0.3, False)])
+def test_stamps_count_as_even_up_to_a_thousandth_of_an_interval(jitter, uniform):
+    assert recorded(jittered(jitter=jitter)).is_uniform is uniform
+
+
+def test_the_rate_of_even_stamps_does_not_suffer_from_few_printed_digits():
+    time = np.round(np.arange(3000) / 300.0, 6)
+    assert recorded(time).sample_rate == pytest.approx(300.0, rel=1e-6)
+
+
+def test_the_rate_of_uneven_stamps_does_not_suffer_from_lost_samples():
+    time = np.delete(np.arange(300) / 100.0, [50, 51, 52, 120, 200, 201])
+    assert recorded(time).sample_rate == pytest.approx(100.0, rel=1e-9)
+    assert recorded(time).resampled().sample_rate == pytest.approx(100.0, rel=1e-9)
+
+
+def test_an_even_recording_is_returned_as_it_is():
+    recording = recorded(np.arange(200) / 100.0)
+    assert recording.resampled() is recording
+
+
+@given(seed=st.integers(0, 2**32 - 1), jitter=st.floats(0.01, 0.6), rate=st.floats(60.0, 1000.0))
+@settings(max_examples=40, deadline=None)
+def test_resampling_preserves_a_smooth_motion_to_a_bound(seed, jitter, rate):
+    time = jittered(rate, 400, jitter, seed)
+    even = recorded(time).resampled()
+    q, v = motion(even.time)
+    assert even.is_uniform
+    assert time[0] == even.time[0]
+    assert time[-1] - 2.0 / even.sample_rate < even.time[-1] <= time[-1]
+    step = 2.0 / rate * OMEGA.max()
+    assert np.abs(even.q - q).max() < 0.05 * step**4 + 1e-12
+    assert np.abs(even.v - v).max() < 0.05 * OMEGA.max() * step**4 + 1e-12
+
+
+def test_a_jump_of_friction_does_not_overshoot():
+    even = recorded(jittered(jitter=0.5)).resampled()
+    assert np.abs(even.tau).max() <= np.abs(recorded(jittered(jitter=0.5)).tau).max()
+
+
+def test_acceleration_survives_resampling_which_a_monotone_curve_through_the_angles_would_spoil():
+    even = recorded(jittered(rate=100.0, jitter=0.3)).resampled()
+    exact = -(OMEGA**2) * motion(even.time)[0]
+    error = np.diff(even.q, 2, axis=0) * even.sample_rate**2 - exact[1:-1]
+    assert np.abs(error[5:-5]).max() < 0.02 * np.abs(exact).max()
+
+
+def test_stamps_that_arrive_in_bursts_do_not_make_the_curve_swing():
+    time = np.arange(400) / 100.0
+    time[50::50] = time[49::50][: len(time[50::50])] + 1e-6
+    q, _ = motion(np.arange(400) / 100.0)
+    even = Recording(time=time, q=np.round(q, 3), joint_names=("hip", "knee")).resampled()
+    assert np.abs(even.q - motion(even.time)[0]).max() < 0.02
+
+
+def test_a_gap_is_refused_with_its_row_and_length_and_the_advice_to_split():
+    time = np.arange(300) / 100.0
+    time[120:] += 0.25
+    with pytest.raises(ExoidError, match=r"^row 120: a gap of 0\.26 s .*limit 0\.1 s; 1 in all.*split the log there"):
+        recorded(time).resampled()
+
+
+def test_a_few_lost_samples_are_no_gap():
+    time = np.delete(np.arange(300) / 100.0, slice(100, 109))
+    assert len(recorded(time).resampled()) == 300
+
+
+def test_a_fast_log_may_lose_twenty_milliseconds():
+    time = np.arange(3000) / 1000.0
+    assert recorded(np.delete(time, slice(500, 518))).resampled().is_uniform
+    with pytest.raises(ExoidError, match=r"a gap of 0\.022 s"):
+        recorded(np.delete(time, slice(500, 521))).resampled()
+
+
+def test_a_higher_rate_is_interpolated():
+    even = recorded(np.arange(300) / 100.0).resampled(250.0)
+    assert even.sample_rate == pytest.approx(250.0, rel=1e-9)
+    assert np.abs(even.q - motion(even.time)[0]).max() < 1e-6
+
+
+@pytest.mark.parametrize("rate", [0.0, -5.0, 50.0, 98.0, 1e6, np.nan, np.inf])
+def test_a_rate_that_would_lose_or_invent_signal_is_refused(rate):
+    with pytest.raises(ExoidError, match="cannot resample from 100 Hz"):
+        recorded(np.arange(300) / 100.0).resampled(rate)
