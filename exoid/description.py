@@ -1,4 +1,4 @@
-"""Reading a URDF that may be hostile: size, encoding, entities and structure are checked before any parser acts on it."""
+"""Reading a URDF that may be hostile: size, encoding, entities and structure are checked before a parser acts on it."""
 
 from __future__ import annotations
 
