@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import math
+import re
+from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +17,27 @@ from .errors import ExoidError
 LARGEST_URDF = 20_000_000
 """Bytes; the largest URDFs of humanoids are about a hundred times smaller."""
 
+MOST_LINKS = 1000
+"""Links; humanoids with hands have about 150, and a chain of thousands overflows the stack of Pinocchio's parser."""
+
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+
+SHORTEST_AXIS = 1e-6
+
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+
+NUMBERS = {
+    "link/inertial/mass": {"value": 1},
+    "link/inertial/inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
+    "link/inertial/origin": {"xyz": 3, "rpy": 3},
+    "joint/origin": {"xyz": 3, "rpy": 3},
+    "joint/axis": {"xyz": 3},
+    "joint/limit": {"lower": 1, "upper": 1, "effort": 1, "velocity": 1},
+}
+"""How many numbers each attribute holds. Pinocchio's parser drops a whole <inertial> where one is not a number."""
+
+REQUIRED = ("mass", "inertia")
+"""Elements whose attributes must all be there."""
 
 
 @dataclass(frozen=True)
@@ -34,12 +57,22 @@ class Description:
     @cached_property
     def child_links(self) -> dict[str, str]:
         """Name of the link that each joint carries."""
-        root = etree.fromstring(self.text.encode(), _parser())
-        return {
-            joint.get("name", ""): child.get("link", "")
-            for joint in root.findall("joint")
-            if (child := joint.find("child")) is not None
-        }
+        joints = self._root.findall("joint")
+        return {j.get("name", ""): c.get("link", "") for j in joints if (c := j.find("child")) is not None}
+
+    @property
+    def plain(self) -> str:
+        """The XML with numbers parted by single spaces: where Pinocchio's parser finds others, it drops the element."""
+        root = self._root
+        for path, attributes in NUMBERS.items():
+            for element in root.findall(path):
+                for attribute in attributes.keys() & element.keys():
+                    element.set(attribute, " ".join(element.get(attribute, "").split()))
+        return etree.tostring(root, encoding="unicode")
+
+    @property
+    def _root(self) -> etree._Element:
+        return etree.fromstring(self.text.encode(), _parser())
 
 
 def read_description(path: str | Path) -> Description:
@@ -58,9 +91,9 @@ def read_description(path: str | Path) -> Description:
     try:
         with path.open("rb") as file:
             content = file.read(LARGEST_URDF + 1)
-    except OSError as error:
+    except (OSError, ValueError) as error:  # a path with a null byte is a ValueError
         raise ExoidError(
-            f"the URDF cannot be read ({error.strerror or error})",
+            f"the URDF cannot be read ({getattr(error, 'strerror', None) or error})",
             where=str(path),
             remedy="give the path of a readable URDF file, or the name of a built-in leg ('bleex', 'cuhk')",
         ) from error
@@ -80,7 +113,7 @@ def read_description(path: str | Path) -> Description:
 
 
 def describe(text: str, name: str = "URDF") -> Description:
-    """Check URDF text: well-formed XML, no document type or entities, a ``<robot>`` with joints.
+    """Check URDF text: well-formed XML, no document type or entities, a ``<robot>`` whose joints make one tree.
 
     Args:
         text: The XML.
@@ -101,16 +134,23 @@ def describe(text: str, name: str = "URDF") -> Description:
         raise ExoidError(f"not well-formed XML ({error})", where=name, remedy="mend the XML") from error
     if root.tag != "robot":
         raise ExoidError(f"the root element is <{root.tag}>, not <robot>", where=name, remedy="give a URDF file")
-    if any(prefix == "xacro" for prefix in root.nsmap) and root.findall(".//{*}macro"):
-        raise ExoidError("contains xacro macros", where=name, remedy="expand it first: xacro leg.xacro > leg.urdf")
+    if any(element.prefix == "xacro" for element in root.iter()):
+        raise ExoidError("contains xacro commands", where=name, remedy="expand it first: xacro leg.xacro > leg.urdf")
     _check_structure(root, name)
+    _check_numbers(root, name)
     return Description(text, name, hashlib.sha256(text.encode()).hexdigest())
 
 
 def _check_structure(root: etree._Element, name: str) -> None:
     links = [link.get("name", "") for link in root.findall("link")]
     joints = [joint.get("name", "") for joint in root.findall("joint")]
-    repeated = sorted({n for names in (links, joints) for n in names if names.count(n) > 1})
+    if max(len(links), len(joints)) > MOST_LINKS:
+        raise ExoidError(
+            f"{len(links)} links and {len(joints)} joints: more than {MOST_LINKS}",
+            where=name,
+            remedy="give the URDF of one robot",
+        )
+    repeated = sorted(n for names in (links, joints) for n, count in Counter(names).items() if count > 1)
     if repeated:
         raise ExoidError(f"names occur twice: {', '.join(repeated)}", where=name, remedy="rename one of each")
     if not joints:
@@ -128,7 +168,56 @@ def _check_structure(root: etree._Element, name: str) -> None:
                 raise ExoidError(
                     f"its <{role}> {link!r} is not a link", where=place, remedy=f"links are {', '.join(links)}"
                 )
+    _check_tree(root, links, name)
+
+
+def _check_tree(root: etree._Element, links: list[str], name: str) -> None:
+    carried = Counter(child.get("link", "") for child in root.findall("joint/child"))
+    shared = [link for link, count in carried.items() if count > 1]
+    if shared:
+        raise ExoidError(
+            f"link {shared[0]!r} hangs on {carried[shared[0]]} joints",
+            where=name,
+            remedy="a URDF is a tree: cut the loop",
+        )
+    roots = [link for link in links if link not in carried]
+    if len(roots) != 1:
+        found = "no link is the root" if not roots else f"links {', '.join(roots[:5])} hang on no joint"
+        raise ExoidError(found, where=name, remedy="join all links to one tree, only its root hangs on no joint")
+
+
+def _check_numbers(root: etree._Element, name: str) -> None:
+    for inertial in root.findall("link/inertial"):
+        if any(inertial.find(element) is None for element in REQUIRED):
+            place = _place(inertial, name)
+            raise ExoidError("its <inertial> lacks mass or inertia", where=place, remedy="write both, or neither")
+    for path, attributes in NUMBERS.items():
+        for element in root.findall(path):
+            for attribute, count in attributes.items():
+                text = element.get(attribute)
+                if text is None and element.tag not in REQUIRED:
+                    continue
+                words = (text or "").split()
+                if len(words) != count or not all(NUMBER.fullmatch(w) and math.isfinite(float(w)) for w in words):
+                    raise ExoidError(
+                        f"<{element.tag} {attribute}={text!r}> is not {count} finite number{'s' * (count > 1)}",
+                        where=_place(element, name),
+                        remedy="write decimal numbers, parted by spaces",
+                    )
+    for joint in root.findall("joint"):
+        axis = joint.find("axis")
+        if axis is None or joint.get("type") in ("fixed", "floating"):
+            continue
+        if math.hypot(*map(float, axis.get("xyz", "1 0 0").split())) < SHORTEST_AXIS:
+            raise ExoidError("its <axis> is zero", where=_place(axis, name), remedy="write a unit vector")
+
+
+def _place(element: etree._Element, name: str) -> str:
+    """Name the link or joint that an element belongs to."""
+    while element.tag not in ("link", "joint") and (above := element.getparent()) is not None:
+        element = above
+    return f"{name}, {element.tag} {element.get('name', '')!r}"
 
 
 def _parser() -> etree.XMLParser:
-    return etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)
+    return etree.XMLParser(encoding="utf-8", resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)

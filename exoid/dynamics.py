@@ -43,6 +43,7 @@ def mass_matrix(model: pin.Model, q: FloatArray) -> FloatArray:
     """M(q) by the composite rigid-body algorithm, (N, n, n)."""
     data = model.createData()
     upper = np.array([np.triu(pin.crba(model, data, row)) for row in configuration(model, q)])
+    upper = upper.reshape(len(q), model.nv, model.nv)
     return np.asarray(upper + np.swapaxes(np.triu(upper, 1), 1, 2))
 
 
@@ -50,13 +51,15 @@ def coriolis_matrix(model: pin.Model, q: FloatArray, v: FloatArray) -> FloatArra
     """C(q, v) with C v the Coriolis and centrifugal torque and ½Ṁ − C skew, (N, n, n)."""
     data = model.createData()
     rows = zip(configuration(model, q), v, strict=True)
-    return np.array([pin.computeCoriolisMatrix(model, data, *row).copy() for row in rows])
+    matrices = [pin.computeCoriolisMatrix(model, data, *row).copy() for row in rows]
+    return np.array(matrices).reshape(len(q), model.nv, model.nv)
 
 
 def gravity_torque(model: pin.Model, q: FloatArray) -> FloatArray:
     """G(q) [N·m], (N, n)."""
     data = model.createData()
-    return np.array([pin.computeGeneralizedGravity(model, data, row).copy() for row in configuration(model, q)])
+    torques = [pin.computeGeneralizedGravity(model, data, row).copy() for row in configuration(model, q)]
+    return np.array(torques).reshape(len(q), model.nv)
 
 
 def segment_placements(model: pin.Model, q: FloatArray) -> SegmentPlacements:

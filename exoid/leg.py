@@ -157,7 +157,7 @@ class Leg:
         Raises:
             ExoidError: The number of values is wrong or one is not finite.
         """
-        array = np.asarray(values, dtype=np.float64)
+        array = _numbers(values)
         if array.shape != self.parameters.shape or not np.isfinite(array).all():
             raise ExoidError(f"expected {len(self.parameter_names)} finite values for {self.parameter_names}")
         adjusted = self.reduction.adjust(dynamic_parameters(self.model), array)
@@ -246,7 +246,7 @@ class Leg:
 
     def samples(self, *arrays: ArrayLike) -> tuple[FloatArray, ...]:
         """Check that arrays are (N, n) alike; a single sample (n,) counts as N = 1."""
-        checked = tuple(np.atleast_2d(np.asarray(x, dtype=np.float64)) for x in arrays)
+        checked = tuple(np.atleast_2d(_numbers(x)) for x in arrays)
         n = len(self.joint_names)
         if any(x.shape != checked[0].shape or x.shape[1] != n or x.ndim != 2 for x in checked):
             raise ExoidError(
@@ -275,6 +275,13 @@ class Leg:
             rows = slice(start, start + block)
             Y = dynamics.joint_torque_regressor(self.model, q[rows], v[rows], a[rows])
             out[..., rows] = self.reduction.reduce(Y).transpose(2, 1, 0)
+
+
+def _numbers(values: ArrayLike) -> FloatArray:
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ExoidError(f"not an array of numbers ({error})", remedy="pass numbers, samples first") from error
 
 
 def _without_side(names: Sequence[str]) -> tuple[str, ...]:

@@ -12,6 +12,9 @@ from ._typing import FloatArray
 from .description import Description
 from .errors import ExoidError
 
+NEGATIVE = 1e-6
+"""Principal inertias below zero by more than this fraction of the largest are refused; less is rounding."""
+
 
 def build_model(description: Description, joints: Sequence[str] | None, locked: Mapping[str, float]) -> pin.Model:
     """Build the model whose only joints are ``joints``; links behind locked joints are lumped into their parents.
@@ -26,7 +29,7 @@ def build_model(description: Description, joints: Sequence[str] | None, locked: 
     """
     full = _parse(description)
     single = [full.names[j] for j in range(1, full.njoints) if full.nvs[j] == 1]
-    if joints is not None and (isinstance(joints, str) or not joints):
+    if joints is not None and (isinstance(joints, str) or not joints or not all(isinstance(j, str) for j in joints)):
         raise ExoidError(f"joints must be names, not {joints!r}", remedy="pass e.g. joints=('hip', 'knee')")
     moving = [name for name in single if name not in locked] if joints is None else list(joints)
     for name in (*moving, *locked):
@@ -40,6 +43,8 @@ def build_model(description: Description, joints: Sequence[str] | None, locked: 
         )
     if set(moving) & set(locked):
         raise ExoidError(f"{sorted(set(moving) & set(locked))} both move and are locked", where=description.name)
+    if not moving:
+        raise ExoidError("no joint moves", where=description.name, remedy="name joints of one degree of freedom")
     positions = np.zeros((1, full.nv))
     for name, value in locked.items():
         positions[0, full.joints[full.getJointId(name)].idx_v] = value
@@ -91,13 +96,19 @@ def with_dynamic_parameters(model: pin.Model, parameters: FloatArray) -> pin.Mod
 
 def _parse(description: Description) -> pin.Model:
     try:
-        return pin.buildModelFromXML(description.text)
+        model = pin.buildModelFromXML(description.plain)
     except Exception as error:  # Pinocchio raises whatever its URDF parser throws
         raise ExoidError(
             f"Pinocchio cannot read this URDF ({error})",
             where=description.name,
             remedy="check it with a URDF validator; every joint needs <parent>, <child> and a known type",
         ) from error
+    taken: set[str] = set()
+    for number, frame in enumerate(model.frames):  # a link may be named like a joint, but locking needs distinct frames
+        if frame.name in taken:
+            frame.name = f"{frame.name} {number}"
+        taken.add(frame.name)
+    return model
 
 
 def _missing(name: str, single: list[str], model: pin.Model, description: Description) -> ExoidError:
@@ -123,4 +134,11 @@ def _check_inertias(model: pin.Model, description: Description) -> None:
                 f"joint {model.names[j]!r} moves a link of mass {inertia.mass:g} kg: no <inertial>?",
                 where=place,
                 remedy="add an <inertial> with mass and inertia, an estimate from CAD or a scale is enough to start",
+            )
+        smallest, *_, largest = np.linalg.eigvalsh(inertia.inertia)
+        if smallest < -NEGATIVE * max(largest, NEGATIVE):
+            raise ExoidError(
+                f"a principal inertia is negative ({smallest:.3g} kg·m²), which no body has",
+                where=place,
+                remedy="check the signs in <inertia>, and that it is about the centre of mass",
             )

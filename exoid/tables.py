@@ -12,9 +12,9 @@ from rich.table import Table
 WIDTH = 110
 
 
-def make_table(title: str, headers: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
+def make_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
     """Make a table whose first column is text and whose others are numbers, aligned right."""
-    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for index, header in enumerate(headers):
         table.add_column(header, justify="left" if index == 0 else "right", overflow="fold")
     for row in rows:
@@ -31,17 +31,14 @@ def to_text(*parts: Table | str) -> str:
     return "\n".join(line.rstrip() for line in file.getvalue().splitlines()).strip("\n")
 
 
-def with_error(value: float, std: float) -> tuple[str, str]:
-    """Write a value and its standard deviation, both to the second digit of the latter.
+def with_error(value: float, std: float, *bounds: float) -> tuple[str, ...]:
+    """Write a value, its standard deviation and bounds of it, all to the second digit of the deviation.
 
     Example:
-        >>> with_error(1.962817, 0.00131)
-        ('1.9628', '0.0013')
+        >>> with_error(1.962817, 0.00131, 1.96025, 1.96538)
+        ('1.9628', '0.0013', '1.9603', '1.9654')
     """
-    if not std > 0.0 or std == float("inf"):
-        return f"{value:.6g}", f"{std:.2g}"
-    first_digit = int(f"{std:e}".split("e")[1])
-    decimals = max(0, 1 - first_digit)
-    if decimals > 8:
-        return f"{value:.6g}", f"{std:.1e}"
-    return f"{value:.{decimals}f}", f"{std:.{decimals}f}"
+    decimals = max(0, 1 - int(f"{std:e}".split("e")[1])) if 0.0 < std < float("inf") else 9
+    if decimals > 8:  # as good as exact
+        return f"{value:.6g}", f"{std:.1e}", *(f"{bound:.6g}" for bound in bounds)
+    return tuple(f"{number:.{decimals}f}" for number in (value, std, *bounds))

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
+import pinocchio as pin
 import typer
 
 from exoid import datasets
 from exoid.catalog import SEGMENTS, load_leg
+from exoid.description import read_description
 from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.signals import Recording
@@ -69,26 +71,53 @@ def find_leg(
         joints: Joints of a URDF that move; None for those that were logged.
         logged: Joints in the log.
     """
-    if name in DATASETS:
-        return DATASETS[name]().leg
     if name in SEGMENTS:
-        right = any(joint.startswith("right_") for joint in logged)
-        left = any(joint.startswith("left_") for joint in logged)
-        return load_leg(name, side or ("right" if right and not left else "left"), inertias)
+        _refuse({"--joints": joints}, f"the joints of {name} are known")
+        return load_leg(name, side or _side(logged), inertias)
+    _refuse({"--side": side, "--inertias": inertias}, f"{name!r} is no built-in leg")
+    if name in DATASETS:
+        _refuse({"--joints": joints}, f"the joints of {name} are known")
+        return DATASETS[name]().leg
     if not Path(name).is_file():
         known = ", ".join([*SEGMENTS, *DATASETS])
         raise ExoidError(f"no leg or URDF file {name!r}", remedy=f"name a built-in leg ({known}) or a URDF file")
-    if joints is not None:
-        return Leg.from_urdf(name, joints)
-    every = Leg.from_urdf(name)
-    moving = tuple(joint for joint in every.joint_names if joint in logged)
+    return Leg.from_urdf(name, joints if joints is not None else _moving_joints(Path(name), logged))
+
+
+def _refuse(options: Mapping[str, object], why: str) -> None:
+    """Refuse options that would have no effect."""
+    for option, value in options.items():
+        if value is not None:
+            raise ExoidError(f"{option} has no effect: {why}", remedy=f"leave out {option}")
+
+
+def _side(logged: Sequence[str]) -> str:
+    """Side of the joints that were logged; left where they say none."""
+    sides = [side for side in ("left", "right") if any(joint.startswith(f"{side}_") for joint in logged)]
+    if len(sides) > 1:
+        raise ExoidError("the log has joints of both sides", remedy="choose with --side left or --side right")
+    return sides[0] if sides else "left"
+
+
+def _moving_joints(urdf: Path, logged: Sequence[str]) -> tuple[str, ...]:
+    """Joints of a URDF that were logged, from the base outwards."""
+    joints = _joint_order(urdf)
+    moving = tuple(joint for joint in joints if joint in logged)
     if not moving:
         raise ExoidError(
-            f"none of the logged joints ({', '.join(logged)}) is in the URDF ({', '.join(every.joint_names)})",
-            where=name,
-            remedy="map the log's columns, e.g. --column q_" + every.joint_names[0] + "=HEADER",
+            f"none of the logged joints ({', '.join(logged)}) is in the URDF ({', '.join(joints)})",
+            where=str(urdf),
+            remedy=f"map the log's columns, e.g. --column q_{joints[0]}=HEADER --column tau_{joints[0]}=HEADER",
         )
-    return every if moving == every.joint_names else Leg.from_urdf(name, moving)
+    return moving
+
+
+def _joint_order(urdf: Path) -> tuple[str, ...]:
+    """All joints of a URDF in Pinocchio's order, which is quick; reducing those of a humanoid takes seconds."""
+    try:
+        return tuple(pin.buildModelFromXML(read_description(urdf).text).names)[1:]
+    except Exception:  # whatever Pinocchio's parser throws: the leg says it better
+        return Leg.from_urdf(urdf).joint_names
 
 
 def parse_terms(text: str | None) -> tuple[Term, ...]:
@@ -108,6 +137,8 @@ def _read_log(name: str, options: LogOptions, joints: Sequence[str] | None) -> R
     if dataset in DATASETS and part in ("train", "test") and not Path(name).exists():
         data = DATASETS[dataset]()
         recording = data.train if part == "train" else data.test
+    elif dataset in DATASETS and not Path(name).exists():
+        raise ExoidError(f"no log {name!r}", remedy=f"name {dataset}:train or {dataset}:test")
     else:
         unit: Literal["deg", "rad"] = "deg" if options.degrees else "rad"
         recording = Recording.from_csv(name, joints, _columns(options.columns), angle_unit=unit)

@@ -38,7 +38,8 @@ def dfki_double_pendulum() -> Dataset:
 
     Torque is the commanded one at the joint, so that a rotor inertia belongs to the model. The stamps are uneven
     (3.3 ms on average) and are brought onto an even grid. The recorded velocity is left out: it lags the derivative of
-    the angle by 1.2 to 1.6 ms, enough to cost a fifth of the accuracy at the shoulder.
+    the angle by 1 to 2 ms, which costs a twentieth of the accuracy at the shoulder, and a fifth where accelerations are
+    derived from it too.
 
     Returns:
         Leg with joints shoulder and elbow, the first 14 499 rows to identify from and the others to test on.

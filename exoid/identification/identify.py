@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Sequence
+from os import PathLike
 
 import numpy as np
 
@@ -14,7 +15,15 @@ from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .estimate import Estimate, Input
 from .estimators import ESTIMATORS
-from .rows import Triangle, join, make_rows, make_triangles, refuse_still_joints
+from .rows import (
+    Triangle,
+    join,
+    make_rows,
+    make_triangles,
+    refuse_dead_torques,
+    refuse_empty_joints,
+    refuse_still_joints,
+)
 
 
 def identify(
@@ -47,21 +56,21 @@ def identify(
         makes the intervals too narrow.
 
     Raises:
-        ExoidError: A joint stands still or is missing, torque is missing, samples are too few, or parameters are not
-            determined by the recordings: names them and what to do.
+        ExoidError: A joint stands still or is missing, torque is missing or never changes, samples are too few, or
+            parameters are not determined by the recordings: names them and what to do.
 
     Example:
         >>> est = identify(leg, Recording.from_csv("log.csv"))  # doctest: +SKIP
     """
-    recordings = [recordings] if isinstance(recordings, Recording) else list(recordings)
-    if not recordings:
-        raise ExoidError("no recordings", remedy="pass at least one Recording")
+    recordings = _recordings(recordings)
     if estimator not in ESTIMATORS:
         raise ExoidError(f"no estimator {estimator!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
-    model = TorqueModel(leg, tuple(DEFAULT_TERMS if terms is None else terms))
+    model = TorqueModel(leg, _terms(terms))
     refuse_still_joints(model, recordings)
     preparation = ZeroPhase(cutoff) if preparation is None else preparation
     triangles = _triangles(model, recordings, preparation)
+    refuse_dead_torques(model, recordings)
+    refuse_empty_joints(model, triangles)
     solution = ESTIMATORS[estimator](triangles, model.names)
     residuals = [t.residual(solution.values) / np.sqrt(max(t.rows, 1)) for t in triangles]
     return Estimate(
@@ -75,6 +84,27 @@ def identify(
         preparation=preparation,
         inputs=tuple(_evidence(recording) for recording in recordings),
     )
+
+
+def _recordings(given: Recording | Iterable[Recording]) -> list[Recording]:
+    """Check that there is at least one recording, and nothing else."""
+    several = [given] if isinstance(given, (Recording, str, PathLike)) else list(given)
+    wrong = [item for item in several if not isinstance(item, Recording)]
+    if wrong or not several:
+        what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"
+        raise ExoidError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
+    return several
+
+
+def _terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
+    """Check that terms are terms, not names of terms."""
+    if given is None:
+        return DEFAULT_TERMS
+    terms = (given,) if isinstance(given, (Term, str)) else tuple(given)
+    wrong = [item for item in terms if not isinstance(item, Term)]
+    if wrong:
+        raise ExoidError(f"{wrong[0]!r} is no term", remedy="pass terms such as (exoid.Coulomb(), exoid.Viscous())")
+    return terms
 
 
 def _triangles(model: TorqueModel, recordings: Sequence[Recording], preparation: Preparation) -> list[Triangle]:

@@ -63,7 +63,7 @@ def make_rows(model: TorqueModel, recording: Recording, preparation: Preparation
     if recording.tau is None:
         raise ExoidError(
             "there is no torque in the recording",
-            where=recording.source.name if recording.source else "",
+            where=_sources([recording]),
             remedy=f"record tau, in columns {', '.join('tau_' + n for n in recording.joint_names)}",
         )
     rate = recording.sample_rate
@@ -88,9 +88,26 @@ def for_leg(model: TorqueModel, recording: Recording) -> Recording:
     missing = [name for name in names if name not in recording.joint_names]
     raise ExoidError(
         f"the leg's {', '.join(missing)} not in the recording, which has {', '.join(recording.joint_names)}",
-        where=recording.source.name if recording.source else "",
+        where=_sources([recording]),
         remedy="rename its columns, or map them: columns={'q_" + missing[0] + "': '<header>', ...}",
     )
+
+
+def refuse_dead_torques(model: TorqueModel, recordings: Sequence[Recording]) -> None:
+    """Refuse recordings in which the torque of a joint never changes: a channel that was not connected.
+
+    Raises:
+        ExoidError: Names the joint and the value.
+    """
+    chosen = [for_leg(model, recording) for recording in recordings]
+    torques = np.vstack([recording.tau for recording in chosen if recording.tau is not None])
+    for joint, torque in zip(model.leg.joint_names, torques.T, strict=True):
+        if np.ptp(torque) == 0.0:
+            raise ExoidError(
+                f"the torque of joint {joint} is {torque[0] + 0.0:.6g} N·m in every sample although the joint moves",
+                where=_sources(recordings),
+                remedy="connect its torque channel, or map the right column to tau_" + joint,
+            )
 
 
 def make_triangles(rows: Rows) -> list[Triangle]:
@@ -122,9 +139,27 @@ def refuse_still_joints(model: TorqueModel, recordings: Sequence[Recording]) -> 
             others = tuple(name for name in model.leg.joint_names if name != joint)
             raise ExoidError(
                 f"joint {joint} stands still: its angle spans {span:.2g} rad, so nothing of it can be identified",
-                where=", ".join(r.source.name for r in recordings if r.source),
+                where=_sources(recordings),
                 remedy=f"move it, or lock it: Leg.from_urdf(..., joints={others}, locked={{{joint!r}: {mean:.4g}}})",
             )
+
+
+def refuse_empty_joints(model: TorqueModel, triangles: Sequence[Triangle]) -> None:
+    """Refuse a fit in which the terms' dead bands left no sample of a joint.
+
+    Raises:
+        ExoidError: Names the joints.
+    """
+    empty = [joint for joint, triangle in zip(model.leg.joint_names, triangles, strict=True) if triangle.rows == 0]
+    if empty:
+        raise ExoidError(
+            f"no sample of {', '.join(empty)} is faster than the dead band of its friction term",
+            remedy="move faster, or choose a smaller dead_band",
+        )
+
+
+def _sources(recordings: Sequence[Recording]) -> str:
+    return ", ".join(recording.source.name for recording in recordings if recording.source)
 
 
 def _triangle(table: FloatArray, rows: int, samples: float) -> Triangle:

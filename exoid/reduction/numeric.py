@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
 from exoid._typing import FloatArray
@@ -19,6 +20,11 @@ from .reduction import LINK_PARAMETERS, LINK_UNITS, RankDecision, Reduction
 
 THRESHOLD = 1e-9
 """Singular values of the unit-column regressor below this fraction of the largest count as zero."""
+
+GAP = 10.0
+"""The smallest value that counts exceeds the largest that does not at least so many times."""
+
+REMEDY = "round away tiny offsets and angles between joint axes in the URDF"
 
 PREFERENCE = {"Iyy": 8, "Izz": 8, "Ixx": 7, "mcx": 6, "mcy": 6, "mcz": 6, "Ixy": 5, "Ixz": 5, "Iyz": 5, "m": 0}
 """Which parameter stands for a group of inseparable ones: inertias and moments rather than masses."""
@@ -46,7 +52,7 @@ def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0) -> Reduct
     """
     W = _random_regressor(model, seed)
     scale = np.linalg.norm(W, axis=0)
-    seen = np.flatnonzero(scale > THRESHOLD * scale.max())
+    seen = _visible(scale)
     unit = W[:, seen] / scale[seen]
     rank = _decide_rank(unit, W.shape[1])
     _, R, order = qr(unit * _preferences(seen, W.shape[1]), mode="economic", pivoting=True)
@@ -69,19 +75,31 @@ def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0) -> Reduct
 def _random_regressor(model: pin.Model, seed: int) -> FloatArray:
     rng = np.random.default_rng(seed)
     samples = 15 * model.nv + 20
-    low = np.maximum(_positions(model, model.lowerPositionLimit), -np.pi)
-    high = np.minimum(_positions(model, model.upperPositionLimit), np.pi)
+    low = np.maximum(_by_joint(model, model.lowerPositionLimit, -np.pi), -np.pi)
+    high = np.minimum(_by_joint(model, model.upperPositionLimit, np.pi), np.pi)
     low, high = np.where(low < high, low, -np.pi), np.where(low < high, high, np.pi)
     q = rng.uniform(low, high, (samples, model.nv))
     v, a = rng.uniform(-3, 3, (2, samples, model.nv))
     return joint_torque_regressor(model, q, v, 3.0 * a).reshape(samples * model.nv, -1)
 
 
-def _positions(model: pin.Model, limits: FloatArray) -> FloatArray:
-    """Limits by degree of freedom; a continuous joint has none."""
+def _by_joint(model: pin.Model, limits: FloatArray, continuous: float) -> FloatArray:
+    """Limits by degree of freedom; a continuous joint, which has none, gets the given one."""
     joints = [model.joints[j] for j in range(1, model.njoints)]
-    sign = 1.0 if limits is model.upperPositionLimit else -1.0
-    return np.array([limits[joint.idx_q] if joint.nq == 1 else sign * np.pi for joint in joints])
+    return np.array([limits[joint.idx_q] if joint.nq == 1 else continuous for joint in joints])
+
+
+def _visible(scale: FloatArray) -> NDArray[np.intp]:
+    """Columns that are not zero, given the length of each."""
+    length = scale / scale.max()
+    seen = length > THRESHOLD
+    if length[~seen].max(initial=0.0) * GAP > length[seen].min():
+        raise ExoidError(
+            f"which parameters move the joints is not clear-cut (effects of {length[seen].min():.1e} of the largest "
+            f"kept, {length[~seen].max():.1e} dropped)",
+            remedy=REMEDY,
+        )
+    return np.flatnonzero(seen)
 
 
 def _decide_rank(unit: FloatArray, columns: int) -> RankDecision:
@@ -90,8 +108,8 @@ def _decide_rank(unit: FloatArray, columns: int) -> RankDecision:
     rank = int((sigma > THRESHOLD).sum())
     dropped = float(sigma[rank]) if rank < len(sigma) else 0.0
     decision = RankDecision(rank, columns, float(sigma[rank - 1]), dropped, THRESHOLD)
-    if dropped * 10.0 > sigma[rank - 1]:
-        raise ExoidError(f"the number of base parameters is not clear-cut ({decision})", remedy="check the URDF")
+    if dropped * GAP > sigma[rank - 1]:
+        raise ExoidError(f"the number of base parameters is not clear-cut ({decision})", remedy=REMEDY)
     return decision
 
 

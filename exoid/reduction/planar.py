@@ -86,7 +86,10 @@ class PlanarChain:
         data = model.createData()
         pin.computeJointJacobians(model, data, pin.neutral(model))
         joints = range(1, n + 1)
-        axes = np.array([pin.getJointJacobian(model, data, j, pin.LOCAL_WORLD_ALIGNED)[:, j - 1] for j in joints])
+        jacobians = [pin.getJointJacobian(model, data, j, pin.LOCAL_WORLD_ALIGNED).reshape(6, n) for j in joints]
+        axes = np.array([jacobian[:, j] for j, jacobian in enumerate(jacobians)])
+        if not axes[:, 3:].any(axis=1).all():  # a prismatic joint
+            return None
         plane = _plane(axes[0, 3:], -gravity / GRAVITY)
         signs = -np.round(axes[:, 3:] @ plane.lateral)
         parallel = np.allclose(axes[:, 3:], -signs[:, None] * plane.lateral, atol=TOLERANCE) and signs.all()
@@ -118,7 +121,7 @@ def fill_regressor(
         cumulative: Whether J_j contains J_{j+1} (doc. 1, eqs. (8)-(9)) or not (doc. 2, Table I).
         torso: Motion of the torso; None where it stands upright and still.
     """
-    block = min(BLOCK, len(q))
+    block = max(1, min(BLOCK, len(q)))
     workspace = _Workspace.allocate(chain.n, block)  # once: fresh memory costs more than the arithmetic
     for start in range(0, len(q), block):
         rows = slice(start, start + block)

@@ -40,9 +40,15 @@ def term_by_name(name: str) -> Term:
 
 
 def term_to_json(term: Term) -> dict[str, Any]:
-    """Describe a term by its name and settings."""
-    name = next(known for known, kind in TERMS.items() if type(term) is kind)
-    return {"term": name, **asdict(term)}
+    """Describe a term by its name and settings.
+
+    Raises:
+        ExoidError: The term is not one of :data:`TERMS`.
+    """
+    names = [known for known, kind in TERMS.items() if type(term) is kind]
+    if not names:
+        raise ExoidError(f"{type(term).__name__} has no name in files", remedy=f"use some of {', '.join(TERMS)}")
+    return {"term": names[0], **asdict(term)}
 
 
 def term_from_json(data: Mapping[str, Any]) -> Term:

@@ -135,8 +135,8 @@ class TorqueModel:
         self.leg.fill_regressor(q, v, a, out[: len(self.leg.parameter_names)], torso)
         for start in range(0, len(q), BLOCK):
             rows = slice(start, start + BLOCK)
-            q_block, v_block, a_block = (np.ascontiguousarray(x[rows].T) for x in (q, v, a))
-            self._fill_terms(q_block, v_block, a_block, out[len(self.leg.parameter_names) :, :, rows], names)
+            columns = out[len(self.leg.parameter_names) :, :, rows]
+            self._fill_terms(q[rows].T, v[rows].T, a[rows].T, columns, names)
         return out.transpose(2, 1, 0)
 
     def _fill_terms(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, names: tuple[str, ...]) -> None:

@@ -24,8 +24,8 @@ class Stiffness(Term):
 
     def __post_init__(self) -> None:
         """Check the degree."""
-        if not 0 <= self.degree <= 8:
-            raise ExoidError(f"stiffness of degree {self.degree}", remedy="use a degree between 0 and 8")
+        if not isinstance(self.degree, int) or not 0 <= self.degree <= 8:
+            raise ExoidError(f"stiffness of degree {self.degree}", remedy="use a whole number between 0 and 8")
 
     @property
     def symbols(self) -> tuple[str, ...]:

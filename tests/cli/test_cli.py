@@ -1,0 +1,406 @@
+"""The command line does what the Python API does, and ends in one line when it cannot."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import subprocess
+import sys
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import exoid
+from exoid import Coulomb, Estimate, Recording, Stiffness
+from exoid.cli import app, main
+from exoid.cli.identify import identify
+from exoid.identification import estimate_to_json, validation_to_json
+
+TRAIN, TEST = "bleex_swing:train", "bleex_swing:test"
+
+
+class Run(NamedTuple):
+    """How a command ended."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def exoid_(capsys, monkeypatch, tmp_path):
+    """Run ``exoid ARGUMENTS`` in this process, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["exoid", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        return Run(int(stop.value.code or 0), *capsys.readouterr())
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def data():
+    return exoid.datasets.bleex_swing()
+
+
+@pytest.fixture(scope="module")
+def estimate(data):
+    return exoid.identify(data.leg, data.train)
+
+
+def write(path, recording, **renamed):
+    """Write a log as CSV under other headers."""
+    recording.to_csv(path)
+    header, rest = path.read_text(encoding="utf-8").split("\n", 1)
+    path.write_text(",".join(renamed.get(name, name) for name in header.split(",")) + "\n" + rest, encoding="utf-8")
+
+
+def assert_refused(run, *words):
+    """Exit status 2, nothing on standard output, one line on standard error with these words."""
+    assert run.code == 2
+    assert run.out == ""
+    assert run.err.startswith("exoid: ")
+    assert run.err.count("\n") == 1
+    for word in words:
+        assert word in run.err
+
+
+# ------------------------------------------------------------------------------------------- identify
+
+
+def test_identify_prints_the_estimate(exoid_, estimate):
+    assert exoid_("identify", "bleex", TRAIN) == (0, f"{estimate}\n", "")
+
+
+def test_identify_writes_the_estimate(exoid_, estimate, tmp_path):
+    assert exoid_("identify", "bleex", TRAIN, "-o", "leg.json").code == 0
+    loaded = Estimate.load(tmp_path / "leg.json")
+    assert (loaded.values == estimate.values).all()
+    assert (loaded.covariance == estimate.covariance).all()
+
+
+def test_json_is_all_there_is_on_standard_output_and_equals_the_api(exoid_, estimate):
+    run = exoid_("identify", "bleex", TRAIN, "--json")
+    expected = json.loads(json.dumps(estimate_to_json(estimate)))
+    del expected["leg"]["urdf"]
+    assert (run.code, run.err) == (0, "")
+    assert json.loads(run.out) == expected
+
+
+def test_several_logs_are_one_estimate(exoid_, data):
+    run = exoid_("identify", "bleex", TRAIN, TEST, "--json")
+    expected = exoid.identify(data.leg, [data.train, data.test])
+    assert list(json.loads(run.out)["values"].values()) == expected.values.tolist()
+
+
+@pytest.mark.parametrize(
+    ("text", "terms"),
+    [
+        ("none", ()),
+        ("coulomb", (Coulomb(),)),
+        ("stiffness,coulomb", (Stiffness(), Coulomb())),
+        (" stiffness , coulomb", (Stiffness(), Coulomb())),
+    ],
+)
+def test_terms_are_named_by_commas(exoid_, data, text, terms):
+    run = exoid_("identify", "bleex", TRAIN, "--terms", text, "--json")
+    assert list(json.loads(run.out)["values"]) == list(exoid.identify(data.leg, data.train, terms).names)
+
+
+def test_estimator_and_cutoff_are_passed_on(exoid_, data):
+    run = exoid_("identify", "bleex", TRAIN, "--estimator", "ols", "--cutoff", "5", "--json")
+    expected = exoid.identify(data.leg, data.train, estimator="ols", cutoff=5.0)
+    found = json.loads(run.out)
+    assert list(found["values"].values()) == expected.values.tolist()
+    assert (found["estimator"], found["preparation"]["cutoff"]) == ("ols", 5.0)
+
+
+def test_the_side_is_that_of_the_log(exoid_, data, tmp_path):
+    right = exoid.load_leg("bleex", "right").joint_names
+    for names, side in ((right, "right"), (data.leg.joint_names, "left"), (("hip", "knee", "ankle"), "left")):
+        q, tau = data.train.q, data.train.tau
+        write(tmp_path / "log.csv", Recording(data.train.time, q, tau=tau, joint_names=names))
+        joints = json.loads(exoid_("identify", "bleex", "log.csv", "--json").out)["leg"]["joints"]
+        assert joints == [f"{side}_hip", f"{side}_knee", f"{side}_ankle"]
+
+
+def test_labels_without_a_side_take_the_side_that_is_asked_for(exoid_, data, tmp_path):
+    plain = Recording(data.train.time, data.train.q, tau=data.train.tau, joint_names=("hip", "knee", "ankle"))
+    write(tmp_path / "log.csv", plain)
+    run = exoid_("identify", "bleex", "log.csv", "--side", "right", "--inertias", "identified", "--json")
+    assert json.loads(run.out)["leg"]["joints"] == ["right_hip", "right_knee", "right_ankle"]
+
+
+def test_a_log_of_both_sides_must_say_which(exoid_, data, tmp_path):
+    both = tuple(f"{side}_{joint}" for side in ("left", "right") for joint in ("hip", "knee", "ankle"))
+    q, tau = np.hstack([data.train.q] * 2), np.hstack([data.train.tau] * 2)
+    write(tmp_path / "log.csv", Recording(data.train.time, q, tau=tau, joint_names=both))
+    assert_refused(exoid_("identify", "bleex", "log.csv"), "both sides", "--side left")
+    assert exoid_("identify", "bleex", "log.csv", "--side", "right").code == 0
+
+
+def test_columns_of_other_names_are_mapped(exoid_, data, estimate, tmp_path):
+    headers = {"time": "t", "q_left_hip": "pos1", "tau_left_hip": "torque 1 [Nm]"}
+    write(tmp_path / "log.csv", data.train, **headers)
+    options = [word for name, header in headers.items() for word in ("--column", f"{name}={header}")]
+    run = exoid_("identify", "bleex", "log.csv", *options, "--json")
+    assert list(json.loads(run.out)["values"].values()) == estimate.values.tolist()
+
+
+def test_degrees_are_converted(exoid_, data, estimate, tmp_path):
+    time, q, tau, names = data.train.time, np.rad2deg(data.train.q), data.train.tau, data.train.joint_names
+    write(tmp_path / "log.csv", Recording(time, q, tau=tau, joint_names=names, largest_angle=np.inf))
+    assert_refused(exoid_("identify", "bleex", "log.csv"), "log.csv", "looks like degrees")
+    run = exoid_("identify", "bleex", "log.csv", "--degrees", "--json")
+    np.testing.assert_allclose(list(json.loads(run.out)["values"].values()), estimate.values, rtol=1e-9)
+
+
+def test_start_and_stop_cut_the_log(exoid_, data):
+    run = exoid_("identify", "bleex", TRAIN, "--start", "5", "--stop", "25", "--json")
+    expected = exoid.identify(data.leg, data.train.between(5.0, 25.0))
+    assert list(json.loads(run.out)["values"].values()) == expected.values.tolist()
+    assert json.loads(run.out)["inputs"][0]["samples"] == 2000
+
+
+def test_a_urdf_and_a_log_of_some_of_its_joints(exoid_, data, tmp_path):
+    """The joints that move are those in the log, from the base outwards, whatever their order in the file."""
+    (tmp_path / "my.urdf").write_bytes((exoid.catalog.urdf_folder() / "bleex.urdf").read_bytes())
+    write(tmp_path / "log.csv", data.train.select(("left_knee", "left_hip")))
+    logged = json.loads(exoid_("identify", "my.urdf", "log.csv", "--json").out)["leg"]
+    assert logged["joints"] == ["left_hip", "left_knee"]
+    chosen = json.loads(exoid_("identify", "my.urdf", TRAIN, "--joints", "left_hip, left_ankle", "--json").out)["leg"]
+    assert chosen["joints"] == ["left_hip", "left_ankle"]
+
+
+def test_links_that_do_not_move_need_no_inertia(exoid_, data, tmp_path):
+    """Joints that are not in the log do not matter, not even where their link has no mass."""
+    text = (exoid.catalog.urdf_folder() / "bleex.urdf").read_text(encoding="utf-8")
+    tail = '<link name="tail"/><joint name="wag" type="continuous"><parent link="torso"/><child link="tail"/>'
+    axis = '<axis xyz="0 0 1"/></joint></robot>'
+    (tmp_path / "my.urdf").write_text(text.replace("</robot>", tail + axis), encoding="utf-8")
+    assert exoid_("identify", "my.urdf", TRAIN).code == 0
+
+
+# ------------------------------------------------------------------------------------------- validate
+
+
+@pytest.fixture
+def saved(tmp_path, estimate):
+    estimate.save(tmp_path / "leg.json")
+    return "leg.json"
+
+
+def test_validate_prints_the_validation(exoid_, estimate, data, saved):
+    assert exoid_("validate", saved, TEST) == (0, f"{exoid.validate(estimate, data.test)}\n", "")
+
+
+def test_validate_as_json_equals_the_api(exoid_, estimate, data, saved):
+    run = exoid_("validate", saved, TEST, "--json")
+    assert (run.code, run.err) == (0, "")
+    assert json.loads(run.out) == validation_to_json(exoid.validate(estimate, data.test))
+
+
+def test_validate_reads_logs_as_identify_does(exoid_, estimate, data, saved, tmp_path):
+    degrees = {"q": np.rad2deg(data.test.q), "largest_angle": np.inf}
+    log = Recording(data.test.time, tau=data.test.tau, joint_names=data.test.joint_names, **degrees)
+    write(tmp_path / "log.csv", log, q_left_hip="angle")
+    options = ("--column", "q_left_hip=angle", "--degrees", "--start", "2", "--stop", "12", "--json")
+    run = exoid_("validate", saved, "log.csv", *options)
+    expected = exoid.validate(estimate, data.test.between(2.0, 12.0))
+    np.testing.assert_allclose(json.loads(run.out)["nrmse"], expected.nrmse, rtol=1e-9)
+
+
+def test_validate_against_a_constant_torque_prints_json_that_is_json(exoid_, data, saved, tmp_path):
+    tau = np.zeros_like(data.test.tau)
+    write(tmp_path / "log.csv", Recording(data.test.time, data.test.q, tau=tau, joint_names=data.leg.joint_names))
+    run = exoid_("validate", saved, "log.csv", "--json")
+    assert json.loads(run.out, parse_constant=pytest.fail)["nrmse"] == [None, None, None]
+
+
+@pytest.mark.real_data
+def test_the_real_recording_from_end_to_end(exoid_):
+    """As the README shows it."""
+    run = exoid_("identify", "dfki_double_pendulum", "dfki_double_pendulum:train", "-o", "leg.json")
+    if "cannot be downloaded" in run.err:
+        pytest.skip("the DFKI recording is neither in $EXOID_DATA_DIR nor to be downloaded: see tests/datasets")
+    assert run.code == 0
+    run = exoid_("validate", "leg.json", "dfki_double_pendulum:test")
+    assert "shoulder" in run.out
+    found = json.loads(exoid_("validate", "leg.json", "dfki_double_pendulum:test", "--json").out)
+    print(run.out)
+    shoulder, elbow = found["nrmse"]
+    assert shoulder <= 0.067
+    assert elbow <= 0.149
+
+
+# ------------------------------------------------------------------------------------------- bad input
+
+BAD_INPUT = {
+    "no leg": (("centipede", TRAIN), ("centipede", "bleex, cuhk", "URDF")),
+    "no log": (("bleex", "absent.csv"), ("absent.csv", "no such file")),
+    "part of a dataset": (("bleex", "bleex_swing"), ("bleex_swing:train",)),
+    "no such part": (("bleex", "bleex_swing:all"), ("bleex_swing:test",)),
+    "a folder": (("bleex", "."), ("directory",)),
+    "empty": (("bleex", "empty.csv"), ("empty.csv", "empty")),
+    "binary": (("bleex", "binary.csv"), ("binary.csv",)),
+    "NaN": (("bleex", "nan.csv"), ("nan.csv, line 4", "q_left_hip", "not a finite number")),
+    "text in a cell": (("bleex", "text.csv"), ("text.csv, line 4", "'high' is not a number")),
+    "time repeated": (("bleex", "repeated.csv"), ("repeated.csv, line 4", "time is repeated")),
+    "no torque": (("bleex", "torqueless.csv"), ("no torque", "tau_left_hip")),
+    "a joint missing": (("bleex", "kneeless.csv"), ("left_knee",)),
+    "other joints": (("my.urdf", TRAIN), ("shoulder, elbow", "--column q_shoulder=HEADER")),
+    "a joint the URDF lacks": (("my.urdf", TRAIN, "--joints", "hip"), ("no moving joint 'hip'", "shoulder")),
+    "no URDF": (("text.csv", TRAIN), ("text.csv", "XML")),
+    "no side": (("bleex", TRAIN, "--side", "up"), ("no side 'up'",)),
+    "no inertias": (("bleex", TRAIN, "--inertias", "guessed"), ("no inertias 'guessed'", "cad, identified")),
+    "no term": (("bleex", TRAIN, "--terms", "magic"), ("no term 'magic'", "coulomb")),
+    "an empty term": (("bleex", TRAIN, "--terms", ""), ("no term ''",)),
+    "no estimator": (("bleex", TRAIN, "--estimator", "magic"), ("no estimator 'magic'", "ols, wls")),
+    "cutoff too high": (("bleex", TRAIN, "--cutoff", "50"), ("cut-off", "40 Hz")),
+    "cutoff negative": (("bleex", TRAIN, "--cutoff", "-1"), ("positive frequency",)),
+    "nothing left": (("bleex", TRAIN, "--start", "5", "--stop", "4"), ("too few samples",)),
+    "stop before the log": (("bleex", TRAIN, "--stop", "-1"), ("too few samples",)),
+    "start is not a number": (("bleex", TRAIN, "--start", "nan"), ("too few samples",)),
+    "column without header": (("bleex", "nan.csv", "--column", "q_hip"), ("NAME=HEADER",)),
+    "column of no name": (("bleex", "nan.csv", "--column", "angle=x"), ("angle", "q_<joint>")),
+    "column of no header": (("bleex", "nan.csv", "--column", "q_left_hip=x"), ("'x'", "q_left_hip")),
+    "joints of a built-in leg": (("bleex", TRAIN, "--joints", "left_hip"), ("--joints has no effect",)),
+    "side of a URDF": (("my.urdf", TRAIN, "--side", "left"), ("--side has no effect",)),
+    "inertias of a dataset": (("bleex_swing", TRAIN, "--inertias", "cad"), ("--inertias has no effect",)),
+    "output nowhere": (("bleex", TRAIN, "-o", "nowhere/leg.json"), ("nowhere/leg.json", "cannot be written")),
+}
+
+
+@pytest.fixture
+def bad_files(tmp_path, data):
+    write(tmp_path / "good.csv", data.train)
+    lines = (tmp_path / "good.csv").read_text(encoding="utf-8").split("\n")
+    cells = lines[3].split(",")
+    for name, row in (
+        ("nan", [cells[0], "nan", *cells[2:]]),
+        ("text", [cells[0], "high", *cells[2:]]),
+        ("repeated", [lines[2].split(",")[0], *cells[1:]]),
+    ):
+        changed = [*lines[:3], ",".join(row), *lines[4:]]
+        (tmp_path / f"{name}.csv").write_text("\n".join(changed), encoding="utf-8")
+    (tmp_path / "empty.csv").write_bytes(b"")
+    (tmp_path / "binary.csv").write_bytes(bytes(range(256)))
+    write(tmp_path / "torqueless.csv", Recording(data.train.time, data.train.q, joint_names=data.leg.joint_names))
+    write(tmp_path / "kneeless.csv", data.train.select(("left_hip", "left_ankle")))
+    (tmp_path / "my.urdf").write_bytes((exoid.catalog.urdf_folder() / "dfki_double_pendulum.urdf").read_bytes())
+
+
+@pytest.mark.usefixtures("bad_files")
+@pytest.mark.parametrize("case", BAD_INPUT, ids=lambda name: name.replace(" ", "-"))
+def test_bad_input_ends_in_one_line(exoid_, tmp_path, case):
+    arguments, words = BAD_INPUT[case]
+    before = sorted(tmp_path.iterdir())
+    output = () if "-o" in arguments else ("-o", "leg.json")
+    assert_refused(exoid_("identify", *arguments, *output), *words)
+    assert_refused(exoid_("identify", *arguments, *output, "--json"), *words)
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.usefixtures("bad_files")
+def test_a_failure_leaves_an_older_estimate_as_it_was(exoid_, saved, tmp_path):
+    before = (tmp_path / saved).read_bytes()
+    assert_refused(exoid_("identify", "bleex", "nan.csv", "-o", saved))
+    assert (tmp_path / saved).read_bytes() == before
+
+
+@pytest.mark.usefixtures("bad_files")
+@pytest.mark.parametrize(
+    ("estimate_file", "log", "word"),
+    [
+        ("absent.json", TEST, "cannot be read"),
+        ("nan.csv", TEST, "not JSON"),
+        ("empty.csv", TEST, "not JSON"),
+        ("leg.json", "absent.csv", "no such file"),
+        ("leg.json", "nan.csv", "not a finite number"),
+        ("leg.json", "torqueless.csv", "no torque"),
+        ("leg.json", "kneeless.csv", "left_knee"),
+    ],
+)
+@pytest.mark.usefixtures("saved")
+def test_bad_input_of_validate_ends_in_one_line(exoid_, estimate_file, log, word):
+    assert_refused(exoid_("validate", estimate_file, log), word)
+    assert_refused(exoid_("validate", estimate_file, log, "--json"), word)
+
+
+# ------------------------------------------------------------------------------------------- usage
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        (),
+        ("fly",),
+        ("--magic",),
+        ("identify",),
+        ("identify", "bleex"),
+        ("identify", "bleex", TRAIN, "--magic"),
+        ("identify", "bleex", TRAIN, "--cutoff", "high"),
+        ("validate", "leg.json"),
+        ("validate", "leg.json", TEST, TEST),
+    ],
+    ids=lambda arguments: " ".join(arguments) or "nothing",
+)
+def test_wrong_usage_exits_with_2(exoid_, arguments):
+    run = exoid_(*arguments)
+    assert run.code == 2
+    assert "Usage: exoid" in run.out + run.err
+    assert "Traceback" not in run.err
+
+
+def test_version():
+    result = CliRunner().invoke(app, ["--version"])
+    assert (result.exit_code, result.output) == (0, f"exoid {exoid.__version__}\n")
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["identify", "--help"], ["validate", "--help"]])
+def test_help(arguments):
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0
+    assert "Usage: exoid" in result.output
+
+
+def test_help_names_every_option():
+    """As the function has them: what is not in the help cannot be found."""
+    text = CliRunner().invoke(app, ["identify", "--help"], env={"COLUMNS": "200"}).output
+    names = [name for name in inspect.signature(identify).parameters if name not in ("leg", "logs", "as_json")]
+    assert len(names) == 11
+    for option in (*names, "json"):
+        assert f"--{option}" in text
+
+
+# ------------------------------------------------------------------------------------------- as a process
+
+
+def command(*arguments, folder):
+    return subprocess.run(
+        [sys.executable, "-c", "from exoid.cli import main; main()", *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
+        timeout=120,
+    )
+
+
+def test_a_process_writes_json_to_its_output_and_nothing_else(tmp_path):
+    done = command("identify", "bleex", TRAIN, "-o", "leg.json", "--json", folder=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["values"]["X1"] == pytest.approx(3.986, abs=0.01)
+    assert [path.name for path in tmp_path.iterdir()] == ["leg.json"]
+
+
+def test_a_process_ends_with_2_and_one_line(tmp_path):
+    done = command("validate", "absent.json", "absent.csv", folder=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert done.stderr.startswith("exoid: absent.json: cannot be read")

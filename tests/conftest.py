@@ -1,0 +1,28 @@
+"""Settings that every test shares."""
+
+import pytest
+from hypothesis import settings
+
+import exoid
+
+settings.register_profile("exoid", deadline=None, derandomize=True, database=None, print_blob=False)
+settings.load_profile("exoid")
+
+BUILT_IN = [
+    (name, side, inertias)
+    for name, sets in (("bleex", ("cad", "identified")), ("cuhk", ("nominal",)))
+    for inertias in sets
+    for side in ("left", "right")
+]
+
+
+@pytest.fixture(params=BUILT_IN, ids="-".join, scope="session")
+def built_in_leg(request):
+    """Each built-in leg, on both sides and with every inertia set."""
+    name, side, inertias = request.param
+    return exoid.load_leg(name, side=side, inertias=inertias)
+
+
+@pytest.fixture(params=["left", "right"])
+def side(request):
+    return request.param

@@ -1,0 +1,101 @@
+"""Motions with known derivatives, and recordings of legs whose every parameter is known."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from exoid import Coulomb, Leg, Recording, Viscous
+from exoid.signals import Kinematics, ZeroPhase
+
+TERMS = (Coulomb(), Viscous())
+"""What acts on the joints of every :class:`Swing`."""
+
+SMOOTHING = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Swing:
+    """Harmonic motion of a leg with Coulomb and viscous friction; it starts and ends in the middle of a motion.
+
+    Attributes:
+        leg: The leg.
+        rate: Of the samples [Hz].
+        seconds: Duration.
+        seed: Of amplitudes and phases.
+        base: Frequency of the first of five harmonics [Hz].
+    """
+
+    leg: Leg
+    rate: float = 100.0
+    seconds: float = 20.0
+    seed: int = 1
+    base: float = 0.1
+
+    @cached_property
+    def time(self):
+        return 2.137 + np.arange(int(self.seconds * self.rate)) / self.rate
+
+    @cached_property
+    def motion(self):
+        """Angles, velocities and accelerations, (N, n) each."""
+        rng = np.random.default_rng(self.seed)
+        n = len(self.leg.joint_names)
+        omega = 2.0 * np.pi * self.base * np.arange(1, 6)
+        amplitude = 0.42 * rng.uniform(0.4, 1.0, (n, 5)) / np.array([1.0, 1.2, 1.5, 2.0, 2.5])
+        phase = np.multiply.outer(self.time, omega)[:, None, :] + rng.uniform(0.0, 2.0 * np.pi, (n, 5))
+        q = (amplitude * np.sin(phase)).sum(-1)
+        v = (amplitude * omega * np.cos(phase)).sum(-1)
+        a = -(amplitude * omega**2 * np.sin(phase)).sum(-1)
+        return q, v, a
+
+    @property
+    def coulomb(self):
+        """[N·m], (n,)."""
+        return np.array([0.8, 0.6, 0.4, 0.3, 0.25, 0.2])[: len(self.leg.joint_names)]
+
+    @property
+    def viscous(self):
+        """[N·m·s/rad], (n,)."""
+        return np.array([0.5, 0.3, 0.2, 0.15, 0.1, 0.1])[: len(self.leg.joint_names)]
+
+    @property
+    def truth(self):
+        """Values that an estimate with :data:`TERMS` should find, (P,)."""
+        return np.concatenate([self.leg.parameters, self.coulomb, self.viscous])
+
+    @cached_property
+    def torque(self):
+        """Pinocchio's inverse dynamics plus friction [N·m], (N, n)."""
+        q, v, a = self.motion
+        return self.leg.inverse_dynamics(q, v, a) + self.coulomb * np.tanh(v / SMOOTHING) + self.viscous * v
+
+    def recording(self, **changes):
+        """Angles, velocities, accelerations and torques, all exact unless changed."""
+        q, v, a = self.motion
+        exact = {"time": self.time, "q": q, "v": v, "a": a, "tau": self.torque, "joint_names": self.leg.joint_names}
+        return Recording(**{**exact, **changes})
+
+    def encoders_only(self):
+        """Exact angles and torques; velocities and accelerations are left to the preparation."""
+        return self.recording(v=None, a=None)
+
+    def with_noise(self, rng, std):
+        """White noise of ``std`` [N·m] on the torques, all else exact."""
+        return self.recording(tau=self.torque + rng.normal(scale=std, size=self.torque.shape))
+
+
+@dataclass(frozen=True)
+class WithEdges(ZeroPhase):
+    """The default preparation without its care for the ends of the record: what must not be done."""
+
+    def kinematics(self, recording: Recording) -> Kinematics:
+        return super().kinematics(recording)._replace(valid=slice(None))
+
+
+def selected(recording: Recording, **arrays) -> Recording:
+    """Return a recording with other arrays."""
+    return dataclasses.replace(recording, **arrays)

@@ -1,0 +1,55 @@
+"""Numbers in tables show the digits that their uncertainty leaves."""
+
+import math
+
+import pytest
+
+from exoid.tables import WIDTH, make_table, to_text, with_error
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "written"),
+    [
+        (1.962817, 0.00131, ("1.9628", "0.0013")),
+        (-0.00004, 0.5, ("-0.00", "0.50")),
+        (123.456, 12.0, ("123", "12")),
+        (123456.7, 2345.6, ("123457", "2346")),
+        (0.5, 0.0999, ("0.500", "0.100")),
+        (0.25, 1.5, ("0.2", "1.5")),
+        (1.0, 3e-7, ("1.00000000", "0.00000030")),
+        (1.23456789, 3e-12, ("1.23457", "3.0e-12")),
+        (1.23456789, 0.0, ("1.23457", "0.0e+00")),
+        (1.5, math.inf, ("1.5", "inf")),
+        (1.5, math.nan, ("1.5", "nan")),
+    ],
+)
+def test_a_value_is_written_to_the_second_digit_of_its_deviation(value, std, written):
+    assert with_error(value, std) == written
+
+
+def test_bounds_get_the_digits_of_the_value():
+    assert with_error(1.962817, 0.00131, 1.96025, 1.96538) == ("1.9628", "0.0013", "1.9603", "1.9654")
+
+
+def test_names_stand_left_and_numbers_right():
+    text = to_text(make_table(("name", "value"), [("a", "1.0"), ("longer", "10.0")]))
+    assert text.splitlines() == [" name     value", " ──────────────", " a          1.0", " longer    10.0"]
+
+
+def test_a_line_above_a_narrow_table_is_not_folded():
+    title = "a line of text that is wider than the table " * 2
+    assert to_text(title.strip(), make_table(("a",), [("b",)])).splitlines()[0] == title.strip()
+
+
+def test_brackets_and_colons_in_names_are_no_markup():
+    text = to_text("[bold]x[/bold] :smile:", make_table(("[unit]",), [("[red]",)]))
+    assert "[bold]x[/bold] :smile:" in text
+    assert "[unit]" in text
+    assert "[red]" in text
+
+
+def test_text_is_plain_and_fits():
+    text = to_text(make_table(("name", "value"), [("x" * 300, "1.0")]), "word " * 100)
+    assert "\033" not in text
+    assert max(map(len, text.splitlines())) <= WIDTH
+    assert not any(line.endswith(" ") for line in text.splitlines())

@@ -1,0 +1,234 @@
+"""What acts on a joint besides rigid bodies: columns, units, signs, and the joints acted on."""
+
+import json
+
+import numpy as np
+import pytest
+from planar_chains import random_motion
+
+import exoid
+from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Stiffness, Viscous
+from exoid.torques import DEFAULT_TERMS, TERMS, Term, TorqueModel, term_by_name, term_from_json, term_to_json
+
+NAMES = ("left_hip", "left_knee", "left_ankle")
+LABELS = ("hip", "knee", "ankle")
+
+
+def columns(term: Term, q: object = 0.0, v: object = 0.0, a: object = 0.0) -> np.ndarray:
+    """The columns of one joint, (number of symbols, N)."""
+    q, v, a = (np.ascontiguousarray(x, dtype=float) for x in np.broadcast_arrays(np.atleast_1d(q), v, a))
+    out = np.zeros((len(term.symbols), len(q)))
+    term.fill(q, v, a, out)
+    return out
+
+
+# ------------------------------------------------------------------------------------ columns and units
+
+
+@pytest.mark.parametrize(
+    ("term", "symbols", "units"),
+    [
+        (Coulomb(), ("c0",), ("N·m",)),
+        (Viscous(), ("d",), ("N·m·s/rad",)),
+        (Armature(), ("Ia",), ("kg·m²",)),
+        (Offset(), ("offset",), ("N·m",)),
+        (Stiffness(), ("b2", "b1", "b0"), ("N·m/rad^2", "N·m/rad", "N·m")),
+        (Stiffness(degree=1), ("b1", "b0"), ("N·m/rad", "N·m")),
+        (Stiffness(degree=0), ("b0",), ("N·m",)),
+        (Stiffness(degree=3), ("b3", "b2", "b1", "b0"), ("N·m/rad^3", "N·m/rad^2", "N·m/rad", "N·m")),
+    ],
+)
+def test_each_term_names_its_parameters_and_their_units(term, symbols, units):
+    assert term.symbols == symbols
+    assert term.units == units
+    assert columns(term).shape == (len(symbols), 1)
+
+
+def test_columns_are_those_of_the_formulas():
+    rng = np.random.default_rng(0)
+    q, v, a = rng.uniform(-2, 2, (3, 50))
+    np.testing.assert_array_equal(columns(Viscous(), q, v, a), [v])
+    np.testing.assert_array_equal(columns(Armature(), q, v, a), [a])
+    np.testing.assert_array_equal(columns(Offset(), q, v, a), [np.ones(50)])
+    np.testing.assert_allclose(columns(Stiffness(), q, v, a), [q**2, q, np.ones(50)], rtol=1e-15)
+    np.testing.assert_allclose(columns(Stiffness(degree=5), q, v, a), [q**k for k in range(5, -1, -1)], rtol=1e-14)
+    np.testing.assert_array_equal(columns(Coulomb(smoothing=0.0), q, v, a), [np.sign(v)])
+    np.testing.assert_allclose(columns(Coulomb(smoothing=0.3), q, v, a), [np.tanh(v / 0.3)], rtol=1e-15)
+
+
+def test_smooth_coulomb_friction_is_nearly_sharp_above_its_velocity_and_zero_at_rest():
+    v = np.array([-1.0, -0.2, 0.0, 0.2, 1.0])
+    np.testing.assert_allclose(columns(Coulomb(), v=v), [np.sign(v)], atol=1e-8)
+    assert columns(Coulomb(), v=0.02)[0, 0] == pytest.approx(np.tanh(1.0))
+
+
+# ---------------------------------------------------------------------------------------------- signs
+
+
+@pytest.mark.parametrize("term", [Coulomb(), Coulomb(smoothing=0.0), Coulomb(smoothing=1.0, dead_band=0.2), Viscous()])
+def test_friction_with_a_positive_parameter_takes_energy_out(term):
+    """The actuator must push along the motion: v τ ≥ 0, and more than zero in motion."""
+    v = np.linspace(-3, 3, 601)
+    power = columns(term, v=v)[0] * v
+    assert (power >= 0).all()
+    assert (power[np.abs(v) > 0.5] > 0).all()
+
+
+def test_a_positive_stiffness_holds_against_the_actuator():
+    """τ = b1 q: away from zero the actuator must push outwards, as the spring pulls back."""
+    q = np.linspace(-1, 1, 11)
+    torque = np.array([0.0, 2.0, 0.0]) @ columns(Stiffness(), q=q)
+    np.testing.assert_allclose(torque, 2.0 * q, rtol=1e-15)
+    work = np.sum(0.5 * (torque[1:] + torque[:-1]) * np.diff(q)[:, None].T)
+    assert work == pytest.approx(0.0, abs=1e-12)  # a spring gives back what it took
+
+
+def test_the_work_on_a_rotor_is_its_kinetic_energy():
+    t = np.linspace(0.0, 1.0, 20001)
+    v, a = 3.0 * np.sin(2 * t), 6.0 * np.cos(2 * t)
+    power = 0.8 * columns(Armature(), v=v, a=a)[0] * v
+    assert np.trapezoid(power, t) == pytest.approx(0.5 * 0.8 * v[-1] ** 2, rel=1e-7)
+
+
+# --------------------------------------------------------------------------------- dead band, settings
+
+
+def test_samples_within_the_dead_band_are_unusable_and_their_column_is_zero():
+    v = np.array([-0.3, -0.1, -0.05, 0.0, 0.05, 0.1, 0.3])
+    term = Coulomb(smoothing=0.0, dead_band=0.1)
+    np.testing.assert_array_equal(term.usable(v), [True, False, False, False, False, False, True])
+    np.testing.assert_array_equal(columns(term, v=v), [[-1, 0, 0, 0, 0, 0, 1]])
+
+
+@pytest.mark.parametrize("term", [Coulomb(), Viscous(), Armature(), Offset(), Stiffness()])
+def test_without_a_dead_band_every_sample_is_usable(term):
+    assert term.usable(np.array([-1.0, 0.0, 1e-9])).tolist() == [True] * 3
+
+
+@pytest.mark.parametrize("setting", ["smoothing", "dead_band"])
+@pytest.mark.parametrize("value", [-0.1, np.nan, np.inf])
+def test_a_velocity_that_makes_no_sense_is_refused(setting, value):
+    with pytest.raises(ExoidError, match="velocities in rad/s, zero or positive"):
+        Coulomb(**{setting: value})
+
+
+@pytest.mark.parametrize("degree", [-1, 9, 2.5, 2.0, "2"])
+def test_a_degree_that_makes_no_sense_is_refused(degree):
+    with pytest.raises(ExoidError, match=f"stiffness of degree {degree}"):
+        Stiffness(degree=degree)
+
+
+# --------------------------------------------------------------------------------------------- joints
+
+
+def test_a_term_without_joints_acts_on_all():
+    assert Coulomb().joint_indices(NAMES, LABELS) == (0, 1, 2)
+
+
+@pytest.mark.parametrize("joints", [("knee",), ("left_knee",), ("knee", "left_knee")])
+def test_joints_are_found_by_label_or_by_full_name(joints):
+    assert Viscous(joints=joints).joint_indices(NAMES, LABELS) == (1,)
+
+
+def test_joints_are_taken_in_the_order_of_the_leg():
+    assert Viscous(joints=("ankle", "left_hip")).joint_indices(NAMES, LABELS) == (0, 2)
+    assert Viscous(joints=()).joint_indices(NAMES, LABELS) == ()
+
+
+def test_a_joint_that_the_leg_does_not_have_is_refused_with_those_it_has():
+    with pytest.raises(ExoidError) as caught:
+        Viscous(joints=("knee", "toe", "right_hip")).joint_indices(NAMES, LABELS)
+    assert str(caught.value) == (
+        "Viscous acts on toe, right_hip, which the leg does not have. "
+        "To mend it: its joints are left_hip, left_knee, left_ankle"
+    )
+
+
+# ----------------------------------------------------------------------------------------------- JSON
+
+
+@pytest.mark.parametrize(
+    "term",
+    [
+        Coulomb(),
+        Coulomb(joints=("knee", "left_ankle"), smoothing=0.0, dead_band=0.07),
+        Viscous(joints=()),
+        Armature(),
+        Offset(joints=("hip",)),
+        Stiffness(degree=4, joints=("knee",)),
+    ],
+)
+def test_a_term_survives_a_round_trip_through_json(term):
+    text = json.dumps(term_to_json(term), allow_nan=False)
+    assert term_from_json(json.loads(text)) == term
+
+
+def test_every_term_has_a_name_and_the_defaults_are_among_them():
+    for name, kind in TERMS.items():
+        assert term_by_name(name) == kind()
+        assert term_to_json(kind())["term"] == name
+    assert {type(term) for term in DEFAULT_TERMS} <= set(TERMS.values())
+
+
+def test_an_unknown_term_is_refused_with_the_known_ones():
+    with pytest.raises(ExoidError, match=r"no term 'magnet'\. To mend it: use some of .*coulomb"):
+        term_by_name("magnet")
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        {},
+        {"term": "magnet"},
+        {"term": None},
+        {"term": ["coulomb"]},
+        {"term": "viscous", "smoothing": 0.1},
+        {"term": "coulomb", "smoothing": "slow"},
+        {"term": "coulomb", "smoothing": -1.0},
+        {"term": "stiffness", "degree": 2.5},
+    ],
+)
+def test_a_wrong_description_of_a_term_is_refused(data):
+    with pytest.raises(ExoidError):
+        term_from_json(data)
+
+
+def test_a_term_of_the_users_own_has_no_name_in_files():
+    class Magnet(Offset):
+        """A term that files do not know."""
+
+    with pytest.raises(ExoidError, match="Magnet has no name in files"):
+        term_to_json(Magnet())
+
+
+def test_terms_are_values():
+    assert Coulomb() == Coulomb()
+    assert Coulomb() != Coulomb(dead_band=0.1)
+    with pytest.raises(AttributeError):
+        Coulomb().smoothing = 1.0
+    with pytest.raises(TypeError):
+        Coulomb(0.1)
+
+
+def test_a_users_own_term_takes_part_like_any_other():
+    class Backlash(Term):
+        """Something with two parameters."""
+
+        @property
+        def symbols(self) -> tuple[str, ...]:
+            return ("up", "down")
+
+        @property
+        def units(self) -> tuple[str, ...]:
+            return ("N·m", "N·m")
+
+        def fill(self, q, v, a, out) -> None:
+            out[0], out[1] = np.maximum(v, 0) ** 2, np.minimum(v, 0) ** 2
+
+    leg = Leg.from_description(exoid.load_leg("cuhk").description, ("left_hip", "left_knee"))
+    model = TorqueModel(leg, (Backlash(joints=("knee",)),))
+    assert model.names[-2:] == ("up_knee", "down_knee")
+    q, v, a = random_motion(np.random.default_rng(1), 2)
+    W = model.regressor(q, v, a)
+    np.testing.assert_array_equal(W[:, 1, -2], np.maximum(v[:, 1], 0) ** 2)
+    assert not W[:, 0, -2:].any()

@@ -1,0 +1,263 @@
+"""Rigid bodies and terms in one linear model: names, order, columns, merging and refusals."""
+
+import numpy as np
+import pytest
+from planar_chains import assert_relative, random_chain, random_motion
+
+import exoid
+from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Stiffness, TorsoMotion, Viscous
+from exoid.description import describe
+from exoid.torques import DEFAULT_TERMS, Merged, Term, TorqueModel
+from exoid.torques.model import BLOCK
+
+
+@pytest.fixture
+def leg():
+    return exoid.load_leg("bleex")
+
+
+def model_of(leg: Leg, *terms: object) -> TorqueModel:
+    return TorqueModel(leg, terms)
+
+
+# -------------------------------------------------------------------------------------- names, order
+
+
+def test_the_legs_parameters_come_first_then_each_term_joint_by_joint(leg):
+    model = model_of(leg, Coulomb(), Viscous(joints=("knee",)), Stiffness(joints=("ankle",)))
+    assert model.names == (
+        *leg.parameter_names,
+        *("c0_hip", "c0_knee", "c0_ankle"),
+        "d_knee",
+        *("b2_ankle", "b1_ankle", "b0_ankle"),
+    )
+    assert model.units == (
+        *leg.parameter_units,
+        *("N·m",) * 3,
+        "N·m·s/rad",
+        *("N·m/rad^2", "N·m/rad", "N·m"),
+    )
+
+
+def test_names_are_the_same_on_both_sides():
+    left, right = (model_of(exoid.load_leg("bleex", side=side), *DEFAULT_TERMS).names for side in ("left", "right"))
+    assert left == right
+    assert "c0_knee" in left
+
+
+def test_names_keep_the_whole_joint_name_where_it_has_no_side():
+    leg = random_chain(np.random.default_rng(0), 2).leg()
+    assert model_of(leg, Viscous()).names[-2:] == ("d_hip", "d_knee")
+    text = random_chain(np.random.default_rng(0), 2).text.replace('<joint name="hip"', '<joint name="left_hip"')
+    assert model_of(Leg.from_description(describe(text)), Viscous()).names[-2:] == ("d_left_hip", "d_knee")
+
+
+def test_without_terms_the_model_is_the_leg(leg):
+    q, v, a = random_motion(np.random.default_rng(1), 3)
+    model = model_of(leg)
+    assert model.names == leg.parameter_names
+    assert model.merged == ()
+    np.testing.assert_array_equal(model.regressor(q, v, a), leg.regressor(q, v, a))
+
+
+# ------------------------------------------------------------------------------------------ columns
+
+
+@pytest.mark.parametrize("samples", [1, BLOCK - 1, BLOCK, BLOCK + 1, 20000])
+def test_the_regressor_is_the_columns_stacked_by_hand(leg, samples):
+    q, v, a = random_motion(np.random.default_rng(samples), 3, samples)
+    model = model_of(
+        leg, Coulomb(smoothing=0.1), Viscous(), Armature(joints=("knee", "ankle")), Stiffness(joints=("hip",))
+    )
+    by_hand = np.zeros((samples, 3, 9 + 3 + 3 + 2 + 3))
+    by_hand[:, :, :9] = leg.regressor(q, v, a)
+    for joint in range(3):
+        by_hand[:, joint, 9 + joint] = np.tanh(v[:, joint] / 0.1)
+        by_hand[:, joint, 12 + joint] = v[:, joint]
+    by_hand[:, 1, 15], by_hand[:, 2, 16] = a[:, 1], a[:, 2]
+    by_hand[:, 0, 17], by_hand[:, 0, 18], by_hand[:, 0, 19] = q[:, 0] ** 2, q[:, 0], 1.0
+    W = model.regressor(q, v, a)
+    assert W.shape == (samples, 3, len(model.names))
+    assert_relative(W, by_hand, 1e-15)
+
+
+def test_the_torque_is_inverse_dynamics_and_resistances_added_up(leg):
+    q, v, a = random_motion(np.random.default_rng(2), 3)
+    model = model_of(leg, Coulomb(smoothing=0.0), Viscous())
+    beta = np.concatenate([leg.parameters, [0.4, 0.5, 0.6], [0.1, 0.2, 0.3]])
+    expected = leg.inverse_dynamics(q, v, a) + np.sign(v) * [0.4, 0.5, 0.6] + v * [0.1, 0.2, 0.3]
+    assert_relative(model.regressor(q, v, a) @ beta, expected, 1e-12)
+
+
+def test_terms_do_not_feel_the_torso_and_the_leg_does(leg):
+    q, v, a = random_motion(np.random.default_rng(3), 3)
+    torso = TorsoMotion(0.3, 0.1, -0.2, (1.0, 2.0))
+    model = model_of(leg, Coulomb(), Stiffness())
+    W = model.regressor(q, v, a, torso)
+    np.testing.assert_array_equal(W[:, :, :9], leg.regressor(q, v, a, torso))
+    np.testing.assert_array_equal(W[:, :, 9:], model.regressor(q, v, a)[:, :, 9:])
+
+
+def test_each_column_is_contiguous_in_memory(leg):
+    W = model_of(leg, *DEFAULT_TERMS).regressor(*np.zeros((3, 5000, 3)))
+    for joint in range(3):
+        for column in range(W.shape[2]):
+            assert W[:, joint, column].flags.c_contiguous
+
+
+def test_a_numeric_leg_has_terms_too():
+    text = random_chain(np.random.default_rng(4), 2, axis="y").text
+    slant = (
+        '<joint name="slant" type="fixed"><origin rpy="0.3 0 0"/><parent link="torso"/><child link="tilted"/></joint>'
+    )
+    text = text.replace('<parent link="torso"/>', '<parent link="tilted"/>')
+    text = text.replace('<link name="torso"/>', f'<link name="torso"/><link name="tilted"/>{slant}')
+    leg = Leg.from_description(describe(text))
+    assert leg.chain is None
+    model = model_of(leg, Armature(), Viscous())
+    (hip,) = model.merged
+    assert hip.name == "Ia_hip"
+    assert next(iter(hip.into)).split("_")[0] in ("Ixx", "Iyy", "Izz")
+    q, v, a = random_motion(np.random.default_rng(5), 2)
+    W = model.regressor(q, v, a)
+    np.testing.assert_array_equal(W[:, 1, -2], 0.0)
+    np.testing.assert_array_equal(W[:, 0, -2], v[:, 0])
+    np.testing.assert_array_equal(W[:, 1, -3], a[:, 1])
+
+
+def test_arrays_of_the_wrong_shape_are_refused(leg):
+    with pytest.raises(ExoidError, match="do not fit a leg of 3 joints"):
+        model_of(leg, Coulomb()).regressor(*np.zeros((3, 5, 2)))
+
+
+# ------------------------------------------------------------------------------------------- merging
+
+
+@pytest.mark.parametrize("name", ["bleex", "cuhk"])
+def test_a_rotor_at_the_hip_is_part_of_j1_and_at_the_others_a_parameter_of_its_own(name, side):
+    leg = exoid.load_leg(name, side=side)
+    model = model_of(leg, Armature())
+    (merged,) = model.merged
+    assert merged.name == "Ia_hip"
+    assert merged.into == {"J1": pytest.approx(1.0, abs=1e-9)}
+    assert str(merged) == "Ia_hip cannot be told from J1 by any motion: it is part of it"
+    assert model.names == (*leg.parameter_names, *(f"Ia_{joint}" for joint in leg.joint_labels[1:]))
+
+
+def test_a_merged_rotor_keeps_the_torque(leg):
+    """J1 + Ia_hip gives what both apart would."""
+    q, v, a = random_motion(np.random.default_rng(6), 3)
+    model = model_of(leg, Armature())
+    beta = np.concatenate([leg.parameters, [0.2, 0.3]])
+    beta[2] += 0.8
+    assert_relative(model.regressor(q, v, a) @ beta, leg.inverse_dynamics(q, v, a) + a * [0.8, 0.2, 0.3], 1e-12)
+
+
+def test_an_offset_after_a_stiffness_is_its_b0(leg):
+    model = model_of(leg, Stiffness(joints=("knee",)), Offset())
+    assert model.merged == (Merged("offset_knee", {"b0_knee": pytest.approx(1.0, abs=1e-9)}),)
+    assert model.names[9:] == ("b2_knee", "b1_knee", "b0_knee", "offset_hip", "offset_ankle")
+
+
+def test_a_b0_after_an_offset_is_the_offset_and_the_other_columns_stay_in_place(leg):
+    model = model_of(leg, Offset(), Stiffness(joints=("knee",)))
+    assert [(m.name, list(m.into)) for m in model.merged] == [("b0_knee", ["offset_knee"])]
+    assert model.names[9:] == ("offset_hip", "offset_knee", "offset_ankle", "b2_knee", "b1_knee")
+    assert len(model.units) == len(model.names)
+    q, v, a = random_motion(np.random.default_rng(7), 3)
+    W = model.regressor(q, v, a)
+    np.testing.assert_allclose(W[:, 1, 12], q[:, 1] ** 2, rtol=1e-15)
+    np.testing.assert_array_equal(W[:, 1, 13], q[:, 1])
+
+
+class GearedRotor(Term):
+    """Twice a rotor, beside a constant and something of its own: merging must keep scales and columns apart."""
+
+    @property
+    def symbols(self) -> tuple[str, ...]:
+        return ("constant", "rotor", "cube")
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        return ("N·m", "kg·m²", "N·m·s³/rad³")
+
+    def fill(self, q, v, a, out) -> None:
+        out[0], out[1], out[2] = 3.0, 2.0 * a, v**3
+
+
+def test_merged_parameters_state_their_share_and_leave_the_others_their_columns(leg):
+    model = model_of(leg, Offset(), GearedRotor(joints=("hip",)))
+    assert model.merged == (
+        Merged("constant_hip", {"offset_hip": pytest.approx(3.0, abs=1e-9)}),
+        Merged("rotor_hip", {"J1": pytest.approx(2.0, abs=1e-9)}),
+    )
+    assert str(model.merged[1]).startswith("rotor_hip cannot be told from J1 (× 2) by any motion")
+    assert model.names[9:] == ("offset_hip", "offset_knee", "offset_ankle", "cube_hip")
+    q, v, a = random_motion(np.random.default_rng(9), 3)
+    W = model.regressor(q, v, a)
+    np.testing.assert_array_equal(W[:, 0, 12], v[:, 0] ** 3)
+    assert_relative(W[:, :, 2] * 2.0, np.stack([2.0 * a[:, 0], 0 * q[:, 1], 0 * q[:, 2]], axis=1), 1e-15)
+
+
+def test_two_kinds_of_friction_that_differ_are_not_merged(leg):
+    assert model_of(leg, Coulomb(), Viscous(), Offset()).merged == ()
+
+
+def test_what_is_left_is_independent(leg):
+    for terms in (DEFAULT_TERMS, (Stiffness(degree=3), Offset(), Armature(), Viscous(), Coulomb())):
+        model = TorqueModel(leg, tuple(terms))
+        W = model.regressor(*random_motion(np.random.default_rng(8), 3, 500)).reshape(-1, len(model.names))
+        sigma = np.linalg.svd(W / np.linalg.norm(W, axis=0), compute_uv=False)
+        assert sigma[-1] > 1e-3 * sigma[0]
+
+
+def test_a_share_other_than_one_is_stated():
+    assert str(Merged("a", {"b": 1.0, "c": -0.25})) == (
+        "a cannot be told from b, c (× -0.25) by any motion: it is part of it"
+    )
+
+
+# ------------------------------------------------------------------------------------------ refusals
+
+
+@pytest.mark.parametrize(
+    ("terms", "repeated"),
+    [
+        ((Coulomb(), Coulomb(smoothing=0.5)), "c0_ankle, c0_hip, c0_knee"),
+        ((Viscous(joints=("knee",)), Viscous()), "d_knee"),
+        ((Stiffness(degree=1, joints=("hip",)), Stiffness(degree=0, joints=("left_hip",))), "b0_hip"),
+    ],
+)
+def test_a_term_twice_at_one_joint_is_refused(leg, terms, repeated):
+    with pytest.raises(
+        ExoidError, match=f"parameters occur twice: {repeated}\\. To mend it: give each term once a joint"
+    ):
+        TorqueModel(leg, terms)
+
+
+def test_the_same_term_at_different_joints_may_have_different_settings(leg):
+    model = model_of(leg, Coulomb(joints=("hip",), smoothing=0.5), Coulomb(joints=("knee", "ankle"), smoothing=0.0))
+    assert model.names[9:] == ("c0_hip", "c0_knee", "c0_ankle")
+    W = model.regressor(np.zeros((1, 3)), np.full((1, 3), 0.5), np.zeros((1, 3)))
+    np.testing.assert_allclose(W[0, [0, 1, 2], [9, 10, 11]], [np.tanh(1.0), 1.0, 1.0])
+
+
+def test_a_term_on_a_missing_joint_is_refused_when_the_model_is_made(leg):
+    with pytest.raises(ExoidError, match="Coulomb acts on toe, which the leg does not have"):
+        model_of(leg, Coulomb(joints=("toe",)))
+
+
+# ------------------------------------------------------------------------------------------- usable
+
+
+def test_only_the_joint_within_its_dead_band_is_unusable(leg):
+    v = np.array([[0.0, 0.0, 0.0], [0.2, 0.2, 0.2], [0.2, 0.0, 0.2]])
+    model = model_of(leg, Coulomb(joints=("knee", "ankle"), dead_band=0.1), Viscous())
+    np.testing.assert_array_equal(model.usable(v), [[True, False, False], [True] * 3, [True, False, True]])
+    assert model_of(leg, Coulomb(), Viscous()).usable(v).all()
+
+
+def test_dead_bands_of_several_terms_add_up(leg):
+    v = np.array([[0.05, 0.15, 0.05]])
+    model = model_of(leg, Coulomb(joints=("hip",), dead_band=0.1), Coulomb(joints=("knee",), dead_band=0.2))
+    np.testing.assert_array_equal(model.usable(v), [[False, False, True]])
