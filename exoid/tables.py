@@ -12,9 +12,9 @@ from rich.table import Table
 WIDTH = 110
 
 
-def make_table(title: str, headers: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
+def make_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
     """Make a table whose first column is text and whose others are numbers, aligned right."""
-    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for index, header in enumerate(headers):
         table.add_column(header, justify="left" if index == 0 else "right", overflow="fold")
     for row in rows:

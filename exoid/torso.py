@@ -58,10 +58,10 @@ def moving_torso_model(model: pin.Model, plane: Plane) -> pin.Model:
     """Put three joints before the leg's: the hip moves forward and up, and the torso pitches about it."""
     hip = pin.SE3(np.eye(3), model.jointPlacements[1].translation)
     torso = pin.Model()
-    joint = torso.addJoint(0, pin.JointModelPrismaticUnaligned(plane.forward), hip, "torso_forward")
-    joint = torso.addJoint(joint, pin.JointModelPrismaticUnaligned(plane.up), pin.SE3.Identity(), "torso_up")
-    joint = torso.addJoint(joint, pin.JointModelRevoluteUnaligned(-plane.lateral), pin.SE3.Identity(), "torso_pitch")
-    frame = torso.addFrame(pin.Frame("torso", joint, 0, pin.SE3.Identity(), pin.FrameType.BODY))
+    joint = torso.addJoint(0, pin.JointModelPrismaticUnaligned(plane.forward), hip, "exoid torso forward")
+    joint = torso.addJoint(joint, pin.JointModelPrismaticUnaligned(plane.up), pin.SE3.Identity(), "exoid torso up")
+    joint = torso.addJoint(joint, pin.JointModelRevoluteUnaligned(-plane.lateral), pin.SE3.Identity(), "exoid torso pitch")
+    frame = torso.addFrame(pin.Frame("exoid moving torso", joint, 0, pin.SE3.Identity(), pin.FrameType.BODY))
     return pin.appendModel(torso, model, frame, hip.inverse())
 
 

@@ -70,13 +70,21 @@ class Estimate:
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
-        count = len(self.names)
-        for name, shape in (("values", (count,)), ("covariance", (count, count))):
+        count, joints = len(self.names), len(self.joint_names)
+        for name, shape in (("values", (count,)), ("covariance", (count, count)), ("residual_rms", (joints,))):
             array = np.array(getattr(self, name), dtype=np.float64)
             if array.shape != shape or not np.isfinite(array).all():
-                raise ExoidError(f"{name} of shape {array.shape} do not fit {count} parameters {self.names}")
+                raise ExoidError(
+                    f"{name} of shape {array.shape} must be finite and fit {count} parameters of {joints} joints",
+                    remedy="identify again",
+                )
             array.flags.writeable = False
             object.__setattr__(self, name, array)
+        if not (self.dof > 0.0 and self.condition_number >= 1.0 and (np.diag(self.covariance) >= 0.0).all()):
+            raise ExoidError(
+                "degrees of freedom, condition number or a variance is not what a least-squares fit gives",
+                remedy="identify again",
+            )
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -181,7 +189,7 @@ class Estimate:
         ]
         title = f"{self.model.leg.description.name}: {self.estimator} estimate of {len(rows)} parameters"
         headers = ("parameter", "value", "± std", "95 % from", "to", "unit")
-        return to_text(make_table(title, headers, rows), *self._remarks())
+        return to_text(title, make_table(headers, rows), *self._remarks())
 
     def _remarks(self) -> Sequence[str]:
         residuals = ", ".join(

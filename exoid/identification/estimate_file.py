@@ -35,7 +35,7 @@ def read_estimate(path: str | os.PathLike[str]) -> Estimate:
     except OSError as error:
         remedy = "give the path of a file that exoid identify wrote"
         raise ExoidError(f"cannot be read ({error.strerror or error})", where=str(path), remedy=remedy) from error
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # not UTF-8, not JSON, a number of ten thousand digits
         raise ExoidError(f"not JSON ({error})", where=str(path), remedy="identify again and save") from error
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise ExoidError(f"not an estimate of schema {SCHEMA!r}", where=str(path), remedy="identify again and save")
@@ -82,7 +82,7 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
     """Rebuild an estimate.
 
     Raises:
-        ExoidError: Names of the values do not fit the leg and terms.
+        ExoidError: Names of the values do not fit the leg and terms, or the URDF was changed.
     """
     about = data["leg"]
     leg = Leg.from_description(
@@ -91,6 +91,8 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
         locked=about["locked"],
         cumulative=about["cumulative"],
     )
+    if leg.description.sha256 != about["sha256"]:
+        raise ExoidError("the URDF inside is not the one identified: its hash differs", remedy="identify again")
     model = TorqueModel(leg, tuple(term_from_json(term) for term in data["terms"]))
     if tuple(data["values"]) != model.names:
         raise ExoidError(f"values {', '.join(data['values'])} do not fit the parameters {', '.join(model.names)}")

@@ -16,7 +16,7 @@ Estimator = Callable[[Sequence[Triangle], Sequence[str]], Solution]
 """Takes the triangle of each joint and the parameter names."""
 
 NOISELESS = 1e-9
-"""Residuals below this fraction of the torque are rounding, not noise, and do not raise a weight further."""
+"""Residuals below this fraction of the leg's torque are rounding, not noise, and do not raise a weight further."""
 
 
 def ols(triangles: Sequence[Triangle], names: Sequence[str]) -> Solution:
@@ -30,14 +30,13 @@ def wls(triangles: Sequence[Triangle], names: Sequence[str]) -> Solution:
     A hip whose sensor errs by 1 N·m then no longer drowns an ankle whose sensor errs by 0.1 N·m.
     """
     first = ols(triangles, names).values
-    return solve(join(triangles, [1.0 / _noise(triangle, first) for triangle in triangles]), names)
+    torque = max(float(np.linalg.norm(triangle.R[:, -1])) for triangle in triangles)
+    return solve(join(triangles, [1.0 / _noise(triangle, first, torque) for triangle in triangles]), names)
 
 
-def _noise(triangle: Triangle, values: FloatArray) -> float:
+def _noise(triangle: Triangle, values: FloatArray, torque: float) -> float:
     """RMS residual of one joint [N·m], kept away from zero."""
-    torque = float(np.linalg.norm(triangle.R[:, -1]))
-    smallest = max(NOISELESS * torque, np.finfo(float).tiny)
-    return max(triangle.residual(values), smallest) / math.sqrt(max(triangle.rows, 1))
+    return max(triangle.residual(values), NOISELESS * torque) / math.sqrt(max(triangle.rows, 1))
 
 
 ESTIMATORS: Mapping[str, Estimator] = {"ols": ols, "wls": wls}

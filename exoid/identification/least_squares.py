@@ -69,15 +69,15 @@ def solve(triangle: Triangle, names: Sequence[str]) -> Solution:
 
 def _undetermined(unseen: FloatArray, names: Sequence[str]) -> ExoidError:
     """Explain the directions, rows of ``unseen``, in which the regressor is zero."""
-    alone = [names[int(np.argmax(np.abs(row)))] for row in unseen if np.sum(np.abs(row) > INVOLVED) == 1]
-    involved = [name for name, part in zip(names, np.abs(unseen).max(axis=0), strict=True) if part > INVOLVED]
-    together = [name for name in involved if name not in alone]
+    reach = np.linalg.norm(unseen, axis=0)  # 1 where the parameter itself is unseen, whatever basis spans `unseen`
+    alone = [name for name, part in zip(names, reach, strict=True) if part > 1.0 - INVOLVED**2]
+    together = [n for n, part in zip(names, reach, strict=True) if part > INVOLVED and n not in alone]
     what = []
     if alone:
         what.append(f"{', '.join(alone)} left no trace in the torque")
     if together:
-        what.append(f"{', '.join(together)} can only be told apart by another motion")
+        what.append(f"{', '.join(together)} cannot be told apart in this motion")
     return ExoidError(
-        f"the recordings do not determine {', '.join(involved)}: {'; '.join(what)}",
+        f"the recordings do not determine every parameter: {'; '.join(what)}",
         remedy="move all joints at once, through different angles and speeds, or leave out terms that cannot act",
     )

@@ -33,6 +33,11 @@ class Validation:
     predicted: FloatArray
     source: str
 
+    def __post_init__(self) -> None:
+        """Forbid changes."""
+        for array in (self.time, self.measured, self.predicted):
+            array.flags.writeable = False
+
     @property
     def residual(self) -> FloatArray:
         """Measured less predicted torque [N·m], (N, n)."""
@@ -65,8 +70,8 @@ class Validation:
             (name, f"{rmse:.4g}", f"{nrmse:.4f}", f"{r2:.4f}")
             for name, rmse, nrmse, r2 in zip(self.joint_names, self.rmse, self.nrmse, self.r2, strict=True)
         ]
-        table = make_table(f"Prediction of {self.source}", ("joint", "RMSE [N·m]", "NRMSE", "R²"), rows)
-        return to_text(table, f"{len(self.time)} samples, both torques filtered alike")
+        table = make_table(("joint", "RMSE [N·m]", "NRMSE", "R²"), rows)
+        return to_text(f"Prediction of {self.source}", table, f"{len(self.time)} samples, both torques filtered alike")
 
 
 def validation_to_json(validation: Validation) -> dict[str, Any]:
@@ -76,9 +81,14 @@ def validation_to_json(validation: Validation) -> dict[str, Any]:
         "samples": len(validation.time),
         "joint_names": list(validation.joint_names),
         "rmse": validation.rmse.tolist(),
-        "nrmse": validation.nrmse.tolist(),
-        "r2": validation.r2.tolist(),
+        "nrmse": _numbers(validation.nrmse),
+        "r2": _numbers(validation.r2),
     }
+
+
+def _numbers(array: FloatArray) -> list[float | None]:
+    """List numbers; JSON knows no NaN, so that becomes null."""
+    return [value if np.isfinite(value) else None for value in array.tolist()]
 
 
 def validate(estimate: Estimate, recording: Recording, *, preparation: Preparation | None = None) -> Validation:

@@ -11,6 +11,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.torso import TorsoMotion
 
 from . import checks, timebase
 from .csv_reader import read_log
@@ -34,6 +35,7 @@ class Recording:
         tau: Actuator torques [N·m], (N, n), or None: a motion without torques.
         joint_names: Names of the n columns.
         source: File the data came from, or None.
+        torso: How the torso was held or moved meanwhile; None for upright and still.
         largest_angle: Angles beyond this [rad] are refused as degrees in disguise; ``math.inf`` for a joint
             that turns round and round.
 
@@ -55,6 +57,7 @@ class Recording:
     _: KW_ONLY
     joint_names: tuple[str, ...]
     source: Source | None = None
+    torso: TorsoMotion | None = None
     largest_angle: float = checks.LARGEST_ANGLE
 
     def __post_init__(self) -> None:
