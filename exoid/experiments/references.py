@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,9 +65,31 @@ class Harmonics:
     frequency: FloatArray
     phase: FloatArray
 
+    @staticmethod
+    def join(motions: Sequence[Harmonics]) -> Harmonics:
+        """Put motions side by side; those of fewer sinusoids get some of amplitude zero."""
+        most = max(len(motion.amplitude) for motion in motions)
+
+        def wide(x: FloatArray, motion: Harmonics) -> FloatArray:
+            full = np.broadcast_to(x, motion.amplitude.shape)
+            return np.concatenate([full, np.zeros((most - len(full), *full.shape[1:]))])
+
+        return Harmonics(
+            np.concatenate([motion.centre for motion in motions], axis=-1),
+            np.concatenate([wide(motion.amplitude, motion) for motion in motions], axis=-1),
+            np.concatenate([wide(motion.frequency, motion) for motion in motions], axis=-1),
+            np.concatenate([wide(motion.phase, motion) for motion in motions], axis=-1),
+        )
+
     def each(self, count: int) -> Harmonics:
         """Repeat all rigs: the whole row of them ``count`` times."""
-        return Harmonics(*(np.tile(x, count) for x in (self.centre, self.amplitude, self.frequency, self.phase)))
+        shape = self.amplitude.shape
+        return Harmonics(
+            np.tile(self.centre, count),
+            np.tile(self.amplitude, count),
+            np.tile(np.broadcast_to(self.frequency, shape), count),
+            np.tile(np.broadcast_to(self.phase, shape), count),
+        )
 
     def at(self, time: float) -> Target:
         """See :class:`exoid.rig.Reference`."""

@@ -43,14 +43,14 @@ class Proportional:
     """u = K (θ_ref − θ), as both documents use it; document 2 prints the opposite sign, which is positive feedback.
 
     Attributes:
-        gain: K, in command per radian, a number or (n,).
+        gain: K, in command per radian, a number, (n,) or (n, B).
     """
 
     gain: ArrayLike
 
     def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
         """See the class."""
-        return np.asarray(self.gain, dtype=np.float64).reshape(-1, 1) * (target.q - q)
+        return _gains(self.gain) * (target.q - q)
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,8 @@ class ProportionalDerivative:
     """u = Kp (θ_ref − θ) + Kd (θ̇_ref − θ̇) (doc. 2, eq. (24)).
 
     Attributes:
-        stiffness: Kp, in command per radian, a number or (n,).
-        damping: Kd, in command per radian a second.
+        stiffness: Kp, in command per radian, a number, (n,) or (n, B).
+        damping: Kd, in command per radian a second, likewise.
     """
 
     stiffness: ArrayLike
@@ -67,5 +67,10 @@ class ProportionalDerivative:
 
     def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
         """See the class."""
-        kp, kd = (np.asarray(gain, dtype=np.float64).reshape(-1, 1) for gain in (self.stiffness, self.damping))
-        return kp * (target.q - q) + kd * (target.v - v)
+        return _gains(self.stiffness) * (target.q - q) + _gains(self.damping) * (target.v - v)
+
+
+def _gains(value: ArrayLike) -> FloatArray:
+    """Gains as an array that spreads over joints and rigs."""
+    gains = np.asarray(value, dtype=np.float64)
+    return gains[:, None] if gains.ndim == 1 else gains
