@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from typing import Annotated, Literal
 
 import typer
 from rich.console import Console
-from rich.progress import Progress
+from rich.progress import Progress, TaskID
 
 from exoid import reproduce as replays
 
@@ -22,12 +23,20 @@ def reproduce(
 ) -> None:
     """Run a document's experiments on virtual rigs, identify, and print every table side by side."""
     with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(f"replaying {document}", total=1.0)
-        told = lambda share: bar.update(task, completed=share)  # noqa: E731
+        told = partial(_tell, bar, bar.add_task(f"replaying {document}", total=1.0))
         if document == "bleex":
             bleex = replays.reproduce_bleex(seed, progress=told)[0]
             text, data = replays.bleex_text(bleex), replays.bleex_json(bleex)
+            write = partial(replays.write_bleex_figures, bleex.left)
         else:
             cuhk = replays.reproduce_cuhk(seed, progress=told)[0]
             text, data = replays.cuhk_text(cuhk), replays.cuhk_json(cuhk)
+            write = partial(replays.write_cuhk_figures, cuhk)
+    if figures is not None:
+        for path in write(figures):
+            typer.echo(f"wrote {path}", err=True)
     typer.echo(json.dumps(data, indent=1) if as_json else text)
+
+
+def _tell(bar: Progress, task: TaskID, share: float) -> None:
+    bar.update(task, completed=share)

@@ -42,12 +42,12 @@ COARSE_COUNTS = 2.0**12
 SETTLE, DURATION = 2.0, 22.0
 """Of the dynamic experiments [s]: whole periods remain after the start."""
 
-TILTS = (-20.0, 20.0)
+TILTS = (-30.0, 30.0)
 """Of the torso [deg], which document 1 proposes for the hip's stiffness and did not do."""
 
-TILTED_POSES = 60
+TILTED_POSES = 100
 
-JOINT_TERMS = (Stiffness(), Coulomb(smoothing=0.0, dead_band=0.1))
+JOINT_TERMS = (Stiffness(), Coulomb(smoothing=0.0, dead_band=0.15))
 """Of the joint estimate; samples near a reversal are left out, never filtered across it."""
 
 JOINT_PREPARATION = Smoothed(cutoff=8.0)
