@@ -60,7 +60,9 @@ def moving_torso_model(model: pin.Model, plane: Plane) -> pin.Model:
     torso = pin.Model()
     joint = torso.addJoint(0, pin.JointModelPrismaticUnaligned(plane.forward), hip, "exoid torso forward")
     joint = torso.addJoint(joint, pin.JointModelPrismaticUnaligned(plane.up), pin.SE3.Identity(), "exoid torso up")
-    joint = torso.addJoint(joint, pin.JointModelRevoluteUnaligned(-plane.lateral), pin.SE3.Identity(), "exoid torso pitch")
+    joint = torso.addJoint(
+        joint, pin.JointModelRevoluteUnaligned(-plane.lateral), pin.SE3.Identity(), "exoid torso pitch"
+    )
     frame = torso.addFrame(pin.Frame("exoid moving torso", joint, 0, pin.SE3.Identity(), pin.FrameType.BODY))
     return pin.appendModel(torso, model, frame, hip.inverse())
 

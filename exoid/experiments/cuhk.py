@@ -69,10 +69,15 @@ def multisine(leg: Leg, rng: np.random.Generator, draws: int = 300) -> Harmonics
     """
     model = TorqueModel(
         leg,
-        (Stiffness(degree=1, joints=(leg.joint_labels[KNEE],)), Coulomb(), Viscous(), Armature(),
-         Offset(joints=(leg.joint_labels[HIP],))),
+        (
+            Stiffness(degree=1, joints=(leg.joint_labels[KNEE],)),
+            Coulomb(),
+            Viscous(),
+            Armature(),
+            Offset(joints=(leg.joint_labels[HIP],)),
+        ),
     )
-    frequency = 2.0 * np.pi * BASE_FREQUENCY * np.arange(1, HARMONICS + 1)[:, None, None]
+    frequency = 2.0 * np.pi * BASE_FREQUENCY * np.arange(1.0, HARMONICS + 1.0)[:, None, None]
     time = np.arange(0.0, 1.0 / BASE_FREQUENCY, 0.02)
     argument = frequency[..., 0] * time
     best, motion = np.inf, None

@@ -27,7 +27,7 @@ SINE_DEG = np.array(
 
 
 def healthy_gait(scale: float = 1.2, period: float = 10.0) -> Harmonics:
-    """Hip and knee flexion of a stride, θ = a0 + Σ scale (a_k cos 2πkp + b_k sin 2πkp), p = t / period from heel contact.
+    """Hip and knee flexion of a stride, θ = a0 + Σ scale (a_k cos 2πkp + b_k sin 2πkp), p = t/period from heel contact.
 
     Document 2 enlarges the amplitudes by a factor it does not print and takes 10 s for a stride.
 
@@ -39,6 +39,6 @@ def healthy_gait(scale: float = 1.2, period: float = 10.0) -> Harmonics:
         The motion of one CUHK-EXO leg; both angles positive in flexion.
     """
     size = scale * np.deg2rad(np.hypot(COSINE_DEG, SINE_DEG))
-    frequency = 2.0 * np.pi / period * np.arange(1, 7)[:, None, None]
+    frequency = 2.0 * np.pi / period * np.arange(1.0, 7.0)[:, None, None]
     phase = np.arctan2(COSINE_DEG, SINE_DEG)  # a cos x + b sin x = c sin(x + phase)
     return Harmonics(np.deg2rad(MEAN_DEG)[:, None], size.T[..., None], frequency, phase.T[..., None])

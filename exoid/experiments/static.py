@@ -13,6 +13,7 @@ from exoid.rig import Actuator, Controller, Plant, Rates, Run, Sensors, simulate
 from exoid.signals import Approaches, Poses
 from exoid.torso import TorsoMotion
 
+from .limits import refuse_poses_beyond_limits
 from .references import Approach
 
 STILL = 1e-4
@@ -78,7 +79,7 @@ def run_static(
         ExoidError: A pose is beyond the limits of a joint, or a joint does not come to rest.
     """
     protocol = protocol or StaticProtocol()
-    refuse_poses_beyond_limits(plant, poses)
+    refuse_poses_beyond_limits(plant.leg, poses)
     count = len(poses)
     wide = plant.each(2 * count)  # rig by rig: K poses from below, K from above
     goal = np.tile(np.concatenate([poses, poses]), (plant.count, 1)).T
@@ -104,28 +105,12 @@ def run_static(
     ]
 
 
-def refuse_poses_beyond_limits(plant: Plant, poses: FloatArray) -> None:
-    """Refuse poses that a joint cannot reach.
-
-    Raises:
-        ExoidError: Names the pose, the joint and its limits.
-    """
-    limits, names = plant.leg.limits, plant.leg.joint_names
-    beyond = np.argwhere((poses < limits.lower - 1e-9) | (poses > limits.upper + 1e-9))
-    if len(beyond):
-        pose, joint = beyond[0]
-        raise ExoidError(
-            f"pose {pose} asks {names[joint]} for {np.rad2deg(poses[pose, joint]):.1f}°",
-            remedy=f"stay between {np.rad2deg(limits.lower[joint]):.1f}° and {np.rad2deg(limits.upper[joint]):.1f}°",
-        )
-
-
 def _refuse_restless(run: Run) -> None:
     speed = np.abs(run.v[-1]).max(axis=0)
     if speed.max() > STILL:
         worst = int(speed.argmax())
         raise ExoidError(
-            f"{np.mean(speed > STILL):.0%} of the poses did not come to rest; rig {worst} moves at {speed[worst]:.2g} rad/s",
+            f"{np.mean(speed > STILL):.0%} of poses did not come to rest: rig {worst} goes at {speed[worst]:.2g} rad/s",
             remedy="wait longer, or damp the servo",
         )
 

@@ -86,7 +86,7 @@ def dynamic_rows(model: TorqueModel, recording: Recording, preparation: Preparat
     return Rows(recording.time[valid], W[valid], tau[valid], model.usable(v)[valid], preparation.independence(rate))
 
 
-Measured = TypeVar("Measured", Recording, Poses)
+Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)
 
 
 def for_leg(model: TorqueModel, recording: Measured) -> Measured:

@@ -10,7 +10,7 @@ import numpy as np
 from exoid import published
 from exoid._typing import FloatArray
 from exoid.catalog import load_leg
-from exoid.experiments import Bench, bleex, run_static
+from exoid.experiments import Bench, bleex, refuse_motion_beyond_limits, run_static
 from exoid.identification import Estimate, identify
 from exoid.identification.rows import make_rows
 from exoid.identification.sequential import Known
@@ -164,6 +164,7 @@ def _measure(
         leaning = Plant.build(leg, truth, pitch=np.deg2rad(tilt)).each(replicates)
         tilted.append([both.averaged for both in run_static(leaning, poses, BENCH, rng)])
     motions = bleex.dynamic_motions()
+    refuse_motion_beyond_limits(leg, motions, DURATION)
     rigs = bleex.VALIDATION + 1
     run = simulate(
         plant.each(rigs),

@@ -24,9 +24,7 @@ from exoid.torques import Armature, Coulomb, Offset, Stiffness, TorqueModel, Vis
 MOTOR = DcMotor(torque_constant=0.0705, ratio=50.0, rotor_inertia=3.2e-4, current_limit=15.0)
 """A 90 W flat motor behind a gear of 50: 0.8 kg·m² at the joint. Assumed, as the document names neither."""
 
-SENSORS = Sensors(
-    encoder_counts=2.0**13, angle_noise=np.deg2rad(0.03), velocity_noise=0.01, torque_noise=0.3
-)
+SENSORS = Sensors(encoder_counts=2.0**13, angle_noise=np.deg2rad(0.03), velocity_noise=0.01, torque_noise=0.3)
 """Potentiometer behind a 13-bit converter, tachometer and current sensor; assumed."""
 
 RATES = Rates(control=500.0, log=cuhk.LOG_RATE, step=1e-3)
@@ -37,7 +35,7 @@ DOCUMENT = Bench(Proportional(150.0 * AMPERES), MOTOR, SENSORS, RATES)
 """P control of 150 N·m/rad with the corrected sign, as document 2 identifies. The gain is assumed."""
 
 SERVOS = {"document": (150.0, 0.0), "smooth": (150.0, 15.0), "tight": (2000.0, 200.0)}
-"""Stiffness and damping of PD control [N·m/rad, N·m·s/rad]: the document's, a gentle one and one that follows closely."""
+"""Stiffness and damping of PD control [N·m/rad, N·m·s/rad]: the document's, a gentle one, one that tracks closely."""
 
 SETTLE, DURATION = 2.0, 62.0
 """Of every motion [s]; the document's validation lasts one minute."""
@@ -75,7 +73,8 @@ class CuhkReplay:
         multisine: From a motion of 0.2 to 1 Hz.
         no_rotor: From the same without the rotor term.
         nrmse: Torque error on an independent multisine, (2,), of "table_ii", "multisine", "no_rotor" and "truth".
-        blindness: Residual with J2 five times too large over that of the truth, (2,), on the document's validation motion
+        blindness: Residual with J2 five times too large over that of the truth, (2,), on the document's validation
+        motion
             ("document") and on the independent one ("multisine").
         validation: The document's validation motion.
         predicted: Torque of the multisine estimate on it [N·m], filtered like ``measured``, (N, 2).
@@ -137,7 +136,8 @@ def reproduce_cuhk(
             way.name: _table_ii(model, first, second, [logs["hip"][k], logs["knee"][k]], way)
             for way in (MovingAverage(), ZeroPhase())
         }
-        replays.append(_replay(leg, by_steps, *(logs[name][k] for name in ("rich", "independent", "document")), seed))
+        rich, independent, document = (logs[name][k] for name in ("rich", "independent", "document"))
+        replays.append(_replay(leg, by_steps, rich, independent, document, seed))
     told(1.0)
     return replays
 
@@ -158,9 +158,7 @@ def _replay(
     }
     wrong = {**truth, "J2": FIVEFOLD * truth["J2"]}
     motions = {"document": document, "multisine": independent}
-    blindness = {
-        name: _rmse(model, wrong, motion) / _rmse(model, truth, motion) for name, motion in motions.items()
-    }
+    blindness = {name: _rmse(model, wrong, motion) / _rmse(model, truth, motion) for name, motion in motions.items()}
     rows = make_rows(model, document, VALIDATION_FILTER)
     spread = make_rows(model, independent, VALIDATION_FILTER).tau.std(axis=0)
     return CuhkReplay(

@@ -8,7 +8,6 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from exoid._typing import FloatArray
@@ -61,9 +60,7 @@ def write_cuhk_figures(replay: CuhkReplay, folder: str | Path) -> list[Path]:
     Raises:
         ExoidError: The folder cannot be written.
     """
-    return _write(
-        {"doc2_fig3_validation": partial(_cuhk_validation, replay), "doc2_fig6_reference": _gait}, folder
-    )
+    return _write({"doc2_fig3_validation": partial(_cuhk_validation, replay), "doc2_fig6_reference": _gait}, folder)
 
 
 def _static_friction(side: SideReplay) -> Figure:
@@ -147,7 +144,9 @@ def _ankle_rows(side: SideReplay, moving: int) -> JointRows:
 
 def _explained(rows: JointRows, values: Mapping[str, float], without: tuple[str, ...]) -> FloatArray:
     """Torque that the known parameters explain, some of them left out [N·m], (M,)."""
-    return np.sum([rows.columns[name] * value for name, value in values.items() if name not in without], axis=0)
+    return np.asarray(
+        np.sum([rows.columns[name] * value for name, value in values.items() if name not in without], axis=0)
+    )
 
 
 def _first(poses: Poses, count: int) -> Poses:
@@ -164,7 +163,7 @@ def _write(draw: Mapping[str, Callable[[], Figure]], folder: str | Path) -> list
         with paper():
             figure = make()
             image = io.BytesIO()
-            FigureCanvasAgg(figure).print_png(image)
+            figure.savefig(image, format="png")
         path = Path(folder) / f"{name}.png"
         write_bytes(path, [image.getvalue()])
         written.append(path)

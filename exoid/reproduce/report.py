@@ -58,8 +58,11 @@ def cuhk_text(replay: CuhkReplay) -> str:
         "J1 contains the hip's rotor, which no motion can tell from it.",
     ]
     return to_text(
-        "CUHK-EXO, Tables II and III: truth of the rig and what was identified", table,
-        "Torque error on an independent motion, NRMSE in %", _nrmse_table(replay.nrmse, CUHK_JOINTS), *notes,
+        "CUHK-EXO, Tables II and III: truth of the rig and what was identified",
+        table,
+        "Torque error on an independent motion, NRMSE in %",
+        _nrmse_table(replay.nrmse, CUHK_JOINTS),
+        *notes,
     )
 
 
@@ -104,6 +107,7 @@ def _side_text(title: str, side: SideReplay) -> str:
 def _causes(side: SideReplay) -> list[str]:
     truth, sequential = side.truth, side.sequential.as_dict()
     one_sided, coarse = side.one_sided.as_dict(), side.coarse.as_dict()
+    moved = {name: one_sided[name] - sequential[name] for name in ("b0_knee", "b0_ankle")}
 
     def percent(values: Mapping[str, float], name: str) -> str:
         return f"{100.0 * (values[name] / truth[name] - 1.0):+.0f} %"
@@ -111,9 +115,9 @@ def _causes(side: SideReplay) -> list[str]:
     return [
         f"J3 {percent(sequential, 'J3')}: the held ankle sticks, and its static friction carries what J3 should.",
         f"X1 {percent(sequential, 'X1')}: the hip's stiffness is there, though the document takes it as zero.",
-        f"Without averaging A⁺ and A⁻, b0 of knee and ankle move by {one_sided['b0_knee'] - sequential['b0_knee']:+.2f} and "
-        f"{one_sided['b0_ankle'] - sequential['b0_ankle']:+.2f} N·m: they absorb the friction.",
-        f"With 2¹² counts a turn, second differences drown J1 ({percent(coarse, 'J1')}) and J2 ({percent(coarse, 'J2')}).",
+        f"Without averaging A⁺ and A⁻, b0 of knee and ankle move by {moved['b0_knee']:+.2f} and "
+        f"{moved['b0_ankle']:+.2f} N·m: they absorb the friction.",
+        f"With 2¹² counts a turn, second differences drown J1 ({percent(coarse, 'J1')}), J2 ({percent(coarse, 'J2')}).",
         f"Hip stiffness is not identifiable upright: condition number {side.upright_condition:.0f}, "
         f"with torso tilts {side.joint.condition_number:.0f}.",
     ]

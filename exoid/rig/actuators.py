@@ -97,8 +97,8 @@ class HydraulicServo:
     """Linearised valve and piston, A' = kh (Kv u − cl A − v): flow by the valve less leakage and motion, compressed.
 
     Under P control u = Kp (θ_d − θ) the joint follows with bandwidth Kv Kp [1/s] and static stiffness Kv Kp / cl. It is
-    stable only if leakage is fast enough, kh cl > Kv Kp; without leakage it is unstable for every gain. Integrated by the
-    trapezoidal rule together with the joint.
+    stable only if leakage is fast enough, kh cl > Kv Kp; without leakage it is unstable for every gain. Integrated by
+    the trapezoidal rule together with the joint.
 
     Attributes:
         stiffness: kh, of the enclosed oil at the joint [N·m/rad], a number or (n, 1).

@@ -1,4 +1,4 @@
-"""One step of a single rig on Pinocchio's dynamics, for any leg: the reference that the planar rigs are tested against."""
+"""One step of a single rig on Pinocchio's dynamics, for any leg: the reference for the planar rigs."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ CORRECTIONS = 30
 class PinocchioStepper:
     """A single rig, of a planar leg or not; the same scheme as :class:`exoid.rig.PlanarStepper`.
 
-    Arrays of three numbers cost more in NumPy than their arithmetic does, so that only Pinocchio sees arrays and the rest
-    is done in plain floats. While all joints slide on, friction is a known torque and the articulated-body algorithm does
-    the step; only a joint that rests, or is about to, needs the stick-slip problem solved.
+    Arrays of three numbers cost more in NumPy than their arithmetic does, so that only Pinocchio sees arrays and the
+    rest is done in plain floats. While all joints slide on, friction is a known torque and the articulated-body
+    algorithm does the step; only a joint that rests, or is about to, needs the stick-slip problem solved.
     """
 
     def __init__(self, plant: Plant, q: FloatArray, v: FloatArray, dt: float) -> None:
@@ -93,7 +93,7 @@ class PinocchioStepper:
         moving = pin.computeKineticEnergy(self._model, self._data, q, v)
         raised = pin.computePotentialEnergy(self._model, self._data, q)
         rotors = 0.5 * float(self.plant.armature[:, 0] @ v**2)
-        return moving + raised + rotors + spring_energy(self.plant, self.q)
+        return np.asarray(moving + raised + rotors + spring_energy(self.plant, self.q))
 
     def _slide(self, force: list[float], q: list[float]) -> list[float] | None:
         """Velocities after the step if every joint goes on sliding as it does, free of its stops; else None."""
@@ -141,8 +141,10 @@ def solve_scalar(
     n = len(b)
     pattern = [(x > 0.0) - (x < 0.0) for x in last]
     for _ in range(CORRECTIONS):
-        pattern = [0 if (p > 0 and h == np.inf) or (p < 0 and x == -np.inf) else p
-                   for p, x, h in zip(pattern, low, high, strict=True)]
+        pattern = [
+            0 if (p > 0 and h == np.inf) or (p < 0 and x == -np.inf) else p
+            for p, x, h in zip(pattern, low, high, strict=True)
+        ]
         moving = [i for i in range(n) if pattern[i]]
         v = [0.0] * n
         for i, x in zip(moving, _eliminate(M, [b[i] - kinetic[i] * pattern[i] for i in moving], moving), strict=True):

@@ -1,7 +1,7 @@
 """Rigid-body dynamics of many planar legs at once: mass matrix and bias torque without a loop over rigs.
 
-With φ the absolute angles, P_i = d_i e^{iφ_i} the vector along segment i and H_j = (Y_j − i X_j) e^{iφ_j} its turned mass
-moment, the kinetic energy is ½ Σ J_j φ̇_j² + Σ_{i<j} Re(P̄_i H_j) φ̇_i φ̇_j and the potential g Σ Im H_j; see
+With φ the absolute angles, P_i = d_i e^{iφ_i} the vector along segment i and H_j = (Y_j − i X_j) e^{iφ_j} its turned
+mass moment, the kinetic energy is ½ Σ J_j φ̇_j² + Σ_{i<j} Re(P̄_i H_j) φ̇_i φ̇_j and the potential g Σ Im H_j; see
 :mod:`exoid.reduction.planar`.
 """
 
@@ -77,10 +77,10 @@ class PlanarBodies(NamedTuple):
             bias[k] += bias[k + 1]
         for k in range(n - 2, -1, -1):
             M[:, k] += M[:, k + 1]
-        for k in np.flatnonzero(self.signs[:, 0] < 0.0):
-            M[k] *= -1.0
-            M[:, k] *= -1.0
-            bias[k] *= -1.0
+        for joint in np.flatnonzero(self.signs[:, 0] < 0.0):
+            M[joint] *= -1.0
+            M[:, joint] *= -1.0
+            bias[joint] *= -1.0
         return M, bias
 
     def energy(self, q: FloatArray, v: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ STIFFNESS_DEGREE = 2
 """Of the polynomial spring at each joint."""
 
 SYMBOLS = ("b2", "b1", "b0", "c0", "cs", "d", "Ia")
-"""Stiffness, kinetic and static friction, viscous friction and rotor inertia: ``symbol_joint`` in :meth:`Plant.build`."""
+"""Stiffness, kinetic and static friction, viscous friction, rotor inertia: ``symbol_joint`` in :meth:`Plant.build`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,9 +130,7 @@ class Plant:
     def join(plants: Sequence[Plant]) -> Plant:
         """Put plants of the same geometry side by side."""
         first = plants[0]
-        arrays = {
-            name: np.concatenate([getattr(plant, name) for plant in plants], axis=-1) for name in _array_names()
-        }
+        arrays = {name: np.concatenate([getattr(plant, name) for plant in plants], axis=-1) for name in _array_names()}
         return Plant(leg=first.leg, **arrays)
 
     def _each(self, change: Callable[[FloatArray], FloatArray]) -> Plant:

@@ -184,8 +184,10 @@ def simulate(
         state = actuator.advance(state, command, step.mean_velocity, dt)
         torque = drive.torque - drive.damping * step.mean_velocity
         audit.add(torque, step, dt)
-    time = np.arange(len(log.samples)) * every_log * dt
-    return Run(plant, time, *log.arrays(), audit.energy(rig.energy()))
+    time = every_log * dt * np.arange(len(log.samples), dtype=np.float64)
+    q, v, tau, q_measured, v_measured, tau_measured, aim = log.arrays()
+    energy = audit.energy(rig.energy())
+    return Run(plant, time, q, v, tau, q_measured, v_measured, tau_measured, aim, energy)
 
 
 class _Log:
@@ -222,5 +224,6 @@ class _Audit:
 def _refuse_divergence(q: FloatArray, time: float) -> None:
     if not np.isfinite(q).all():
         raise ExoidError(
-            f"the rig diverged before {time:.3g} s", remedy="lower the gain, add damping or leakage, or shorten the step"
+            f"the rig diverged before {time:.3g} s",
+            remedy="lower the gain, add damping or leakage, or shorten the step",
         )

@@ -79,7 +79,7 @@ class PlanarStepper:
     def energy(self) -> FloatArray:
         """See :class:`Stepper`."""
         rotors = 0.5 * (self.plant.armature * self.v**2).sum(axis=0)
-        return self._bodies.energy(self.q, self.v) + rotors + spring_energy(self.plant, self.q)
+        return np.asarray(self._bodies.energy(self.q, self.v) + rotors + spring_energy(self.plant, self.q))
 
     def _with_stops(self, q: FloatArray) -> Friction:
         friction, plant = self._friction, self.plant

@@ -4,10 +4,10 @@ The velocity after a step minimises the convex function
 
     ½ vᵀ M v − bᵀ v + Σ c_i |v_i|,      b = momentum after the step without friction, c the largest friction impulse,
 
-whose optimality conditions are Coulomb's law: the impulse r = b − M v that friction takes is c_i sgn(v_i) at a joint that
-moves and anything up to c_i at one that rests. An end stop widens the range of r on its side, static friction widens it
-at rest. For a given pattern of moving and resting joints this is a small linear system; the pattern is guessed from the
-last step, checked, and corrected. Resting joints come out with a velocity of exactly zero.
+whose optimality conditions are Coulomb's law: the impulse r = b − M v that friction takes is c_i sgn(v_i) at a joint
+that moves and anything up to c_i at one that rests. An end stop widens the range of r on its side, static friction
+widens it at rest. For a given pattern of moving and resting joints this is a small linear system; the pattern is
+guessed from the last step, checked, and corrected. Resting joints come out with a velocity of exactly zero.
 """
 
 from __future__ import annotations

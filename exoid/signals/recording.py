@@ -238,9 +238,10 @@ class Recording:
         log = read_log(path, joint_names, columns, angle_unit, largest_angle)
         if resample and not timebase.is_uniform(log.time):
             timebase.refuse_gaps(log.time, log.where)
+        arrays: dict[str, Any] = dict(log.arrays)
         recording = cls(
             log.time,
-            **log.arrays,
+            **arrays,
             joint_names=log.joint_names,
             source=log.source,
             largest_angle=largest_angle,

@@ -9,11 +9,11 @@ from matplotlib.axes import Axes
 
 from exoid._typing import FloatArray
 
-from .style import IDENTIFIED, JOINT_COLOURS, MEASURED
+from .style import IDENTIFIED, JOINT_COLOURS, MEASURED, legend_above
 
 
 def plot_inertial_torque(ax: Axes, time: FloatArray, measured: FloatArray, fitted: FloatArray, label: str) -> Axes:
-    """Torque left after gravity and springs beside what the fitted inertia makes of the acceleration, as doc. 1, Fig. 5.
+    """Torque left after gravity and springs, and what the fitted inertia makes of the acceleration (doc. 1, Fig. 5).
 
     Args:
         ax: Where to draw.
@@ -25,7 +25,7 @@ def plot_inertial_torque(ax: Axes, time: FloatArray, measured: FloatArray, fitte
     ax.plot(time, measured, color=MEASURED, lw=0.8, label="measured, less known terms")
     ax.plot(time, fitted, "--", color=IDENTIFIED, label="fitted inertia")
     ax.set(xlabel="time [s]", ylabel=f"inertial {label} torque [N·m]")
-    ax.legend(loc="upper right")
+    legend_above(ax)
     return ax
 
 
@@ -43,7 +43,7 @@ def plot_friction(ax: Axes, velocity: FloatArray, friction: FloatArray, c0: floa
     reach = float(np.abs(velocity).max())
     ax.plot([-reach, 0, 0, reach], [-c0, -c0, c0, c0], color=IDENTIFIED, lw=1.4, label=f"{c0:.3f} N·m · sgn v")
     ax.set(xlabel=f"{label} velocity [rad/s]", ylabel=f"{label} friction [N·m]")
-    ax.legend(loc="upper left")
+    legend_above(ax)
     return ax
 
 
@@ -68,7 +68,7 @@ def plot_torques(
             ax.plot(time, torque[:, joint], color=colour, lw=1.3, label=name)
         ax.plot(time, measured[:, joint], color=MEASURED, lw=0.8, label="measured")
         ax.set(ylabel=f"{label} torque [N·m]")
-    axes[0].legend(loc="upper right", ncols=3)
+    legend_above(axes[0])
     axes[-1].set(xlabel="time [s]")
     return axes
 
@@ -85,5 +85,5 @@ def plot_reference(ax: Axes, time: FloatArray, q: FloatArray, labels: Sequence[s
     for joint, (label, colour) in enumerate(zip(labels, JOINT_COLOURS, strict=False)):
         ax.plot(time, np.rad2deg(q[:, joint]), color=colour, label=label)
     ax.set(xlabel="time [s]", ylabel="flexion [deg]")
-    ax.legend()
+    legend_above(ax)
     return ax

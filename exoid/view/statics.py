@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from exoid._typing import FloatArray
 from exoid.signals import Approaches, Poses
 
-from .style import CAD, IDENTIFIED, JOINT_COLOURS
+from .style import CAD, IDENTIFIED, JOINT_COLOURS, legend_above
 
 
 def plot_approaches(ax: Axes, approaches: Approaches, joint: int, label: str) -> Axes:
@@ -26,7 +26,7 @@ def plot_approaches(ax: Axes, approaches: Approaches, joint: int, label: str) ->
     ax.plot(angle, below.tau[:, joint], "o", ms=4, mfc="none", color=IDENTIFIED, label="A⁺, reached from below")
     ax.plot(np.rad2deg(above.q[:, joint]), above.tau[:, joint], "x", ms=4, color=CAD, label="A⁻, reached from above")
     ax.set(xlabel=f"{label} angle [deg]", ylabel=f"{label} torque [N·m]")
-    ax.legend()
+    legend_above(ax)
     return ax
 
 
@@ -48,5 +48,5 @@ def plot_stiffness(ax: Axes, poses: Poses, sets: FloatArray, totals_deg: FloatAr
         ax.plot(np.rad2deg(fine), np.polyval(np.polyfit(angle, tau, 2), fine), color=colour, lw=0.9)
         ax.plot(np.rad2deg(angle), tau, "o", ms=3, color=colour, label=f"θ₁₂₃ = {total:.0f}°")
     ax.set(xlabel=f"{label} angle [deg]", ylabel=f"{label} torque [N·m]")
-    ax.legend()
+    legend_above(ax)
     return ax

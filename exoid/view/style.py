@@ -6,6 +6,7 @@ from contextlib import AbstractContextManager
 from typing import Any
 
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 
 COLUMN = 3.5
 """Width of a column [inches]."""
@@ -16,7 +17,7 @@ MEASURED, IDENTIFIED, CAD, GUIDE = "#222222", "#0072B2", "#D55E00", "#999999"
 JOINT_COLOURS = ("#0072B2", "#009E73", "#CC79A7")
 """Hip, knee, ankle."""
 
-SETTINGS: dict[str, Any] = {
+SETTINGS: Any = {
     "font.size": 8,
     "axes.labelsize": 8,
     "axes.titlesize": 8,
@@ -38,3 +39,8 @@ SETTINGS: dict[str, Any] = {
 def paper() -> AbstractContextManager[None]:
     """Use these settings inside a ``with``."""
     return rc_context(SETTINGS)
+
+
+def legend_above(ax: Axes) -> None:
+    """Put the legend above the axes, where it hides no data."""
+    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.1, columnspacing=1.2)

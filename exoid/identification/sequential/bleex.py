@@ -1,12 +1,12 @@
 """Document 1's sequential identification of a three-segment leg, one function a step.
 
-Every step takes what is known and returns what is known after it. Parameters have exoid's sign (τ = RNEA + resistances),
-so that stiffness and friction are the document's B and C with the opposite sign.
+Every step takes what is known and returns what is known after it. Parameters have exoid's sign (τ = RNEA +
+resistances), so that stiffness and friction are the document's B and C with the opposite sign.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -81,7 +81,11 @@ def mass_moments(model: TorqueModel, known: Known, poses: Poses, joint: int) -> 
 
 
 def inertia(
-    model: TorqueModel, known: Known, recordings: Sequence[Recording], segment: int, preparation: Preparation | None = None
+    model: TorqueModel,
+    known: Known,
+    recordings: Sequence[Recording],
+    segment: int,
+    preparation: Preparation | None = None,
 ) -> Known:
     """Find J of a segment from sinusoids of the joint above it (eqs. (28)-(31)).
 
@@ -95,7 +99,11 @@ def inertia(
 
 
 def kinetic_friction(
-    model: TorqueModel, known: Known, recordings: Sequence[Recording], joint: int, preparation: Preparation | None = None
+    model: TorqueModel,
+    known: Known,
+    recordings: Sequence[Recording],
+    joint: int,
+    preparation: Preparation | None = None,
 ) -> Known:
     """Find c0 of a joint from its own sinusoids, samples near its reversals left out (eqs. (32)-(35))."""
     label = model.leg.joint_labels[joint]
@@ -105,5 +113,5 @@ def kinetic_friction(
     return known.fit({**others, f"c0_{label}": rows.columns[f"c0_{label}"]}, rows.tau, [f"c0_{label}"])
 
 
-def _without_friction(columns: dict[str, FloatArray]) -> dict[str, FloatArray]:
+def _without_friction(columns: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
     return {name: column for name, column in columns.items() if not name.startswith("c0_")}

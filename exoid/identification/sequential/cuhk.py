@@ -35,8 +35,8 @@ def document_model(leg: Leg) -> TorqueModel:
 def knee_stiffness(model: TorqueModel, known: Known, poses: Poses) -> Known:
     """Row 1: slope b1 of the knee over poses of constant Δ, at which the knee's gravity torque is the same (eq. (21)).
 
-    The hip's stiffness cannot be found like that: its gravity torque changes with θh (eq. (20)). The document sets it to
-    zero.
+    The hip's stiffness cannot be found like that: its gravity torque changes with θh (eq. (20)). The document sets it
+    to zero.
     """
     rows = static_rows(model, poses, KNEE)
     name = f"b1_{model.leg.joint_labels[KNEE]}"

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.signals import Poses, Preparation, Recording
@@ -27,7 +28,7 @@ class JointRows(NamedTuple):
     q: FloatArray
     v: FloatArray
 
-    def where(self, mask: FloatArray) -> JointRows:
+    def where(self, mask: NDArray[np.bool_]) -> JointRows:
         """Keep only some rows."""
         columns = {name: column[mask] for name, column in self.columns.items()}
         return JointRows(columns, self.tau[mask], self.q[mask], self.v[mask])
