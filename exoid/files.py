@@ -19,11 +19,16 @@ def write_whole(path: str | os.PathLike[str], pieces: Iterable[str]) -> None:
     Raises:
         ExoidError: The folder is missing or cannot be written, or the disk is full.
     """
+    write_bytes(path, (piece.encode() for piece in pieces))
+
+
+def write_bytes(path: str | os.PathLike[str], pieces: Iterable[bytes]) -> None:
+    """Write bytes so that the file appears under its name only when it is complete; see :func:`write_whole`."""
     target = Path(path)
     part = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
         try:
-            with part.open("x", encoding="utf-8", newline="\n") as file:
+            with part.open("xb") as file:
                 file.writelines(pieces)
                 file.flush()
                 os.fsync(file.fileno())

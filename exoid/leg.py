@@ -235,6 +235,11 @@ class Leg:
         position, _, _ = torso_coordinates(torso.samples(len(q)))
         return dynamics.gravity_torque(self._on_torso, np.hstack([position, q]))[:, TORSO_JOINTS:]
 
+    def gravity_of_tilted_torso(self, pitch: float) -> FloatArray:
+        """Gravity as the base frame of a torso tilted by ``pitch`` [rad] sees it [m/s²], (3,)."""
+        _, lateral, _ = self._plane
+        return np.asarray(pin.exp3(pitch * lateral) @ self.model.gravity.linear)
+
     def forward_kinematics(self, q: ArrayLike, torso: TorsoMotion | None = None) -> dynamics.SegmentPlacements:
         """Place the frame of every segment in the base frame; a pitching torso turns about the hip."""
         (q,) = self.samples(q)

@@ -11,6 +11,7 @@ import exoid
 from exoid.errors import ExoidError
 
 from .identify import identify
+from .reproduce import reproduce
 from .validate import validate
 
 BAD_INPUT = 2
@@ -25,6 +26,7 @@ app = typer.Typer(
 )
 app.command()(identify)
 app.command()(validate)
+app.command()(reproduce)
 
 
 def _print_version(wanted: bool) -> None:

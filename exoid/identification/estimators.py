@@ -36,7 +36,7 @@ def wls(triangles: Sequence[Triangle], names: Sequence[str]) -> Solution:
 
 def _noise(triangle: Triangle, values: FloatArray, torque: float) -> float:
     """RMS residual of one joint [N·m], kept away from zero."""
-    return max(triangle.residual(values), NOISELESS * torque) / math.sqrt(triangle.rows)
+    return max(triangle.residual(values), NOISELESS * torque) / math.sqrt(max(triangle.rows, 1))
 
 
 ESTIMATORS: Mapping[str, Estimator] = {"ols": ols, "wls": wls}

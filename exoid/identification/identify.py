@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.signals import Preparation, Recording, ZeroPhase
+from exoid.signals import Poses, Preparation, Recording, ZeroPhase
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .estimate import Estimate, Input
@@ -23,12 +23,13 @@ from .rows import (
     refuse_dead_torques,
     refuse_empty_joints,
     refuse_still_joints,
+    rms_residual,
 )
 
 
 def identify(
     leg: Leg,
-    recordings: Recording | Iterable[Recording],
+    recordings: Recording | Poses | Iterable[Recording | Poses],
     terms: Sequence[Term] | None = None,
     estimator: str = "wls",
     *,
@@ -42,11 +43,11 @@ def identify(
 
     Args:
         leg: The leg; its inertias do not enter, only its geometry.
-        recordings: One recording or several of the same leg, with torques. Velocity and acceleration are derived
-            where they are missing.
+        recordings: One recording or several of the same leg, with torques; also :class:`exoid.signals.Poses`. Velocity
+            and acceleration are derived where they are missing.
         terms: What acts on the joints besides rigid-body dynamics; None for Coulomb and viscous friction, rotor
             inertia and offset at every joint; () for nothing.
-        estimator: "wls" (joints weighted by their residuals) or "ols".
+        estimator: "wls" (each joint, at rest and in motion, weighted by its residuals) or "ols".
         cutoff: Of the parallel filter [Hz]; above the fastest motion, below the noise.
         preparation: Another way from a recording to rows, such as :class:`exoid.signals.FiniteDifference`; ``cutoff``
             then does not apply.
@@ -68,11 +69,11 @@ def identify(
     model = TorqueModel(leg, _terms(terms))
     refuse_still_joints(model, recordings)
     preparation = ZeroPhase(cutoff) if preparation is None else preparation
-    triangles = _triangles(model, recordings, preparation)
+    groups = _triangles(model, recordings, preparation)
     refuse_dead_torques(model, recordings)
-    refuse_empty_joints(model, triangles)
-    solution = ESTIMATORS[estimator](triangles, model.names)
-    residuals = [t.residual(solution.values) / np.sqrt(max(t.rows, 1)) for t in triangles]
+    refuse_empty_joints(model, [join(group) for group in zip(*groups, strict=True)])
+    solution = ESTIMATORS[estimator]([triangle for group in groups for triangle in group], model.names)
+    residuals = [rms_residual(of_joint, solution.values) for of_joint in zip(*groups, strict=True)]
     return Estimate(
         model=model,
         values=solution.values,
@@ -86,10 +87,10 @@ def identify(
     )
 
 
-def _recordings(given: Recording | Iterable[Recording]) -> list[Recording]:
+def _recordings(given: Recording | Poses | Iterable[Recording | Poses]) -> list[Recording | Poses]:
     """Check that there is at least one recording, and nothing else."""
-    several = [given] if isinstance(given, (Recording, str, PathLike)) else list(given)
-    wrong = [item for item in several if not isinstance(item, Recording)]
+    several = [given] if isinstance(given, (Recording, Poses, str, PathLike)) else list(given)
+    wrong = [item for item in several if not isinstance(item, (Recording, Poses))]
     if wrong or not several:
         what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"
         raise ExoidError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
@@ -107,17 +108,25 @@ def _terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
     return terms
 
 
-def _triangles(model: TorqueModel, recordings: Sequence[Recording], preparation: Preparation) -> list[Triangle]:
-    """Accumulate one triangle a joint over all recordings."""
-    each = [make_triangles(make_rows(model, recording, preparation)) for recording in recordings]
-    return [join(of_joint) for of_joint in zip(*each, strict=True)]
+def _triangles(
+    model: TorqueModel, recordings: Sequence[Recording | Poses], preparation: Preparation
+) -> list[list[Triangle]]:
+    """Accumulate one triangle a joint over all recordings, and one over all poses, which have noise of their own."""
+    groups = []
+    for kind in (Recording, Poses):
+        each = [make_triangles(make_rows(model, data, preparation)) for data in recordings if isinstance(data, kind)]
+        if each:
+            groups.append([join(of_joint) for of_joint in zip(*each, strict=True)])
+    return groups
 
 
-def _evidence(recording: Recording) -> Input:
-    if recording.source is not None:
-        return Input(recording.source.name, recording.source.sha256, len(recording), recording.sample_rate)
+def _evidence(data: Recording | Poses) -> Input:
+    rate = data.sample_rate if isinstance(data, Recording) else 0.0
+    if data.source is not None:
+        return Input(data.source.name, data.source.sha256, len(data), rate)
     digest = hashlib.sha256()
-    for array in (recording.time, recording.q, recording.v, recording.a, recording.tau):
+    for name in ("time", "q", "v", "a", "tau"):
+        array = getattr(data, name, None)
         if array is not None:
             digest.update(array.tobytes())
-    return Input("array", digest.hexdigest(), len(recording), recording.sample_rate)
+    return Input("array", digest.hexdigest(), len(data), rate)

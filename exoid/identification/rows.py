@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.signals import Preparation, Recording
+from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 
 SMALLEST_MOTION = 2e-3
@@ -53,7 +53,20 @@ class Triangle(NamedTuple):
         return float(np.linalg.norm(self.R @ np.append(values, -1.0)))
 
 
-def make_rows(model: TorqueModel, recording: Recording, preparation: Preparation) -> Rows:
+def make_rows(model: TorqueModel, data: Recording | Poses, preparation: Preparation) -> Rows:
+    """Make the rows of a recording, or of poses."""
+    return static_rows(model, data) if isinstance(data, Poses) else dynamic_rows(model, data, preparation)
+
+
+def static_rows(model: TorqueModel, poses: Poses) -> Rows:
+    """Rows of a leg at rest: no velocity, no acceleration, nothing to filter."""
+    poses = for_leg(model, poses)
+    still = np.zeros_like(poses.q)
+    W = model.regressor(poses.q, still, still, poses.torso)
+    return Rows(np.arange(len(poses), dtype=np.float64), W, poses.tau, np.ones(poses.q.shape, dtype=np.bool_), 1.0)
+
+
+def dynamic_rows(model: TorqueModel, recording: Recording, preparation: Preparation) -> Rows:
     """Form regressor columns from the kinematics, then pass columns and torque through the same filter.
 
     Raises:
@@ -68,13 +81,16 @@ def make_rows(model: TorqueModel, recording: Recording, preparation: Preparation
         )
     rate = recording.sample_rate
     q, v, a, valid = preparation.kinematics(recording)
-    W = preparation.filter_columns(model.regressor(q, v, a), rate)
+    W = preparation.filter_columns(model.regressor(q, v, a, recording.torso), rate)
     tau = preparation.filter(recording.tau, rate)
     return Rows(recording.time[valid], W[valid], tau[valid], model.usable(v)[valid], preparation.independence(rate))
 
 
-def for_leg(model: TorqueModel, recording: Recording) -> Recording:
-    """Pick the leg's joints from a recording, by name.
+Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)
+
+
+def for_leg(model: TorqueModel, recording: Measured) -> Measured:
+    """Pick the leg's joints from a recording or poses, by name.
 
     Raises:
         ExoidError: A joint is missing.
@@ -93,7 +109,7 @@ def for_leg(model: TorqueModel, recording: Recording) -> Recording:
     )
 
 
-def refuse_dead_torques(model: TorqueModel, recordings: Sequence[Recording]) -> None:
+def refuse_dead_torques(model: TorqueModel, recordings: Sequence[Recording | Poses]) -> None:
     """Refuse recordings in which the torque of a joint never changes: a channel that was not connected.
 
     Raises:
@@ -120,6 +136,12 @@ def make_triangles(rows: Rows) -> list[Triangle]:
     return triangles
 
 
+def rms_residual(triangles: Sequence[Triangle], values: FloatArray) -> float:
+    """RMS residual over the rows of several triangles [N·m]."""
+    squares = sum(triangle.residual(values) ** 2 for triangle in triangles)
+    return float(np.sqrt(squares / max(sum(triangle.rows for triangle in triangles), 1)))
+
+
 def join(triangles: Sequence[Triangle], weights: Sequence[float] | None = None) -> Triangle:
     """Combine triangles, each multiplied by its weight, into the triangle of all their rows."""
     weights = [1.0] * len(triangles) if weights is None else weights
@@ -127,7 +149,7 @@ def join(triangles: Sequence[Triangle], weights: Sequence[float] | None = None) 
     return _triangle(table, sum(t.rows for t in triangles), sum(t.samples for t in triangles))
 
 
-def refuse_still_joints(model: TorqueModel, recordings: Sequence[Recording]) -> None:
+def refuse_still_joints(model: TorqueModel, recordings: Sequence[Recording | Poses]) -> None:
     """Refuse recordings in which a joint of the leg never moves.
 
     Raises:
@@ -158,7 +180,7 @@ def refuse_empty_joints(model: TorqueModel, triangles: Sequence[Triangle]) -> No
         )
 
 
-def _sources(recordings: Sequence[Recording]) -> str:
+def _sources(recordings: Sequence[Recording | Poses]) -> str:
     return ", ".join(recording.source.name for recording in recordings if recording.source)
 
 

@@ -2,17 +2,21 @@
 
 from .differentiation import Kinematics, central_difference, second_difference
 from .filters import edge_length, exponential_moving_average, noise_bandwidth, zero_phase
-from .preparation import PREPARATIONS, FiniteDifference, MovingAverage, Preparation, ZeroPhase
+from .poses import Approaches, Poses
+from .preparation import PREPARATIONS, FiniteDifference, MovingAverage, Preparation, Smoothed, ZeroPhase
 from .recording import Recording
 from .source import Source
 
 __all__ = [
     "PREPARATIONS",
+    "Approaches",
     "FiniteDifference",
     "Kinematics",
     "MovingAverage",
+    "Poses",
     "Preparation",
     "Recording",
+    "Smoothed",
     "Source",
     "ZeroPhase",
     "central_difference",

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
+from exoid.torso import TorsoMotion
 
 from .whereabouts import Whereabouts
 
@@ -210,4 +213,19 @@ def refuse_velocity_in_other_unit(
             f"v of joint {joint} is {ratio:.3g} times the rate of its q: {culprit} looks like degrees",
             where=where.file,
             remedy=f'give both in rad and rad/s ({mend}); angle_unit="deg" takes both as degrees',
+        )
+
+
+def refuse_moving_torso(torso: TorsoMotion | None) -> None:
+    """Refuse a torso whose motion changes from sample to sample, which slices and filters would lose track of.
+
+    Raises:
+        ExoidError: An entry has one value a sample.
+    """
+    if torso is not None and any(
+        np.ndim(getattr(torso, field.name)) > (field.name == "hip_acceleration") for field in fields(torso)
+    ):
+        raise ExoidError(
+            "the torso moves during the recording",
+            remedy="hold it still, or use TorsoMotion with Leg.regressor and Leg.inverse_dynamics",
         )

@@ -141,6 +141,55 @@ class ZeroPhase:
 
 
 @dataclass(frozen=True)
+class Smoothed:
+    """Smooth the angles without delay and derive, but leave columns and torques as they are.
+
+    For joints that truly stick and slip: a filter after sgn(v) would smear the jump of friction over rows that are left
+    out on purpose, see :class:`exoid.torques.Coulomb` and its dead band.
+
+    Attributes:
+        cutoff: −3 dB frequency for q, v, a [Hz].
+        order: Order of one of the two passes.
+    """
+
+    cutoff: float = 10.0
+    order: int = 4
+
+    @property
+    def name(self) -> str:
+        """``"smoothed"``."""
+        return "smoothed"
+
+    def kinematics(self, recording: Recording) -> Kinematics:
+        """Smooth and derive.
+
+        Raises:
+            ExoidError: The cut-off is not below half the rate, or nothing is left between the ends.
+        """
+        recording = recording.resampled()
+        rate = recording.sample_rate
+        edge = edge_length(rate, self.cutoff, self.order)
+        valid = _inner(recording, edge, edge)
+        return _derive(recording, lambda x: zero_phase(x, rate, self.cutoff, self.order), valid, accuracy=4)
+
+    def filter(self, x: FloatArray, rate: float) -> FloatArray:
+        """Return the torques as they are."""
+        return x
+
+    def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
+        """Return the columns as they are."""
+        return x
+
+    def independence(self, rate: float) -> float:
+        """All samples: no torque is filtered."""
+        return 1.0
+
+    def describe(self) -> dict[str, float | str]:
+        """Name and settings."""
+        return {"name": self.name, "cutoff": self.cutoff, "order": self.order}
+
+
+@dataclass(frozen=True)
 class FiniteDifference:
     """Plain central differences and no filter, as doc. 1, sec. III-B; the first and last sample are dropped.
 
@@ -229,9 +278,10 @@ class MovingAverage:
         return {"name": self.name, "alpha": self.alpha}
 
 
-PREPARATIONS: Mapping[str, type[ZeroPhase] | type[FiniteDifference] | type[MovingAverage]] = {
+PREPARATIONS: Mapping[str, type[ZeroPhase] | type[Smoothed] | type[FiniteDifference] | type[MovingAverage]] = {
     "finite-difference": FiniteDifference,
     "moving-average": MovingAverage,
+    "smoothed": Smoothed,
     "zero-phase": ZeroPhase,
 }
 """Preparations by the name they give themselves."""

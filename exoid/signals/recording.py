@@ -11,6 +11,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.torso import TorsoMotion
 
 from . import checks, timebase
 from .csv_reader import read_log
@@ -34,6 +35,7 @@ class Recording:
         tau: Actuator torques [N·m], (N, n), or None: a motion without torques.
         joint_names: Names of the n columns.
         source: File the data came from, or None.
+        torso: How the torso was held meanwhile, the same at all samples; None for upright and still.
         largest_angle: Angles beyond this [rad] are refused as degrees in disguise; ``math.inf`` for a joint
             that turns round and round.
 
@@ -55,6 +57,7 @@ class Recording:
     _: KW_ONLY
     joint_names: tuple[str, ...]
     source: Source | None = None
+    torso: TorsoMotion | None = None
     largest_angle: float = checks.LARGEST_ANGLE
 
     def __post_init__(self) -> None:
@@ -87,6 +90,7 @@ class Recording:
             checks.refuse_absurd(values, columns, where)
         checks.refuse_time_disorder(self.time, where)
         checks.refuse_degrees(self.q, tuple(f"q_{name}" for name in names), self.largest_angle, where)
+        checks.refuse_moving_torso(self.torso)
         if self.v is not None:
             checks.refuse_velocity_in_other_unit(self.time, self.q, self.v, names, where)
 
@@ -235,9 +239,10 @@ class Recording:
         log = read_log(path, joint_names, columns, angle_unit, largest_angle)
         if resample and not timebase.is_uniform(log.time):
             timebase.refuse_gaps(log.time, log.where)
+        arrays: dict[str, Any] = dict(log.arrays)
         recording = cls(
             log.time,
-            **log.arrays,
+            **arrays,
             joint_names=log.joint_names,
             source=log.source,
             largest_angle=largest_angle,

@@ -1,0 +1,42 @@
+"""``exoid reproduce``: a document replayed on the virtual rig."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from typing import Annotated, Literal
+
+import typer
+from rich.console import Console
+from rich.progress import Progress, TaskID
+
+from exoid import reproduce as replays
+
+from .inputs import AsJson
+
+
+def reproduce(
+    document: Annotated[Literal["bleex", "cuhk"], typer.Argument(help="Which exoskeleton's document.")],
+    seed: Annotated[int, typer.Option(min=0, help="Of random poses and sensor noise.")] = 0,
+    figures: Annotated[str | None, typer.Option(metavar="DIR", help="Write the document's figures there.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run a document's experiments on virtual rigs, identify, and print every table side by side."""
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        told = partial(_tell, bar, bar.add_task(f"replaying {document}", total=1.0))
+        if document == "bleex":
+            bleex = replays.reproduce_bleex(seed, progress=told)[0]
+            text, data = replays.bleex_text(bleex), replays.bleex_json(bleex)
+            write = partial(replays.write_bleex_figures, bleex.left)
+        else:
+            cuhk = replays.reproduce_cuhk(seed, progress=told)[0]
+            text, data = replays.cuhk_text(cuhk), replays.cuhk_json(cuhk)
+            write = partial(replays.write_cuhk_figures, cuhk)
+    if figures is not None:
+        for path in write(figures):
+            typer.echo(f"wrote {path}", err=True)
+    typer.echo(json.dumps(data, indent=1) if as_json else text)
+
+
+def _tell(bar: Progress, task: TaskID, share: float) -> None:
+    bar.update(task, completed=share)

@@ -1,0 +1,25 @@
+"""The documents' protocols as data, and running them on virtual rigs."""
+
+from . import bleex, cuhk
+from .gait import healthy_gait
+from .limits import refuse_motion_beyond_limits, refuse_poses_beyond_limits
+from .protocol_files import read_static_log, write_motion, write_static_protocol
+from .references import Approach, Harmonics, Hold
+from .static import Bench, StaticProtocol, run_static
+
+__all__ = [
+    "Approach",
+    "Bench",
+    "Harmonics",
+    "Hold",
+    "StaticProtocol",
+    "bleex",
+    "cuhk",
+    "healthy_gait",
+    "read_static_log",
+    "refuse_motion_beyond_limits",
+    "refuse_poses_beyond_limits",
+    "run_static",
+    "write_motion",
+    "write_static_protocol",
+]

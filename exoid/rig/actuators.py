@@ -1,0 +1,123 @@
+"""Actuators: what a controller's command does to a joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+
+
+class Drive(NamedTuple):
+    """Torque of an actuator during a step, τ₀ − damping · v̄, (n, B) each.
+
+    Attributes:
+        torque: τ₀ [N·m].
+        damping: [N·m·s/rad].
+    """
+
+    torque: FloatArray
+    damping: FloatArray
+
+
+class Actuator(Protocol):
+    """From a command, constant over a step, to a torque; its inner state is an array (n, B)."""
+
+    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
+        """Torque during the next step."""
+        ...
+
+    def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
+        """State after the step."""
+        ...
+
+
+@dataclass(frozen=True)
+class IdealTorque:
+    """Torque follows the command [N·m] at once.
+
+    Attributes:
+        limit: Largest torque [N·m].
+    """
+
+    limit: float = np.inf
+
+    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
+        """The command, limited."""
+        return Drive(np.clip(command, -self.limit, self.limit), np.zeros_like(command))
+
+    def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
+        """It has no state."""
+        return state
+
+
+@dataclass(frozen=True)
+class DcMotor:
+    """Motor behind a gear, commanded by current [A]: τ = ratio · kt · i, as document 2 computes its torque.
+
+    The rotor belongs to the plant: add :attr:`armature` to the joint's ``Ia``.
+
+    Attributes:
+        torque_constant: kt [N·m/A], positive.
+        ratio: Of the gear.
+        rotor_inertia: [kg·m²].
+        current_limit: [A].
+    """
+
+    torque_constant: float
+    ratio: float
+    rotor_inertia: float = 0.0
+    current_limit: float = np.inf
+
+    def __post_init__(self) -> None:
+        """Check the signs."""
+        if min(self.torque_constant, self.ratio, self.current_limit) <= 0.0 or self.rotor_inertia < 0.0:
+            raise ExoidError(f"{self}", remedy="constants of a motor are positive")
+
+    @property
+    def armature(self) -> float:
+        """Rotor inertia seen at the joint, ratio² times the rotor's [kg·m²]."""
+        return self.ratio**2 * self.rotor_inertia
+
+    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
+        """Torque of the limited current."""
+        current = np.clip(command, -self.current_limit, self.current_limit)
+        return Drive(self.ratio * self.torque_constant * current, np.zeros_like(command))
+
+    def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
+        """It has no state."""
+        return state
+
+
+@dataclass(frozen=True)
+class HydraulicServo:
+    """Linearised valve and piston, A' = kh (Kv u − cl A − v): flow by the valve less leakage and motion, compressed.
+
+    Under P control u = Kp (θ_d − θ) the joint follows with bandwidth Kv Kp [1/s] and static stiffness Kv Kp / cl. It is
+    stable only if leakage is fast enough, kh cl > Kv Kp; without leakage it is unstable for every gain. Integrated by
+    the trapezoidal rule together with the joint.
+
+    Attributes:
+        stiffness: kh, of the enclosed oil at the joint [N·m/rad], a number or (n, 1).
+        leakage: cl [rad/s/(N·m)].
+        valve_gain: Kv, joint velocity per command [rad/s/V].
+    """
+
+    stiffness: ArrayLike = 5000.0
+    leakage: ArrayLike = 0.01
+    valve_gain: ArrayLike = 1.0
+
+    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
+        """Mean torque ½ (A + A⁺) as a function of the mean velocity."""
+        half = 0.5 * dt * np.asarray(self.stiffness)
+        scale = 1.0 / (1.0 + half * np.asarray(self.leakage))
+        torque = scale * (state + half * np.asarray(self.valve_gain) * command)
+        return Drive(torque, np.broadcast_to(scale * half, command.shape))
+
+    def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
+        """Torque A at the end of the step."""
+        torque, damping = self.drive(state, command, dt)
+        return 2.0 * (torque - damping * mean_velocity) - state

@@ -1,0 +1,55 @@
+"""Sensors: what a log shows of the truth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """Encoders or potentiometers, tachometers and torque sensors of a rig; each entry is a number or (n,).
+
+    Attributes:
+        encoder_counts: Per turn of the joint; inf for an exact angle.
+        angle_noise: Standard deviation, as of a potentiometer [rad].
+        velocity_noise: Standard deviation [rad/s].
+        torque_noise: Standard deviation [N·m].
+        torque_offset: Zero of the torque sensor [N·m].
+        torque_resolution: Step of its converter [N·m]; 0 for none.
+        delay: Samples of the controller by which all readings are late.
+    """
+
+    encoder_counts: float = 2.0**16
+    angle_noise: ArrayLike = 0.0
+    velocity_noise: ArrayLike = 0.0
+    torque_noise: ArrayLike = 0.0
+    torque_offset: ArrayLike = 0.0
+    torque_resolution: ArrayLike = 0.0
+    delay: int = 0
+
+    def angle(self, q: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """Read angles [rad], (n, B)."""
+        noisy = q + _column(self.angle_noise) * rng.standard_normal(q.shape) if np.any(self.angle_noise) else q
+        if np.isinf(self.encoder_counts):
+            return noisy
+        count = 2.0 * np.pi / self.encoder_counts
+        return np.asarray(np.rint(noisy / count) * count)
+
+    def velocity(self, v: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """Read velocities [rad/s], (n, B)."""
+        return v + _column(self.velocity_noise) * rng.standard_normal(v.shape) if np.any(self.velocity_noise) else v
+
+    def torque(self, tau: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """Read torques [N·m], (n, B)."""
+        read = tau + _column(self.torque_offset) + _column(self.torque_noise) * rng.standard_normal(tau.shape)
+        step = _column(self.torque_resolution)
+        return np.asarray(np.where(step > 0.0, np.rint(read / np.where(step > 0.0, step, 1.0)) * step, read))
+
+
+def _column(value: ArrayLike) -> FloatArray:
+    """One value a joint as a column, so that it spreads over rigs."""
+    return np.asarray(value, dtype=np.float64).reshape(-1, 1)

@@ -1,0 +1,97 @@
+"""One step of the rigs in time, many at once on the planar closed form.
+
+Second order in the step dt: bodies, springs and gravity are evaluated at the middle of the step, q + ½ dt v with the
+velocity extrapolated from the last one; viscous friction and actuator damping act on the mean velocity v̄ = ½ (v + v⁺):
+
+    (M + Ia)(v⁺ − v) = dt [τ₀ − D v̄ − h − k(q)] − r,      q⁺ = q + dt v̄,
+
+with the impulse r of friction and end stops from :mod:`exoid.rig.stick_slip`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from exoid._typing import FloatArray
+
+from .planar_bodies import PlanarBodies
+from .plant import Plant
+from .stick_slip import Friction, solve_stick_slip
+
+
+class Step(NamedTuple):
+    """What happened in one step, (n, B) each.
+
+    Attributes:
+        mean_velocity: v̄ [rad/s]; times dt it is the angle travelled.
+        taken: Impulse r taken by friction and end stops [N·m·s].
+    """
+
+    mean_velocity: FloatArray
+    taken: FloatArray
+
+
+class Stepper(Protocol):
+    """State of B rigs, and how it goes on."""
+
+    plant: Plant
+    dt: float
+    q: FloatArray
+    v: FloatArray
+
+    def step(self, torque: FloatArray, damping: FloatArray) -> Step:
+        """Go on by dt under the actuator torque τ₀ − damping · v̄ [N·m], (n, B)."""
+        ...
+
+    def energy(self) -> FloatArray:
+        """Mechanical energy, springs and rotors included [J], (B,)."""
+        ...
+
+
+class PlanarStepper:
+    """B planar rigs side by side, without a loop over rigs."""
+
+    def __init__(self, plant: Plant, q: FloatArray, v: FloatArray, dt: float) -> None:
+        self.plant, self.dt = plant, dt
+        self.q, self.v = np.array(q, dtype=np.float64), np.array(v, dtype=np.float64)
+        self._change = np.zeros_like(self.v)
+        self._bodies = PlanarBodies.from_parameters(plant.leg, plant.parameters, plant.pitch)
+        self._friction = Friction(dt * plant.coulomb, -dt * plant.static, dt * plant.static)
+        self._diagonal = np.arange(plant.n)
+
+    def step(self, torque: FloatArray, damping: FloatArray) -> Step:
+        """See :class:`Stepper`."""
+        plant, dt = self.plant, self.dt
+        q = self.q + 0.5 * dt * self.v
+        M, bias = self._bodies.dynamics(q, self.v + 0.5 * self._change)
+        damping = plant.viscous + damping
+        M[self._diagonal, self._diagonal] += plant.armature + 0.5 * dt * damping
+        spring = (plant.stiffness[0] * q + plant.stiffness[1]) * q + plant.stiffness[2]
+        b = (M * self.v).sum(axis=1) + dt * (torque - damping * self.v - bias - spring)
+        v = solve_stick_slip(M, b, self._with_stops(q), self.v)
+        mean = 0.5 * (self.v + v)
+        self._change = v - self.v
+        self.q, self.v = self.q + dt * mean, v
+        return Step(mean, b - (M * v).sum(axis=1))
+
+    def energy(self) -> FloatArray:
+        """See :class:`Stepper`."""
+        rotors = 0.5 * (self.plant.armature * self.v**2).sum(axis=0)
+        return np.asarray(self._bodies.energy(self.q, self.v) + rotors + spring_energy(self.plant, self.q))
+
+    def _with_stops(self, q: FloatArray) -> Friction:
+        friction, plant = self._friction, self.plant
+        at_lower, at_upper = q <= plant.lower, q >= plant.upper
+        if not (at_lower.any() or at_upper.any()):
+            return friction
+        return Friction(
+            friction.kinetic, np.where(at_lower, -np.inf, friction.low), np.where(at_upper, np.inf, friction.high)
+        )
+
+
+def spring_energy(plant: Plant, q: FloatArray) -> FloatArray:
+    """Energy of the springs b2 q³/3 + b1 q²/2 + b0 q, summed over joints [J], (B,)."""
+    b2, b1, b0 = plant.stiffness
+    return np.asarray((((b2 / 3.0 * q + b1 / 2.0) * q + b0) * q).sum(axis=0))

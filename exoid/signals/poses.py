@@ -1,0 +1,89 @@
+"""Poses: torques that hold a leg still, one row a pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.torso import TorsoMotion
+
+from .source import Source
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """Static measurements of one leg.
+
+    Attributes:
+        q: Angles [rad], (K, n).
+        tau: Actuator torques [N·m], (K, n).
+        joint_names: Names of the n columns.
+        torso: How the torso was held; None for upright.
+        source: File they came from, or None.
+    """
+
+    q: FloatArray
+    tau: FloatArray
+    joint_names: tuple[str, ...]
+    torso: TorsoMotion | None = None
+    source: Source | None = None
+
+    def __post_init__(self) -> None:
+        """Check and freeze."""
+        object.__setattr__(self, "joint_names", tuple(self.joint_names))
+        for name in ("q", "tau"):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            if array.ndim != 2 or array.shape[1] != len(self.joint_names) or array.shape != np.shape(self.q):
+                raise ExoidError(
+                    f"{name} has shape {array.shape}, q {np.shape(self.q)}, for joints {', '.join(self.joint_names)}",
+                    remedy="pass one row a pose and one column a joint",
+                )
+            if not np.isfinite(array).all():
+                row = int(np.argwhere(~np.isfinite(array))[0, 0])
+                raise ExoidError(f"{name} of pose {row} is not finite", remedy="leave that pose out")
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+    def __len__(self) -> int:
+        """Number of poses."""
+        return len(self.q)
+
+    def select(self, joint_names: tuple[str, ...]) -> Poses:
+        """Return the same poses with these joints, in this order.
+
+        Raises:
+            ExoidError: A joint is missing.
+        """
+        missing = [name for name in joint_names if name not in self.joint_names]
+        if missing:
+            raise ExoidError(f"no joint {', '.join(missing)} in poses of {', '.join(self.joint_names)}")
+        columns = [self.joint_names.index(name) for name in joint_names]
+        return Poses(self.q[:, columns], self.tau[:, columns], joint_names, self.torso, self.source)
+
+
+@dataclass(frozen=True, eq=False)
+class Approaches:
+    """The same poses reached from below (A⁺, joints moving forwards) and from above (A⁻) (doc. 1, sec. III-C).
+
+    Attributes:
+        below: Measured after moving up to the pose.
+        above: Measured after moving down to it.
+    """
+
+    below: Poses
+    above: Poses
+
+    @property
+    def averaged(self) -> Poses:
+        """Mean of both torques, from which static friction is gone as far as both came to rest within its band."""
+        below, above = self.below, self.above
+        tau = 0.5 * (below.tau + above.tau)
+        return Poses(0.5 * (below.q + above.q), tau, below.joint_names, below.torso, below.source)
+
+    @property
+    def band(self) -> FloatArray:
+        """Half the difference ½ (A⁺ − A⁻) of each pose, at most the friction c0 [N·m], (K, n)."""
+        return 0.5 * (self.below.tau - self.above.tau)

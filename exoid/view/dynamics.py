@@ -1,0 +1,89 @@
+"""Figures of dynamic experiments."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from exoid._typing import FloatArray
+
+from .style import IDENTIFIED, JOINT_COLOURS, MEASURED, legend_above
+
+
+def plot_inertial_torque(ax: Axes, time: FloatArray, measured: FloatArray, fitted: FloatArray, label: str) -> Axes:
+    """Torque left after gravity and springs, and what the fitted inertia makes of the acceleration (doc. 1, Fig. 5).
+
+    Args:
+        ax: Where to draw.
+        time: [s], (N,).
+        measured: Right side of eq. (29) [N·m], (N,).
+        fitted: Left side [N·m], (N,).
+        label: Name of the joint.
+    """
+    ax.plot(time, measured, color=MEASURED, lw=0.8, label="measured, less known terms")
+    ax.plot(time, fitted, "--", color=IDENTIFIED, label="fitted inertia")
+    ax.set(xlabel="time [s]", ylabel=f"inertial {label} torque [N·m]")
+    legend_above(ax)
+    return ax
+
+
+def plot_friction(ax: Axes, velocity: FloatArray, friction: FloatArray, c0: float, label: str) -> Axes:
+    """Friction torque over velocity and the Coulomb friction fitted to it, as doc. 1, Fig. 6 (with the opposite sign).
+
+    Args:
+        ax: Where to draw.
+        velocity: [rad/s], (N,).
+        friction: Measured torque less everything else [N·m], (N,).
+        c0: Fitted Coulomb friction [N·m].
+        label: Name of the joint.
+    """
+    ax.plot(velocity, friction, ".", ms=2, color=MEASURED, label="measured, less known terms")
+    reach = float(np.abs(velocity).max())
+    ax.plot([-reach, 0, 0, reach], [-c0, -c0, c0, c0], color=IDENTIFIED, lw=1.4, label=f"{c0:.3f} N·m · sgn v")
+    ax.set(xlabel=f"{label} velocity [rad/s]", ylabel=f"{label} friction [N·m]")
+    legend_above(ax)
+    return ax
+
+
+def plot_torques(
+    axes: Sequence[Axes],
+    time: FloatArray,
+    measured: FloatArray,
+    predictions: Sequence[tuple[str, FloatArray, str]],
+    labels: Sequence[str],
+) -> Sequence[Axes]:
+    """Measured and predicted torque of each joint, as doc. 1, Fig. 7 and doc. 2, Fig. 3.
+
+    Args:
+        axes: One for each joint.
+        time: [s], (N,).
+        measured: [N·m], (N, n).
+        predictions: Name, torque [N·m], (N, n), and colour of each model.
+        labels: Names of the joints.
+    """
+    for joint, (ax, label) in enumerate(zip(axes, labels, strict=True)):
+        for name, torque, colour in predictions:
+            ax.plot(time, torque[:, joint], color=colour, lw=1.3, label=name)
+        ax.plot(time, measured[:, joint], color=MEASURED, lw=0.8, label="measured")
+        ax.set(ylabel=f"{label} torque [N·m]")
+    legend_above(axes[0])
+    axes[-1].set(xlabel="time [s]")
+    return axes
+
+
+def plot_reference(ax: Axes, time: FloatArray, q: FloatArray, labels: Sequence[str]) -> Axes:
+    """Angles to be followed, as doc. 2, Fig. 6.
+
+    Args:
+        ax: Where to draw.
+        time: [s], (N,).
+        q: Angles [rad], (N, n).
+        labels: Names of the joints.
+    """
+    for joint, (label, colour) in enumerate(zip(labels, JOINT_COLOURS, strict=False)):
+        ax.plot(time, np.rad2deg(q[:, joint]), color=colour, label=label)
+    ax.set(xlabel="time [s]", ylabel="flexion [deg]")
+    legend_above(ax)
+    return ax

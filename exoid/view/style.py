@@ -1,0 +1,46 @@
+"""How figures look: colours that a colour-blind reader tells apart, sizes for a two-column paper."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+
+COLUMN = 3.5
+"""Width of a column [inches]."""
+
+MEASURED, IDENTIFIED, CAD, GUIDE = "#222222", "#0072B2", "#D55E00", "#999999"
+"""Of what was measured, what an identified model says, what CAD says, and lines that only guide the eye."""
+
+JOINT_COLOURS = ("#0072B2", "#009E73", "#CC79A7")
+"""Hip, knee, ankle."""
+
+SETTINGS: Any = {
+    "font.size": 8,
+    "axes.labelsize": 8,
+    "axes.titlesize": 8,
+    "legend.fontsize": 7,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "lines.linewidth": 1.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e6e6e6",
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "figure.dpi": 200,
+    "figure.constrained_layout.use": True,
+}
+
+
+def paper() -> AbstractContextManager[None]:
+    """Use these settings inside a ``with``."""
+    return rc_context(SETTINGS)
+
+
+def legend_above(ax: Axes) -> None:
+    """Put the legend above the axes, where it hides no data."""
+    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.1, columnspacing=1.2)
