@@ -47,7 +47,12 @@ def build_model(description: Description, joints: Sequence[str] | None, locked: 
         raise ExoidError("no joint moves", where=description.name, remedy="name joints of one degree of freedom")
     positions = np.zeros((1, full.nv))
     for name, value in locked.items():
-        positions[0, full.joints[full.getJointId(name)].idx_v] = value
+        try:
+            positions[0, full.joints[full.getJointId(name)].idx_v] = value
+        except (TypeError, ValueError):
+            raise ExoidError(
+                f"joint {name!r} is locked at {value!r}, which is no number", where=description.name
+            ) from None
     if not np.isfinite(positions).all():
         raise ExoidError(f"a locked position is not finite: {dict(locked)}", where=description.name)
     fixed = [j for j in range(1, full.njoints) if full.names[j] not in moving]

@@ -192,7 +192,7 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, log, monk
 
     def open_on_a_full_disk(self, *args, opened=Path.open, **options):
         file = opened(self, *args, **options)
-        file.write("time,q_h")
+        file.write(b"time,q_h")
         file.writelines = fail
         return file
 
