@@ -6,6 +6,8 @@ import doctest
 import importlib
 import inspect
 import pkgutil
+import subprocess
+import sys
 from types import ModuleType
 
 import pytest
@@ -108,8 +110,5 @@ def test_there_are_examples_to_run():
 def test_importing_exoid_is_quick_to_start_with():
     """Neither plotting nor mesh libraries come along; see the changelog on yourdfpy."""
     code = "import sys, exoid; print([m for m in ('matplotlib', 'trimesh', 'yourdfpy', 'meshcat') if m in sys.modules])"
-    import subprocess  # noqa: PLC0415
-    import sys  # noqa: PLC0415
-
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

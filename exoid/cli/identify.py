@@ -26,6 +26,10 @@ def identify(
     ] = None,
     estimator: Annotated[str, typer.Option(help="wls or ols.")] = "wls",
     cutoff: Annotated[float, typer.Option(metavar="HZ", help="Of the zero-phase low-pass.")] = 8.0,
+    preparation: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="finite-difference (document 1), moving-average (document 2) or smoothed."),
+    ] = None,
     column: Column = None,
     degrees: Degrees = False,
     start: Start = None,
@@ -35,7 +39,9 @@ def identify(
     """Identify the parameters of LEG from the LOGs: columns time, q_<joint>, tau_<joint>, optionally v_ and a_."""
     recordings = read_logs(logs, LogOptions(column, degrees, start, stop))
     found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names)
-    estimate = identification.identify(found, recordings, parse_terms(terms), estimator, cutoff=cutoff)
+    estimate = identification.identify(
+        found, recordings, parse_terms(terms), estimator, cutoff=cutoff, preparation=preparation
+    )
     if output is not None:
         estimate.save(output)
     if as_json:

@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.signals import Poses, Preparation, Recording, ZeroPhase
+from exoid.signals import Poses, Preparation, Recording, ZeroPhase, preparation_by_name
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .estimate import Estimate, Input
@@ -34,7 +34,7 @@ def identify(
     estimator: str = "wls",
     *,
     cutoff: float = 8.0,
-    preparation: Preparation | None = None,
+    preparation: Preparation | str | None = None,
 ) -> Estimate:
     """Identify the parameters of a leg from recorded motions and torques.
 
@@ -49,8 +49,8 @@ def identify(
             inertia and offset at every joint; () for nothing.
         estimator: "wls" (each joint, at rest and in motion, weighted by its residuals) or "ols".
         cutoff: Of the parallel filter [Hz]; above the fastest motion, below the noise.
-        preparation: Another way from a recording to rows, such as :class:`exoid.signals.FiniteDifference`; ``cutoff``
-            then does not apply.
+        preparation: Another way from a recording to rows, such as :class:`exoid.signals.MovingAverage`, or its name:
+            "finite-difference" (doc. 1), "moving-average" (doc. 2), "smoothed"; ``cutoff`` then does not apply.
 
     Returns:
         The estimate, with the covariance of its parameters. It is right for white torque noise; correlated noise
@@ -68,6 +68,8 @@ def identify(
         raise ExoidError(f"no estimator {estimator!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
     model = TorqueModel(leg, _terms(terms))
     refuse_still_joints(model, recordings)
+    if isinstance(preparation, str):
+        preparation = preparation_by_name(preparation)
     preparation = ZeroPhase(cutoff) if preparation is None else preparation
     groups = _triangles(model, recordings, preparation)
     refuse_dead_torques(model, recordings)

@@ -3,7 +3,15 @@
 from .differentiation import Kinematics, central_difference, second_difference
 from .filters import edge_length, exponential_moving_average, noise_bandwidth, zero_phase
 from .poses import Approaches, Poses
-from .preparation import PREPARATIONS, FiniteDifference, MovingAverage, Preparation, Smoothed, ZeroPhase
+from .preparation import (
+    PREPARATIONS,
+    FiniteDifference,
+    MovingAverage,
+    Preparation,
+    Smoothed,
+    ZeroPhase,
+    preparation_by_name,
+)
 from .recording import Recording
 from .source import Source
 
@@ -23,6 +31,7 @@ __all__ = [
     "edge_length",
     "exponential_moving_average",
     "noise_bandwidth",
+    "preparation_by_name",
     "second_difference",
     "zero_phase",
 ]

@@ -287,6 +287,17 @@ PREPARATIONS: Mapping[str, type[ZeroPhase] | type[Smoothed] | type[FiniteDiffere
 """Preparations by the name they give themselves."""
 
 
+def preparation_by_name(name: str) -> Preparation:
+    """Make a preparation with its default settings.
+
+    Raises:
+        ExoidError: There is none of that name.
+    """
+    if name not in PREPARATIONS:
+        raise ExoidError(f"no preparation {name!r}", remedy=f"use one of {', '.join(PREPARATIONS)}")
+    return PREPARATIONS[name]()
+
+
 def _derive(
     recording: Recording, smooth: Callable[[FloatArray], FloatArray], valid: slice, accuracy: Accuracy
 ) -> Kinematics:
