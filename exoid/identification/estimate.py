@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import t as student
+import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
@@ -122,7 +122,7 @@ class Estimate:
         """
         if not 0.0 < level < 1.0:
             raise ExoidError(f"an interval of level {level}", remedy="use a level between 0 and 1, such as 0.95")
-        half = student.ppf(0.5 + level / 2.0, self.dof) * self.std
+        half = scipy.stats.t.ppf(0.5 + level / 2.0, self.dof) * self.std
         return np.column_stack([self.values - half, self.values + half])
 
     def value(self, name: str) -> float:

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
+import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
-from scipy.linalg import qr, solve_triangular
 
 from exoid._typing import FloatArray
 from exoid.dynamics import joint_torque_regressor
@@ -55,13 +55,13 @@ def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0) -> Reduct
     seen = _visible(scale)
     unit = W[:, seen] / scale[seen]
     rank = _decide_rank(unit, W.shape[1])
-    _, R, order = qr(unit * _preferences(seen, W.shape[1]), mode="economic", pivoting=True)
+    _, R, order = scipy.linalg.qr(unit * _preferences(seen, W.shape[1]), mode="economic", pivoting=True)
     r = rank.rank
     kept, grouped = seen[order[:r]], seen[order[r:]]
     weights = np.zeros((r, W.shape[1]))
     if len(grouped):
         length = scale / _preferences(np.arange(W.shape[1]), W.shape[1])
-        ratio = solve_triangular(R[:r, :r], R[:r, r:]) * length[grouped] / length[kept][:, None]
+        ratio = scipy.linalg.solve_triangular(R[:r, :r], R[:r, r:]) * length[grouped] / length[kept][:, None]
         weights[:, grouped] = np.where(np.abs(ratio) > THRESHOLD, ratio, 0.0)
     weights[np.arange(r), kept] = 1.0
     ascending = np.argsort(kept)

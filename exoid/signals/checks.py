@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
+import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
@@ -200,7 +200,7 @@ def refuse_velocity_in_other_unit(
         ExoidError: Names the joint and the ratio.
     """
     for joint, angle, velocity in zip(joints, q.T, v.T, strict=True):
-        travelled = cumulative_trapezoid(velocity, time)
+        travelled = scipy.integrate.cumulative_trapezoid(velocity, time)
         angle_size, travelled_size = float(np.std(angle[1:])), float(np.std(travelled))
         if min(angle_size, travelled_size) < SMALLEST_MOTION:
             continue

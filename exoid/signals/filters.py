@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy import signal
+import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
@@ -42,7 +42,7 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Flo
         ExoidError: The cut-off is not between 0 and half the rate, or the record is shorter than the
             stretch that its end spoils.
     """
-    sections = signal.butter(order, _design_frequency(rate, cutoff, order), fs=rate, output="sos")
+    sections = scipy.signal.butter(order, _design_frequency(rate, cutoff, order), fs=rate, output="sos")
     pad = edge_length(rate, cutoff, order)
     if len(x) <= pad:
         raise ExoidError(
@@ -55,7 +55,7 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Flo
     width = max(1, BLOCK_BYTES // (8 * len(x)))
     for start in range(0, columns.shape[1], width):
         block = columns[:, start : start + width]
-        out[:, start : start + width] = signal.sosfiltfilt(sections, block, axis=0, padlen=pad)
+        out[:, start : start + width] = scipy.signal.sosfiltfilt(sections, block, axis=0, padlen=pad)
     return out.reshape(x.shape)
 
 
@@ -79,7 +79,7 @@ def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = T
     Raises:
         ExoidError: The cut-off is not between 0 and half the rate.
     """
-    zeros, poles, gain = signal.butter(order, _design_frequency(rate, cutoff, order), fs=rate, output="zpk")
+    zeros, poles, gain = scipy.signal.butter(order, _design_frequency(rate, cutoff, order), fs=rate, output="zpk")
     radius = float(np.abs(poles).max())
     if radius < 1e-9:  # all poles at the origin: the response is over after one sample
         return 1
@@ -122,7 +122,7 @@ def exponential_moving_average(x: FloatArray, alpha: float) -> FloatArray:
     """
     if not 0.0 < alpha <= 1.0:
         raise ExoidError(f"alpha is {alpha}", remedy="pass 0 < alpha ≤ 1, the weight of the newest sample")
-    smoothed, _ = signal.lfilter([alpha], [1.0, alpha - 1.0], x, axis=0, zi=(1.0 - alpha) * x[:1])
+    smoothed, _ = scipy.signal.lfilter([alpha], [1.0, alpha - 1.0], x, axis=0, zi=(1.0 - alpha) * x[:1])
     return np.asarray(smoothed, dtype=np.float64)
 
 

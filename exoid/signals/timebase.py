@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
@@ -95,6 +95,6 @@ def interpolate(time: FloatArray, values: FloatArray, grid: FloatArray, *, smoot
     Returns:
         Columns at ``grid``, (M, n).
     """
-    curve = CubicSpline(time, values) if smooth else PchipInterpolator(time, values)
+    curve = scipy.interpolate.CubicSpline(time, values) if smooth else scipy.interpolate.PchipInterpolator(time, values)
     columns: FloatArray = np.ascontiguousarray(curve(grid))
     return columns

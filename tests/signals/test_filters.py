@@ -62,7 +62,7 @@ def test_filtering_in_blocks_of_columns_changes_nothing(monkeypatch):
     filtfilt = signal.sosfiltfilt
     monkeypatch.setattr(filters, "BLOCK_BYTES", 500 * 8 * 4)
     monkeypatch.setattr(
-        filters.signal, "sosfiltfilt", lambda s, b, **k: widths.append(b.shape[1]) or filtfilt(s, b, **k)
+        filters.scipy.signal, "sosfiltfilt", lambda s, b, **k: widths.append(b.shape[1]) or filtfilt(s, b, **k)
     )
     np.testing.assert_array_equal(zero_phase(x, 100.0, 8.0), whole)
     assert widths == [4, 4, 4, 3]
