@@ -70,11 +70,11 @@ def test_the_commands_run(block, monkeypatch, capsys):
 
 def test_all_output_that_is_shown_is_tested():
     assert len(OUTPUT) == 2
-    assert len([block for block in SHELL if exoid_commands(block)]) == 3
+    assert len([block for block in SHELL if exoid_commands(block)]) == 4
 
 
 def test_the_first_lines_of_the_readme_have_the_two_commands():
-    assert SHELL[0].splitlines()[1].startswith("pip install . && exoid identify ")
+    assert SHELL[0].splitlines()[1].== "pip install . && exoid reproduce bleex"
     assert SHELL[1].splitlines()[1] == "pip install '.[test]' && pytest"
 
 

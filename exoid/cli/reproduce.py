@@ -22,6 +22,8 @@ def reproduce(
     as_json: AsJson = False,
 ) -> None:
     """Run a document's experiments on virtual rigs, identify, and print every table side by side."""
+    if figures is not None:
+        replays.make_folder(figures)  # before the minute that the replay takes
     with Progress(console=Console(stderr=True), transient=True) as bar:
         told = partial(_tell, bar, bar.add_task(f"replaying {document}", total=1.0))
         if document == "bleex":

@@ -1,11 +1,13 @@
 """The documents' protocols as data, and running them on virtual rigs."""
 
 from . import bleex, cuhk
+from .bench import Bench
+from .dynamic import run_motion
 from .gait import healthy_gait
 from .limits import refuse_motion_beyond_limits, refuse_poses_beyond_limits
-from .protocol_files import read_static_log, write_motion, write_static_protocol
+from .protocol_files import read_static_log, write_motion, write_static_log, write_static_protocol
 from .references import Approach, Harmonics, Hold
-from .static import Bench, StaticProtocol, run_static
+from .static import StaticProtocol, run_static
 
 __all__ = [
     "Approach",
@@ -19,7 +21,9 @@ __all__ = [
     "read_static_log",
     "refuse_motion_beyond_limits",
     "refuse_poses_beyond_limits",
+    "run_motion",
     "run_static",
     "write_motion",
+    "write_static_log",
     "write_static_protocol",
 ]

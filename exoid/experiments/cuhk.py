@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, TorqueModel, Viscous
 
@@ -66,7 +67,12 @@ def multisine(leg: Leg, rng: np.random.Generator, draws: int = 300) -> Harmonics
         leg: Whose regressor is to be well conditioned.
         rng: For the draws.
         draws: How many.
+
+    Raises:
+        ExoidError: There are no draws.
     """
+    if draws < 1:
+        raise ExoidError(f"the best of {draws} draws", remedy="draw at least one motion")
     model = TorqueModel(
         leg,
         (
@@ -77,25 +83,31 @@ def multisine(leg: Leg, rng: np.random.Generator, draws: int = 300) -> Harmonics
             Offset(joints=(leg.joint_labels[HIP],)),
         ),
     )
+    drawn = [_draw_multisine(rng) for _ in range(draws)]
+    return drawn[int(np.argmin([_condition(model, motion) for motion in drawn]))]
+
+
+def _draw_multisine(rng: np.random.Generator) -> Harmonics:
+    """Draw shares and phases of the harmonics, as large as the limits allow."""
     frequency = 2.0 * np.pi * BASE_FREQUENCY * np.arange(1.0, HARMONICS + 1.0)[:, None, None]
+    share = rng.dirichlet(np.ones(HARMONICS), 2).T[..., None]
+    phase = rng.uniform(0.0, 2.0 * np.pi, (HARMONICS, 2))[..., None]
+    shape, rate, _ = _period(Harmonics(np.zeros((2, 1)), share, frequency, phase))
+    scale = np.minimum((HIGHEST - LOWEST) / np.ptp(shape, axis=0), FASTEST / np.abs(rate).max(axis=0))
+    centre = 0.5 * (LOWEST + HIGHEST) - 0.5 * scale * (shape.max(axis=0) + shape.min(axis=0))
+    return Harmonics(centre[:, None], scale[:, None] * share, frequency, phase)
+
+
+def _period(motion: Harmonics) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """One period of the multisine: angles, velocities and accelerations, (N, 2) each."""
     time = np.arange(0.0, 1.0 / BASE_FREQUENCY, 0.02)
-    argument = frequency[..., 0] * time
-    best, motion = np.inf, None
-    for _ in range(draws):
-        share = rng.dirichlet(np.ones(HARMONICS), 2).T  # of each harmonic
-        phase = rng.uniform(0.0, 2.0 * np.pi, (HARMONICS, 2))
-        shape = np.einsum("kj,kjt->tj", share, np.sin(argument[:, None] + phase[..., None]))
-        rate = np.einsum("kj,kjt->tj", share * frequency[..., 0], np.cos(argument[:, None] + phase[..., None]))
-        scale = np.minimum((HIGHEST - LOWEST) / np.ptp(shape, axis=0), FASTEST / np.abs(rate).max(axis=0))
-        centre = 0.5 * (LOWEST + HIGHEST) - 0.5 * scale * (shape.max(axis=0) + shape.min(axis=0))
-        drawn = Harmonics(centre[:, None], (scale * share)[..., None], frequency, phase[..., None])
-        q, v = centre + scale * shape, scale * rate
-        a = -np.einsum(
-            "kj,kjt->tj", scale * share * frequency[..., 0] ** 2, np.sin(argument[:, None] + phase[..., None])
-        )
-        W = model.regressor(q, v, a).reshape(2 * len(time), -1)
-        condition = np.linalg.cond(W / np.linalg.norm(W, axis=0))
-        if condition < best:
-            best, motion = condition, drawn
-    assert motion is not None
-    return motion
+    targets = [motion.at(t) for t in time]
+    q, v = (np.array([target[k][:, 0] for target in targets]) for k in (0, 1))
+    return q, v, np.array([motion.acceleration(t)[:, 0] for t in time])
+
+
+def _condition(model: TorqueModel, motion: Harmonics) -> float:
+    """Condition number of the regressor over one period, columns scaled to one."""
+    q, v, a = _period(motion)
+    W = model.regressor(q, v, a).reshape(2 * len(q), -1)
+    return float(np.linalg.cond(W / np.linalg.norm(W, axis=0)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.rig import Reference
@@ -12,7 +12,7 @@ from exoid.rig import Reference
 TOLERANCE = 1e-9
 
 
-def refuse_poses_beyond_limits(leg: Leg, poses: FloatArray) -> None:
+def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
     """Refuse poses that a joint cannot reach.
 
     Args:
@@ -20,14 +20,21 @@ def refuse_poses_beyond_limits(leg: Leg, poses: FloatArray) -> None:
         poses: Angles [rad], (K, n).
 
     Raises:
-        ExoidError: Names the pose, the joint and its limits.
+        ExoidError: Names the pose, the joint and its limits; or there is no pose, or not one angle a joint.
     """
+    angles = np.asarray(poses, dtype=np.float64)
+    if angles.ndim != 2 or angles.shape[1] != len(leg.joint_names) or not len(angles):
+        raise ExoidError(
+            f"poses of shape {angles.shape}",
+            where=leg.description.name,
+            remedy=f"pass one row a pose and one column for each of {', '.join(leg.joint_names)}",
+        )
     lower, upper, *_ = leg.limits
-    beyond = np.argwhere((poses < lower - TOLERANCE) | (poses > upper + TOLERANCE) | ~np.isfinite(poses))
+    beyond = np.argwhere(~((angles >= lower - TOLERANCE) & (angles <= upper + TOLERANCE)))  # NaN is beyond, too
     if len(beyond):
         pose, joint = beyond[0]
         raise ExoidError(
-            f"pose {pose} asks {leg.joint_names[joint]} for {np.rad2deg(poses[pose, joint]):.1f}°",
+            f"pose {pose} asks {leg.joint_names[joint]} for {np.rad2deg(angles[pose, joint]):.1f}°",
             where=leg.description.name,
             remedy=f"stay between {np.rad2deg(lower[joint]):.1f}° and {np.rad2deg(upper[joint]):.1f}°",
         )
@@ -38,31 +45,40 @@ def refuse_motion_beyond_limits(leg: Leg, reference: Reference, duration: float,
 
     Args:
         leg: With its limits.
-        reference: The motion.
+        reference: The motion, of one rig or several.
         duration: How long it is followed [s].
         rate: How often it is checked [Hz].
 
     Raises:
-        ExoidError: Names the joint, the time, what is asked and what the limit is.
+        ExoidError: Names the joint, the time, what is asked and what the limit is; or the duration is not positive, or
+            the motion has not one angle a joint.
     """
+    if not 0.0 < duration < np.inf:
+        raise ExoidError(f"a motion of {duration:g} s", remedy="pass a positive duration in seconds")
     time = np.arange(0.0, duration + 0.5 / rate, 1.0 / rate)
-    targets = [reference.at(t) for t in time]
-    q, v = (np.array([np.asarray(target[k]) for target in targets]) for k in (0, 1))
+    targets = [reference.at(float(t)) for t in time]
+    q, v = np.array([target.q for target in targets]), np.array([target.v for target in targets])
+    if q.ndim != 3 or q.shape[1] != len(leg.joint_names):
+        raise ExoidError(
+            f"a motion of shape {q.shape[1:]}",
+            where=leg.description.name,
+            remedy=f"give one row for each of {', '.join(leg.joint_names)} and one column a rig",
+        )
     lower, upper, fastest, _ = (limit[:, None] for limit in leg.limits)
-    for what, values, wrong, unit in (
-        ("an angle", q, (q < lower - TOLERANCE) | (q > upper + TOLERANCE), "°"),
-        ("a speed", v, np.abs(v) > fastest + TOLERANCE, "°/s"),
-    ):
-        if wrong.any():
-            k, joint, rig = np.argwhere(wrong)[0]
-            allowed = (
-                f"{np.rad2deg(lower[joint, 0]):.1f}° to {np.rad2deg(upper[joint, 0]):.1f}°"
-                if unit == "°"
-                else f"up to {np.rad2deg(fastest[joint, 0]):.0f}°/s"
-            )
-            raise ExoidError(
-                f"the motion asks {leg.joint_names[joint]} for {what} of {np.rad2deg(values[k, joint, rig]):.1f}{unit} "
-                f"at {time[k]:.2f} s",
-                where=leg.description.name,
-                remedy=f"it can do {allowed}: make the motion smaller or slower",
-            )
+    _refuse(leg, time, "an angle", "°", q, lower, upper)
+    _refuse(leg, time, "a speed", "°/s", v, -fastest, fastest)
+
+
+def _refuse(
+    leg: Leg, time: FloatArray, what: str, unit: str, values: FloatArray, lowest: FloatArray, highest: FloatArray
+) -> None:
+    beyond = np.argwhere(~((values >= lowest - TOLERANCE) & (values <= highest + TOLERANCE)))  # NaN is beyond, too
+    if len(beyond):
+        k, joint, rig = beyond[0]
+        raise ExoidError(
+            f"the motion asks {leg.joint_names[joint]} for {what} of {np.rad2deg(values[k, joint, rig]):.1f}{unit} "
+            f"at {time[k]:.2f} s",
+            where=leg.description.name,
+            remedy=f"it can do {np.rad2deg(lowest[joint, 0]):.1f}{unit} to {np.rad2deg(highest[joint, 0]):.1f}{unit}: "
+            "make the motion smaller or slower",
+        )

@@ -10,77 +10,102 @@ from __future__ import annotations
 import csv
 import hashlib
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.files import write_whole
 from exoid.leg import Leg
 from exoid.rig import Reference
 from exoid.signals import Approaches, Poses
+from exoid.signals.csv_writer import write_csv
 from exoid.signals.source import Source
+from exoid.torso import TorsoMotion
 
 from .limits import refuse_motion_beyond_limits, refuse_poses_beyond_limits
 
-Path_ = str | os.PathLike[str]
+Name = str | os.PathLike[str]
+
+UP, DOWN = 1.0, -1.0
+"""Directions of approach: to the pose from below, and from above."""
 
 
-def write_static_protocol(path: Path_, leg: Leg, poses: FloatArray, distance: float) -> None:
+def write_static_protocol(path: Name, leg: Leg, poses: ArrayLike, distance: float) -> None:
     """Write poses to go to from both sides: ``pose, approach, start_<joint>, q_<joint>`` [rad].
 
     Args:
         path: File to write, whole or not at all.
-        leg: Whose limits are checked.
+        leg: Whose limits are checked; no joint starts beyond them.
         poses: Angles [rad], (K, n).
         distance: How far off the pose each joint starts [rad].
 
     Raises:
-        ExoidError: A pose is beyond the limits, or the file cannot be written.
+        ExoidError: A pose is beyond the limits, the distance is not positive, or the file cannot be written.
     """
     refuse_poses_beyond_limits(leg, poses)
-    lower, upper, *_ = leg.limits
-    header = ["pose", "approach", *(f"start_{n}" for n in leg.joint_names), *(f"q_{n}" for n in leg.joint_names)]
-    rows = (
-        [k, side, *np.clip(pose - side * distance, lower, upper).tolist(), *pose.tolist()]
-        for k, pose in enumerate(poses)
-        for side in (1, -1)
+    if not 0.0 < distance < np.inf:
+        raise ExoidError(f"a distance of {distance:g} rad", remedy="pass a positive one")
+    angles = np.repeat(np.asarray(poses, dtype=np.float64), 2, axis=0)
+    number = np.repeat(np.arange(len(angles) // 2), 2)
+    side = np.tile([UP, DOWN], len(angles) // 2)
+    start = np.clip(angles - side[:, None] * distance, leg.limits.lower, leg.limits.upper)
+    write_csv(
+        path,
+        ["pose", "approach", *_columns("start", leg.joint_names), *_columns("q", leg.joint_names)],
+        np.column_stack([number, side, start, angles]),
     )
-    write_whole(path, _lines(header, rows))
 
 
-def write_motion(path: Path_, leg: Leg, reference: Reference, rate: float, duration: float) -> None:
+def write_motion(path: Name, leg: Leg, reference: Reference, rate: float, duration: float) -> None:
     """Write a motion sampled at the controller's rate: ``time, q_<joint>, v_<joint>`` [s, rad, rad/s].
 
     Args:
         path: File to write, whole or not at all.
         leg: Whose limits are checked.
-        reference: The motion, of one rig.
+        reference: The motion; of several rigs, the first one's.
         rate: Of the controller [Hz].
         duration: [s].
 
     Raises:
-        ExoidError: The motion is beyond the limits, or the file cannot be written.
+        ExoidError: The motion is beyond the limits, rate or duration is not positive, or the file cannot be written.
     """
+    if not 0.0 < rate < np.inf:
+        raise ExoidError(f"a rate of {rate:g} Hz", remedy="pass a positive one")
     refuse_motion_beyond_limits(leg, reference, duration)
-    header = ["time", *(f"q_{n}" for n in leg.joint_names), *(f"v_{n}" for n in leg.joint_names)]
-
-    def rows() -> Iterator[list[float]]:
-        for t in np.arange(round(duration * rate) + 1) / rate:
-            q, v = reference.at(float(t))
-            yield [float(t), *np.asarray(q)[:, 0].tolist(), *np.asarray(v)[:, 0].tolist()]
-
-    write_whole(path, _lines(header, rows()))
+    time = np.arange(round(duration * rate) + 1) / rate
+    targets = [reference.at(float(t)) for t in time]
+    q, v = (np.array([target[k][:, 0] for target in targets]) for k in (0, 1))
+    header = ["time", *_columns("q", leg.joint_names), *_columns("v", leg.joint_names)]
+    write_csv(path, header, np.column_stack([time, q, v]))
 
 
-def read_static_log(path: Path_, joint_names: Sequence[str]) -> Approaches:
+def write_static_log(path: Name, approaches: Approaches) -> None:
+    """Write what was measured at poses reached from both sides, as :func:`read_static_log` reads it.
+
+    Args:
+        path: File to write, whole or not at all.
+        approaches: The poses.
+
+    Raises:
+        ExoidError: The file cannot be written.
+    """
+    names, number = approaches.below.joint_names, np.arange(len(approaches.below))
+    tables = [
+        np.column_stack([number, np.full(len(number), side), poses.q, poses.tau])
+        for side, poses in ((UP, approaches.below), (DOWN, approaches.above))
+    ]
+    write_csv(path, _log_columns(names), np.vstack(tables))
+
+
+def read_static_log(path: Name, joint_names: Sequence[str], torso: TorsoMotion | None = None) -> Approaches:
     """Read what a rig measured at poses reached from both sides.
 
     Args:
         path: The log.
         joint_names: Joints wanted.
+        torso: How the torso was held; None for upright.
 
     Returns:
         Each pose from below and from above, in the order of the pose numbers.
@@ -90,48 +115,68 @@ def read_static_log(path: Path_, joint_names: Sequence[str]) -> Approaches:
     """
     try:
         content = Path(path).read_bytes()
-        rows = list(csv.DictReader(content.decode("utf-8-sig").splitlines()))
+        lines = list(csv.reader(content.decode("utf-8-sig").splitlines()))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise ExoidError(f"cannot be read ({error})", where=str(path), remedy="give a CSV file") from error
-    columns = ["pose", "approach", *(f"q_{n}" for n in joint_names), *(f"tau_{n}" for n in joint_names)]
-    missing = [name for name in columns if not rows or name not in rows[0]]
-    if missing:
-        raise ExoidError(f"no column {', '.join(missing)}", where=str(path), remedy=f"columns are {', '.join(columns)}")
-    table = np.array([_numbers(row, columns, line, str(path)) for line, row in enumerate(rows, start=2)])
-    numbers = np.unique(table[:, 0])
-    sides = {}
-    for side in (1.0, -1.0):
-        of_side = table[table[:, 1] == side]
-        absent = sorted(set(numbers) - set(of_side[:, 0]))
-        if absent:
-            raise ExoidError(
-                f"pose {absent[0]:g} was not reached with approach {side:+g}",
-                where=str(path),
-                remedy="measure each pose from both sides, or leave it out",
-            )
-        sides[side] = np.array([of_side[of_side[:, 0] == number].mean(axis=0) for number in numbers])
-    n, names = len(joint_names), tuple(joint_names)
+    table = _table(lines, _log_columns(joint_names), str(path))
+    number, side = table[:, 0], table[:, 1]
+    wrong = np.flatnonzero((side != UP) & (side != DOWN))
+    if len(wrong):
+        raise ExoidError(
+            f"approach {side[wrong[0]]:g} of pose {number[wrong[0]]:g}",
+            where=str(path),
+            remedy="write +1 where joints moved up to the pose, −1 where they moved down",
+        )
     source = Source(Path(path).name, hashlib.sha256(content).hexdigest())
-    below, above = (Poses(t[:, 2 : 2 + n], t[:, 2 + n :], names, source=source) for t in (sides[1.0], sides[-1.0]))
-    return Approaches(below, above)
+    below, above = (_mean_of_readings(table, direction, str(path)) for direction in (UP, DOWN))
+    n, names = len(joint_names), tuple(joint_names)
+    return Approaches(*(Poses(x[:, 2 : 2 + n], x[:, 2 + n :], names, torso, source) for x in (below, above)))
 
 
-def _numbers(row: dict[str, str], columns: Sequence[str], line: int, name: str) -> list[float]:
-    values = []
-    for column in columns:
-        try:
-            value = float(row[column])
-        except (TypeError, ValueError):
-            value = float("nan")
-        if not np.isfinite(value):
-            raise ExoidError(
-                f"{row[column]!r} is no finite number", where=f"{name}, line {line}, column {column}", remedy="mend it"
-            )
-        values.append(value)
-    return values
+def _mean_of_readings(table: FloatArray, direction: float, name: str) -> FloatArray:
+    """Average the readings of each pose reached in one direction, in the order of the pose numbers."""
+    numbers, of_direction = np.unique(table[:, 0]), table[table[:, 1] == direction]
+    absent = sorted(set(numbers.tolist()) - set(of_direction[:, 0].tolist()))
+    if absent:
+        raise ExoidError(
+            f"pose {absent[0]:g} was not reached with approach {direction:+g}",
+            where=name,
+            remedy="measure each pose from both sides, or leave it out",
+        )
+    return np.array([of_direction[of_direction[:, 0] == number].mean(axis=0) for number in numbers])
 
 
-def _lines(header: Sequence[str], rows: Iterator[list[float]]) -> Iterator[str]:
-    yield ",".join(header) + "\n"
-    for row in rows:
-        yield ",".join(map(repr, row)) + "\n"
+def _table(lines: Sequence[Sequence[str]], columns: Sequence[str], name: str) -> FloatArray:
+    """Pick columns by their headers."""
+    header = [cell.strip() for cell in lines[0]] if lines else []
+    missing = [column for column in columns if header.count(column) != 1]
+    if missing:
+        raise ExoidError(
+            f"not one column {', '.join(missing)}", where=name, remedy=f"columns are {', '.join(columns)}, once each"
+        )
+    places = [header.index(column) for column in columns]
+    rows = [(number, line) for number, line in enumerate(lines[1:], start=2) if any(cell.strip() for cell in line)]
+    if not rows:
+        raise ExoidError("no readings below the header", where=name, remedy="give one row a reading")
+    return np.array(
+        [[_number(line, place, f"{name}, line {k}, column {place + 1}") for place in places] for k, line in rows]
+    )
+
+
+def _number(line: Sequence[str], place: int, where: str) -> float:
+    cell = line[place] if place < len(line) else ""
+    try:
+        value = float(cell)
+    except ValueError:
+        value = np.nan
+    if not np.isfinite(value):
+        raise ExoidError(f"{cell[:40]!r} is no finite number", where=where, remedy="mend it, or leave the row out")
+    return value
+
+
+def _log_columns(joint_names: Sequence[str]) -> list[str]:
+    return ["pose", "approach", *_columns("q", joint_names), *_columns("tau", joint_names)]
+
+
+def _columns(prefix: str, joint_names: Sequence[str]) -> list[str]:
+    return [f"{prefix}_{name}" for name in joint_names]

@@ -98,3 +98,8 @@ class Harmonics:
             self.centre + (self.amplitude * np.sin(argument)).sum(axis=0),
             (self.amplitude * self.frequency * np.cos(argument)).sum(axis=0),
         )
+
+    def acceleration(self, time: float) -> FloatArray:
+        """Accelerations at a time [rad/s²], (n, B)."""
+        argument = self.frequency * time + self.phase
+        return np.asarray(-(self.amplitude * self.frequency**2 * np.sin(argument)).sum(axis=0))

@@ -9,15 +9,19 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.rig import Actuator, Controller, Plant, Rates, Run, Sensors, simulate
+from exoid.rig import Plant, Run, simulate
 from exoid.signals import Approaches, Poses
 from exoid.torso import TorsoMotion
 
+from .bench import Bench
 from .limits import refuse_poses_beyond_limits
 from .references import Approach
 
-STILL = 1e-4
-"""Slower than this [rad/s] counts as stopped."""
+TOP_SPEED = 1.875
+"""Of an :class:`Approach` over its mean speed."""
+
+MOVED = 1e-4
+"""A joint that moves further than this while it is read [rad] has not come to rest."""
 
 
 @dataclass(frozen=True)
@@ -36,22 +40,11 @@ class StaticProtocol:
     wait: float = 2.0
     readings: int = 10
 
-
-@dataclass(frozen=True)
-class Bench:
-    """Everything of a rig but the plant: how it is driven, measured and timed.
-
-    Attributes:
-        controller: Of the joints.
-        actuator: Behind each command.
-        sensors: In front of each log.
-        rates: Of controller, log and plant.
-    """
-
-    controller: Controller
-    actuator: Actuator
-    sensors: Sensors
-    rates: Rates
+    def __post_init__(self) -> None:
+        """Check that it can be carried out."""
+        positive = (self.distance, self.travel, self.wait)
+        if not (all(0.0 < value < np.inf for value in positive) and self.readings >= 1):
+            raise ExoidError(f"{self}", remedy="distance, times and the number of readings are positive")
 
 
 def run_static(
@@ -76,10 +69,12 @@ def run_static(
         One set of K poses, from below and from above, for each rig.
 
     Raises:
-        ExoidError: A pose is beyond the limits of a joint, or a joint does not come to rest.
+        ExoidError: Before anything runs, a pose is beyond the limits of a joint, the approach is faster than a joint,
+            or the readings begin before the joints stand; after it, that a joint did not come to rest.
     """
     protocol = protocol or StaticProtocol()
     refuse_poses_beyond_limits(plant.leg, poses)
+    _refuse_hurry(plant, protocol, bench)
     count = len(poses)
     wide = plant.each(2 * count)  # rig by rig: K poses from below, K from above
     goal = np.tile(np.concatenate([poses, poses]), (plant.count, 1)).T
@@ -98,19 +93,39 @@ def run_static(
         seed=rng,
         progress=progress,
     )
-    _refuse_restless(run)
+    _refuse_restless(run, protocol.readings)
     return [
         Approaches(*(_read(run, slice(first, first + count), protocol.readings) for first in (a, a + count)))
         for a in range(0, wide.count, 2 * count)
     ]
 
 
-def _refuse_restless(run: Run) -> None:
-    speed = np.abs(run.v[-1]).max(axis=0)
-    if speed.max() > STILL:
-        worst = int(speed.argmax())
+def _refuse_hurry(plant: Plant, protocol: StaticProtocol, bench: Bench) -> None:
+    """Refuse an approach that is too fast, and readings that begin on the way."""
+    fastest = TOP_SPEED * protocol.distance / protocol.travel
+    slow = plant.leg.limits.velocity < fastest
+    if slow.any():
+        joint = int(slow.argmax())
         raise ExoidError(
-            f"{np.mean(speed > STILL):.0%} of poses did not come to rest: rig {worst} goes at {speed[worst]:.2g} rad/s",
+            f"the approach asks {plant.leg.joint_names[joint]} for {np.rad2deg(fastest):.0f}°/s, "
+            f"it can do {np.rad2deg(plant.leg.limits.velocity[joint]):.0f}°/s",
+            remedy="travel longer, or start closer",
+        )
+    if protocol.readings > protocol.wait * bench.rates.log:
+        raise ExoidError(
+            f"{protocol.readings} readings at {bench.rates.log:g} Hz take longer than the wait of {protocol.wait:g} s",
+            remedy="wait longer, or read fewer",
+        )
+
+
+def _refuse_restless(run: Run, readings: int) -> None:
+    moved = np.ptp(run.q[-readings:], axis=0).max(axis=0)
+    restless = np.flatnonzero(moved > MOVED)
+    if len(restless):
+        worst = int(moved.argmax())
+        raise ExoidError(
+            f"{len(restless)} of {len(moved)} poses did not come to rest: rig {worst} moved by {moved[worst]:.2g} rad "
+            "while it was read",
             remedy="wait longer, or damp the servo",
         )
 

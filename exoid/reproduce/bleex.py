@@ -4,76 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from exoid import published
 from exoid._typing import FloatArray
 from exoid.catalog import load_leg
-from exoid.experiments import Bench, bleex, refuse_motion_beyond_limits, run_static
+from exoid.errors import ExoidError
+from exoid.experiments import bleex
 from exoid.identification import Estimate, identify
-from exoid.identification.rows import make_rows
 from exoid.identification.sequential import Known
 from exoid.identification.sequential import bleex as steps
 from exoid.leg import Leg
-from exoid.rig import HydraulicServo, Plant, Proportional, Rates, Run, Sensors, simulate
-from exoid.signals import Approaches, Poses, Recording, Smoothed, ZeroPhase
+from exoid.signals import Poses, Recording, Smoothed
 from exoid.torques import Coulomb, Stiffness, TorqueModel
 
+from .bleex_measurements import Extent, Measurements, measure_bleex, truth_of
+from .torque_error import by_name, torque_nrmse
+
 SIDES = ("left", "right")
-
-HIDDEN_HIP: Mapping[str, Mapping[str, float]] = {
-    "left": {"b2_hip": -0.6, "b1_hip": -1.9, "b0_hip": -0.3, "c0_hip": 0.5},
-    "right": {"b2_hip": -1.2, "b1_hip": -2.2, "b0_hip": 0.4, "c0_hip": 0.45},
-}
-"""Assumed: the document takes hip stiffness and friction as zero, but sees no reason why they should be."""
-
-BENCH = Bench(
-    controller=Proportional(1.0),
-    actuator=HydraulicServo(stiffness=5000.0, leakage=0.01, valve_gain=10.0),
-    sensors=Sensors(encoder_counts=2.0**16, torque_noise=(0.3, 0.2, 0.1)),
-    rates=Rates(control=500.0, log=bleex.LOG_RATE, step=1e-3),
-)
-"""Servo of 10 1/s bandwidth and 1000 N·m/rad static stiffness; sensors as assumed for the replay."""
-
-COARSE_COUNTS = 2.0**12
-"""Of an encoder with which raw second differences fail."""
-
-SETTLE, DURATION = 2.0, 22.0
-"""Of the dynamic experiments [s]: whole periods remain after the start."""
-
-TILTS = (-30.0, 30.0)
-"""Of the torso [deg], which document 1 proposes for the hip's stiffness and did not do."""
-
-TILTED_POSES = 100
 
 JOINT_TERMS = (Stiffness(), Coulomb(smoothing=0.0, dead_band=0.15))
 """Of the joint estimate; samples near a reversal are left out, never filtered across it."""
 
 JOINT_PREPARATION = Smoothed(cutoff=8.0)
-
-VALIDATION_FILTER = ZeroPhase(cutoff=5.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Data:
-    """What was measured on one leg.
-
-    Attributes:
-        sets: The poses that were asked for.
-        upright: Approached from both sides, torso upright, in the order of ``sets.all``.
-        tilted: Averaged poses at each torso tilt.
-        swings: Recordings of the swinging hip, knee and ankle at five frequencies each.
-        validation: All joints in motion.
-        coarse: Swings as an encoder of 2^12 counts would have logged them.
-    """
-
-    sets: bleex.StaticSets
-    upright: Approaches
-    tilted: tuple[Poses, ...]
-    swings: tuple[tuple[Recording, ...], ...]
-    validation: Recording
-    coarse: tuple[tuple[Recording, ...], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +50,7 @@ class SideReplay:
 
     leg: Leg
     truth: Mapping[str, float]
-    data: Data
+    data: Measurements
     sequential: Known
     one_sided: Known
     coarse: Known
@@ -106,7 +61,7 @@ class SideReplay:
 
 
 @dataclass(frozen=True, eq=False)
-class Replay:
+class BleexReplay:
     """Both legs.
 
     Attributes:
@@ -120,78 +75,47 @@ class Replay:
     seed: int
 
 
-def truth_of(side: str) -> dict[str, float]:
-    """Tables I to IV of one side in exoid's signs, and the hidden hip."""
-    return {**published.bleex_parameters(side), **published.bleex_resistances(side), **HIDDEN_HIP[side]}
-
-
 def reproduce_bleex(
-    seed: int = 0, replicates: int = 1, progress: Callable[[float], None] | None = None
-) -> list[Replay]:
+    seed: int = 0,
+    replicates: int = 1,
+    progress: Callable[[float], None] | None = None,
+    extent: Extent | None = None,
+) -> list[BleexReplay]:
     """Run all experiments of document 1 on virtual rigs and identify both legs.
 
     Args:
         seed: Of random poses and sensor noise.
         replicates: How often everything is repeated with other noise, all at once.
         progress: Told the share that is done.
+        extent: How much is measured; None for what the document measured.
 
     Returns:
         One replay for each replicate.
+
+    Raises:
+        ExoidError: There are no replicates, or too little is measured.
     """
-    told = progress or (lambda _: None)
+    if replicates < 1:
+        raise ExoidError(f"{replicates} replicates", remedy="ask for at least one")
+    told, extent = progress or (lambda _: None), extent or Extent()
     rng = np.random.default_rng(seed)
-    measured = {side: _measure(side, rng, replicates, told, k / 2.0) for k, side in enumerate(SIDES)}
+    measured = {}
+    for k, side in enumerate(SIDES):
+        told_side = partial(_tell_part, told, 0.48 * k, 0.48)
+        measured[side] = measure_bleex(side, rng, replicates, extent, told_side)
     replays = []
     for k in range(replicates):
         left, right = (_identify_side(side, measured[side][k]) for side in SIDES)
-        replays.append(Replay(left, right, seed))
+        replays.append(BleexReplay(left, right, seed))
     told(1.0)
     return replays
 
 
-def _measure(
-    side: str, rng: np.random.Generator, replicates: int, told: Callable[[float], None], done: float
-) -> list[Data]:
-    """Run the experiments of one leg."""
-    leg = load_leg("bleex", side=side)
-    truth = truth_of(side)
-    plant = Plant.build(leg, truth).each(replicates)
-    sets = bleex.static_sets(rng)
-    upright = run_static(plant, sets.all, BENCH, rng)
-    tilted = []
-    for tilt in TILTS:
-        poses = bleex.static_sets(rng, TILTED_POSES).random
-        leaning = Plant.build(leg, truth, pitch=np.deg2rad(tilt)).each(replicates)
-        tilted.append([both.averaged for both in run_static(leaning, poses, BENCH, rng)])
-    motions = bleex.dynamic_motions()
-    refuse_motion_beyond_limits(leg, motions, DURATION)
-    rigs = bleex.VALIDATION + 1
-    run = simulate(
-        plant.each(rigs),
-        motions.each(replicates),
-        BENCH.controller,
-        BENCH.actuator,
-        DURATION,
-        sensors=BENCH.sensors,
-        rates=BENCH.rates,
-        seed=rng,
-        progress=lambda share: told(done + 0.45 * share),
-    )
-    coarse = _coarser(run, rng)
-    return [
-        Data(
-            sets,
-            upright[k],
-            tuple(poses[k] for poses in tilted),
-            _swings(run, k * rigs),
-            _log(run, k * rigs + bleex.VALIDATION),
-            _swings(coarse, k * rigs),
-        )
-        for k in range(replicates)
-    ]
+def _tell_part(told: Callable[[float], None], done: float, part: float, share: float) -> None:
+    told(done + part * share)
 
 
-def _identify_side(side: str, data: Data) -> SideReplay:
+def _identify_side(side: str, data: Measurements) -> SideReplay:
     """Identify one leg in all ways."""
     leg = load_leg("bleex", side=side)
     model = steps.document_model(leg)
@@ -200,14 +124,8 @@ def _identify_side(side: str, data: Data) -> SideReplay:
     joint = identify(leg, [upright, *data.tilted, *recordings], JOINT_TERMS, preparation=JOINT_PREPARATION)
     no_tilt = identify(leg, [upright, *recordings], JOINT_TERMS, preparation=JOINT_PREPARATION)
     sequential = sequential_bleex(model, data.sets, upright, data.swings)
-    cad = published.bleex_parameters("cad")
-    truth = truth_of(side)
-    predictions = {
-        "sequential": sequential.as_dict(),
-        "joint": dict(zip(joint.names, joint.values.tolist(), strict=True)),
-        "cad": cad,
-        "truth": truth,
-    }
+    truth, cad = truth_of(side), published.bleex_parameters("cad")
+    models = {"sequential": sequential.as_dict(), "joint": by_name(joint), "cad": cad, "truth": truth}
     return SideReplay(
         leg=leg,
         truth=truth,
@@ -218,7 +136,7 @@ def _identify_side(side: str, data: Data) -> SideReplay:
         joint=joint,
         upright_condition=no_tilt.condition_number,
         cad=cad,
-        nrmse={name: torque_nrmse(model, values, data.validation) for name, values in predictions.items()},
+        nrmse={name: torque_nrmse(model, values, data.validation) for name, values in models.items()},
     )
 
 
@@ -233,11 +151,7 @@ def sequential_bleex(
         poses: What was measured there, in the order of ``sets.all``.
         swings: Recordings of the swinging hip, knee and ankle.
     """
-    ends = np.cumsum([len(sets.ankle), len(sets.knee), len(sets.pairs), len(sets.random)])
-    ankle, knee, pairs, random = (
-        Poses(q, tau, poses.joint_names)
-        for q, tau in zip(np.split(poses.q, ends[:-1]), np.split(poses.tau, ends[:-1]), strict=True)
-    )
+    ankle, knee, pairs, random = sets.split(poses)
     known = steps.stiffness_shape(model, Known(), ankle, sets.ankle_set, steps.ANKLE)
     known = steps.ankle_offset(model, known, pairs)
     known = steps.mass_moments(model, known, random, steps.ANKLE)
@@ -249,26 +163,3 @@ def sequential_bleex(
     known = steps.inertia(model, known, swings[steps.HIP], 1)
     known = steps.kinetic_friction(model, known, swings[steps.ANKLE], steps.ANKLE)
     return steps.kinetic_friction(model, known, swings[steps.KNEE], steps.KNEE)
-
-
-def torque_nrmse(model: TorqueModel, values: Mapping[str, float], recording: Recording) -> FloatArray:
-    """RMS torque error over the standard deviation of the measured torque, both 5 Hz zero-phase, (n,)."""
-    rows = make_rows(model, recording, VALIDATION_FILTER)
-    predicted = rows.W @ np.array([values.get(name, 0.0) for name in model.names])
-    return np.asarray(np.sqrt(np.mean((rows.tau - predicted) ** 2, axis=0)) / rows.tau.std(axis=0))
-
-
-def _log(run: Run, rig: int) -> Recording:
-    return run.recording(rig).between(SETTLE, DURATION)
-
-
-def _swings(run: Run, first: int) -> tuple[tuple[Recording, ...], ...]:
-    frequencies = range(len(bleex.FREQUENCIES))
-    return tuple(tuple(_log(run, first + bleex.swing(joint, k)) for k in frequencies) for joint in range(3))
-
-
-def _coarser(run: Run, rng: np.random.Generator) -> Run:
-    """Log the same run once more, with coarse encoders."""
-    sensors = Sensors(encoder_counts=COARSE_COUNTS)
-    q = np.array([sensors.angle(sample, rng) for sample in run.q])
-    return Run(run.plant, run.time, run.q, run.v, run.tau, q, run.v_measured, run.tau_measured, run.target, run.energy)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
@@ -10,13 +11,12 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from exoid._typing import FloatArray
-from exoid.experiments.gait import healthy_gait
+from exoid.errors import ExoidError
+from exoid.experiments import healthy_gait
 from exoid.files import write_bytes
-from exoid.identification.rows import make_rows
 from exoid.identification.sequential.bleex import FASTER_THAN, document_model
-from exoid.identification.sequential.rows import JointRows, dynamic_rows
-from exoid.signals import Approaches, FiniteDifference, Poses
+from exoid.identification.sequential.rows import rows_in_motion
+from exoid.signals import Approaches, FiniteDifference
 from exoid.view import (
     paper,
     plot_approaches,
@@ -28,8 +28,9 @@ from exoid.view import (
 )
 from exoid.view.style import CAD, COLUMN, IDENTIFIED
 
-from .bleex import VALIDATION_FILTER, SideReplay
+from .bleex import SideReplay
 from .cuhk import CuhkReplay
+from .torque_error import by_name, predicted_torque, validation_rows
 
 KNEE, ANKLE = 1, 2
 MIDDLE = 2
@@ -38,11 +39,31 @@ SHOWN = 8.0
 """Of a motion [s], at most."""
 
 
+def make_folder(folder: str | Path) -> Path:
+    """Make the folder that figures are to be written to, before anything takes time.
+
+    Raises:
+        ExoidError: It cannot be made, or cannot be written into.
+    """
+    path = Path(folder)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        if not os.access(path, os.W_OK | os.X_OK):
+            raise PermissionError("no permission to write")
+    except OSError as error:
+        raise ExoidError(
+            f"is no folder to write figures into ({error.strerror or error})",
+            where=str(folder),
+            remedy="name a new folder, or one that is yours",
+        ) from None
+    return path
+
+
 def write_bleex_figures(side: SideReplay, folder: str | Path) -> list[Path]:
     """Write figures 3 to 7 of document 1 as PNG files.
 
     Raises:
-        ExoidError: The folder cannot be written.
+        ExoidError: The folder cannot be made or written.
     """
     figures = {
         "doc1_fig3_static_friction": _static_friction,
@@ -58,61 +79,66 @@ def write_cuhk_figures(replay: CuhkReplay, folder: str | Path) -> list[Path]:
     """Write figures 3 and 6 of document 2 as PNG files.
 
     Raises:
-        ExoidError: The folder cannot be written.
+        ExoidError: The folder cannot be made or written.
     """
     return _write({"doc2_fig3_validation": partial(_cuhk_validation, replay), "doc2_fig6_reference": _gait}, folder)
 
 
 def _static_friction(side: SideReplay) -> Figure:
-    both, count = side.data.upright, len(side.data.sets.ankle)
-    ankle = Approaches(_first(both.below, count // 3), _first(both.above, count // 3))
-    figure = _figure(0.75)
-    plot_approaches(figure.add_subplot(), ankle, ANKLE, "ankle")
+    """The first of the ankle's sets, where θ123 is the same throughout."""
+    count = int((side.data.sets.ankle_set == 0).sum())
+    both = Approaches(*(poses.take(slice(count)) for poses in (side.data.upright.below, side.data.upright.above)))
+    figure = _figure(0.7)
+    plot_approaches(figure.add_subplot(), both, ANKLE, "ankle")
     return figure
 
 
 def _stiffness(side: SideReplay) -> Figure:
-    sets, poses = side.data.sets, side.data.upright.averaged
+    sets = side.data.sets
     totals = [np.rad2deg(sets.ankle[sets.ankle_set == k].sum(axis=1)[0]) for k in np.unique(sets.ankle_set)]
-    figure = _figure(0.75)
-    ankle = _first(poses, len(sets.ankle))
+    ankle = side.data.upright.averaged.take(slice(len(sets.ankle)))
+    figure = _figure(0.7)
     plot_stiffness(figure.add_subplot(), ankle, sets.ankle_set, np.array(totals), ANKLE, "ankle")
     return figure
 
 
 def _inertia(side: SideReplay) -> Figure:
-    recording = side.data.swings[KNEE][MIDDLE]
-    rows, values = _ankle_rows(side, KNEE), side.sequential.as_dict()
-    rest = rows.tau - _explained(rows, values, without=("J3", "c0_ankle"))
-    time = recording.time[1:-1] - recording.time[0]
+    """Both sides of eq. (29): the ankle's torque in proportion to the knee's acceleration, and the rest."""
+    model, recording = document_model(side.leg), side.data.swings[KNEE][MIDDLE].resampled()
+    values = np.array([side.sequential.as_dict().get(name, 0.0) for name in model.names])
+    values[model.names.index("c0_ankle")] = 0.0  # neglected, as in the step that found J3
+    q, v, a, valid = FiniteDifference().kinematics(recording)
+    still = (model.regressor(q, v, np.zeros_like(a)) @ values)[valid, ANKLE]
+    inertial = (model.regressor(q, v, a) @ values)[valid, ANKLE] - still
+    time = recording.time[valid] - recording.time[valid][0]
     shown = time < 0.5 * SHOWN
-    figure = _figure(0.75)
-    plot_inertial_torque(
-        figure.add_subplot(), time[shown], rest[shown], rows.columns["J3"][shown] * values["J3"], "ankle"
-    )
+    figure = _figure(0.7)
+    measured = np.asarray(recording.tau)[valid, ANKLE] - still
+    plot_inertial_torque(figure.add_subplot(), time[shown], measured[shown], inertial[shown], "ankle")
     return figure
 
 
 def _kinetic_friction(side: SideReplay) -> Figure:
-    rows, values = _ankle_rows(side, ANKLE), side.sequential.as_dict()
-    friction = rows.tau - _explained(rows, values, without=("c0_ankle",))
-    velocity = rows.v[:, ANKLE]
-    fast = np.abs(velocity) > FASTER_THAN
-    figure = _figure(0.75)
-    plot_friction(figure.add_subplot(), velocity[fast], friction[fast], values["c0_ankle"], "ankle")
+    """Eq. (33) with the opposite sign, samples near the reversals left out."""
+    values = side.sequential.as_dict()
+    recordings = [side.data.swings[ANKLE][MIDDLE]]
+    rows = rows_in_motion(document_model(side.leg), recordings, ANKLE, FiniteDifference())
+    rows = rows.where(np.abs(rows.v) > FASTER_THAN)
+    figure = _figure(0.7)
+    friction = rows.tau - rows.explained(values, without=("c0_ankle",))
+    plot_friction(figure.add_subplot(), rows.v, friction, values["c0_ankle"], "ankle")
     return figure
 
 
 def _validation(side: SideReplay) -> Figure:
     model = side.joint.model
-    rows = make_rows(model, side.data.validation, VALIDATION_FILTER)
-    identified = dict(zip(model.names, side.joint.values, strict=True))
+    rows = validation_rows(model, side.data.validation)
     shown = rows.time - rows.time[0] < SHOWN
     predictions = [
-        (name, rows.W[shown] @ np.array([values.get(parameter, 0.0) for parameter in model.names]), colour)
-        for name, values, colour in (("CAD", side.cad, CAD), ("identified", identified, IDENTIFIED))
+        (name, predicted_torque(model, values, rows)[shown], colour)
+        for name, values, colour in (("CAD", side.cad, CAD), ("identified", by_name(side.joint), IDENTIFIED))
     ]
-    figure = _figure(1.5)
+    figure = _figure(1.4)
     axes = figure.subplots(3, 1, sharex=True)
     plot_torques(axes, rows.time[shown] - rows.time[0], rows.tau[shown], predictions, ("hip", "knee", "ankle"))
     return figure
@@ -131,26 +157,9 @@ def _cuhk_validation(replay: CuhkReplay) -> Figure:
 def _gait() -> Figure:
     motion, time = healthy_gait(), np.linspace(0.0, 20.0, 600)
     q = np.array([motion.at(t).q[:, 0] for t in time])
-    figure = _figure(0.75)
+    figure = _figure(0.7)
     plot_reference(figure.add_subplot(), time, q, ("hip", "knee"))
     return figure
-
-
-def _ankle_rows(side: SideReplay, moving: int) -> JointRows:
-    """The ankle's equation while one joint swings, by the document's finite differences."""
-    model = document_model(side.leg)
-    return dynamic_rows(model, [side.data.swings[moving][MIDDLE]], ANKLE, FiniteDifference())
-
-
-def _explained(rows: JointRows, values: Mapping[str, float], without: tuple[str, ...]) -> FloatArray:
-    """Torque that the known parameters explain, some of them left out [N·m], (M,)."""
-    return np.asarray(
-        np.sum([rows.columns[name] * value for name, value in values.items() if name not in without], axis=0)
-    )
-
-
-def _first(poses: Poses, count: int) -> Poses:
-    return Poses(poses.q[:count], poses.tau[:count], poses.joint_names)
 
 
 def _figure(aspect: float) -> Figure:
@@ -158,13 +167,13 @@ def _figure(aspect: float) -> Figure:
 
 
 def _write(draw: Mapping[str, Callable[[], Figure]], folder: str | Path) -> list[Path]:
-    written = []
+    """Draw everything, then write it."""
+    path, images = make_folder(folder), {}
     for name, make in draw.items():
+        image = io.BytesIO()
         with paper():
-            figure = make()
-            image = io.BytesIO()
-            figure.savefig(image, format="png")
-        path = Path(folder) / f"{name}.png"
-        write_bytes(path, [image.getvalue()])
-        written.append(path)
-    return written
+            make().savefig(image, format="png")
+        images[path / f"{name}.png"] = image.getvalue()
+    for file, content in images.items():
+        write_bytes(file, [content])
+    return list(images)

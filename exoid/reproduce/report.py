@@ -12,19 +12,20 @@ from exoid.identification import Estimate
 from exoid.identification.sequential import Known
 from exoid.tables import make_table, to_text, with_error
 
-from .bleex import Replay, SideReplay
+from .bleex import BleexReplay, SideReplay
 from .cuhk import FIVEFOLD, CuhkReplay
+from .torque_error import by_name
 
 BLEEX_JOINTS = ("hip", "knee", "ankle")
 CUHK_JOINTS = ("hip", "knee")
 
 
-def bleex_text(replay: Replay) -> str:
+def bleex_text(replay: BleexReplay) -> str:
     """Every table of document 1, side by side, and what the figures mean."""
     return "\n\n".join(_side_text(name, side) for name, side in (("Left", replay.left), ("Right", replay.right)))
 
 
-def bleex_json(replay: Replay) -> dict[str, Any]:
+def bleex_json(replay: BleexReplay) -> dict[str, Any]:
     """Figures of a replay of document 1 by name."""
     return {"left": _side_json(replay.left), "right": _side_json(replay.right), "seed": replay.seed}
 
@@ -142,7 +143,7 @@ def _known_json(known: Known) -> dict[str, Any]:
 
 def _estimate_json(estimate: Estimate) -> dict[str, Any]:
     return {
-        "values": dict(zip(estimate.names, estimate.values.tolist(), strict=True)),
+        "values": by_name(estimate),
         "std": dict(zip(estimate.names, estimate.std.tolist(), strict=True)),
         "condition_number": estimate.condition_number,
     }

@@ -41,9 +41,16 @@ class IdealTorque:
 
     Attributes:
         limit: Largest torque [N·m].
+
+    Raises:
+        ExoidError: The limit is not positive.
     """
 
     limit: float = np.inf
+
+    def __post_init__(self) -> None:
+        """Check the limit."""
+        _refuse_unless(self.limit > 0.0, self)
 
     def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
         """The command, limited."""
@@ -65,6 +72,9 @@ class DcMotor:
         ratio: Of the gear.
         rotor_inertia: [kg·m²].
         current_limit: [A].
+
+    Raises:
+        ExoidError: A constant is not positive (the rotor's inertia: negative) or not finite (but for the limit).
     """
 
     torque_constant: float
@@ -73,9 +83,9 @@ class DcMotor:
     current_limit: float = np.inf
 
     def __post_init__(self) -> None:
-        """Check the signs."""
-        if min(self.torque_constant, self.ratio, self.current_limit) <= 0.0 or self.rotor_inertia < 0.0:
-            raise ExoidError(f"{self}", remedy="constants of a motor are positive")
+        """Check the constants."""
+        positive = 0.0 < self.torque_constant < np.inf and 0.0 < self.ratio < np.inf and self.current_limit > 0.0
+        _refuse_unless(positive and 0.0 <= self.rotor_inertia < np.inf, self)
 
     @property
     def armature(self) -> float:
@@ -102,13 +112,22 @@ class HydraulicServo:
 
     Attributes:
         stiffness: kh, of the enclosed oil at the joint [N·m/rad], a number or (n, 1).
-        leakage: cl [rad/s/(N·m)].
-        valve_gain: Kv, joint velocity per command [rad/s/V].
+        leakage: cl [rad/s/(N·m)], likewise.
+        valve_gain: Kv, joint velocity per command [rad/s/V], a number or (n, 1).
+
+    Raises:
+        ExoidError: A constant is not finite, stiffness or valve gain not positive, or leakage negative.
     """
 
     stiffness: ArrayLike = 5000.0
     leakage: ArrayLike = 0.01
     valve_gain: ArrayLike = 1.0
+
+    def __post_init__(self) -> None:
+        """Check the constants."""
+        kh, cl, Kv = (np.asarray(x, dtype=np.float64) for x in (self.stiffness, self.leakage, self.valve_gain))
+        finite = all(np.isfinite(x).all() for x in (kh, cl, Kv))
+        _refuse_unless(bool(finite and (kh > 0.0).all() and (cl >= 0.0).all() and (Kv > 0.0).all()), self)
 
     def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
         """Mean torque ½ (A + A⁺) as a function of the mean velocity."""
@@ -121,3 +140,8 @@ class HydraulicServo:
         """Torque A at the end of the step."""
         torque, damping = self.drive(state, command, dt)
         return 2.0 * (torque - damping * mean_velocity) - state
+
+
+def _refuse_unless(sound: bool, actuator: Actuator) -> None:
+    if not sound:
+        raise ExoidError(f"no such actuator: {actuator}", remedy="its constants are finite and positive")

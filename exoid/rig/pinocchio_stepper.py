@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from operator import mul
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -13,12 +14,25 @@ from exoid.model import configuration
 
 from .plant import Plant
 from .stepper import Step, spring_energy
-from .stick_slip import Friction, descend
+from .stick_slip import CORRECTIONS, TURNS, Friction, descend
 
 Matrix = list[list[float]]
 
-CORRECTIONS = 30
-"""Patterns tried before falling back on coordinate descent."""
+INFINITE = float("inf")
+
+
+class _Joint(NamedTuple):
+    """A joint of the plant in plain floats, see :class:`exoid.rig.Plant`."""
+
+    b2: float
+    b1: float
+    b0: float
+    viscous: float
+    armature: float
+    kinetic: float
+    static: float
+    lower: float
+    upper: float
 
 
 class PinocchioStepper:
@@ -36,17 +50,15 @@ class PinocchioStepper:
         self.plant, self.dt = plant, dt
         self._q: list[float] = np.asarray(q, dtype=np.float64)[:, 0].tolist()
         self._v: list[float] = np.asarray(v, dtype=np.float64)[:, 0].tolist()
-        self._change = [0.0] * plant.n
+        self._ahead = self._v  # velocities expected in the middle of the next step
         self._model = pin.Model(leg.model)
         self._model.gravity.linear = leg.gravity_of_tilted_torso(float(plant.pitch[0]))
         self._data = self._model.createData()
         self._turns = self._model.nq != self._model.nv
         self._at, self._rate, self._force = np.zeros((3, plant.n))
         self._inertia = self._model.armature  # a view: what is written here, Pinocchio adds to its mass matrix
-        self._coulomb, self._static = plant.coulomb[:, 0].tolist(), plant.static[:, 0].tolist()
-        self._lower, self._upper = plant.lower[:, 0].tolist(), plant.upper[:, 0].tolist()
-        self._springs = plant.stiffness[..., 0].T.tolist()
-        self._viscous, self._armature = plant.viscous[:, 0].tolist(), plant.armature[:, 0].tolist()
+        self._joints = _joints(plant)
+        self._kinetic = [dt * joint.kinetic for joint in self._joints]
 
     @property
     def q(self) -> FloatArray:
@@ -67,59 +79,83 @@ class PinocchioStepper:
 
     def advance(self, torque: list[float], damping: list[float]) -> list[float]:
         """Take one step in plain floats; return the impulses that friction and stops took."""
-        dt, joints, last = self.dt, range(len(self._q)), self._v
-        half = 0.5 * dt
-        q = [x + half * y for x, y in zip(self._q, last, strict=True)]
-        force = []
-        for i in joints:
-            b2, b1, b0 = self._springs[i]
-            x, y, resistance = q[i], last[i], self._viscous[i] + damping[i]
-            self._at[i], self._rate[i] = x, y + 0.5 * self._change[i]
-            force.append(torque[i] - resistance * y - (b2 * x + b1) * x - b0)
-            self._inertia[i] = self._armature[i] + half * resistance
-        new = self._slide(force, q)
-        taken = [dt * c * ((x > 0.0) - (x < 0.0)) for c, x in zip(self._coulomb, last, strict=True)]
+        dt, half, last, old = self.dt, 0.5 * self.dt, self._v, self._q
+        at, rate, inertia, effort = self._at, self._rate, self._inertia, self._force
+        force, taken, slides = [], [], True
+        for i, (b2, b1, b0, viscous, armature, kinetic, _, low, high) in enumerate(self._joints):
+            y = last[i]
+            x = old[i] + half * y
+            resistance = viscous + damping[i]
+            inertia[i] = armature + half * resistance
+            at[i], rate[i] = x, self._ahead[i]
+            net = torque[i] - resistance * y - (b2 * x + b1) * x - b0
+            rub = kinetic if y > 0.0 else -kinetic
+            effort[i] = net - rub
+            force.append(net)
+            taken.append(dt * rub)
+            if y == 0.0 or x <= low or x >= high:
+                slides = False
+        new = self._slide() if slides else None
         if new is None:
-            new, taken = self._stick_or_slip(force, q)
-        self._change = [x - y for x, y in zip(new, last, strict=True)]
-        self._q = [x + half * (y + z) for x, y, z in zip(self._q, last, new, strict=True)]
-        self._v = new
+            new, taken = self._stick_or_slip(force)
+        q, ahead = [], []
+        for x, y, z in zip(old, last, new, strict=True):
+            mean = 0.5 * (y + z)
+            q.append(x + dt * mean)
+            ahead.append(2.0 * z - mean)
+        self._q, self._v, self._ahead = q, new, ahead
         return taken
 
     def energy(self) -> FloatArray:
         """See :class:`exoid.rig.Stepper`."""
-        self._inertia[:] = self._armature
+        self._inertia[:] = 0.0  # whether Pinocchio counts rotors among the kinetic energy depends on its version
         q, v = configuration(self._model, self.q.T)[0], self.v[:, 0]
         moving = pin.computeKineticEnergy(self._model, self._data, q, v)
         raised = pin.computePotentialEnergy(self._model, self._data, q)
         rotors = 0.5 * float(self.plant.armature[:, 0] @ v**2)
         return np.asarray(moving + raised + rotors + spring_energy(self.plant, self.q))
 
-    def _slide(self, force: list[float], q: list[float]) -> list[float] | None:
-        """Velocities after the step if every joint goes on sliding as it does, free of its stops; else None."""
-        for i, x in enumerate(self._v):
-            if x == 0.0 or q[i] <= self._lower[i] or q[i] >= self._upper[i]:
-                return None
-            self._force[i] = force[i] - (self._coulomb[i] if x > 0.0 else -self._coulomb[i])
+    def _slide(self) -> list[float] | None:
+        """Velocities after the step if every joint goes on sliding as it does; None if one does not."""
+        dt, new = self.dt, []
         a = pin.aba(self._model, self._data, self._configuration(), self._rate, self._force).tolist()
-        new = [x + self.dt * y for x, y in zip(self._v, a, strict=True)]
-        return new if all(x * y > 0.0 for x, y in zip(self._v, new, strict=True)) else None
+        for x, y in zip(self._v, a, strict=True):
+            z = x + dt * y
+            if not x * z > 0.0:
+                return None
+            new.append(z)
+        return new
 
-    def _stick_or_slip(self, force: list[float], q: list[float]) -> tuple[list[float], list[float]]:
+    def _stick_or_slip(self, force: list[float]) -> tuple[list[float], list[float]]:
         """Velocities after the step, and impulses taken, whatever the joints do."""
-        dt, n, at = self.dt, len(q), self._configuration()
+        dt, at, last = self.dt, self._configuration(), self._v
         bias = pin.nonLinearEffects(self._model, self._data, at, self._rate).tolist()
         upper = pin.crba(self._model, self._data, at).tolist()
-        M = [[upper[i][j] if i <= j else upper[j][i] for j in range(n)] for i in range(n)]
-        b = [sum(map(mul, row, self._v)) + dt * (f - h) for row, f, h in zip(M, force, bias, strict=True)]
-        kinetic = [dt * c for c in self._coulomb]
-        low = [-np.inf if x <= stop else -dt * c for x, stop, c in zip(q, self._lower, self._static, strict=True)]
-        high = [np.inf if x >= stop else dt * c for x, stop, c in zip(q, self._upper, self._static, strict=True)]
-        new = solve_scalar(M, b, kinetic, low, high, self._v)
-        return new, [x - sum(map(mul, row, new)) for x, row in zip(b, M, strict=True)]
+        for i, row in enumerate(upper):
+            for j in range(i):
+                row[j] = upper[j][i]
+        b = [sum(map(mul, row, last)) + dt * (f - h) for row, f, h in zip(upper, force, bias, strict=True)]
+        joints = list(zip(self._at.tolist(), self._joints, strict=True))
+        low = [-INFINITE if x <= joint.lower else -dt * joint.static for x, joint in joints]
+        high = [INFINITE if x >= joint.upper else dt * joint.static for x, joint in joints]
+        new = solve_scalar(upper, b, self._kinetic, low, high, last)
+        for _ in range(TURNS):
+            if all(x * y >= 0.0 for x, y in zip(last, new, strict=True)):
+                break
+            before = [
+                x - 2.0 * y / (abs(y) + abs(z)) * c if y * z < 0.0 else x
+                for x, y, z, c in zip(b, last, new, self._kinetic, strict=True)
+            ]
+            new = solve_scalar(upper, before, self._kinetic, low, high, new)
+        return new, [x - sum(map(mul, row, new)) for x, row in zip(b, upper, strict=True)]
 
     def _configuration(self) -> FloatArray:
         return configuration(self._model, self._at[None])[0] if self._turns else self._at
+
+
+def _joints(plant: Plant) -> list[_Joint]:
+    rows = (*plant.stiffness, plant.viscous, plant.armature, plant.coulomb, plant.static, plant.lower, plant.upper)
+    return [_Joint(*values) for values in np.array(rows)[..., 0].T.tolist()]
 
 
 def solve_scalar(
@@ -138,46 +174,47 @@ def solve_scalar(
     Returns:
         Velocities, zero where a joint rests.
     """
-    n = len(b)
-    pattern = [(x > 0.0) - (x < 0.0) for x in last]
-    for _ in range(CORRECTIONS):
-        pattern = [
-            0 if (p > 0 and h == np.inf) or (p < 0 and x == -np.inf) else p
-            for p, x, h in zip(pattern, low, high, strict=True)
-        ]
-        moving = [i for i in range(n) if pattern[i]]
-        v = [0.0] * n
-        for i, x in zip(moving, _eliminate(M, [b[i] - kinetic[i] * pattern[i] for i in moving], moving), strict=True):
-            v[i] = x
-        called_for = []
+    pattern = [
+        0 if (x > 0.0 and most == INFINITE) or (x < 0.0 and least == -INFINITE) else (x > 0.0) - (x < 0.0)
+        for x, least, most in zip(last, low, high, strict=True)
+    ]
+    for _ in range(CORRECTIONS + 1):
+        v = _eliminate(M, [x - c * p for x, c, p in zip(b, kinetic, pattern, strict=True)], pattern)
+        right = True
         for i, p in enumerate(pattern):
             if p:
-                called_for.append(p if v[i] * p > 0.0 else 0)
+                wanted = p if v[i] * p > 0.0 else 0
             else:
                 taken = b[i] - sum(map(mul, M[i], v))
-                called_for.append((taken > high[i]) - (taken < low[i]))
-        if called_for == pattern:
+                wanted = (taken > high[i]) - (taken < low[i])
+            if wanted != p:
+                pattern[i], right = wanted, False
+        if right:
             return v
-        pattern = called_for
-    columns = (np.array(x)[:, None] for x in (kinetic, low, high))
-    return list(descend(np.array(M)[..., None], np.array(b)[:, None], Friction(*columns))[:, 0])
+    columns = [np.array(x)[:, None] for x in (b, kinetic, low, high)]
+    return list(
+        descend(np.array(M)[..., None], columns[0], Friction(columns[1], columns[2], columns[3]))[:, 0].tolist()
+    )
 
 
-def _eliminate(M: Matrix, rhs: list[float], rows: list[int]) -> list[float]:
-    """Solve for the moving joints by elimination without pivots."""
-    A = [[M[i][j] for j in rows] for i in rows]
-    n = len(rows)
-    for k in range(n - 1):
-        pivot = A[k]
+def _eliminate(M: Matrix, v: list[float], pattern: list[int]) -> list[float]:
+    """Solve M v = v, in place, for the joints that move, by elimination without pivots; the others get zero."""
+    n = len(v)
+    U = [row[:] for row in M]
+    for k, row in enumerate(U):
+        if not pattern[k]:
+            v[k] = 0.0
+            continue
         for i in range(k + 1, n):
-            row = A[i]
-            factor = row[k] / pivot[k]
-            for j in range(k + 1, n):
-                row[j] -= factor * pivot[j]
-            rhs[i] -= factor * rhs[k]
-    for k in range(n - 1, -1, -1):
-        row = A[k]
-        for j in range(k + 1, n):
-            rhs[k] -= row[j] * rhs[j]
-        rhs[k] /= row[k]
-    return rhs
+            if pattern[i]:
+                below, factor = U[i], row[i] / row[k]
+                for j in range(i, n):
+                    below[j] -= factor * row[j]
+                v[i] -= factor * v[k]
+    for i in range(n - 1, -1, -1):
+        if pattern[i]:
+            row = U[i]
+            for k in range(i + 1, n):
+                v[i] -= row[k] * v[k]
+            v[i] /= row[i]
+    return v

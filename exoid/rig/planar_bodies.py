@@ -1,8 +1,13 @@
 """Rigid-body dynamics of many planar legs at once: mass matrix and bias torque without a loop over rigs.
 
-With φ the absolute angles, P_i = d_i e^{iφ_i} the vector along segment i and H_j = (Y_j − i X_j) e^{iφ_j} its turned
-mass moment, the kinetic energy is ½ Σ J_j φ̇_j² + Σ_{i<j} Re(P̄_i H_j) φ̇_i φ̇_j and the potential g Σ Im H_j; see
-:mod:`exoid.reduction.planar`.
+With φ = S q + pitch the absolute angles, d_i the vector along segment i and h_j = Y_j − i X_j its mass moment at the
+zero pose (:mod:`exoid.reduction.planar`), the kinetic energy is ½ Σ M_ij φ̇_i φ̇_j and the potential g Σ Im H_j, where
+
+    H_j = h_j e^{iφ_j},      M_jj = J_j,      M_ij = Re C_ij,      C_ij = conj(d_i) h_j e^{i(φ_j − φ_i)}  for i < j,
+
+so that the torque on segment i is g Re H_i less Σ Im C_ij φ̇_j² over the segments below it, plus Σ Im C_ji φ̇_j² over
+those above. Each H and C is a phasor: a length and a phase that is linear in q. Mass matrix and bias of the joints,
+Sᵀ M S and Sᵀ times the torque, are linear in them: one small matrix product does all the sums.
 """
 
 from __future__ import annotations
@@ -10,29 +15,32 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from exoid._typing import ComplexArray, FloatArray
+from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.reduction.planar import GRAVITY, PlanarChain
+from exoid.reduction.planar import GRAVITY
 
 
 class PlanarBodies(NamedTuple):
-    """Geometry and parameters of B planar legs.
+    """Geometry and parameters of B planar legs of n joints, with the K = n + n(n−1)/2 phasors g H_j and C_ij.
 
     Attributes:
-        signs: Of the axes, (n, 1).
-        offsets: d, complex, (n − 1, 1).
-        moments: Y − i X, complex, (n, B).
-        inertias: J, not cumulative, (n, B).
-        pitch: Tilt of the torso [rad], (B,).
+        halves: From joint angles to half the phases, (K, n).
+        half_phases: At the zero pose, torso pitch included [rad], (K, B).
+        lengths: |g H_j| [N·m] and |C_ij| [kg·m²], (K, B).
+        rates: From joint velocities to φ̇_j, then φ̇_i, of each pair, (n(n−1), n).
+        sums: From Re H, Re C, Im C φ̇_j², Im C φ̇_i² to mass matrix and bias, (n² + n, n + 3 n(n−1)/2).
+        inertia: Part of the mass matrix that does not depend on the pose, (n², B).
     """
 
-    signs: FloatArray
-    offsets: ComplexArray
-    moments: ComplexArray
-    inertias: FloatArray
-    pitch: FloatArray
+    halves: FloatArray
+    half_phases: FloatArray
+    lengths: FloatArray
+    rates: FloatArray
+    sums: FloatArray
+    inertia: FloatArray
 
     @classmethod
     def from_parameters(cls, leg: Leg, parameters: FloatArray, pitch: FloatArray) -> PlanarBodies:
@@ -41,61 +49,68 @@ class PlanarBodies(NamedTuple):
         Raises:
             ExoidError: The leg is not a planar chain.
         """
-        chain: PlanarChain | None = leg.chain
+        chain = leg.chain
         if chain is None:
-            raise ExoidError("only planar legs can be simulated side by side", where=leg.description.name)
+            raise ExoidError(
+                "only planar legs can be simulated side by side",
+                where=leg.description.name,
+                remedy="simulate one rig at a time with stepper=PinocchioStepper",
+            )
         X, Y, J = parameters[0::3], parameters[1::3], parameters[2::3].copy()
         if leg.cumulative:
             J[:-1] -= J[1:]
-        offsets = (chain.offsets[:, 0] + 1j * chain.offsets[:, 1])[:, None]
-        return cls(chain.signs[:, None], offsets, Y - 1j * X, J, pitch)
+        upper, lower = np.triu_indices(chain.n, 1)  # segments i < j of each pair
+        moments = Y - 1j * X
+        along = (chain.offsets[:, 0] - 1j * chain.offsets[:, 1])[upper, None]
+        phasors = np.concatenate([GRAVITY * moments, along * moments[lower]])
+        phases = np.angle(phasors)
+        phases[: chain.n] += pitch
+        S = np.tril(np.tile(chain.signs, (chain.n, 1)))
+        return cls(
+            halves=0.5 * np.concatenate([S, S[lower] - S[upper]]),
+            half_phases=0.5 * phases,
+            lengths=np.abs(phasors),
+            rates=np.concatenate([S[lower], S[upper]]),
+            sums=_sums(S, upper, lower),
+            inertia=np.einsum("ka,kb,kr->abr", S, S, J).reshape(-1, J.shape[1]),
+        )
 
     def dynamics(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Mass matrix M(q), (n, n, B), and bias C v + G [N·m], (n, B), from q and v, (n, B)."""
-        n = len(q)
-        angle, rate = q * self.signs, v * self.signs
-        angle[0] += self.pitch
-        for j in range(1, n):
-            angle[j] += angle[j - 1]
-            rate[j] += rate[j - 1]
-        direction = _direction(angle)
-        turned = self.moments * direction
-        M = np.empty((n, n, *q.shape[1:]))
-        bias = GRAVITY * turned.real
-        squared = rate * rate
-        diagonal = np.arange(n)
-        M[diagonal, diagonal] = self.inertias
-        if n > 1:
-            along = np.conjugate(self.offsets * direction[:-1])
-            for i in range(n - 1):
-                coupling = along[i] * turned[i + 1 :]
-                M[i, i + 1 :] = M[i + 1 :, i] = coupling.real
-                bias[i] -= (coupling.imag * squared[i + 1 :]).sum(axis=0)
-                bias[i + 1 :] += coupling.imag * squared[i]
-        for k in range(n - 2, -1, -1):  # a joint carries all segments below it
-            M[k] += M[k + 1]
-            bias[k] += bias[k + 1]
-        for k in range(n - 2, -1, -1):
-            M[:, k] += M[:, k + 1]
-        for joint in np.flatnonzero(self.signs[:, 0] < 0.0):
-            M[joint] *= -1.0
-            M[:, joint] *= -1.0
-            bias[joint] *= -1.0
-        return M, bias
+        n, kinds = len(q), len(self.lengths)
+        half = self.halves @ q
+        half += self.half_phases
+        t = np.tan(half, out=half)
+        double = t * t
+        double += 1.0
+        np.divide(self.lengths, double, out=double)
+        double += double  # 2 |C| / (1 + t²), as cos φ = 2/(1 + t²) − 1 and sin φ = 2t/(1 + t²)
+        terms = np.empty((self.sums.shape[1], q.shape[1]))
+        np.subtract(double, self.lengths, out=terms[:kinds])
+        squared = self.rates @ v
+        squared *= squared
+        turning = t[n:] * double[n:]
+        shape = (2, *turning.shape)
+        np.multiply(squared.reshape(shape), turning, out=terms[kinds:].reshape(shape))
+        result = self.sums @ terms
+        M = result[: n * n]
+        M += self.inertia
+        return M.reshape(n, n, -1), result[n * n :]
 
     def energy(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Kinetic and potential energy [J], (B,)."""
+        n = len(q)
         M, _ = self.dynamics(q, v)
-        angle = np.cumsum(q * self.signs, axis=0) + self.pitch
-        potential = GRAVITY * (self.moments * np.exp(1j * angle)).imag.sum(axis=0)
-        return np.asarray(0.5 * ((M * v).sum(axis=1) * v).sum(axis=0) + potential)
+        height = self.lengths[:n] * np.sin(2.0 * (self.halves[:n] @ q + self.half_phases[:n]))
+        return np.asarray(0.5 * ((M * v).sum(axis=1) * v).sum(axis=0) + height.sum(axis=0))
 
 
-def _direction(angle: FloatArray) -> ComplexArray:
-    """e^{iφ} from t = tan(φ/2), faster than sine and cosine."""
-    t = np.tan(0.5 * angle)
-    double = 2.0 / (1.0 + t * t)
-    out = np.empty(angle.shape, dtype=np.complex128)
-    np.subtract(double, 1.0, out=out.real)
-    np.multiply(double, t, out=out.imag)
-    return out
+def _sums(S: FloatArray, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> FloatArray:
+    """See :attr:`PlanarBodies.sums`."""
+    n, pairs = len(S), len(upper)
+    of_upper, of_lower = S[upper], S[lower]  # rows of S: how joints turn either segment of a pair
+    sums = np.zeros((n * n + n, n + 3 * pairs))
+    couplings = of_upper[:, :, None] * of_lower[:, None] + of_lower[:, :, None] * of_upper[:, None]
+    sums[: n * n, n : n + pairs] = couplings.reshape(pairs, n * n).T
+    sums[n * n :] = np.concatenate([S, np.zeros_like(of_upper), -of_upper, of_lower]).T
+    return sums

@@ -17,6 +17,9 @@ STIFFNESS_DEGREE = 2
 SYMBOLS = ("b2", "b1", "b0", "c0", "cs", "d", "Ia")
 """Stiffness, kinetic and static friction, viscous friction, rotor inertia: ``symbol_joint`` in :meth:`Plant.build`."""
 
+POSES = 200
+"""At which the mass matrix of a new plant is looked at."""
+
 
 @dataclass(frozen=True, eq=False)
 class Plant:
@@ -33,6 +36,10 @@ class Plant:
         pitch: Tilt of the torso [rad], see :class:`exoid.TorsoMotion`, (B,).
         lower: End stops [rad], (n, B); −inf for none.
         upper: End stops [rad], (n, B).
+
+    Raises:
+        ExoidError: A shape is wrong, a value not finite, friction or rotor inertia negative, static friction below the
+            kinetic one, or a lower end stop not below the upper one.
     """
 
     leg: Leg
@@ -45,6 +52,26 @@ class Plant:
     pitch: FloatArray
     lower: FloatArray
     upper: FloatArray
+
+    def __post_init__(self) -> None:
+        """Check shapes and signs."""
+        n, count = len(self.leg.joint_names), np.size(self.pitch)
+        sizes = {"parameters": (len(self.leg.parameter_names), count), "stiffness": (3, n, count), "pitch": (count,)}
+        for name in _array_names():
+            values, shape = getattr(self, name), sizes.get(name, (n, count))
+            if np.shape(values) != shape or count == 0:
+                raise ExoidError(f"{name} of the plant has shape {np.shape(values)}", remedy=f"it must be {shape}")
+            if name not in ("lower", "upper") and not np.isfinite(values).all():
+                raise ExoidError(f"{name} of the plant is not finite everywhere", remedy="give numbers in SI units")
+        if min(self.coulomb.min(), self.viscous.min(), self.armature.min()) < 0.0:
+            raise ExoidError(
+                "friction or rotor inertia is negative and would feed energy in",
+                remedy="torques of the documents count friction on the joint: change the sign",
+            )
+        if not (self.static >= self.coulomb).all():
+            raise ExoidError("static friction is below the kinetic one", remedy="leave cs out, or make it at least c0")
+        if not (self.lower < self.upper).all():
+            raise ExoidError("a lower end stop is not below the upper one", remedy="check the limits of the URDF")
 
     @classmethod
     def build(
@@ -65,7 +92,8 @@ class Plant:
             end_stops: Whether joints stop at the limits of the URDF.
 
         Raises:
-            ExoidError: A name is unknown, a value not finite, or friction or rotor inertia negative.
+            ExoidError: A name is unknown, a value is refused by the class, or no bodies have such parameters: the mass
+                matrix is not positive definite at some pose.
         """
         values = dict(values or {})
         labels = leg.joint_labels
@@ -73,9 +101,9 @@ class Plant:
         unknown = sorted(set(values) - known)
         if unknown:
             raise ExoidError(f"the rig knows no {', '.join(unknown)}", remedy=f"names are {', '.join(sorted(known))}")
-        if not all(np.isfinite(value) for value in values.values()):
-            raise ExoidError(f"not finite: {[name for name, x in values.items() if not np.isfinite(x)]}")
         pitches = np.atleast_1d(np.asarray(pitch, dtype=np.float64))
+        if pitches.ndim != 1 or not len(pitches):
+            raise ExoidError(f"pitch of the plant has shape {pitches.shape}", remedy="give one angle, or a row of them")
         shape = (len(labels), len(pitches))
 
         def each(symbol: str, default: Mapping[str, float] | None = None) -> FloatArray:
@@ -83,16 +111,12 @@ class Plant:
             return np.tile(np.array(named)[:, None], (1, shape[1]))
 
         coulomb = each("c0")
-        static = np.maximum(each("cs"), coulomb)
-        viscous, armature = each("d"), each("Ia")
-        if min(coulomb.min(), viscous.min(), armature.min()) < 0.0:
-            raise ExoidError(
-                "friction or rotor inertia is negative and would feed energy in",
-                remedy="torques of the documents count friction on the joint: change the sign",
-            )
+        static = each("cs", dict(zip(labels, coulomb[:, 0].tolist(), strict=True)))
         parameters = np.array(
             [values.get(name, own) for name, own in zip(leg.parameter_names, leg.parameters, strict=True)]
         )
+        armature = each("Ia")
+        _refuse_indefinite(leg, parameters, armature[:, 0])
         free = np.full(len(labels), np.inf)
         lower, upper = (leg.limits.lower, leg.limits.upper) if end_stops else (-free, free)
         return cls(
@@ -101,7 +125,7 @@ class Plant:
             stiffness=np.array([each(f"b{power}") for power in range(STIFFNESS_DEGREE, -1, -1)]),
             coulomb=coulomb,
             static=static,
-            viscous=viscous,
+            viscous=each("d"),
             armature=armature,
             pitch=pitches,
             lower=np.tile(lower[:, None], (1, shape[1])),
@@ -128,7 +152,13 @@ class Plant:
 
     @staticmethod
     def join(plants: Sequence[Plant]) -> Plant:
-        """Put plants of the same geometry side by side."""
+        """Put plants of the same leg side by side.
+
+        Raises:
+            ExoidError: There is none, or their legs are not the same.
+        """
+        if not plants or any(plant.leg is not plants[0].leg for plant in plants):
+            raise ExoidError("only plants of the same leg go side by side", remedy="build them all from one leg")
         first = plants[0]
         arrays = {name: np.concatenate([getattr(plant, name) for plant in plants], axis=-1) for name in _array_names()}
         return Plant(leg=first.leg, **arrays)
@@ -139,3 +169,15 @@ class Plant:
 
 def _array_names() -> list[str]:
     return [field.name for field in fields(Plant) if field.name != "leg"]
+
+
+def _refuse_indefinite(leg: Leg, parameters: FloatArray, armature: FloatArray) -> None:
+    """Refuse bodies that no leg can have, at poses all over the workspace."""
+    poses = np.random.default_rng(0).uniform(-np.pi, np.pi, (POSES, len(armature)))
+    M = leg.with_parameters(parameters).mass_matrix(poses) + np.diag(armature)
+    if not np.linalg.eigvalsh(M)[:, 0].min() > 0.0:
+        raise ExoidError(
+            "the mass matrix is not positive definite: no bodies have such parameters",
+            where=leg.description.name,
+            remedy="check the moments of inertia, and whether J is cumulative",
+        )

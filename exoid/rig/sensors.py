@@ -7,11 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
 
 
 @dataclass(frozen=True)
 class Sensors:
-    """Encoders or potentiometers, tachometers and torque sensors of a rig; each entry is a number or (n,).
+    """Encoders or potentiometers, tachometers and torque sensors of a rig.
+
+    Noise, offset and resolution are a number each, or (n,).
 
     Attributes:
         encoder_counts: Per turn of the joint; inf for an exact angle.
@@ -20,7 +23,10 @@ class Sensors:
         torque_noise: Standard deviation [N·m].
         torque_offset: Zero of the torque sensor [N·m].
         torque_resolution: Step of its converter [N·m]; 0 for none.
-        delay: Samples of the controller by which all readings are late.
+        delay: Periods of the controller by which all readings are late.
+
+    Raises:
+        ExoidError: A number is not finite (but for ``encoder_counts``) or of the wrong sign.
     """
 
     encoder_counts: float = 2.0**16
@@ -30,6 +36,18 @@ class Sensors:
     torque_offset: ArrayLike = 0.0
     torque_resolution: ArrayLike = 0.0
     delay: int = 0
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        positive = ("angle_noise", "velocity_noise", "torque_noise", "torque_resolution")
+        for name in (*positive, "torque_offset"):
+            values = np.asarray(getattr(self, name), dtype=np.float64)
+            if not np.isfinite(values).all() or (name in positive and (values < 0.0).any()):
+                raise ExoidError(f"{name} of the sensors is {getattr(self, name)}", remedy="give finite SI numbers ≥ 0")
+        if not self.encoder_counts > 0.0:
+            raise ExoidError(f"an encoder of {self.encoder_counts:g} counts", remedy="give counts per turn, or inf")
+        if self.delay != int(self.delay) or self.delay < 0:
+            raise ExoidError(f"a delay of {self.delay} periods", remedy="give a whole number ≥ 0")
 
     def angle(self, q: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Read angles [rad], (n, B)."""

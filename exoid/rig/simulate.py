@@ -23,6 +23,12 @@ from .stepper import PlanarStepper, Step, Stepper
 STEP = 5e-4
 """Of the plant [s]."""
 
+FASTEST = 1e4
+"""A joint faster than this [rad/s] has diverged."""
+
+STOP_TOLERANCE = 1e-9
+"""Of a start at an end stop [rad]."""
+
 
 class Rates(NamedTuple):
     """How often what happens; each period must be a multiple of the plant's step.
@@ -41,8 +47,10 @@ class Rates(NamedTuple):
         """Steps of the plant a period of the controller and of the log.
 
         Raises:
-            ExoidError: A period is not a multiple of the step.
+            ExoidError: A rate or the step is not positive, or a period is not a multiple of the step.
         """
+        if not all(np.isfinite(x) and x > 0.0 for x in self):
+            raise ExoidError(f"rates and step must be positive: {self}", remedy="give them in Hz, Hz and s")
         counts = [1.0 / (rate * self.step) for rate in (self.control, self.log)]
         whole = [round(count) for count in counts]
         if min(whole) < 1 or any(abs(count - k) > 1e-6 * k for count, k in zip(counts, whole, strict=True)):
@@ -60,7 +68,7 @@ class Energy(NamedTuple):
         work: Done by the actuators.
         gain: Of mechanical energy, springs and rotors included.
         dissipated: By friction and end stops.
-        turnover: ∫ |power| dt of the actuators, to compare errors with.
+        turnover: ∫ |power| dt of the actuators and of friction, whichever is larger, to compare errors with.
     """
 
     work: FloatArray
@@ -70,8 +78,9 @@ class Energy(NamedTuple):
 
     @property
     def relative_error(self) -> FloatArray:
-        """Energy that came from nowhere, over the turnover, (B,)."""
-        return np.asarray(np.abs(self.work - self.gain - self.dissipated) / self.turnover)
+        """Energy that came from nowhere, over the turnover, (B,); zero where nothing moved."""
+        error = np.abs(self.work - self.gain - self.dissipated)
+        return np.asarray(error / np.where(self.turnover > 0.0, self.turnover, np.inf))
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +92,7 @@ class Run:
         time: [s], (K,).
         q: True angles [rad], (K, n, B).
         v: True velocities [rad/s], (K, n, B).
-        tau: True actuator torques [N·m], (K, n, B).
+        tau: True actuator torques [N·m], means over the step before, (K, n, B).
         q_measured: (K, n, B).
         v_measured: (K, n, B).
         tau_measured: (K, n, B).
@@ -109,7 +118,12 @@ class Run:
             rig: Which.
             velocity: Whether the log contains the measured velocity.
             joint_names: Names of the joints; None for those of the plant's leg.
+
+        Raises:
+            ExoidError: There is no such rig, or the run is too short for a recording.
         """
+        if not -self.plant.count <= rig < self.plant.count:
+            raise ExoidError(f"no rig {rig} among {self.plant.count}", remedy="count from 0")
         return Recording(
             time=self.time,
             q=self.q_measured[..., rig],
@@ -153,41 +167,74 @@ def simulate(
         True and measured motion and torque at the rate of the log.
 
     Raises:
-        ExoidError: Rates do not fit, or the run diverges.
+        ExoidError: Rates or shapes do not fit, the start is not finite or beyond an end stop, or the run diverges.
     """
-    rates, sensors = rates or Rates(), sensors or Sensors(encoder_counts=np.inf)
-    rng = np.random.default_rng(seed)
+    rates, sensors, rng = rates or Rates(), sensors or Sensors(encoder_counts=np.inf), np.random.default_rng(seed)
     every_control, every_log = rates.steps()
-    dt, shape, count = rates.step, (plant.n, plant.count), round(duration / rates.step)
-    first = reference.at(0.0)
-    q0 = np.broadcast_to(first.q if start is None else np.asarray(start, dtype=np.float64), shape)
-    rig = stepper(plant, q0, np.broadcast_to(first.v if start is None else 0.0, shape), dt)
-    state, command, torque = np.zeros((3, *shape))
-    readings: deque[tuple[FloatArray, FloatArray]] = deque(maxlen=sensors.delay + 1)
-    log = _Log()
-    audit = _Audit(plant, rig.energy())
-    for k in range(count + 1):
-        if k % every_control == 0 or k % every_log == 0:
-            target = reference.at(k * dt)
-            readings.append((sensors.angle(rig.q, rng), sensors.velocity(rig.v, rng)))
-        if k % every_control == 0:
-            command = controller.command(target, *readings[0])
-        if k % every_log == 0:
-            log.add(rig.q, rig.v, torque, *readings[0], sensors.torque(torque, rng), np.broadcast_to(target.q, shape))
-            _refuse_divergence(rig.q, k * dt)
-            if progress is not None:
-                progress(k / max(count, 1))
-        if k == count:
-            break
-        drive = actuator.drive(state, command, dt)
-        step = rig.step(drive.torque, drive.damping)
-        state = actuator.advance(state, command, step.mean_velocity, dt)
-        torque = drive.torque - drive.damping * step.mean_velocity
-        audit.add(torque, step, dt)
+    dt, count = rates.step, _step_count(duration, rates)
+    rig = stepper(plant, *_start(plant, reference, start), dt)
+    state, command, torque = np.zeros((3, plant.n, plant.count))
+    past: deque[tuple[FloatArray, FloatArray, FloatArray]] = deque(maxlen=sensors.delay * every_control + 1)
+    log, audit = _Log(), _Audit(plant, rig.energy())
+    with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges, which is refused below
+        for k in range(count + 1):
+            past.append((rig.q, rig.v, torque))
+            controls, logs = k % every_control == 0, k % every_log == 0
+            if controls or logs:
+                _refuse_divergence(rig.v, k * dt)
+                target, (q, v, tau) = reference.at(k * dt), past[0]
+                reading = sensors.angle(q, rng), sensors.velocity(v, rng)
+            if controls:
+                command = _spread(controller.command(target, *reading), plant, "command of the controller")
+            if logs:
+                log.add(rig.q, rig.v, torque, *reading, sensors.torque(tau, rng), _spread(target.q, plant, "target"))
+                if progress is not None:
+                    progress(k / count)
+            if k < count:
+                drive = actuator.drive(state, command, dt)
+                step = rig.step(drive.torque, drive.damping)
+                state = actuator.advance(state, command, step.mean_velocity, dt)
+                torque = drive.torque - drive.damping * step.mean_velocity
+                audit.add(torque, step, dt)
     time = every_log * dt * np.arange(len(log.samples), dtype=np.float64)
     q, v, tau, q_measured, v_measured, tau_measured, aim = log.arrays()
-    energy = audit.energy(rig.energy())
-    return Run(plant, time, q, v, tau, q_measured, v_measured, tau_measured, aim, energy)
+    return Run(plant, time, q, v, tau, q_measured, v_measured, tau_measured, aim, audit.energy(rig.energy()))
+
+
+def _step_count(duration: float, rates: Rates) -> int:
+    count = duration / rates.step
+    if not (np.isfinite(count) and count >= 0.5):
+        raise ExoidError(f"a run of {duration:g} s", remedy=f"give a duration of at least {rates.step:g} s")
+    return round(count)
+
+
+def _start(plant: Plant, reference: Reference, start: ArrayLike | None) -> tuple[FloatArray, FloatArray]:
+    """Angles and velocities to begin with."""
+    first = reference.at(0.0)
+    q = _spread(first.q if start is None else start, plant, "start")
+    v = _spread(first.v if start is None else 0.0, plant, "velocity of the reference")
+    if not (np.isfinite(q).all() and np.isfinite(v).all()):
+        raise ExoidError("the start is not finite", remedy="give angles in rad")
+    beyond = (q < plant.lower - STOP_TOLERANCE) | (q > plant.upper + STOP_TOLERANCE)
+    if beyond.any():
+        joint, which = np.argwhere(beyond)[0]
+        raise ExoidError(
+            f"{plant.leg.joint_names[joint]} starts at {q[joint, which]:.4g} rad in rig {which}, beyond its end stops "
+            f"at {plant.lower[joint, which]:.4g} and {plant.upper[joint, which]:.4g} rad",
+            remedy="start between them, or build the plant with end_stops=False",
+        )
+    return q, v
+
+
+def _spread(values: ArrayLike, plant: Plant, name: str) -> FloatArray:
+    """Spread values over joints and rigs."""
+    try:
+        return np.broadcast_to(np.asarray(values, dtype=np.float64), (plant.n, plant.count))
+    except (TypeError, ValueError) as error:
+        raise ExoidError(
+            f"{name}: shape {np.shape(values)} for {plant.n} joints of {plant.count} rigs",
+            remedy=f"give ({plant.n}, {plant.count}) or ({plant.n}, 1) numbers",
+        ) from error
 
 
 class _Log:
@@ -218,11 +265,12 @@ class _Audit:
         self._dissipated += ((step.taken + self._plant.viscous * travelled) * step.mean_velocity).sum(axis=0)
 
     def energy(self, end: FloatArray) -> Energy:
-        return Energy(self._work, end - self._begin, self._dissipated, self._turnover)
+        turnover = np.maximum(self._turnover, self._dissipated)
+        return Energy(self._work, end - self._begin, self._dissipated, turnover)
 
 
-def _refuse_divergence(q: FloatArray, time: float) -> None:
-    if not np.isfinite(q).all():
+def _refuse_divergence(v: FloatArray, time: float) -> None:
+    if not (np.abs(v) < FASTEST).all():
         raise ExoidError(
             f"the rig diverged before {time:.3g} s",
             remedy="lower the gain, add damping or leakage, or shorten the step",

@@ -56,25 +56,28 @@ class PlanarStepper:
     def __init__(self, plant: Plant, q: FloatArray, v: FloatArray, dt: float) -> None:
         self.plant, self.dt = plant, dt
         self.q, self.v = np.array(q, dtype=np.float64), np.array(v, dtype=np.float64)
-        self._change = np.zeros_like(self.v)
+        self._ahead = self.v  # velocity expected in the middle of the next step
         self._bodies = PlanarBodies.from_parameters(plant.leg, plant.parameters, plant.pitch)
-        self._friction = Friction(dt * plant.coulomb, -dt * plant.static, dt * plant.static)
-        self._diagonal = np.arange(plant.n)
+        self._friction = Friction(dt * plant.coulomb, -dt * plant.static, dt * plant.static, stops=False)
+        self._stops = bool(np.isfinite(plant.lower).any() or np.isfinite(plant.upper).any())
 
     def step(self, torque: FloatArray, damping: FloatArray) -> Step:
         """See :class:`Stepper`."""
-        plant, dt = self.plant, self.dt
-        q = self.q + 0.5 * dt * self.v
-        M, bias = self._bodies.dynamics(q, self.v + 0.5 * self._change)
+        plant, dt, last = self.plant, self.dt, self.v
+        b2, b1, b0 = plant.stiffness
+        q = self.q + 0.5 * dt * last
+        M, force = self._bodies.dynamics(q, self._ahead)
         damping = plant.viscous + damping
-        M[self._diagonal, self._diagonal] += plant.armature + 0.5 * dt * damping
-        spring = (plant.stiffness[0] * q + plant.stiffness[1]) * q + plant.stiffness[2]
-        b = (M * self.v).sum(axis=1) + dt * (torque - damping * self.v - bias - spring)
-        v = solve_stick_slip(M, b, self._with_stops(q), self.v)
-        mean = 0.5 * (self.v + v)
-        self._change = v - self.v
-        self.q, self.v = self.q + dt * mean, v
-        return Step(mean, b - (M * v).sum(axis=1))
+        force += (b2 * q + b1) * q + b0
+        force += damping * last
+        np.subtract(torque, force, out=force)
+        diagonal = M.reshape(-1, plant.count)[:: plant.n + 1]
+        diagonal += plant.armature + 0.5 * dt * damping
+        self.v, taken = solve_stick_slip(M, dt * force, self._with_stops(q), last)
+        mean = 0.5 * (last + self.v)
+        self._ahead = 2.0 * self.v - mean
+        self.q = self.q + dt * mean
+        return Step(mean, taken)
 
     def energy(self) -> FloatArray:
         """See :class:`Stepper`."""
@@ -82,13 +85,13 @@ class PlanarStepper:
         return np.asarray(self._bodies.energy(self.q, self.v) + rotors + spring_energy(self.plant, self.q))
 
     def _with_stops(self, q: FloatArray) -> Friction:
-        friction, plant = self._friction, self.plant
-        at_lower, at_upper = q <= plant.lower, q >= plant.upper
+        if not self._stops:
+            return self._friction
+        at_lower, at_upper = q <= self.plant.lower, q >= self.plant.upper
         if not (at_lower.any() or at_upper.any()):
-            return friction
-        return Friction(
-            friction.kinetic, np.where(at_lower, -np.inf, friction.low), np.where(at_upper, np.inf, friction.high)
-        )
+            return self._friction
+        kinetic, low, high, _ = self._friction
+        return Friction(kinetic, np.where(at_lower, -np.inf, low), np.where(at_upper, np.inf, high))
 
 
 def spring_energy(plant: Plant, q: FloatArray) -> FloatArray:

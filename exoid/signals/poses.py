@@ -35,10 +35,13 @@ class Poses:
         """Check and freeze."""
         object.__setattr__(self, "joint_names", tuple(self.joint_names))
         for name in ("q", "tau"):
-            array = np.array(getattr(self, name), dtype=np.float64)
-            if array.ndim != 2 or array.shape[1] != len(self.joint_names) or array.shape != np.shape(self.q):
+            try:
+                array = np.array(getattr(self, name), dtype=np.float64)
+            except (TypeError, ValueError) as error:
+                raise ExoidError(f"{name} of the poses is no array of numbers ({error})") from error
+            if array.ndim != 2 or array.shape[1] != len(self.joint_names) or len(array) != len(self.q):
                 raise ExoidError(
-                    f"{name} has shape {array.shape}, q {np.shape(self.q)}, for joints {', '.join(self.joint_names)}",
+                    f"{name} has shape {array.shape} for {len(self.q)} poses of {', '.join(self.joint_names)}",
                     remedy="pass one row a pose and one column a joint",
                 )
             if not np.isfinite(array).all():
@@ -51,6 +54,10 @@ class Poses:
         """Number of poses."""
         return len(self.q)
 
+    def take(self, rows: slice) -> Poses:
+        """Return some of the poses."""
+        return Poses(self.q[rows], self.tau[rows], self.joint_names, self.torso, self.source)
+
     def select(self, joint_names: tuple[str, ...]) -> Poses:
         """Return the same poses with these joints, in this order.
 
@@ -59,7 +66,9 @@ class Poses:
         """
         missing = [name for name in joint_names if name not in self.joint_names]
         if missing:
-            raise ExoidError(f"no joint {', '.join(missing)} in poses of {', '.join(self.joint_names)}")
+            raise ExoidError(
+                f"no joint {', '.join(missing)} in poses of {', '.join(self.joint_names)}", remedy="rename it"
+            )
         columns = [self.joint_names.index(name) for name in joint_names]
         return Poses(self.q[:, columns], self.tau[:, columns], joint_names, self.torso, self.source)
 
@@ -75,6 +84,15 @@ class Approaches:
 
     below: Poses
     above: Poses
+
+    def __post_init__(self) -> None:
+        """Check that both are the same poses of the same joints."""
+        if self.below.joint_names != self.above.joint_names or len(self.below) != len(self.above):
+            raise ExoidError(
+                f"{len(self.below)} poses of {', '.join(self.below.joint_names)} from below, {len(self.above)} of "
+                f"{', '.join(self.above.joint_names)} from above",
+                remedy="measure the same poses from both sides",
+            )
 
     @property
     def averaged(self) -> Poses:

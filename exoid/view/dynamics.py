@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from exoid._typing import FloatArray
 
@@ -22,8 +23,8 @@ def plot_inertial_torque(ax: Axes, time: FloatArray, measured: FloatArray, fitte
         fitted: Left side [N·m], (N,).
         label: Name of the joint.
     """
-    ax.plot(time, measured, color=MEASURED, lw=0.8, label="measured, less known terms")
-    ax.plot(time, fitted, "--", color=IDENTIFIED, label="fitted inertia")
+    ax.plot(time, measured, color=MEASURED, lw=0.7, label="measured less known terms")
+    ax.plot(time, fitted, color=IDENTIFIED, lw=1.3, label="fitted")
     ax.set(xlabel="time [s]", ylabel=f"inertial {label} torque [N·m]")
     legend_above(ax)
     return ax
@@ -39,9 +40,9 @@ def plot_friction(ax: Axes, velocity: FloatArray, friction: FloatArray, c0: floa
         c0: Fitted Coulomb friction [N·m].
         label: Name of the joint.
     """
-    ax.plot(velocity, friction, ".", ms=2, color=MEASURED, label="measured, less known terms")
+    ax.plot(velocity, friction, ".", ms=1.5, color=MEASURED, label="measured less known terms")
     reach = float(np.abs(velocity).max())
-    ax.plot([-reach, 0, 0, reach], [-c0, -c0, c0, c0], color=IDENTIFIED, lw=1.4, label=f"{c0:.3f} N·m · sgn v")
+    ax.plot([-reach, 0, 0, reach], [-c0, -c0, c0, c0], color=IDENTIFIED, lw=1.4, label=f"{c0:.3f} N·m sgn v")
     ax.set(xlabel=f"{label} velocity [rad/s]", ylabel=f"{label} friction [N·m]")
     legend_above(ax)
     return ax
@@ -65,9 +66,10 @@ def plot_torques(
     """
     for joint, (ax, label) in enumerate(zip(axes, labels, strict=True)):
         for name, torque, colour in predictions:
-            ax.plot(time, torque[:, joint], color=colour, lw=1.3, label=name)
-        ax.plot(time, measured[:, joint], color=MEASURED, lw=0.8, label="measured")
+            ax.plot(time, torque[:, joint], color=colour, lw=1.6, label=name)
+        ax.plot(time, measured[:, joint], color=MEASURED, lw=0.7, label="measured")
         ax.set(ylabel=f"{label} torque [N·m]")
+        ax.yaxis.set_label_coords(-0.14, 0.5)  # the same for all
     legend_above(axes[0])
     axes[-1].set(xlabel="time [s]")
     return axes
@@ -84,6 +86,7 @@ def plot_reference(ax: Axes, time: FloatArray, q: FloatArray, labels: Sequence[s
     """
     for joint, (label, colour) in enumerate(zip(labels, JOINT_COLOURS, strict=False)):
         ax.plot(time, np.rad2deg(q[:, joint]), color=colour, label=label)
+    ax.xaxis.set_major_locator(MaxNLocator(5, integer=True))
     ax.set(xlabel="time [s]", ylabel="flexion [deg]")
     legend_above(ax)
     return ax

@@ -11,11 +11,14 @@ from matplotlib.axes import Axes
 COLUMN = 3.5
 """Width of a column [inches]."""
 
-MEASURED, IDENTIFIED, CAD, GUIDE = "#222222", "#0072B2", "#D55E00", "#999999"
+MEASURED, IDENTIFIED, CAD, GUIDE = "#222222", "#0072B2", "#D55E00", "#cccccc"
 """Of what was measured, what an identified model says, what CAD says, and lines that only guide the eye."""
 
-JOINT_COLOURS = ("#0072B2", "#009E73", "#CC79A7")
+JOINT_COLOURS = ("#009E73", "#CC79A7", "#E69F00")
 """Hip, knee, ankle."""
+
+SHADES = ("#9ecae1", "#4292c6", "#08519c", "#08306b")
+"""Of several sets of the same, from light to dark."""
 
 SETTINGS: Any = {
     "font.size": 8,

@@ -1,0 +1,99 @@
+"""Speed of the rig, as ratios measured in one process, in turns: ``pytest tests/benchmarks/test_rig.py -s``."""
+
+import time
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import exoid
+from exoid.rig import PinocchioStepper, PlanarStepper, Plant
+
+RIGS, STEPS, ROUNDS, DT = 256, 400, 25, 5e-4
+
+LEG = exoid.load_leg("bleex")
+POSE = np.array([[0.3], [-0.5], [0.1]])
+PLANT = Plant.build(
+    LEG, {"c0_hip": 2.0, "c0_knee": 1.5, "c0_ankle": 0.5, "b1_knee": 2.0, "d_hip": 0.1, "Ia_hip": 0.1}, end_stops=False
+)
+TIME = DT * np.arange(ROUNDS * STEPS)
+TORQUE = np.array([14.0, 7.0, 1.5]) * np.sin(2 * np.pi * np.array([0.5, 0.7, 0.9]) * TIME[:, None])
+"""Keeps the leg swinging, with stops and turns of every joint [N·m], (N, 3)."""
+
+
+class BareLoop:
+    """pin.aba in a Python loop, always at the same state."""
+
+    def __init__(self) -> None:
+        self.data = LEG.model.createData()
+
+    def run(self, first: int) -> int:
+        model, data, q, v, tau = LEG.model, self.data, POSE[:, 0], np.ones(3), np.ones(3)
+        for _ in range(STEPS):
+            pin.aba(model, data, q, v, tau)
+        return STEPS
+
+
+class Single:
+    """One rig, its torque another one in each step."""
+
+    def __init__(self) -> None:
+        self.rig = PinocchioStepper(PLANT, POSE, np.zeros((3, 1)), DT)
+
+    def run(self, first: int) -> int:
+        advance, damping = self.rig.advance, [0.0] * 3
+        for torque in TORQUE[first : first + STEPS].tolist():
+            advance(torque, damping)
+        return STEPS
+
+
+class SingleArrays(Single):
+    """The same through the arrays that the batched rigs take."""
+
+    def run(self, first: int) -> int:
+        step, damping = self.rig.step, np.zeros((3, 1))
+        for torque in TORQUE[first : first + STEPS, :, None]:
+            step(torque, damping)
+        return STEPS
+
+
+class Batch:
+    """Many rigs, each with a torque of its own."""
+
+    def __init__(self) -> None:
+        self.share = np.random.default_rng(0).uniform(0.7, 1.3, (3, RIGS))
+        self.rig = PlanarStepper(PLANT.each(RIGS), np.tile(POSE, RIGS), np.zeros((3, RIGS)), DT)
+
+    def run(self, first: int) -> int:
+        step, damping = self.rig.step, np.zeros((3, RIGS))
+        torques = TORQUE[first : first + STEPS, :, None] * self.share
+        for torque in torques:
+            step(torque, damping)
+        return STEPS * RIGS
+
+
+@pytest.fixture(scope="module")
+def speeds():
+    """Rig-steps a second of each, best of several rounds taken in turns."""
+    runners = {kind.__name__: kind() for kind in (BareLoop, Single, SingleArrays, Batch)}
+    best = dict.fromkeys(runners, 0.0)
+    for k in range(ROUNDS):
+        for name, runner in runners.items():
+            begin = time.process_time()
+            count = runner.run(k * STEPS)
+            best[name] = max(best[name], count / (time.process_time() - begin))
+    for name, speed in best.items():
+        print(f"\n{name:13s} {speed:10.3g} rig-steps/s", end="")
+    return best
+
+
+def test_a_single_rig_takes_at_least_15_percent_of_the_steps_of_a_bare_loop(speeds):
+    ratio, by_arrays = (speeds[name] / speeds["BareLoop"] for name in ("Single", "SingleArrays"))
+    print(f"\nsingle rig / bare loop over pin.aba: {ratio:.3f}, through arrays {by_arrays:.3f}")
+    assert ratio > 0.15
+
+
+def test_256_rigs_at_once_take_many_times_the_steps_of_a_single_one(speeds):
+    ratio = speeds["Batch"] / speeds["SingleArrays"]
+    print(f"\n256 rigs / single rig: {ratio:.1f}, to its plain floats {speeds['Batch'] / speeds['Single']:.1f}")
+    assert ratio > 12.0

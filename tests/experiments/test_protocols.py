@@ -1,0 +1,193 @@
+"""The documents' experiments as data: what they print is there, what they do not is within the limits."""
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid import published
+from exoid.errors import ExoidError
+from exoid.experiments import (
+    Harmonics,
+    Hold,
+    StaticProtocol,
+    bleex,
+    cuhk,
+    healthy_gait,
+    refuse_motion_beyond_limits,
+    refuse_poses_beyond_limits,
+)
+from exoid.experiments.references import Approach
+from exoid.torques import TorqueModel
+
+
+@pytest.fixture(scope="module")
+def sets():
+    return bleex.static_sets(np.random.default_rng(0))
+
+
+def absolute(poses):
+    return np.cumsum(poses, axis=1)
+
+
+def test_all_poses_and_motions_are_within_the_limits(sets):
+    leg = exoid.load_leg("bleex")
+    refuse_poses_beyond_limits(leg, sets.all)
+    refuse_motion_beyond_limits(leg, bleex.dynamic_motions(), 22.0)
+    other = exoid.load_leg("cuhk")
+    refuse_poses_beyond_limits(other, cuhk.stiffness_poses())
+    refuse_poses_beyond_limits(other, cuhk.random_poses(np.random.default_rng(0)))
+    for motion in (cuhk.swing(0), cuhk.swing(1), cuhk.validation_motion(), healthy_gait()):
+        refuse_motion_beyond_limits(other, motion, 20.0)
+
+
+def test_gravity_at_the_ankle_is_the_same_within_its_sets(sets):
+    for number in np.unique(sets.ankle_set):
+        of_set = sets.ankle[sets.ankle_set == number]
+        assert np.ptp(absolute(of_set)[:, 2]) < 1e-12
+        assert np.ptp(of_set[:, 2]) > np.deg2rad(70.0)
+
+
+def test_gravity_at_the_knee_is_the_same_within_its_sets(sets):
+    for number in np.unique(sets.knee_set):
+        of_set = sets.knee[sets.knee_set == number]
+        assert np.ptp(absolute(of_set)[:, 1:], axis=0).max() < 1e-12
+        assert np.ptp(of_set[:, 1]) > np.deg2rad(50.0)
+
+
+def test_pairs_are_half_a_turn_apart_at_the_same_ankle_angle(sets):
+    first, second = sets.pairs[0::2], sets.pairs[1::2]
+    np.testing.assert_allclose(absolute(second)[:, 1] - absolute(first)[:, 1], np.pi)
+    np.testing.assert_array_equal(first[:, 2], second[:, 2])
+
+
+def test_there_are_100_random_poses_and_five_frequencies(sets):
+    assert sets.random.shape == (100, 3)
+    assert bleex.FREQUENCIES == (0.2, 0.4, 0.6, 0.8, 1.0)
+    assert len(sets.all) == len(sets.ankle) + len(sets.knee) + len(sets.pairs) + 100
+    motions = bleex.dynamic_motions()
+    for joint in range(3):
+        for k, frequency in enumerate(bleex.FREQUENCIES):
+            one, other = (motions.at(t).q[:, bleex.swing(joint, k)] for t in (0.25 / frequency, 0.75 / frequency))
+            assert (np.flatnonzero(np.abs(one - other) > 1e-9) == [joint]).all()
+            np.testing.assert_allclose((one + other) / 2.0, bleex.CENTRE)
+
+
+def test_splitting_poses_needs_all_of_them(sets):
+    poses = exoid.signals.Poses(sets.all, sets.all, ("hip", "knee", "ankle"))
+    parts = sets.split(poses)
+    for part, expected in zip(parts, (sets.ankle, sets.knee, sets.pairs, sets.random), strict=True):
+        np.testing.assert_array_equal(part.q, expected)
+    with pytest.raises(ExoidError, match="were asked for"):
+        sets.split(poses.take(slice(10)))
+
+
+def test_row_1_takes_the_knee_every_5_degrees_from_10_at_one_difference():
+    hip, knee = np.rad2deg(cuhk.stiffness_poses()).T
+    assert knee[0] == pytest.approx(10.0)
+    np.testing.assert_allclose(np.diff(knee), 5.0)
+    np.testing.assert_allclose(knee - hip, -10.0)
+
+
+def test_row_2_takes_40_random_pairs():
+    poses = cuhk.random_poses(np.random.default_rng(1))
+    assert poses.shape == (40, 2)
+    assert (np.ptp(poses, axis=0) > 1.0).all()
+
+
+@pytest.mark.parametrize(("row", "joint"), [(3, cuhk.HIP), (4, cuhk.KNEE), (5, cuhk.HIP)])
+def test_rows_3_to_5_swing_one_joint_by_40_plus_20_sin_and_hold_the_other_at_20(row, joint):
+    assert "0.1" in " ".join(published.cuhk().table("II").texts.values())
+    for t in np.linspace(0.0, 40.0, 17):
+        target = cuhk.swing(joint).at(t)
+        assert np.rad2deg(target.q[joint, 0]) == pytest.approx(40.0 + 20.0 * np.sin(0.1 * np.pi * t))
+        assert np.rad2deg(target.q[1 - joint, 0]) == pytest.approx(20.0)
+        assert target.v[1 - joint, 0] == 0.0
+
+
+def test_the_validation_motion_moves_both_joints_alike():
+    for t in np.linspace(0.0, 60.0, 31):
+        np.testing.assert_allclose(np.rad2deg(cuhk.validation_motion().at(t).q), 40.0 + 20.0 * np.sin(0.4 * np.pi * t))
+
+
+def test_the_multisine_keeps_its_limits_and_is_better_the_more_are_drawn():
+    leg = exoid.load_leg("cuhk")
+    few, many = (cuhk.multisine(leg, np.random.default_rng(3), draws) for draws in (1, 40))
+    for motion in (few, many):
+        q, v, a = cuhk._period(motion)
+        assert (q >= cuhk.LOWEST - 1e-6).all()
+        assert (q <= cuhk.HIGHEST + 1e-6).all()
+        assert np.abs(v).max() <= cuhk.FASTEST + 1e-6
+        np.testing.assert_allclose(np.gradient(v, 0.02, axis=0)[1:-1], a[1:-1], atol=0.02 * np.abs(a).max())
+    terms = (exoid.Stiffness(degree=1, joints=("knee",)), exoid.Coulomb(), exoid.Viscous(), exoid.Armature())
+    model = TorqueModel(leg, (*terms, exoid.Offset(joints=("hip",))))
+    assert cuhk._condition(model, many) < 60.0
+    assert cuhk._condition(model, many) < cuhk._condition(model, few)
+    with pytest.raises(ExoidError, match="best of 0"):
+        cuhk.multisine(leg, np.random.default_rng(0), 0)
+
+
+def test_velocity_is_the_derivative_of_every_reference():
+    start, goal = np.array([[0.0], [0.5]]), np.array([[0.3], [-0.5]])
+    motions = [Approach(start, goal, 2.0), healthy_gait(), cuhk.swing(0), Hold(goal)]
+    for motion in motions:
+        for t in (0.4, 1.1, 1.9, 3.0):
+            slope = (np.asarray(motion.at(t + 1e-6).q) - motion.at(t - 1e-6).q) / 2e-6
+            np.testing.assert_allclose(motion.at(t).v, slope, atol=1e-6)
+    np.testing.assert_allclose(motions[0].at(9.0).q, goal)
+    slope = (healthy_gait().at(1.0 + 1e-6).v - healthy_gait().at(1.0 - 1e-6).v) / 2e-6
+    np.testing.assert_allclose(healthy_gait().acceleration(1.0), slope, atol=1e-5)
+
+
+def test_motions_side_by_side_stay_what_they_are():
+    both = Harmonics.join([healthy_gait().each(2), cuhk.swing(1)])
+    np.testing.assert_allclose(
+        both.at(1.3).q, np.hstack([np.tile(healthy_gait().at(1.3).q, 2), cuhk.swing(1).at(1.3).q])
+    )
+    np.testing.assert_allclose(both.at(1.3).v[:, :1], healthy_gait().at(1.3).v)
+
+
+@pytest.mark.parametrize(
+    ("poses", "words"),
+    [
+        ([[0.0, -0.1, 1.0]], "pose 0 asks left_ankle for 57.3"),
+        ([[0.0, -0.1, 0.0], [0.0, np.nan, 0.0]], "pose 1 asks left_knee for nan"),
+        ([[0.0, -0.1]], "shape"),
+        ([0.0, -0.1, 0.0], "shape"),
+        (np.zeros((0, 3)), "shape"),
+    ],
+)
+def test_poses_beyond_the_limits_are_refused(poses, words):
+    with pytest.raises(ExoidError, match=words):
+        refuse_poses_beyond_limits(exoid.load_leg("bleex"), poses)
+
+
+def harmonic(amplitude_deg, frequency, joints=2):
+    shape = (1, joints, 1)
+    return Harmonics(
+        np.full(shape[1:], np.deg2rad(40.0)),
+        np.full(shape, np.deg2rad(amplitude_deg)),
+        np.full(shape, 2.0 * np.pi * frequency),
+        np.zeros(shape),
+    )
+
+
+@pytest.mark.parametrize(
+    ("motion", "duration", "words"),
+    [
+        (harmonic(100.0, 0.1), 10.0, "an angle of"),
+        (harmonic(20.0, 4.0), 1.0, "a speed of"),
+        (harmonic(np.nan, 0.1), 10.0, "an angle of nan"),
+        (harmonic(10.0, 0.1, joints=3), 10.0, "shape"),
+        (harmonic(10.0, 0.1), 0.0, "positive duration"),
+        (harmonic(10.0, 0.1), np.nan, "positive duration"),
+    ],
+)
+def test_motions_beyond_the_limits_are_refused(motion, duration, words):
+    with pytest.raises(ExoidError, match=words):
+        refuse_motion_beyond_limits(exoid.load_leg("cuhk"), motion, duration)
+
+
+@pytest.mark.parametrize("wrong", [{"travel": 0.0}, {"wait": -1.0}, {"readings": 0}, {"distance": np.nan}])
+def test_a_static_protocol_that_cannot_be_done_is_refused(wrong):
+    with pytest.raises(ExoidError, match="positive"):
+        StaticProtocol(**wrong)

@@ -1,0 +1,193 @@
+"""Experiments on virtual rigs, refused before they run or measured as the documents say."""
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.errors import ExoidError
+from exoid.experiments import (
+    Bench,
+    StaticProtocol,
+    cuhk,
+    read_static_log,
+    run_motion,
+    run_static,
+    write_motion,
+    write_static_log,
+    write_static_protocol,
+)
+from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
+
+LEG = exoid.load_leg("cuhk")
+FRICTION = np.array([1.4, 0.6])
+BENCH = Bench(
+    ProportionalDerivative(800.0, 60.0),
+    IdealTorque(),
+    Sensors(encoder_counts=np.inf, torque_noise=0.01),
+    Rates(control=500.0, log=50.0, step=1e-3),
+)
+PROTOCOL = StaticProtocol(travel=1.0, wait=1.0)
+
+
+@pytest.fixture(scope="module")
+def plant():
+    return Plant.build(LEG, {"c0_hip": FRICTION[0], "c0_knee": FRICTION[1]})
+
+
+@pytest.fixture(scope="module")
+def measured(plant):
+    poses = cuhk.random_poses(np.random.default_rng(0), 6)
+    return poses, run_static(plant, poses, BENCH, np.random.default_rng(1), PROTOCOL)[0]
+
+
+def test_torque_depends_on_the_side_a_pose_is_reached_from(measured):
+    """From below it is greater (doc. 1, sec. III-C), by twice the friction at most."""
+    band = measured[1].band
+    assert (band < FRICTION + 0.02).all()
+    np.testing.assert_allclose(band[:, 1], FRICTION[1], atol=0.05)
+    assert (band[:, 0] > -0.1).all()  # the knee's reaction lets the hip creep back within its own band
+
+
+def test_averaging_both_sides_removes_static_friction(measured):
+    still = np.zeros_like(measured[0])
+    both = measured[1]
+    gravity = LEG.inverse_dynamics(both.averaged.q, still, still)
+    one_sided = np.abs(both.below.tau - LEG.inverse_dynamics(both.below.q, still, still))
+    assert np.abs(both.averaged.tau - gravity).mean() < 0.3 * one_sided.mean()
+
+
+def test_every_rig_has_poses_of_its_own(plant):
+    poses = cuhk.random_poses(np.random.default_rng(0), 3)
+    tilted = Plant.build(LEG, pitch=[0.0, 0.3])
+    first, second = run_static(tilted, poses, BENCH, np.random.default_rng(1), PROTOCOL)
+    assert first.below.torso is None
+    assert second.below.torso.pitch == pytest.approx(0.3)
+    still = np.zeros((3, 2))
+    expected = LEG.inverse_dynamics(second.averaged.q, still, still, torso=second.below.torso)
+    np.testing.assert_allclose(second.averaged.tau, expected, atol=0.05)
+
+
+@pytest.mark.parametrize(
+    ("poses", "protocol", "words"),
+    [
+        ([[3.0, 0.5]], PROTOCOL, "pose 0 asks left_hip"),
+        ([[0.5, 0.5]], StaticProtocol(travel=0.01), "the approach asks"),
+        ([[0.5, 0.5]], StaticProtocol(wait=0.1, readings=50), "take longer than the wait"),
+    ],
+)
+def test_bad_protocols_are_refused_before_anything_runs(plant, poses, protocol, words, monkeypatch):
+    monkeypatch.setattr("exoid.experiments.static.simulate", lambda *_, **__: pytest.fail("it ran"))
+    with pytest.raises(ExoidError, match=words):
+        run_static(plant, np.array(poses), BENCH, np.random.default_rng(0), protocol)
+
+
+def test_motions_beyond_the_limits_are_refused_before_anything_runs(plant, monkeypatch):
+    monkeypatch.setattr("exoid.experiments.dynamic.simulate", lambda *_, **__: pytest.fail("it ran"))
+    fast = cuhk.swing(0)
+    wild = type(fast)(fast.centre, 10.0 * fast.amplitude, fast.frequency, fast.phase)
+    with pytest.raises(ExoidError, match="an angle of"):
+        run_motion(plant, wild, BENCH, 20.0, np.random.default_rng(0))
+
+
+def test_rates_that_do_not_fit_are_refused(plant):
+    bench = Bench(BENCH.controller, BENCH.actuator, BENCH.sensors, Rates(control=333.0))
+    with pytest.raises(ExoidError, match="do not fit"):
+        run_motion(plant, cuhk.swing(0), bench, 1.0, np.random.default_rng(0))
+
+
+def test_joints_that_do_not_rest_are_refused(plant):
+    undamped = Bench(ProportionalDerivative(400.0, 0.0), IdealTorque(), Sensors(encoder_counts=np.inf), BENCH.rates)
+    frictionless = Plant.build(LEG)
+    with pytest.raises(ExoidError, match="did not come to rest"):
+        run_static(frictionless, np.array([[0.5, 0.5]]), undamped, np.random.default_rng(0), PROTOCOL)
+
+
+def test_a_motion_is_followed_and_logged(plant):
+    run = run_motion(plant, cuhk.swing(0), BENCH, 2.0, np.random.default_rng(0))
+    assert run.recording(0).joint_names == LEG.joint_names
+    assert np.abs(run.q - run.target).max() < 0.1
+
+
+# ------------------------------------------------------------------------------------------------ files
+
+
+def test_a_static_log_reads_back_into_the_same_approaches(measured, tmp_path):
+    both = measured[1]
+    write_static_log(tmp_path / "log.csv", both)
+    read = read_static_log(tmp_path / "log.csv", LEG.joint_names)
+    for side in ("below", "above"):
+        np.testing.assert_array_equal(getattr(read, side).q, getattr(both, side).q)
+        np.testing.assert_array_equal(getattr(read, side).tau, getattr(both, side).tau)
+    assert read.below.source.name == "log.csv"
+    assert len(read.below.source.sha256) == 64
+
+
+def test_the_torso_of_a_static_log_is_told_by_the_caller(measured, tmp_path):
+    write_static_log(tmp_path / "log.csv", measured[1])
+    torso = exoid.TorsoMotion(pitch=0.2)
+    assert read_static_log(tmp_path / "log.csv", LEG.joint_names, torso).averaged.torso is torso
+
+
+def test_several_readings_of_a_pose_are_averaged_in_any_order(tmp_path):
+    rows = ["1,-1,5,50", "0,1,1,10", "0,1,3,30", "0,-1,4,40", "1,1,6,60", ""]
+    (tmp_path / "log.csv").write_text("pose,approach,q_hip,tau_hip\n" + "\n".join(rows))
+    read = read_static_log(tmp_path / "log.csv", ("hip",))
+    np.testing.assert_array_equal(read.below.q[:, 0], [2.0, 6.0])
+    np.testing.assert_array_equal(read.above.tau[:, 0], [40.0, 50.0])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "not one column pose"),
+        ("pose,approach,q_hip,tau_hip\n", "no readings"),
+        ("pose,approach,q_hip\n0,1,1\n", "not one column tau_hip"),
+        ("pose,approach,q_hip,q_hip,tau_hip\n0,1,1,1,1\n", "not one column q_hip"),
+        ("pose,approach,q_hip,tau_hip\n0,1,x,1\n", "'x' is no finite number"),
+        ("pose,approach,q_hip,tau_hip\n0,1,1\n", "line 2, column 4"),
+        ("pose,approach,q_hip,tau_hip\n0,1,1,nan\n", "no finite number"),
+        ("pose,approach,q_hip,tau_hip\n0,1,1,1\n", "approach -1"),
+        ("pose,approach,q_hip,tau_hip\n0,up,1,1\n", "'up'"),
+        ("pose,approach,q_hip,tau_hip\n0,2,1,1\n", "approach 2 of pose 0"),
+        ("pose,approach,q_hip,tau_hip\n0,1,\xff,1\n", "."),
+    ],
+)
+def test_bad_static_logs_are_refused(text, words, tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_bytes(text.encode("latin-1"))
+    with pytest.raises(ExoidError, match=words):
+        read_static_log(path, ("hip",))
+    with pytest.raises(ExoidError, match="cannot be read"):
+        read_static_log(tmp_path / "absent.csv", ("hip",))
+
+
+def test_a_written_static_protocol_goes_to_each_pose_from_both_sides(tmp_path):
+    poses = np.array([[0.5, 0.5], [1.0, 0.2]])
+    write_static_protocol(tmp_path / "plan.csv", LEG, poses, 0.1)
+    header, *rows = (tmp_path / "plan.csv").read_text().splitlines()
+    assert header == "pose,approach,start_left_hip,start_left_knee,q_left_hip,q_left_knee"
+    table = np.array([[float(cell) for cell in row.split(",")] for row in rows])
+    np.testing.assert_array_equal(table[:, :2], [[0, 1], [0, -1], [1, 1], [1, -1]])
+    np.testing.assert_array_equal(table[:, 4:], np.repeat(poses, 2, axis=0))
+    np.testing.assert_allclose(table[:, 4:] - table[:, 2:4], 0.1 * table[:, 1:2] * np.ones((1, 2)))
+
+
+def test_a_written_motion_reads_back_as_a_recording(tmp_path):
+    write_motion(tmp_path / "motion.csv", LEG, cuhk.swing(0), 100.0, 2.0)
+    read = exoid.Recording.from_csv(tmp_path / "motion.csv", joint_names=LEG.joint_names)
+    expected = [cuhk.swing(0).at(t) for t in read.time]
+    np.testing.assert_array_equal(read.q, [target.q[:, 0] for target in expected])
+    np.testing.assert_array_equal(read.v, [target.v[:, 0] for target in expected])
+    assert len(read) == 201
+
+
+def test_protocols_beyond_the_limits_are_not_written(tmp_path):
+    for write in (
+        lambda path: write_static_protocol(path, LEG, np.array([[3.0, 0.0]]), 0.1),
+        lambda path: write_static_protocol(path, LEG, np.array([[0.5, 0.5]]), -0.1),
+        lambda path: write_motion(path, LEG, cuhk.swing(0), 0.0, 2.0),
+        lambda path: write_motion(path, LEG, cuhk.swing(0), 100.0, -2.0),
+    ):
+        with pytest.raises(ExoidError):
+            write(tmp_path / "plan.csv")
+    assert list(tmp_path.iterdir()) == []

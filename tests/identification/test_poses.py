@@ -1,0 +1,58 @@
+"""Poses check what they are made of, and approaches belong together."""
+
+import numpy as np
+import pytest
+
+from exoid.errors import ExoidError
+from exoid.signals import Approaches, Poses
+
+NAMES = ("hip", "knee")
+Q = np.array([[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]])
+
+
+def test_both_directions_are_averaged_and_their_difference_is_the_friction_band():
+    friction = np.array([0.5, 0.25])
+    below, above = Poses(Q, 3.0 * Q + friction, NAMES), Poses(Q + 0.002, 3.0 * Q - friction, NAMES)
+    both = Approaches(below, above)
+    np.testing.assert_allclose(both.averaged.tau, 3.0 * Q)
+    np.testing.assert_allclose(both.averaged.q, Q + 0.001)
+    np.testing.assert_allclose(both.band, np.tile(friction, (3, 1)))
+
+
+def test_arrays_are_copied_and_read_only():
+    mine = Q.copy()
+    poses = Poses(mine, Q, NAMES)
+    mine[0, 0] = 9.0
+    assert poses.q[0, 0] == 0.1
+    with pytest.raises(ValueError, match="read-only"):
+        poses.tau[0, 0] = 1.0
+
+
+def test_selecting_joints_goes_by_name():
+    poses = Poses(Q, 2.0 * Q, NAMES).select(("knee",))
+    np.testing.assert_array_equal(poses.tau, 2.0 * Q[:, 1:])
+    with pytest.raises(ExoidError, match="no joint ankle"):
+        poses.select(("ankle",))
+
+
+@pytest.mark.parametrize(
+    ("q", "tau", "words"),
+    [
+        (Q, Q[:2], "tau has shape"),
+        (Q, Q[:, :1], "tau has shape"),
+        (Q[0], Q, "q has shape"),
+        (Q, [[1.0, 2.0], [3.0], [4.0, 5.0]], "no array of numbers"),
+        (Q, [["a", "b"]] * 3, "no array of numbers"),
+        (Q, np.where(Q > 0.5, np.nan, Q), "pose 2 is not finite"),
+    ],
+)
+def test_bad_poses_are_refused(q, tau, words):
+    with pytest.raises(ExoidError, match=words):
+        Poses(q, tau, NAMES)
+
+
+def test_approaches_of_different_poses_are_refused():
+    with pytest.raises(ExoidError, match="same poses from both sides"):
+        Approaches(Poses(Q, Q, NAMES), Poses(Q[:2], Q[:2], NAMES))
+    with pytest.raises(ExoidError, match="same poses from both sides"):
+        Approaches(Poses(Q, Q, NAMES), Poses(Q, Q, NAMES[::-1]))

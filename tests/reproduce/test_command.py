@@ -1,0 +1,73 @@
+"""``exoid reproduce``: the same seed gives the same bytes, and bad folders are refused before anything runs."""
+
+import json
+import sys
+from functools import partial
+
+import pytest
+
+from exoid import reproduce
+from exoid.cli import main
+from exoid.errors import ExoidError
+
+SHORT = reproduce.Extent(duration=8.0, poses=30)
+
+
+@pytest.fixture
+def command(capsys, monkeypatch, tmp_path):
+    """Run ``exoid reproduce ARGUMENTS`` on short replays, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(reproduce, "reproduce_bleex", partial(reproduce.reproduce_bleex, extent=SHORT))
+    monkeypatch.setattr(reproduce, "reproduce_cuhk", partial(reproduce.reproduce_cuhk, duration=12.0))
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["exoid", "reproduce", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        return int(stop.value.code or 0), *capsys.readouterr()
+
+    return run
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_does_not(command, tmp_path):
+    code, out, err = command("bleex", "--json", "--seed", 3, "--figures", "new/folder")
+    assert code == 0
+    assert json.loads(out)["seed"] == 3
+    assert err.count("wrote") == 5
+    assert len(list((tmp_path / "new/folder").iterdir())) == 5
+    again = reproduce.bleex_json(reproduce.reproduce_bleex(3)[0])
+    assert json.dumps(again, indent=1) + "\n" == out
+    other = reproduce.reproduce_bleex(4)[0]
+    assert other.left.joint.value("X1") != again["left"]["joint"]["values"]["X1"]
+
+
+def test_the_second_document_prints_its_report(command):
+    code, out, _ = command("cuhk", "--seed", 1)
+    assert code == 0
+    assert out.startswith("CUHK-EXO, Tables II and III")
+
+
+@pytest.mark.parametrize("document", ["bleex", "cuhk"])
+def test_a_bad_folder_is_refused_before_anything_runs(document, command, tmp_path, monkeypatch):
+    monkeypatch.setattr(reproduce, f"reproduce_{document}", lambda *_, **__: pytest.fail("it ran"))
+    (tmp_path / "file").write_text("mine")
+    code, out, err = command(document, "--figures", tmp_path / "file")
+    assert (code, out) == (2, "")
+    assert err.startswith("exoid: ")
+    assert err.count("\n") == 1
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+@pytest.mark.parametrize("arguments", [("other",), ("bleex", "--seed", "-1"), ("bleex", "--seed", "x")])
+def test_bad_usage_ends_with_status_2(arguments, command):
+    assert command(*arguments)[0] == 2
+
+
+def test_no_replicates_are_refused():
+    for replay in (reproduce.reproduce_bleex, reproduce.reproduce_cuhk):
+        with pytest.raises(ExoidError, match="at least one"):
+            replay(0, replicates=0)
+    with pytest.raises(ExoidError, match="random poses"):
+        reproduce.reproduce_bleex(extent=reproduce.Extent(poses=0))
+    with pytest.raises(ExoidError, match="positive duration"):
+        reproduce.reproduce_cuhk(duration=-1.0)

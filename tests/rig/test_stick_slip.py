@@ -1,0 +1,136 @@
+"""The stick-slip problem: Coulomb's law, and an independent minimiser."""
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from exoid.rig.pinocchio_stepper import solve_scalar
+from exoid.rig.stick_slip import Friction, descend, solve_stick_slip
+
+B = 2000
+SIZES = pytest.mark.parametrize("n", [1, 2, 3, 4, 5])
+
+
+def problems(n: int, *, seed: int, static: bool = False, stops: bool = False):
+    """M, impulse, friction and last velocities of B random rigs, some of them at rest."""
+    rng = np.random.default_rng(seed)
+    root = rng.normal(size=(B, n, n))
+    M = np.moveaxis(root @ root.transpose(0, 2, 1) + 0.1 * np.eye(n), 0, -1).copy()
+    last = rng.normal(size=(n, B)) * (rng.random((n, B)) < 0.7)
+    impulse = rng.normal(size=(n, B)) * rng.choice([0.1, 1.0, 3.0], (1, B))
+    kinetic = rng.uniform(0.0, 2.0, (n, B)) * (rng.random((n, B)) < 0.9)
+    most = kinetic * (rng.uniform(1.0, 1.5, (n, B)) if static else 1.0)
+    low, high = -most, most.copy()
+    if stops:
+        low[rng.random((n, B)) < 0.15] = -np.inf
+        high[rng.random((n, B)) < 0.15] = np.inf
+    return M, impulse, Friction(kinetic, low, high), last
+
+
+def without_turning(M, impulse, friction, last):
+    """Solve as if the velocities before had the sign of those after: the plain problem, no joint turns within it."""
+    b = (M * last).sum(axis=1) + impulse
+    still = np.zeros_like(last)
+    return solve_stick_slip(M, b, friction, still), b
+
+
+def assert_coulomb(M, b, friction, slip):
+    taken = b - (M * slip.v).sum(axis=1)
+    scale = 1e-9 * (1.0 + np.abs(b).max(axis=0))
+    moving = slip.v != 0.0
+    assert 0.1 < moving.mean() < 0.95  # both occur
+    rubbed = taken - friction.kinetic * np.sign(slip.v)
+    assert (np.abs(rubbed) <= scale)[moving].all()
+    assert ((taken <= friction.high + scale) & (taken >= friction.low - scale))[~moving].all()
+    into_stop = ((slip.v > 0.0) & (friction.high == np.inf)) | ((slip.v < 0.0) & (friction.low == -np.inf))
+    assert not into_stop.any()
+    np.testing.assert_allclose(slip.taken, taken, rtol=0, atol=1e-9 * np.abs(b).max())
+
+
+@SIZES
+@pytest.mark.parametrize("static", [False, True], ids=["", "static"])
+@pytest.mark.parametrize("stops", [False, True], ids=["", "stops"])
+def test_coulombs_law_holds(n, static, stops):
+    """Kinetic friction against the motion, less than the static one at rest, nothing moves into a stop."""
+    M, impulse, friction, last = problems(n, seed=n, static=static, stops=stops)
+    slip, b = without_turning(M, impulse, friction, last)
+    assert_coulomb(M, b, friction, slip)
+
+
+@SIZES
+def test_coulombs_law_holds_whatever_moved_before(n):
+    """Velocities before are a guess of the pattern only, unless a joint turns round."""
+    M, impulse, friction, last = problems(n, seed=10 + n, stops=True)
+    slip = solve_stick_slip(M, impulse, friction, last)
+    b = (M * last).sum(axis=1) + impulse
+    straight = np.flatnonzero((slip.v * last >= 0.0).all(axis=0))
+    assert len(straight) > B // 20
+    part = Friction(*(x[:, straight] for x in friction[:3]))
+    plain, _ = without_turning(M, impulse, friction, last)
+    np.testing.assert_allclose(slip.v[:, straight], plain.v[:, straight], rtol=0, atol=1e-9)
+    taken = (b - (M * slip.v).sum(axis=1))[:, straight]
+    assert ((taken <= part.high + 1e-9) & (taken >= part.low - 1e-9)).all()
+
+
+@SIZES
+def test_the_solution_is_the_minimum_of_the_convex_function(n):
+    """Split v into forward and backward parts and hand it to a bounded minimiser of scipy."""
+    M, impulse, friction, last = problems(n, seed=20 + n)
+    slip, b = without_turning(M, impulse, friction, last)
+    for k in range(12):
+        A, c, rhs = M[..., k], friction.kinetic[:, k], b[:, k]
+
+        def cost(x, A=A, c=c, rhs=rhs):
+            v = x[:n] - x[n:]
+            slope = A @ v - rhs
+            return 0.5 * v @ A @ v - rhs @ v + c @ (x[:n] + x[n:]), np.concatenate([slope + c, c - slope])
+
+        found = minimize(
+            cost,
+            np.zeros(2 * n),
+            jac=True,
+            method="L-BFGS-B",
+            bounds=[(0, None)] * (2 * n),
+            options={"ftol": 1e-15, "gtol": 1e-10, "maxiter": 5000},
+        ).x
+        v = found[:n] - found[n:]
+        ours = np.concatenate([np.maximum(slip.v[:, k], 0), np.maximum(-slip.v[:, k], 0)])
+        assert cost(ours)[0] <= cost(found)[0] + 1e-10
+        np.testing.assert_allclose(slip.v[:, k], v, rtol=0, atol=2e-4 * (1 + np.abs(v).max()))
+
+
+@SIZES
+@pytest.mark.parametrize("stops", [False, True], ids=["", "stops"])
+def test_patterns_and_coordinate_descent_agree(n, stops):
+    M, impulse, friction, last = problems(n, seed=30 + n, stops=stops)
+    M = M + 0.5 * np.eye(n)[..., None]  # descent is slow where M is nearly singular
+    slip, b = without_turning(M, impulse, friction, last)
+    np.testing.assert_allclose(slip.v, descend(M, b, friction), rtol=0, atol=1e-8 * np.abs(slip.v).max())
+
+
+@SIZES
+@pytest.mark.parametrize("static", [False, True], ids=["", "static"])
+def test_the_solver_in_plain_floats_agrees_with_the_batched_one(n, static):
+    M, impulse, friction, last = problems(n, seed=40 + n, static=static, stops=True)
+    slip, b = without_turning(M, impulse, friction, last)
+    still = [0.0] * n
+    for k in range(0, B, 10):
+        one = solve_scalar(M[..., k].tolist(), b[:, k].tolist(), *(x[:, k].tolist() for x in friction[:3]), still)
+        np.testing.assert_allclose(one, slip.v[:, k], rtol=0, atol=1e-9 * (1 + np.abs(one).max()))
+
+
+def test_a_joint_that_turns_round_rubs_both_ways():
+    """For one joint the share of the step before it turns solves a fixed-point equation; friction takes energy."""
+    rng = np.random.default_rng(50)
+    last, kinetic = rng.uniform(0.0, 1.0, (1, B)), rng.uniform(0.0, 0.3, (1, B))
+    impulse = -last - 2.0 * kinetic - rng.uniform(0.0, 3.0, (1, B))  # strong enough to turn it
+    slip = solve_stick_slip(np.ones((1, 1, B)), impulse, Friction(kinetic, -kinetic, kinetic), last)
+    assert (slip.v < 0.0).all()
+    np.testing.assert_allclose(last + impulse - slip.v, slip.taken, atol=1e-12)
+    share = last / (last - slip.v)
+    assert np.abs(slip.taken + kinetic * (1.0 - 2.0 * share)).max() < 0.1 * kinetic.max()
+    plainly = last + impulse + kinetic  # had it rubbed the new way all along
+    exact = slip.taken * 0.5 * (last + slip.v)
+    naive = -kinetic * 0.5 * (last + plainly)
+    assert naive.min() < -1e-3  # which would have fed energy in
+    assert exact.min() > 0.1 * naive.min()
