@@ -92,4 +92,3 @@ def verdict(value: float, std: float, size: float) -> str:
     if std <= WELL * scale:
         return "well"
     return "weakly" if std <= WEAKLY * scale else "not"
-

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft
 from scipy.signal import freqz, lfilter
 
 from exoid._typing import FloatArray
@@ -16,6 +17,9 @@ LARGEST_ORDER = 30
 
 FREQUENCIES = 8192
 """Points at which a spectrum is summed."""
+
+TINY = 1e-30
+"""Smallest variance to divide by."""
 
 RING = 1e-5
 """The response of a filter counts as over when it has fallen to this part."""
@@ -34,6 +38,11 @@ class AutoregressiveNoise:
     variances: FloatArray
 
     @staticmethod
+    def none() -> AutoregressiveNoise:
+        """Silence, as in noise-free simulations."""
+        return AutoregressiveNoise(np.zeros((1, 0)), np.zeros(1))
+
+    @staticmethod
     def from_autocovariances(gamma: FloatArray, samples: int) -> AutoregressiveNoise:
         """Solve the Yule–Walker equations for all orders (Levinson and Durbin), and choose the order by AIC.
 
@@ -42,7 +51,7 @@ class AutoregressiveNoise:
             samples: Number N of samples that they come from: AIC(p) = N ln σ_p² + 2 p.
         """
         if gamma[0] <= 0.0:
-            return AutoregressiveNoise(np.zeros((1, 0)), np.zeros(1))
+            return AutoregressiveNoise.none()
         largest = len(gamma) - 1
         predictors, variances = np.zeros((largest + 1, largest)), [float(gamma[0])]
         for k in range(1, largest + 1):
@@ -72,7 +81,7 @@ class AutoregressiveNoise:
 
         By Parseval (mean S)² / mean S² of the spectrum S.
         """
-        _, response = freqz([1.0], self.polynomial, FREQUENCIES)
+        _, response = freqz([1.0], self.polynomial, FREQUENCIES, whole=True)
         spectrum = np.abs(response) ** 2
         return float(np.mean(spectrum) ** 2 / np.mean(spectrum**2))
 
@@ -108,12 +117,16 @@ class AutoregressiveNoise:
         factor = np.eye(p)
         for k in range(1, p):
             factor[k, :k] = -self.predictors[k, k - 1 :: -1]
-        out[:, :p] = (X[:, :p] @ factor.T) / np.sqrt(self.variances[:p])
+        out[:, :p] = (X[:, :p] @ factor.T) / np.sqrt(np.maximum(self.variances[:p], TINY))
         if X.shape[1] > p:
-            out[:, p:] = lfilter(self.polynomial, [1.0], X)[:, p:] / math.sqrt(self.variances[-1])
+            out[:, p:] = lfilter(self.polynomial, [1.0], X)[:, p:] / math.sqrt(max(self.variances[-1], TINY))
         return out
 
 
 def autocovariance_sums(x: FloatArray, largest: int) -> FloatArray:
-    """Σ_t x_t · x_{t+k} for k = 0 … ``largest``, of rows x, (P, N) or (N,)."""
-    return np.array([np.vdot(x[..., : x.shape[-1] - k], x[..., k:]) for k in range(largest + 1)])
+    """Σ_t x_t · x_{t+k} for k = 0 … ``largest``, summed over the rows of x, (P, N) or (N,)."""
+    length = next_fast_len(x.shape[-1] + largest, real=True)
+    power = np.zeros(length // 2 + 1)
+    for row in np.atleast_2d(x):
+        power += np.abs(rfft(row, length)) ** 2
+    return np.asarray(irfft(power, length)[: largest + 1])

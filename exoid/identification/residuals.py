@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
@@ -34,7 +35,7 @@ class Series(NamedTuple):
 
     kind: Kind
     joint: int
-    columns: FloatArray
+    columns: NDArray[np.intp]
     X: FloatArray
     residual: FloatArray
     usable: FloatArray
@@ -87,7 +88,7 @@ def fit_noise(problem: Problem, point: Point, covariance: FloatArray) -> dict[tu
         root = _root(covariance[np.ix_(part.columns, part.columns)])
         found[0, : largest + 1] = autocovariance_sums(part.residual, largest)
         found[0, : largest + 1] += autocovariance_sums(root.T @ part.X, largest)
-        found[1, : largest + 1] = autocovariance_sums(part.usable, largest)
+        found[1, : largest + 1] = np.rint(autocovariance_sums(part.usable, largest))
         key = (part.kind, part.joint)
         sums[key] = sums.get(key, np.zeros_like(found)) + found
     return {key: _model(*found) for key, found in sums.items()}
@@ -135,9 +136,9 @@ def settled(before: FloatArray, covariance: FloatArray) -> bool:
 
 def _model(products: FloatArray, pairs: FloatArray) -> AutoregressiveNoise:
     """Noise of autocovariances Σ e_t e_{t+k} / pairs_k, tapered by 1 − k/N as if no sample were left out."""
-    known = int(np.argmax(pairs <= 0.0)) or len(pairs) if (pairs <= 0.0).any() else len(pairs)
     if pairs[0] <= 0.0:
-        return AutoregressiveNoise(np.zeros((1, 0)), np.zeros(1))
+        return AutoregressiveNoise.none()
+    known = int(np.argmin(np.append(pairs, 0.0) > 0.0))  # up to the first lag without a pair
     samples = pairs[0]
     taper = np.clip(1.0 - np.arange(known) / samples, 0.0, None)
     return AutoregressiveNoise.from_autocovariances(products[:known] / pairs[:known] * taper, samples)

@@ -159,6 +159,14 @@ def make_triangles(rows: Rows) -> list[Triangle]:
     return triangles
 
 
+def make_triangle(table: FloatArray, rows: int, samples: float) -> Triangle:
+    """Factorise rows of [W τ]."""
+    width = table.shape[1]
+    if len(table) < width:
+        table = np.vstack([table, np.zeros((width - len(table), width))])
+    return Triangle(np.asarray(np.linalg.qr(table, mode="r")), rows, samples)
+
+
 def rms_residual(triangles: Sequence[Triangle], values: FloatArray) -> float:
     """RMS residual over the rows of several triangles [N·m]."""
     squares = sum(triangle.residual(values) ** 2 for triangle in triangles)
@@ -205,11 +213,3 @@ def refuse_empty_joints(model: TorqueModel, triangles: Sequence[Triangle]) -> No
 
 def _sources(recordings: Sequence[Recording | Poses]) -> str:
     return ", ".join(recording.source.name for recording in recordings if recording.source)
-
-
-def make_triangle(table: FloatArray, rows: int, samples: float) -> Triangle:
-    """Factorise rows of [W τ]."""
-    width = table.shape[1]
-    if len(table) < width:
-        table = np.vstack([table, np.zeros((width - len(table), width))])
-    return Triangle(np.asarray(np.linalg.qr(table, mode="r")), rows, samples)

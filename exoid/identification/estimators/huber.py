@@ -7,7 +7,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.identification.least_squares import solve
 from exoid.identification.problem import Problem
-from exoid.identification.rows import join, make_triangle
+from exoid.identification.rows import Triangle, join, make_triangle
 
 from .fit import Fit
 from .wls import noise_floor, wls
@@ -55,7 +55,7 @@ def _scales(problem: Problem, values: FloatArray) -> FloatArray:
     return np.array([MAD_TO_STD * np.median(np.concatenate(size)) for size in sizes])
 
 
-def _reweighted(problem: Problem, values: FloatArray, scales: FloatArray) -> tuple[list, FloatArray]:
+def _reweighted(problem: Problem, values: FloatArray, scales: FloatArray) -> tuple[list[Triangle], FloatArray]:
     """Triangles of reweighted rows, and the share of residuals that are not clipped."""
     triangles, inside, total = [], np.zeros(len(scales)), np.zeros(len(scales))
     for kind, rows in problem.blocks():
