@@ -22,7 +22,7 @@ WEAKLY = 0.3
 """and weakly if it is at most this part; beyond, it is not determined."""
 
 SIZE = 0.1
-"""A value near zero is judged by this part of the value that would explain all the torque alone."""
+"""A value near zero is judged by this part of the value that would explain all torque of a joint alone."""
 
 LAGS = 10
 """Autocorrelations that are tested for whiteness."""
@@ -75,15 +75,14 @@ def judge_noise(problem: Problem, point: Point, noises: Noises) -> tuple[JointNo
     )
 
 
-def judge_sizes(triangles: Sequence[Triangle], weights: Sequence[float]) -> FloatArray:
-    """Return the size of each parameter that would explain, alone, all torque of the joints it acts on, (P,)."""
-    count = triangles[0].R.shape[1] - 1
-    columns, torques = np.zeros(count), np.zeros(count)
-    for triangle, weight in zip(triangles, weights, strict=True):
-        squares = weight**2 * (triangle.R**2).sum(axis=0)
-        columns += squares[:-1]
-        torques += squares[-1] * (squares[:-1] > 0.0)
-    return np.sqrt(np.divide(torques, columns, out=np.zeros(count), where=columns > 0.0))
+def judge_sizes(triangles: Sequence[Triangle]) -> FloatArray:
+    """Return the size of each parameter that would explain, alone, all torque of a joint it acts on, (P,).
+
+    That is ‖τ‖ / ‖W_i‖ of the joint where it is smallest.
+    """
+    norms = np.array([np.linalg.norm(triangle.R, axis=0) for triangle in triangles])
+    columns, torques = norms[:, :-1], norms[:, -1:]
+    return np.asarray(np.divide(torques, columns, out=np.full_like(columns, np.inf), where=columns > 0.0).min(axis=0))
 
 
 def verdict(value: float, std: float, size: float) -> str:

@@ -62,7 +62,7 @@ class Estimate:
         preparation: How the recordings became rows.
         inputs: What was identified from.
         noise: What the residuals of each joint look like, n of them, or none.
-        sizes: Of parameters that would explain all torque alone, (P,); see :attr:`verdicts`.
+        sizes: Of parameters that would explain all torque of a joint alone, (P,); see :attr:`verdicts`.
         warnings: What makes this estimate doubtful.
     """
 
@@ -140,7 +140,7 @@ class Estimate:
         """How well each parameter is determined: "well", "weakly" or "not".
 
         Well if the standard deviation is at most 10 % of the value, weakly if at most 30 %. For values near zero it is
-        10 and 30 % of a tenth of the value that would explain all torque of its joints alone.
+        10 and 30 % of a tenth of the value that would explain all torque of a joint alone.
         """
         sizes = np.zeros(len(self.values)) if self.sizes is None else self.sizes
         return tuple(verdict(*each) for each in zip(self.values, self.std, sizes, strict=True))

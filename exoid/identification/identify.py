@@ -96,7 +96,7 @@ def identify(
         preparation=preparation,
         inputs=tuple(_evidence(recording) for recording in recordings),
         noise=judged,
-        sizes=judge_sizes(problem.triangles, fit.weights),
+        sizes=judge_sizes(problem.triangles),
         warnings=fit.remarks,
     )
 
