@@ -34,6 +34,7 @@ def test_exact_autocovariances_give_the_noise_back(noise, phi):
     assert noise.variances[-1] == pytest.approx(2.0)
 
 
+@pytest.mark.filterwarnings("ignore::FutureWarning")
 def test_yule_walker_is_that_of_statsmodels():
     x = np.random.default_rng(0).standard_normal(500).cumsum() * 0.1 + np.random.default_rng(1).standard_normal(500)
     gamma = autocovariance_sums(x, 7) / 500
