@@ -3,7 +3,7 @@
 from . import datasets, published, signals, torques
 from .catalog import load_leg
 from .errors import ExoidError
-from .identification import Estimate, Validation, identify, validate
+from .identification import Comparison, Estimate, Validation, compare, identify, validate
 from .leg import Leg
 from .signals import Recording
 from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
@@ -13,6 +13,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Armature",
+    "Comparison",
     "Coulomb",
     "Estimate",
     "ExoidError",
@@ -23,6 +24,7 @@ __all__ = [
     "TorsoMotion",
     "Validation",
     "Viscous",
+    "compare",
     "datasets",
     "identify",
     "load_leg",

@@ -74,7 +74,7 @@ def test_all_output_that_is_shown_is_tested():
 
 
 def test_the_first_lines_of_the_readme_have_the_two_commands():
-    assert SHELL[0].splitlines()[1].== "pip install . && exoid reproduce bleex"
+    assert SHELL[0].splitlines()[1] == "pip install . && exoid reproduce bleex"
     assert SHELL[1].splitlines()[1] == "pip install '.[test]' && pytest"
 
 

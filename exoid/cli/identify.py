@@ -24,7 +24,7 @@ def identify(
     terms: Annotated[
         str | None, typer.Option(metavar="A,B", help="armature, coulomb, offset, stiffness, viscous; none for none.")
     ] = None,
-    estimator: Annotated[str, typer.Option(help="wls or ols.")] = "wls",
+    estimator: Annotated[str, typer.Option(help="wls, huber, gls or ols.")] = "wls",
     cutoff: Annotated[float, typer.Option(metavar="HZ", help="Of the zero-phase low-pass.")] = 8.0,
     preparation: Annotated[
         str | None,

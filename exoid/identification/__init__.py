@@ -1,5 +1,7 @@
 """From recordings to parameters with their uncertainty, and how well these predict."""
 
+from .comparison import Comparison, compare, comparison_to_json
+from .diagnostics import JointNoise
 from .estimate import Estimate, Input
 from .estimate_file import estimate_from_json, estimate_to_json
 from .estimators import ESTIMATORS
@@ -8,9 +10,13 @@ from .validation import Validation, validate, validation_to_json
 
 __all__ = [
     "ESTIMATORS",
+    "Comparison",
     "Estimate",
     "Input",
+    "JointNoise",
     "Validation",
+    "compare",
+    "comparison_to_json",
     "estimate_from_json",
     "estimate_to_json",
     "identify",

@@ -18,11 +18,16 @@ from exoid.tables import make_table, to_text, with_error
 from exoid.torques import Merged, TorqueModel
 from exoid.torso import TorsoMotion
 
+from .diagnostics import JointNoise, verdict
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 ILL_CONDITIONED = 100.0
 """Beyond this condition number of the scaled regressor, single parameters deserve little trust."""
+
+NOT_WHITE = 0.01
+"""Residuals with a smaller probability of being white are said not to be."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +61,9 @@ class Estimate:
         estimator: Name of the estimator.
         preparation: How the recordings became rows.
         inputs: What was identified from.
+        noise: What the residuals of each joint look like, n of them, or none.
+        sizes: Of parameters that would explain all torque of a joint alone, (P,); see :attr:`verdicts`.
+        warnings: What makes this estimate doubtful.
     """
 
     model: TorqueModel
@@ -67,11 +75,17 @@ class Estimate:
     estimator: str
     preparation: Preparation
     inputs: tuple[Input, ...] = field(default=())
+    noise: tuple[JointNoise, ...] = ()
+    sizes: FloatArray | None = None
+    warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
         count, joints = len(self.names), len(self.joint_names)
-        for name, shape in (("values", (count,)), ("covariance", (count, count)), ("residual_rms", (joints,))):
+        if self.sizes is None:
+            object.__setattr__(self, "sizes", np.zeros(count))
+        shapes = {"values": (count,), "covariance": (count, count), "residual_rms": (joints,), "sizes": (count,)}
+        for name, shape in shapes.items():
             array = np.array(getattr(self, name), dtype=np.float64)
             if array.shape != shape or not np.isfinite(array).all():
                 raise ExoidError(
@@ -80,6 +94,8 @@ class Estimate:
                 )
             array.flags.writeable = False
             object.__setattr__(self, name, array)
+        if len(self.noise) not in (0, joints):
+            raise ExoidError(f"noise of {len(self.noise)} joints, not {joints}", remedy="identify again")
         if not (self.dof > 0.0 and self.condition_number >= 1.0 and (np.diag(self.covariance) >= 0.0).all()):
             raise ExoidError(
                 "degrees of freedom, condition number or a variance is not what a least-squares fit gives",
@@ -110,6 +126,24 @@ class Estimate:
     def std(self) -> FloatArray:
         """Standard deviations, (P,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Correlation of the errors of any two parameters, (P, P)."""
+        std = np.where(self.std > 0.0, self.std, 1.0)
+        correlation = self.covariance / np.multiply.outer(std, std)
+        np.fill_diagonal(correlation, 1.0)
+        return np.asarray(correlation)
+
+    @property
+    def verdicts(self) -> tuple[str, ...]:
+        """How well each parameter is determined: "well", "weakly" or "not".
+
+        Well if the standard deviation is at most 10 % of the value, weakly if at most 30 %. For values near zero it is
+        10 and 30 % of a tenth of the value that would explain all torque of a joint alone.
+        """
+        sizes = np.zeros(len(self.values)) if self.sizes is None else self.sizes
+        return tuple(verdict(*each) for each in zip(self.values, self.std, sizes, strict=True))
 
     def interval(self, level: float = 0.95) -> FloatArray:
         """Confidence intervals by Student's t, (P, 2).
@@ -182,13 +216,13 @@ class Estimate:
     def __str__(self) -> str:
         """Print as a table, followed by what the reader should know before trusting it."""
         rows = [
-            (name, *with_error(value, std, *interval), unit)
-            for name, value, std, interval, unit in zip(
-                self.names, self.values, self.std, self.interval(), self.units, strict=True
+            (name, *with_error(value, std, *interval), unit, judged)
+            for name, value, std, interval, unit, judged in zip(
+                self.names, self.values, self.std, self.interval(), self.units, self.verdicts, strict=True
             )
         ]
         title = f"{self.model.leg.description.name}: {self.estimator} estimate of {len(rows)} parameters"
-        headers = ("parameter", "value", "± std", "95 % from", "to", "unit")
+        headers = ("parameter", "value", "± std", "95 % from", "to", "unit", "determined")
         return to_text(title, make_table(headers, rows), *self._remarks())
 
     def _remarks(self) -> Sequence[str]:
@@ -196,10 +230,21 @@ class Estimate:
             f"{joint} {rms:.3g}" for joint, rms in zip(self.joint_names, self.residual_rms, strict=True)
         )
         names = ", ".join(source.name for source in self.inputs)
-        verdict = "" if self.condition_number < ILL_CONDITIONED else " (ill-conditioned: excite more, or plan a motion)"
+        advice = "" if self.condition_number < ILL_CONDITIONED else " (ill-conditioned: excite more, or plan a motion)"
         return [
             f"residual RMS [N·m]: {residuals}",
-            f"condition number {self.condition_number:.1f}{verdict}; {self.dof:.0f} degrees of freedom",
+            f"condition number {self.condition_number:.1f}{advice}; {self.dof:.0f} degrees of freedom",
+            *self._noise_remarks(),
             f"from {names}; {self.preparation.name} preparation",
+            *(f"warning: {warning}" for warning in self.warnings),
             *(f"note: {merged}" for merged in self.merged),
         ]
+
+    def _noise_remarks(self) -> Sequence[str]:
+        """Say how many samples count, and which joints' residuals are not white."""
+        if not self.noise:
+            return []
+        of_joints = list(zip(self.joint_names, self.noise, strict=True))
+        counts = ", ".join(f"{joint} {n.effective_samples:.0f} of {n.samples}" for joint, n in of_joints)
+        coloured = ", ".join(joint for joint, n in of_joints if n.whiteness < NOT_WHITE)
+        return [f"effective samples: {counts}" + (f"; residuals not white: {coloured}" if coloured else "")]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from exoid._typing import FloatArray
 from exoid.description import describe
 from exoid.errors import ExoidError
 from exoid.files import write_whole
@@ -18,6 +19,7 @@ from exoid.leg import Leg
 from exoid.signals import PREPARATIONS, Preparation
 from exoid.torques import TorqueModel, term_from_json, term_to_json
 
+from .diagnostics import JointNoise
 from .estimate import Estimate, Input
 
 SCHEMA = "exoid-estimate-1"
@@ -64,6 +66,10 @@ def estimate_to_json(estimate: Estimate) -> dict[str, Any]:
         "merged": {merged.name: merged.into for merged in estimate.merged},
         "estimator": estimate.estimator,
         "preparation": {"name": estimate.preparation.name, **_settings(estimate.preparation)},
+        "noise": {name: asdict(of_joint) for name, of_joint in zip(estimate.joint_names, estimate.noise, strict=False)},
+        "sizes": dict(zip(estimate.names, np.asarray(estimate.sizes).tolist(), strict=True)),
+        "determined": dict(zip(estimate.names, estimate.verdicts, strict=True)),
+        "warnings": list(estimate.warnings),
         "inputs": [asdict(source) for source in estimate.inputs],
         "terms": [term_to_json(term) for term in model.terms],
         "leg": {
@@ -108,8 +114,26 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
         estimator=str(data["estimator"]),
         preparation=preparation,
         inputs=tuple(Input(**source) for source in data["inputs"]),
+        noise=_noise(data.get("noise", {}), leg.joint_names),
+        sizes=_sizes(data.get("sizes"), model.names),
+        warnings=_warnings(data.get("warnings", [])),
     )
 
 
 def _settings(preparation: Preparation) -> dict[str, Any]:
     return asdict(preparation)  # type: ignore[call-overload,no-any-return]
+
+
+def _noise(data: Mapping[str, Any], joints: Sequence[str]) -> tuple[JointNoise, ...]:
+    """Read the noise of the joints; files of version 0.1 have none."""
+    return tuple(JointNoise(**data[name]) for name in joints) if data else ()
+
+
+def _sizes(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray | None:
+    return None if data is None else np.array([data[name] for name in names], dtype=np.float64)
+
+
+def _warnings(data: Sequence[str]) -> tuple[str, ...]:
+    if not isinstance(data, list) or not all(isinstance(text, str) for text in data):
+        raise ExoidError("warnings are not a list of sentences", remedy="identify again and save")
+    return tuple(data)

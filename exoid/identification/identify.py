@@ -13,18 +13,14 @@ from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, preparation_by_name
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
+from .diagnostics import judge_noise, judge_sizes
 from .estimate import Estimate, Input
 from .estimators import ESTIMATORS
-from .rows import (
-    Triangle,
-    join,
-    make_rows,
-    make_triangles,
-    refuse_dead_torques,
-    refuse_empty_joints,
-    refuse_still_joints,
-    rms_residual,
-)
+from .problem import Problem
+from .residuals import sandwich
+from .rows import join, refuse_dead_torques, refuse_empty_joints, refuse_still_joints, rms_residual
+
+NOISES = ("correlated", "white")
 
 
 def identify(
@@ -35,6 +31,7 @@ def identify(
     *,
     cutoff: float = 8.0,
     preparation: Preparation | str | None = None,
+    noise: str = "correlated",
 ) -> Estimate:
     """Identify the parameters of a leg from recorded motions and torques.
 
@@ -47,14 +44,16 @@ def identify(
             and acceleration are derived where they are missing.
         terms: What acts on the joints besides rigid-body dynamics; None for Coulomb and viscous friction, rotor
             inertia and offset at every joint; () for nothing.
-        estimator: "wls" (each joint, at rest and in motion, weighted by its residuals) or "ols".
+        estimator: "wls" (each joint, at rest and in motion, weighted by its residuals), "huber" (the same, and spikes
+            count less), "gls" (whitened by a model of the noise; only where the model of the leg is right) or "ols".
         cutoff: Of the parallel filter [Hz]; above the fastest motion, below the noise.
         preparation: Another way from a recording to rows, such as :class:`exoid.signals.MovingAverage`, or its name:
             "finite-difference" (doc. 1), "moving-average" (doc. 2), "smoothed"; ``cutoff`` then does not apply.
+        noise: What the covariance assumes of the torque noise: "correlated" (its autocorrelation is estimated from the
+            residuals) or "white" (the textbook's formula: intervals far too narrow where it is not).
 
     Returns:
-        The estimate, with the covariance of its parameters. It is right for white torque noise; correlated noise
-        makes the intervals too narrow.
+        The estimate, with the covariance of its parameters.
 
     Raises:
         ExoidError: A joint stands still or is missing, torque is missing or never changes, samples are too few, or
@@ -66,26 +65,39 @@ def identify(
     recordings = _recordings(recordings)
     if estimator not in ESTIMATORS:
         raise ExoidError(f"no estimator {estimator!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
+    if noise not in NOISES:
+        raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
     model = TorqueModel(leg, _terms(terms))
     refuse_still_joints(model, recordings)
     if isinstance(preparation, str):
         preparation = preparation_by_name(preparation)
     preparation = ZeroPhase(cutoff) if preparation is None else preparation
-    groups = _triangles(model, recordings, preparation)
+    problem = Problem(model, recordings, preparation)
+    groups = problem.groups
     refuse_dead_torques(model, recordings)
     refuse_empty_joints(model, [join(group) for group in zip(*groups, strict=True)])
-    solution = ESTIMATORS[estimator]([triangle for group in groups for triangle in group], model.names)
+    fit = ESTIMATORS[estimator](problem)
+    solution = fit.solution
+    covariance, noises = solution.covariance, fit.noises
+    if noises is None:
+        covariance, noises = sandwich(problem, fit.point, solution.inverse, covariance)
+    judged = judge_noise(problem, fit.point, noises)
+    independent = sum(of_joint.effective_samples for of_joint in judged)
     residuals = [rms_residual(of_joint, solution.values) for of_joint in zip(*groups, strict=True)]
+    white = noise == "white"
     return Estimate(
         model=model,
         values=solution.values,
-        covariance=solution.covariance,
+        covariance=solution.covariance if white else covariance,
         condition_number=solution.condition_number,
-        dof=solution.dof,
+        dof=solution.dof if white else max(1.0, independent - len(model.names)),
         residual_rms=np.array(residuals),
         estimator=estimator,
         preparation=preparation,
         inputs=tuple(_evidence(recording) for recording in recordings),
+        noise=judged,
+        sizes=judge_sizes(problem.triangles),
+        warnings=fit.remarks,
     )
 
 
@@ -108,18 +120,6 @@ def _terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
     if wrong:
         raise ExoidError(f"{wrong[0]!r} is no term", remedy="pass terms such as (exoid.Coulomb(), exoid.Viscous())")
     return terms
-
-
-def _triangles(
-    model: TorqueModel, recordings: Sequence[Recording | Poses], preparation: Preparation
-) -> list[list[Triangle]]:
-    """Accumulate one triangle a joint over all recordings, and one over all poses, which have noise of their own."""
-    groups = []
-    for kind in (Recording, Poses):
-        each = [make_triangles(make_rows(model, data, preparation)) for data in recordings if isinstance(data, kind)]
-        if each:
-            groups.append([join(of_joint) for of_joint in zip(*each, strict=True)])
-    return groups
 
 
 def _evidence(data: Recording | Poses) -> Input:

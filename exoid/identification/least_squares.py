@@ -27,12 +27,14 @@ class Solution(NamedTuple):
         covariance: For independent noise of one size in all rows, as weighted, (P, P).
         condition_number: Of the regressor with columns scaled to unit length.
         dof: Independent samples less parameters.
+        inverse: (WᵀW)⁻¹ of the rows as weighted, (P, P).
     """
 
     values: FloatArray
     covariance: FloatArray
     condition_number: float
     dof: float
+    inverse: FloatArray
 
 
 def solve(triangle: Triangle, names: Sequence[str]) -> Solution:
@@ -63,8 +65,8 @@ def solve(triangle: Triangle, names: Sequence[str]) -> Solution:
     if len(unseen):
         raise _undetermined(unseen, names)
     V = Vt.T / sigma / scale[:, None]
-    covariance = rest**2 / dof * (V @ V.T)
-    return Solution(V @ (U.T @ z), covariance, float(sigma[0] / sigma[-1]), dof)
+    inverse = V @ V.T
+    return Solution(V @ (U.T @ z), rest**2 / dof * inverse, float(sigma[0] / sigma[-1]), dof, inverse)
 
 
 def _undetermined(unseen: FloatArray, names: Sequence[str]) -> ExoidError:

@@ -26,6 +26,7 @@ class Rows(NamedTuple):
         tau: Measured torque [N·m], (N, n).
         usable: Which samples of which joint may be fitted, (N, n).
         independence: Share of the samples that carry independent noise; a low-pass leaves fewer.
+        stands_for: How many rows each of these stands for; 1 unless thinned.
     """
 
     time: FloatArray
@@ -33,6 +34,7 @@ class Rows(NamedTuple):
     tau: FloatArray
     usable: NDArray[np.bool_]
     independence: float
+    stands_for: float = 1.0
 
 
 class Triangle(NamedTuple):
@@ -86,6 +88,27 @@ def dynamic_rows(model: TorqueModel, recording: Recording, preparation: Preparat
     return Rows(recording.time[valid], W[valid], tau[valid], model.usable(v)[valid], preparation.independence(rate))
 
 
+def thin(rows: Rows) -> Rows:
+    """Keep every m-th row, m = ⌊1 / independence⌋.
+
+    Behind a low-pass the rows between are redundant, and what noise is left is nearly white at this pace, so that a
+    simple model describes it: at the full pace the same model would spend its order on the edge of the filter.
+    """
+    step = max(1, int(1.0 / rows.independence))
+    if step == 1:
+        return rows
+    kept = slice((len(rows.time) - 1) % step // 2, None, step)
+    count = len(rows.time[kept])
+    return Rows(
+        rows.time[kept],
+        rows.W[kept].copy(order="A"),
+        rows.tau[kept].copy(),
+        rows.usable[kept].copy(),
+        min(1.0, rows.independence * step),
+        len(rows.time) / count,
+    )
+
+
 Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)
 
 
@@ -132,8 +155,16 @@ def make_triangles(rows: Rows) -> list[Triangle]:
     for joint in range(rows.tau.shape[1]):
         use = rows.usable[:, joint]
         table = np.column_stack([rows.W[use, joint], rows.tau[use, joint]])
-        triangles.append(_triangle(table, int(use.sum()), float(use.sum()) * rows.independence))
+        triangles.append(make_triangle(table, int(use.sum()), float(use.sum()) * rows.independence))
     return triangles
+
+
+def make_triangle(table: FloatArray, rows: int, samples: float) -> Triangle:
+    """Factorise rows of [W τ]."""
+    width = table.shape[1]
+    if len(table) < width:
+        table = np.vstack([table, np.zeros((width - len(table), width))])
+    return Triangle(np.asarray(np.linalg.qr(table, mode="r")), rows, samples)
 
 
 def rms_residual(triangles: Sequence[Triangle], values: FloatArray) -> float:
@@ -146,7 +177,7 @@ def join(triangles: Sequence[Triangle], weights: Sequence[float] | None = None) 
     """Combine triangles, each multiplied by its weight, into the triangle of all their rows."""
     weights = [1.0] * len(triangles) if weights is None else weights
     table = np.vstack([weight * triangle.R for weight, triangle in zip(weights, triangles, strict=True)])
-    return _triangle(table, sum(t.rows for t in triangles), sum(t.samples for t in triangles))
+    return make_triangle(table, sum(t.rows for t in triangles), sum(t.samples for t in triangles))
 
 
 def refuse_still_joints(model: TorqueModel, recordings: Sequence[Recording | Poses]) -> None:
@@ -182,10 +213,3 @@ def refuse_empty_joints(model: TorqueModel, triangles: Sequence[Triangle]) -> No
 
 def _sources(recordings: Sequence[Recording | Poses]) -> str:
     return ", ".join(recording.source.name for recording in recordings if recording.source)
-
-
-def _triangle(table: FloatArray, rows: int, samples: float) -> Triangle:
-    width = table.shape[1]
-    if len(table) < width:
-        table = np.vstack([table, np.zeros((width - len(table), width))])
-    return Triangle(np.asarray(np.linalg.qr(table, mode="r")), rows, samples)

@@ -9,6 +9,7 @@ import numpy as np
 
 from exoid import published
 from exoid.catalog import load_leg
+from exoid.errors import ExoidError
 from exoid.experiments import Bench, StaticProtocol, bleex, run_motion, run_static
 from exoid.rig import HydraulicServo, Plant, Proportional, Rates, Run, Sensors
 from exoid.signals import Approaches, Poses, Recording
@@ -50,6 +51,11 @@ class Extent:
 
     duration: float = 22.0
     poses: int = 100
+
+    def __post_init__(self) -> None:
+        """Check that something is left."""
+        if not (SETTLE < self.duration < np.inf and self.poses >= 1):
+            raise ExoidError(f"{self}", remedy=f"measure longer than {SETTLE:g} s and at least one pose")
 
 
 @dataclass(frozen=True, eq=False)

@@ -123,6 +123,8 @@ def reproduce_cuhk(
     """
     if replicates < 1:
         raise ExoidError(f"{replicates} replicates", remedy="ask for at least one")
+    if not SETTLE < duration < np.inf:
+        raise ExoidError(f"motions of {duration:g} s", remedy=f"measure longer than {SETTLE:g} s")
     told = progress or (lambda _: None)
     rng = np.random.default_rng(seed)
     leg = load_leg("cuhk")

@@ -10,7 +10,7 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Offset, Stiffness, Validation, Viscous
-from exoid.identification import Input, estimate_from_json, estimate_to_json, validation_to_json
+from exoid.identification import Input, JointNoise, estimate_from_json, estimate_to_json, validation_to_json
 from exoid.signals import PREPARATIONS, FiniteDifference, MovingAverage, ZeroPhase
 from exoid.torques import TorqueModel
 
@@ -153,6 +153,8 @@ def test_the_arrays_given_are_copied():
         {"covariance": np.full((9, 9), np.inf)},
         {"covariance": -np.eye(9)},
         {"residual_rms": np.ones(3)},
+        {"sizes": np.ones(3)},
+        {"noise": (JointNoise(1, 1.0, 0, 0.0, 1.0),)},
         {"dof": 0.0},
         {"dof": float("nan")},
         {"condition_number": 0.5},
@@ -210,7 +212,8 @@ def test_a_file_gives_the_estimate_back_to_the_last_bit(swing, recording, prepar
     assert (loaded.torque(q, v, a) == estimate.torque(q, v, a)).all()
     assert (loaded.leg.inverse_dynamics(q, v, a) == estimate.leg.inverse_dynamics(q, v, a)).all()
     assert (loaded.interval(0.9) == estimate.interval(0.9)).all()
-    for name in ("dof", "condition_number", "estimator", "preparation", "inputs"):
+    assert (loaded.sizes == estimate.sizes).all()
+    for name in ("dof", "condition_number", "estimator", "preparation", "inputs", "noise", "warnings", "verdicts"):
         assert getattr(loaded, name) == getattr(estimate, name)
     assert loaded.model.terms == estimate.model.terms
     assert str(loaded) == str(estimate)
@@ -219,6 +222,16 @@ def test_a_file_gives_the_estimate_back_to_the_last_bit(swing, recording, prepar
 def test_every_preparation_has_a_name_that_files_can_hold():
     for name, kind in PREPARATIONS.items():
         assert kind().name == name
+
+
+def test_a_file_without_diagnostics_can_still_be_read(estimate):
+    """As files were before there were any."""
+    data = estimate_to_json(estimate)
+    for key in ("noise", "sizes", "determined", "warnings"):
+        del data[key]
+    again = estimate_from_json(data)
+    assert (again.values == estimate.values).all()
+    assert (again.noise, again.warnings) == ((), ())
 
 
 def test_a_file_needs_no_urdf(swing, recording, tmp_path):
@@ -274,6 +287,13 @@ DAMAGE = {
     "a preparation with an impossible setting": (("preparation", "cutoff"), -1.0),
     "an input with a strange field": (("inputs", 0, "colour"), "red"),
     "inputs as a number": (("inputs",), 3),
+    "noise of a joint missing": (("noise", "right_hip"), DELETE),
+    "noise with a strange field": (("noise", "right_hip", "colour"), "pink"),
+    "noise as a list": (("noise",), [1.0]),
+    "a size missing": (("sizes", "J1"), DELETE),
+    "a size that is text": (("sizes", "J1"), "large"),
+    "warnings as text": (("warnings",), "none"),
+    "a warning that is a number": (("warnings",), [1]),
     "no leg": (("leg",), DELETE),
     "joints that the URDF lacks": (("leg", "joints", 0), "tail"),
     "joints as text": (("leg", "joints"), "right_hip"),

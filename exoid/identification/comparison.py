@@ -1,0 +1,164 @@
+"""Two estimates side by side: do they differ by more than their errors?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.tables import make_table, to_text, with_error
+
+from .estimate import Estimate
+
+SIGNIFICANT = 0.05
+"""A smaller probability is called a difference."""
+
+RANK = 1e-10
+"""Directions whose variance, in units of the parameters' own, is below this count as known exactly by both."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison:
+    """Wald test of two estimates, parameter by parameter and of all together; prints itself as a table.
+
+    Attributes:
+        names: Parameters that both have, (P,).
+        units: Their units.
+        difference: Second less first, (P,).
+        std: Its standard deviation, (P,).
+        p_values: Of each alone: probability of a larger difference between estimates of one and the same leg, (P,).
+        adjusted: The same for the largest of all differences (Holm), so that one in twenty comparisons of equal legs,
+            not one in twenty parameters, is called different, (P,).
+        statistic: F of all together.
+        p_value: Of all together.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    difference: FloatArray
+    std: FloatArray
+    p_values: FloatArray
+    adjusted: FloatArray
+    statistic: float
+    p_value: float
+
+    def __post_init__(self) -> None:
+        """Forbid changes."""
+        for array in (self.difference, self.std, self.p_values, self.adjusted):
+            array.flags.writeable = False
+
+    @property
+    def differ(self) -> bool:
+        """Whether the legs differ, at 5 %, all parameters together."""
+        return self.p_value < SIGNIFICANT
+
+    def __repr__(self) -> str:
+        """Name the parameters that differ."""
+        return f"Comparison(p_value={self.p_value:.3g}, different: {', '.join(self._different()) or 'none'})"
+
+    def __str__(self) -> str:
+        """Print as a table and a verdict."""
+        rows = [
+            (name, *with_error(difference, std), unit, f"{p:.3f}", f"{adjusted:.3f}")
+            for name, difference, std, unit, p, adjusted in zip(
+                self.names, self.difference, self.std, self.units, self.p_values, self.adjusted, strict=True
+            )
+        ]
+        table = make_table(("parameter", "difference", "± std", "unit", "p", "p of all (Holm)"), rows)
+        verdict = "the estimates differ" if self.differ else "no difference beyond their errors"
+        names = ", ".join(self._different())
+        return to_text(
+            f"Second less first estimate, {len(rows)} common parameters",
+            table,
+            f"all together: F = {self.statistic:.2f}, p = {self.p_value:.2g}: {verdict}",
+            f"different at 5 % of all: {names or 'none'}",
+        )
+
+    def _different(self) -> list[str]:
+        return [name for name, p in zip(self.names, self.adjusted, strict=True) if p < SIGNIFICANT]
+
+
+def compare(first: Estimate, second: Estimate) -> Comparison:
+    """Test whether two estimates of the same parameters agree: left and right, before and after, with and without.
+
+    With d = β₂ − β₁ on the common names and C = C₁ + C₂, each d_i / √C_ii follows Student's t with the degrees of
+    freedom of Welch and Satterthwaite, and dᵀ C⁻¹ d Hotelling's T², if both legs are the same.
+
+    Args:
+        first: An estimate.
+        second: Another one, from other recordings.
+
+    Raises:
+        ExoidError: There is no common parameter, units differ, or both were made from the same recording, so that
+            their errors are not independent.
+    """
+    shared = {source.sha256 for source in first.inputs} & {source.sha256 for source in second.inputs}
+    if shared:
+        sources = ", ".join(source.name for source in first.inputs if source.sha256 in shared)
+        what = f"both estimates were made from {sources}: their errors are not independent"
+        raise ExoidError(what, remedy="compare estimates from different recordings")
+    names = tuple(name for name in first.names if name in second.names)
+    if not names:
+        raise ExoidError(
+            f"no common parameter: {', '.join(first.names)} and {', '.join(second.names)}",
+            remedy="identify the same leg with the same terms",
+        )
+    one, other = ([estimate.names.index(name) for name in names] for estimate in (first, second))
+    units = tuple(first.units[k] for k in one)
+    if units != tuple(second.units[k] for k in other):
+        raise ExoidError("units of the common parameters differ", remedy="compare estimates of legs of one kind")
+    difference = second.values[other] - first.values[one]
+    C1, C2 = first.covariance[np.ix_(one, one)], second.covariance[np.ix_(other, other)]
+    std = np.sqrt(np.diag(C1 + C2))
+    p_values = _each(difference, np.diag(C1), np.diag(C2), first.dof, second.dof)
+    statistic, p_value = _together(difference, C1 + C2, min(first.dof, second.dof))
+    return Comparison(names, units, difference, std, p_values, _holm(p_values), statistic, p_value)
+
+
+def comparison_to_json(comparison: Comparison) -> dict[str, Any]:
+    """Turn a comparison into what JSON can hold."""
+    by_name = ("difference", "std", "p_values", "adjusted")
+    return {
+        **{key: dict(zip(comparison.names, getattr(comparison, key).tolist(), strict=True)) for key in by_name},
+        "units": dict(zip(comparison.names, comparison.units, strict=True)),
+        "statistic": comparison.statistic,
+        "p_value": comparison.p_value,
+    }
+
+
+def _each(difference: FloatArray, v1: FloatArray, v2: FloatArray, dof1: float, dof2: float) -> FloatArray:
+    """Welch's test of each parameter; two that are known exactly differ or they do not."""
+    variance = v1 + v2
+    known = variance == 0.0
+    spread = np.where(known, 1.0, variance)
+    dof = spread**2 / np.where(known, 1.0, v1**2 / dof1 + v2**2 / dof2)
+    p = 2.0 * stats.t.sf(np.abs(difference) / np.sqrt(spread), dof)
+    return np.where(known, np.where(difference == 0.0, 1.0, 0.0), p)
+
+
+def _together(difference: FloatArray, covariance: FloatArray, dof: float) -> tuple[float, float]:
+    """Hotelling's T² as F, with the smaller degrees of freedom of the two."""
+    std = np.sqrt(np.diag(covariance))
+    std = np.where(std > 0.0, std, 1.0)
+    sizes, vectors = np.linalg.eigh(covariance / np.multiply.outer(std, std))
+    seen = sizes > RANK * max(sizes.max(), RANK)
+    rank = int(seen.sum())
+    if rank == 0:
+        return 0.0, 1.0
+    squared = float(((vectors[:, seen].T @ (difference / std)) ** 2 / sizes[seen]).sum())
+    left = max(dof - rank + 1.0, 1.0)
+    statistic = squared * left / (rank * max(dof, left))
+    return statistic, float(stats.f.sf(statistic, rank, left))
+
+
+def _holm(p_values: FloatArray) -> FloatArray:
+    """Adjust for the number of tests, the smallest first."""
+    order = np.argsort(p_values)
+    steps = np.arange(len(p_values), 0, -1) * p_values[order]
+    adjusted = np.empty_like(p_values)
+    adjusted[order] = np.minimum(np.maximum.accumulate(steps), 1.0)
+    return adjusted

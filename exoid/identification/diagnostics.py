@@ -1,0 +1,93 @@
+"""What the residuals say on the trust that an estimate deserves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from exoid._typing import FloatArray
+
+from .noise import autocovariance_sums
+from .problem import Problem
+from .residuals import Noises, Point, series
+from .rows import Triangle
+
+WELL = 0.1
+"""A parameter is well determined if its standard deviation is at most this part of its size,"""
+
+WEAKLY = 0.3
+"""and weakly if it is at most this part; beyond, it is not determined."""
+
+SIZE = 0.1
+"""A value near zero is judged by this part of the value that would explain all torque of a joint alone."""
+
+LAGS = 10
+"""Autocorrelations that are tested for whiteness."""
+
+
+@dataclass(frozen=True)
+class JointNoise:
+    """What the residuals of one joint look like.
+
+    Attributes:
+        samples: Rows that were looked at, thinned to the pace at which a filter leaves them independent.
+        effective_samples: Independent samples that say as much on the size of the noise, N γ_0² / Σ γ_k².
+        order: Of the autoregressive model of the noise, the largest of all recordings.
+        correlation: Of one residual with the next.
+        whiteness: Probability of autocorrelations as large as these in white noise (Ljung and Box); below 0.05 the
+            residuals are not white, which intervals account for.
+    """
+
+    samples: int
+    effective_samples: float
+    order: int
+    correlation: float
+    whiteness: float
+
+
+def judge_noise(problem: Problem, point: Point, noises: Noises) -> tuple[JointNoise, ...]:
+    """Describe the residuals of each joint."""
+    joints = len(problem.model.leg.joint_names)
+    samples, effective, statistic, lags = np.zeros((4, joints))
+    products = np.zeros((joints, 2))
+    for part in series(problem, point):
+        joint, count = part.joint, part.usable.sum()
+        samples[joint] += count
+        effective[joint] += count * noises[part.kind, joint].effective_share
+        if not part.kind.at_rest and count > 2 * LAGS and part.residual.any():
+            sums, pairs = (autocovariance_sums(x, LAGS) for x in (part.residual, part.usable))
+            correlations = sums[1:] / np.maximum(pairs[1:], 1.0) * count / sums[0]
+            statistic[joint] += (pairs[1:] * correlations**2).sum()
+            lags[joint] += LAGS
+            products[joint] += sums[:2]
+    return tuple(
+        JointNoise(
+            samples=int(samples[joint]),
+            effective_samples=float(effective[joint]),
+            order=max(noise.order for (_, j), noise in noises.items() if j == joint),
+            correlation=float(products[joint, 1] / (products[joint, 0] or 1.0)),
+            whiteness=float(chi2.sf(statistic[joint], lags[joint])) if lags[joint] else 1.0,
+        )
+        for joint in range(joints)
+    )
+
+
+def judge_sizes(triangles: Sequence[Triangle]) -> FloatArray:
+    """Return the size of each parameter that would explain, alone, all torque of a joint it acts on, (P,).
+
+    That is ‖τ‖ / ‖W_i‖ of the joint where it is smallest.
+    """
+    norms = np.array([np.linalg.norm(triangle.R, axis=0) for triangle in triangles])
+    columns, torques = norms[:, :-1], norms[:, -1:]
+    return np.asarray(np.divide(torques, columns, out=np.full_like(columns, np.inf), where=columns > 0.0).min(axis=0))
+
+
+def verdict(value: float, std: float, size: float) -> str:
+    """Say how well a parameter is determined: "well", "weakly" or "not"."""
+    scale = max(abs(value), SIZE * size)
+    if std <= WELL * scale:
+        return "well"
+    return "weakly" if std <= WEAKLY * scale else "not"

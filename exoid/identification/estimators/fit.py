@@ -1,0 +1,53 @@
+"""What every estimator takes and returns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from exoid.identification.least_squares import Solution
+from exoid.identification.problem import Problem
+from exoid.identification.residuals import Noises, Point
+from exoid.identification.rows import Triangle
+
+
+class Reduced(Protocol):
+    """A problem reduced to triangles, which is all that least squares asks for."""
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Names of the parameters."""
+        ...
+
+    @property
+    def triangles(self) -> Sequence[Triangle]:
+        """Triangle of the rows of each joint, in motion and at rest."""
+        ...
+
+
+class Fit(NamedTuple):
+    """A solution and how it was come by.
+
+    Attributes:
+        solution: Its covariance is for white noise, unless ``noises`` are given.
+        weights: Of the rows of each triangle.
+        clip: Weighted residuals beyond this counted as this.
+        noises: The noise that the covariance is for; None if it still has to be found.
+        remarks: What the reader should know.
+    """
+
+    solution: Solution
+    weights: Sequence[float]
+    clip: float = np.inf
+    noises: Noises | None = None
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def point(self) -> Point:
+        """Where residuals are to be looked at."""
+        return Point(self.solution.values, self.weights, self.clip)
+
+
+Estimator = Callable[[Problem], Fit]

@@ -1,0 +1,70 @@
+"""Robust least squares after Huber."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.identification.least_squares import solve
+from exoid.identification.problem import Problem
+from exoid.identification.rows import Triangle, join, make_triangle
+
+from .fit import Fit
+from .wls import noise_floor, wls
+
+TUNING = 1.345
+"""Residuals of this many standard deviations start to count less; 95 % efficient for normal noise."""
+
+MAD_TO_STD = 1.4826
+"""Standard deviation of normal noise over its median absolute deviation."""
+
+ROUNDS = 50
+"""Reweightings at most."""
+
+SETTLED = 1e-4
+"""They have converged when no parameter moves by more than this part of its standard deviation."""
+
+
+def huber(problem: Problem) -> Fit:
+    """Minimise Σ ρ(r) over residuals r = (τ − W β) / s of each joint, ρ quadratic up to 1.345 and linear beyond.
+
+    s is 1.4826 times the median of the joint's absolute residuals. Solved by reweighting: rows count
+    min(1, 1.345 / |r|). A spike of the torque sensor then pulls no more than a residual of 1.345 s.
+    """
+    solution, floor = wls(problem).solution, noise_floor(problem)
+    scales = np.full(len(problem.triangles), np.nan)
+    for _ in range(ROUNDS):
+        scales = np.maximum(_scales(problem, solution.values), floor)
+        triangles, inside = _reweighted(problem, solution.values, scales)
+        before, solution = solution, solve(join(triangles), problem.names)
+        if (np.abs(solution.values - before.values) <= SETTLED * np.sqrt(np.diag(solution.covariance))).all():
+            break
+    # ψ'(r) is 1 inside and 0 beyond: the inverse of Σ ψ' xᵀx takes the place of (WᵀW)⁻¹
+    bread = solve(join(problem.triangles, np.sqrt(inside) / scales), problem.names)
+    solution = solution._replace(inverse=bread.inverse, condition_number=bread.condition_number)
+    return Fit(solution, [1.0 / scale for scale in scales], TUNING)
+
+
+def _scales(problem: Problem, values: FloatArray) -> FloatArray:
+    """Robust standard deviation of the residuals of each triangle's rows [N·m]."""
+    sizes: list[list[FloatArray]] = [[] for _ in problem.triangles]
+    for kind, rows in problem.blocks():
+        residual = np.abs(rows.tau - rows.W @ values)
+        for joint in range(residual.shape[1]):
+            sizes[problem.weight_index(kind, joint)].append(residual[rows.usable[:, joint], joint])
+    return np.array([MAD_TO_STD * np.median(np.concatenate(size)) for size in sizes])
+
+
+def _reweighted(problem: Problem, values: FloatArray, scales: FloatArray) -> tuple[list[Triangle], FloatArray]:
+    """Triangles of reweighted rows, and the share of residuals that are not clipped."""
+    triangles, inside, total = [], np.zeros(len(scales)), np.zeros(len(scales))
+    for kind, rows in problem.blocks():
+        for joint in range(rows.tau.shape[1]):
+            index, use = problem.weight_index(kind, joint), rows.usable[:, joint]
+            table = np.column_stack([rows.W[use, joint], rows.tau[use, joint]])
+            r = np.abs(table[:, -1] - table[:, :-1] @ values) / scales[index]
+            weight = np.sqrt(TUNING / np.maximum(r, TUNING)) / scales[index]
+            triangles.append(make_triangle(table * weight[:, None], len(table), len(table) * rows.independence))
+            inside[index] += np.sum(r <= TUNING)
+            total[index] += len(r)
+    return triangles, inside / np.maximum(total, 1.0)
