@@ -1,0 +1,92 @@
+"""Pseudo-inertias: the 4 × 4 matrices whose positive definiteness is what makes a rigid body possible.
+
+With Σ = ∫ r rᵀ dm the second moment, mc the first and m the mass of a body, P = [[Σ, mc], [mcᵀ, m]]. A distribution of
+positive mass has P ≻ 0, and every P ≻ 0 has one: mass, principal inertias and triangle inequalities all follow
+(P. M. Wensing, S. Kim, J.-J. E. Slotine, IEEE RA-L 3(1), 2018).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import FloatArray
+
+BASIS = np.array([pin.PseudoInertia.FromDynamicParameters(unit).toMatrix() for unit in np.eye(10)])
+"""Pseudo-inertia of each unit link parameter, (10, 4, 4): P = Σ π_k BASIS_k."""
+
+COORDINATES = np.linalg.pinv(BASIS.reshape(10, 16).T)
+"""Link parameters π of a flattened pseudo-inertia, (10, 16)."""
+
+SMALLEST_RADIUS = 1e-3
+"""A link without extent in some direction counts as having this radius of gyration in it [m]."""
+
+THINNEST = 1e-4
+"""Nor is a link thinner than this fraction of its second moment."""
+
+
+def pseudo_inertias(link_parameters: FloatArray) -> FloatArray:
+    """Pseudo-inertia P of each link, given π of all links, (10 n,) or (n, 10).
+
+    Returns:
+        P, (n, 4, 4).
+    """
+    return np.tensordot(np.reshape(link_parameters, (-1, 10)), BASIS, 1)
+
+
+def link_parameters(pseudo_inertias: FloatArray) -> FloatArray:
+    """Link parameters π of pseudo-inertias, (n, 4, 4); the inverse of :func:`pseudo_inertias`, (10 n,)."""
+    return np.ravel(np.reshape(pseudo_inertias, (-1, 16)) @ COORDINATES.T)
+
+
+def margins(link_parameters: FloatArray) -> FloatArray:
+    """How far each body is from impossible: the smallest eigenvalue of P scaled to a diagonal of ones, (n,).
+
+    Positive for a body that can exist, at most 1; −inf where the mass or a second moment is not positive.
+    """
+    P = pseudo_inertias(link_parameters)
+    diagonal = np.diagonal(P, axis1=1, axis2=2)
+    possible = (diagonal > 0.0).all(axis=1)
+    scale = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    smallest = np.linalg.eigvalsh(P / scale[:, :, None] / scale[:, None, :])[:, 0]
+    return np.where(possible, smallest, -np.inf)
+
+
+def made_possible(link_parameters: FloatArray) -> FloatArray:
+    """Repair bodies that no mass distribution has, such as point masses or rods: they gain a little extent.
+
+    Mass and centre of mass stay. Principal second moments about the centre of mass grow to at least
+    m · :data:`SMALLEST_RADIUS`² and :data:`THINNEST` times the largest.
+
+    Args:
+        link_parameters: π, (10 n,), of bodies with positive mass.
+
+    Returns:
+        π of the repaired bodies, (10 n,); bodies that were possible with room to spare come back unchanged.
+    """
+    P = pseudo_inertias(link_parameters).copy()
+    for body in P:
+        mass, moment = body[3, 3], body[:3, 3]
+        about_com = body[:3, :3] - np.outer(moment, moment) / mass
+        values, axes = np.linalg.eigh(about_com)
+        least = max(THINNEST * values[-1], mass * SMALLEST_RADIUS**2)
+        body[:3, :3] += (axes * np.maximum(least - values, 0.0)) @ axes.T
+    return _changed_only(link_parameters, P)
+
+
+def congruence(A: FloatArray) -> FloatArray:
+    """Matrices T with π(A P Aᵀ) = T π(P), (n, 10, 10): mass moved by the affine maps A, (n, 4, 4)."""
+    moved = A[:, None] @ BASIS @ A[:, None].transpose(0, 1, 3, 2)
+    return np.asarray(COORDINATES @ moved.reshape(-1, 10, 16).transpose(0, 2, 1))
+
+
+def upper_factors(P: FloatArray) -> FloatArray:
+    """Upper triangular U with U Uᵀ = P, (n, 4, 4), as the log-Cholesky parameterisation has them."""
+    lower: FloatArray = np.linalg.cholesky(P[:, ::-1, ::-1])
+    return lower[:, ::-1, ::-1]
+
+
+def _changed_only(before: FloatArray, P: FloatArray) -> FloatArray:
+    after, given = link_parameters(P).reshape(-1, 10), np.reshape(before, (-1, 10))
+    changed = np.abs(after - given).max(axis=1) > 1e-14 * np.abs(given).max(axis=1)
+    return np.ravel(np.where(changed[:, None], after, given))
