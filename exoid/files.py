@@ -40,18 +40,21 @@ def write_together(contents: Mapping[Path, str]) -> None:
     placed: list[Path] = []
     try:
         for path, text in contents.items():
-            write_whole(parts[path], [text])
+            try:
+                write_whole(parts[path], [text])
+            except ExoidError as error:
+                raise ExoidError(error.what, where=str(path), remedy=error.remedy) from None
         for path in contents:
             with _written(path):
                 if path.is_file():
                     path.replace(saved[path])
-                placed.append(path)
                 parts[path].replace(path)
+                placed.append(path)
     except BaseException:
-        for path in placed:
+        for path in contents:
             if saved[path].exists():
                 saved[path].replace(path)
-            elif path.is_file():
+            elif path in placed:
                 path.unlink()
         raise
     finally:

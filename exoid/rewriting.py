@@ -29,7 +29,10 @@ def read_inertials(description: Description) -> dict[str, FloatArray]:
 
 
 def rewrite(
-    description: Description, inertials: Mapping[str, FloatArray], dynamics: Mapping[str, Mapping[str, float]]
+    description: Description,
+    inertials: Mapping[str, FloatArray],
+    dynamics: Mapping[str, Mapping[str, float]],
+    note: str = "",
 ) -> str:
     """Write other inertias and joint friction into a URDF.
 
@@ -38,6 +41,7 @@ def rewrite(
         inertials: π about the link frame, (10,), of each link to change. It is written about the centre of mass, with
             axes parallel to the link's, in digits that read back to the same double.
         dynamics: For each joint to change, attributes of ``<dynamics>``: "damping" and "friction".
+        note: A comment to stand above everything else.
 
     Returns:
         The XML.
@@ -49,8 +53,10 @@ def rewrite(
     for joint in root.findall("joint"):
         for attribute, value in dynamics.get(joint.get("name", ""), {}).items():
             _child(joint, "dynamics").set(attribute, repr(float(value)))
-    text = etree.tostring(root.getroottree(), encoding="unicode")
-    return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'
+    above, below = reversed([*root.itersiblings(preceding=True)]), root.itersiblings()
+    remark = [etree.Comment(f" {note.replace('--', '- -')} ")] if note else []
+    parts = (etree.tostring(part, encoding="unicode", with_tail=False) for part in (*remark, *above, root, *below))
+    return "\n".join(['<?xml version="1.0" encoding="utf-8"?>', *parts, ""])
 
 
 def _parameters(inertial: etree._Element) -> FloatArray:

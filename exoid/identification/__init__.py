@@ -3,16 +3,19 @@
 from .estimate import Estimate, Input
 from .estimate_file import estimate_from_json, estimate_to_json
 from .estimators import ESTIMATORS
+from .export import Export, export_to_json
 from .identify import identify
 from .validation import Validation, validate, validation_to_json
 
 __all__ = [
     "ESTIMATORS",
     "Estimate",
+    "Export",
     "Input",
     "Validation",
     "estimate_from_json",
     "estimate_to_json",
+    "export_to_json",
     "identify",
     "validate",
     "validation_to_json",

@@ -82,8 +82,7 @@ def congruence(A: FloatArray) -> FloatArray:
 
 def upper_factors(P: FloatArray) -> FloatArray:
     """Upper triangular U with U Uᵀ = P, (n, 4, 4), as the log-Cholesky parameterisation has them."""
-    lower: FloatArray = np.linalg.cholesky(P[:, ::-1, ::-1])
-    return lower[:, ::-1, ::-1]
+    return np.asarray(np.linalg.cholesky(P[:, ::-1, ::-1])[:, ::-1, ::-1], dtype=np.float64)
 
 
 def _changed_only(before: FloatArray, P: FloatArray) -> FloatArray:
