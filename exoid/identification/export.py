@@ -148,7 +148,7 @@ def _note(leg: Leg, sidecar: str, links: Mapping[str, object], dynamics: Mapping
     friction = f" and <dynamics> of {', '.join(dynamics)}" if dynamics else ""
     return (
         f"exoid: <inertial> of {', '.join(links)}{friction} are identified, see {sidecar};\n"
-        f"masses, which motion does not reveal, are those nearest to {leg.description.name}; all else is as it was there."
+        f"masses, which motion does not reveal, are nearest to {leg.description.name}; all else is as it was there."
     )
 
 

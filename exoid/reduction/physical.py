@@ -36,8 +36,8 @@ class MassBound(NamedTuple):
         formula: The lower bound that needs no lengths, such as "(X2² + Y2²)/(J2 − J3)".
         least: Its value; infinite where the inertia is not positive.
         least_with_lengths: The sharp lower bound, given where the joints are.
-        most: The sharp upper bound j/|d|²: more mass would have more inertia about the joint above than that segment
-            has; infinite for the first segment.
+        most: The sharp upper bound: more mass would have more inertia about the joint above than the segment there has,
+            j/|d|²; infinite for the first segment.
     """
 
     masses: str
@@ -111,34 +111,54 @@ def check(leg: Leg, values: ArrayLike) -> PhysicalCheck:
 def _planar(leg: Leg, segments: FloatArray) -> tuple[list[MassBound], list[str]]:
     assert leg.chain is not None
     links, n = leg.link_labels, len(segments)
-    prior = leg.parameters.reshape(-1, 3)
-    inertias = segments[:, 2] - np.append(segments[1:, 2], 0.0) if leg.cumulative else segments[:, 2]
-    bounds: list[MassBound] = []
-    reasons: list[str] = []
-    below = 0.0
+    joined = np.append(segments[1:, 2], 0.0) if leg.cumulative else np.zeros(n)
+    carriers = [
+        _Carrier(np.array([Y, -X]), float(J - below), d)
+        for (X, Y, J), below, d in zip(segments, joined, [*leg.chain.offsets, np.zeros(2)], strict=True)
+    ]
+    names = [f"J{k + 1} − J{k + 2}" if leg.cumulative and k < n - 1 else f"J{k + 1}" for k in range(n)]
+    least, reasons = np.zeros(n + 1), []
     for k in range(n - 1, -1, -1):
-        d = leg.chain.offsets[k] if k < n - 1 else np.zeros(2)
-        h, j = np.array([segments[k, 1], -segments[k, 0]]), float(inertias[k])
-        j_name = f"J{k + 1} − J{k + 2}" if leg.cumulative and k < n - 1 else f"J{k + 1}"
-        most = _most_below(inertias[k - 1], leg.chain.offsets[k - 1]) if k > 0 else np.inf
-        free = j - below * float(d @ d)
-        if j <= 0.0:
-            reasons.append(f"{links[k]}: {j_name} = {j:.3g} kg·m² is not positive")
-        elif free <= 0.0:
-            reasons.append(
-                f"{links[k]}: {below:.3g} kg hang on it, which alone have more inertia than {j_name} = {j:.3g}"
-            )
-        if h @ np.array([prior[k, 1], -prior[k, 0]]) <= 0.0:
+        carrier, below = carriers[k], least[k + 1] if np.isfinite(least[k + 1]) else 0.0
+        least[k] = carrier.least(below)
+        if carrier.j <= 0.0:
+            reasons.append(f"{links[k]}: {names[k]} = {carrier.j:.3g} kg·m² is not positive")
+        elif not np.isfinite(least[k]):
+            reasons.append(f"{links[k]}: {below:.3g} kg hang on it, too much for {names[k]} = {carrier.j:.3g} kg·m²")
+        X, Y, _ = leg.parameters.reshape(-1, 3)[k]
+        if carrier.h @ np.array([Y, -X]) <= 0.0:
             where = f"X{k + 1} = {segments[k, 0]:.3g}, Y{k + 1} = {segments[k, 1]:.3g} kg·m"
             reasons.append(f"{links[k]}: its centre of mass is on the wrong side of its joint ({where})")
-        least = float(h @ h) / j if j > 0.0 else np.inf
-        sharp = (float(h @ h) + below * (j - 2.0 * float(h @ d))) / free if j > 0.0 and free > 0.0 else np.inf
-        formula = f"(X{k + 1}² + Y{k + 1}²)/({j_name})" if "−" in j_name else f"(X{k + 1}² + Y{k + 1}²)/{j_name}"
-        bounds.append(MassBound(" + ".join(f"m_{link}" for link in links[k:]), formula, least, sharp, most))
-        below = sharp if np.isfinite(sharp) else 0.0
-    return bounds[::-1], reasons[::-1]
+    bounds, most = [], np.inf
+    for k, (carrier, name) in enumerate(zip(carriers, names, strict=True)):
+        masses = " + ".join(f"m_{link}" for link in links[k:])
+        formula = f"(X{k + 1}² + Y{k + 1}²)/" + (f"({name})" if "−" in name else name)
+        bounds.append(MassBound(masses, formula, carrier.least(0.0), float(least[k]), most))
+        most = carrier.most_below(most)
+    return bounds, reasons[::-1]
 
 
-def _most_below(j: float, d: FloatArray) -> float:
-    squared = float(d @ d)
-    return max(float(j), 0.0) / squared if squared > 0.0 else np.inf
+class _Carrier(NamedTuple):
+    """A segment that carries mass M' at d: h, j and d of the module's text."""
+
+    h: FloatArray
+    j: float
+    d: FloatArray
+
+    def least(self, below: float) -> float:
+        """Least mass of the segment and all below it, given that below; infinite where there is none."""
+        free = self.j - below * float(self.d @ self.d)
+        if self.j <= 0.0 or free <= 0.0:
+            return np.inf
+        return (float(self.h @ self.h) + below * (self.j - 2.0 * float(self.h @ self.d))) / free
+
+    def most_below(self, most: float) -> float:
+        """Largest mass below, given the largest of the segment and all below it: :meth:`least` solved for M'."""
+        squared = float(self.d @ self.d)
+        if self.j <= 0.0:
+            return 0.0
+        if not np.isfinite(most):
+            return self.j / squared if squared > 0.0 else np.inf
+        room = most * self.j - float(self.h @ self.h)
+        slope = self.j - 2.0 * float(self.h @ self.d) + most * squared
+        return room / slope if room > 0.0 < slope else 0.0
