@@ -102,7 +102,7 @@ def export_urdf(estimate: Estimate, path: str | os.PathLike[str]) -> Export:
     p = len(leg.parameter_names)
     lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p])
     links = share_out(leg, lifted.link_parameters)
-    values = _moved_along(estimate, lifted.values)
+    values = estimate.values if lifted.feasible else _moved_along(estimate, lifted.values)
     dynamics, negative = _dynamics(estimate, values)
     text = rewrite(leg.description, links, dynamics, _note(leg, sidecar.name, links, dynamics))
     digest = hashlib.sha256(text.encode()).hexdigest()
@@ -159,9 +159,8 @@ def _moved_along(estimate: Estimate, rigid: FloatArray) -> FloatArray:
     scale = np.where(estimate.std > 0.0, estimate.std, 1.0)
     correlation = estimate.covariance / np.outer(scale, scale)
     change = (rigid - values[:p]) / scale[:p]
-    if change.any():
-        pull, *_ = np.linalg.lstsq(correlation[:p, :p], change, rcond=1e-12)
-        values[p:] += scale[p:] * (correlation[p:, :p] @ pull)
+    pull, *_ = np.linalg.lstsq(correlation[:p, :p], change, rcond=1e-12)
+    values[p:] += scale[p:] * (correlation[p:, :p] @ pull)
     values[:p] = rigid
     return values
 

@@ -46,8 +46,11 @@ TIGHTEST = 1e-8
 """Smallest eigenvalue of P relative to the prior below which a body counts as being on the boundary of the possible."""
 
 HEAVIEST = 10.0
-"""Times its own mass: what a link may weigh at most. Without this bound the nearest possible estimate often belongs to
-links of infinite mass only, that is, to none."""
+"""What a link may weigh at most, times its mass in the URDF or in a rough fit to the estimate, whichever is more.
+Without this bound the nearest possible estimate often belongs to links of infinite mass only, that is, to none."""
+
+ROUGH = 1.0
+"""μ of the rough fit."""
 
 GAP = 1e-5
 """Of χ² by which an infeasible estimate may be farther away than the nearest possible one."""
@@ -89,6 +92,7 @@ class Lift:
         distance: How far ``values`` are from the target, χ in standard deviations of the estimate; 0 where feasible.
             Without a covariance the unit is a change of the links' inertias as large as these are.
         divergence: Entropic divergence from the leg's own links; 0 where these have the target's values already.
+        heaviest: What each link was allowed to weigh [kg], (n,).
     """
 
     names: tuple[str, ...]
@@ -99,10 +103,11 @@ class Lift:
     feasible: bool
     distance: float
     divergence: float
+    heaviest: FloatArray
 
     def __post_init__(self) -> None:
         """Forbid changes."""
-        for array in (self.target, self.values, self.link_parameters):
+        for array in (self.target, self.values, self.link_parameters, self.heaviest):
             array.flags.writeable = False
 
     @property
@@ -146,8 +151,7 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
     Returns:
         The links. Each pseudo-inertia is positive definite, so masses and principal inertias are positive and the
         triangle inequalities hold strictly. An estimate on the very boundary of the possible (a body thinner than
-        about 1e-8 of the prior), or one that takes links of more than :data:`HEAVIEST` times their own mass, counts
-        as not feasible.
+        about 1e-8 of the prior), or one that takes links heavier than :data:`HEAVIEST` allows, counts as not feasible.
 
     Raises:
         ExoidError: Values or covariance do not fit the leg or are not finite, or the covariance has a negative
@@ -160,14 +164,17 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
         (True, True)
     """
     target = checked_values(leg, values)
-    problem = _Problem.around(made_possible(dynamic_parameters(leg.model)), leg.reduction)
+    prior = made_possible(dynamic_parameters(leg.model))
+    problem = _Problem.around(prior, leg.reduction)
     natural = _whitening(problem.K @ problem.K.T)
-    exact = _reproduce(problem, target, natural)
+    rough = problem.minimise(problem.prior, _Misfit(natural, target, ROUGH))[:, 3, 3] ** 2
+    heaviest = HEAVIEST * np.maximum(1.0, rough)
+    exact = _reproduce(problem, target, natural, heaviest)
     if exact is not None:
         unit, feasible = exact, True
     else:
         metric = natural if covariance is None else _metric(_checked(leg, covariance, "covariance", 2), problem)
-        unit, feasible = _approach(problem, target, metric), False
+        unit, feasible = _approach(problem, target, metric, heaviest), False
     reached = problem.K @ unit
     links = problem.back @ unit
     if feasible:
@@ -181,6 +188,7 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
         feasible=feasible,
         distance=0.0 if feasible else float(np.linalg.norm(metric @ (target - reached))),
         divergence=_divergence(upper_factors(pseudo_inertias(unit))),
+        heaviest=heaviest * prior[::10],
     )
 
 
@@ -247,11 +255,11 @@ class _Problem:
         """
         turned = congruence(U) @ ORTHONORMAL
         pull = np.ravel(TRACE @ ORTHONORMAL - TRACE @ turned)
-        room = misfit.heaviest - U[:, 3, 3] ** 2
         WK = misfit.W @ self.K / np.sqrt(misfit.mu)
         columns = np.hstack(list(WK.reshape(len(WK), -1, 10).transpose(1, 0, 2) @ turned))
         residual = misfit.W @ (misfit.target - self.K @ _unit(U)) / np.sqrt(misfit.mu)
-        if np.isfinite(misfit.heaviest):  # −log room, whose second derivative has one row a link
+        if misfit.heaviest is not None:  # −log room, whose second derivative has one row a link
+            room = misfit.heaviest - U[:, 3, 3] ** 2
             columns = np.vstack([columns, block_diag(*(turned[:, 0] / room[:, None]))])
             residual = np.concatenate([residual, -np.ones(len(room))])
         small = np.eye(len(columns)) + columns @ columns.T
@@ -260,7 +268,7 @@ class _Problem:
         return pseudo_inertias(y.reshape(-1, 10) @ ORTHONORMAL.T), gain
 
     def _objective(self, U: FloatArray, misfit: _Misfit) -> float:
-        share = U[:, 3, 3] ** 2 / misfit.heaviest
+        share = np.zeros(1) if misfit.heaviest is None else U[:, 3, 3] ** 2 / misfit.heaviest
         if share.max() >= 1.0:
             return np.inf
         residual = misfit.W @ (misfit.target - self.K @ _unit(U))
@@ -273,10 +281,10 @@ class _Misfit(NamedTuple):
     W: FloatArray
     target: FloatArray
     mu: float
-    heaviest: float = np.inf
+    heaviest: FloatArray | None = None
 
 
-def _reproduce(problem: _Problem, target: FloatArray, natural: FloatArray) -> FloatArray | None:
+def _reproduce(problem: _Problem, target: FloatArray, natural: FloatArray, heaviest: FloatArray) -> FloatArray | None:
     """Find the bodies nearest to the prior that have the target's values exactly.
 
     Returns:
@@ -288,18 +296,18 @@ def _reproduce(problem: _Problem, target: FloatArray, natural: FloatArray) -> Fl
         unit = _unit(U)
         unit = unit + smallest_change @ (target - problem.K @ unit)
         possible = np.linalg.eigvalsh(pseudo_inertias(unit)).min() > TIGHTEST
-        if (U[:, 3, 3] ** 2 > HEAVIEST).any() or (not possible and mu <= HOPELESS):
+        if (U[:, 3, 3] ** 2 > heaviest).any() or (not possible and mu <= HOPELESS):
             return None
     return unit
 
 
-def _approach(problem: _Problem, target: FloatArray, metric: FloatArray) -> FloatArray:
+def _approach(problem: _Problem, target: FloatArray, metric: FloatArray, heaviest: FloatArray) -> FloatArray:
     """Find bodies whose values are nearest to the target in a metric, to within :data:`GAP`; their π̃, (10 n,)."""
     U = problem.prior
     chi_squared = mu = _chi_squared(problem, target, metric, U)
-    while 5 * problem.links * mu > max(GAP * chi_squared, NEGLIGIBLE):
+    while (4 * problem.links + heaviest.sum()) * mu > max(GAP * chi_squared, NEGLIGIBLE):
         mu /= 10.0
-        U = problem.minimise(U, _Misfit(metric, target, mu, HEAVIEST))
+        U = problem.minimise(U, _Misfit(metric, target, mu, heaviest))
         chi_squared = _chi_squared(problem, target, metric, U)
     return _unit(U)
 

@@ -18,11 +18,14 @@ BASIS = np.array([pin.PseudoInertia.FromDynamicParameters(unit).toMatrix() for u
 COORDINATES = np.linalg.pinv(BASIS.reshape(10, 16).T)
 """Link parameters π of a flattened pseudo-inertia, (10, 16)."""
 
-SMALLEST_RADIUS = 1e-3
-"""A link without extent in some direction counts as having this radius of gyration in it [m]."""
+BARELY = 1e-8
+"""Margin below which a body cannot exist, but for rounding."""
 
-THINNEST = 1e-4
-"""Nor is a link thinner than this fraction of its second moment."""
+SMALLEST_RADIUS = 1e-2
+"""Radius of gyration that such a body gets at least in every direction [m]."""
+
+THINNEST = 1e-3
+"""Nor does it get thinner than this fraction of its largest second moment."""
 
 
 def pseudo_inertias(link_parameters: FloatArray) -> FloatArray:
@@ -62,16 +65,17 @@ def made_possible(link_parameters: FloatArray) -> FloatArray:
         link_parameters: π, (10 n,), of bodies with positive mass.
 
     Returns:
-        π of the repaired bodies, (10 n,); bodies that were possible with room to spare come back unchanged.
+        π, (10 n,), in which bodies that can exist are unchanged.
     """
-    P = pseudo_inertias(link_parameters).copy()
-    for body in P:
-        mass, moment = body[3, 3], body[:3, 3]
-        about_com = body[:3, :3] - np.outer(moment, moment) / mass
-        values, axes = np.linalg.eigh(about_com)
+    repaired = np.reshape(link_parameters, (-1, 10)).copy()
+    for k in np.flatnonzero(margins(link_parameters) < BARELY):
+        P = pseudo_inertias(repaired[k])[0]
+        mass, moment = P[3, 3], P[:3, 3]
+        values, axes = np.linalg.eigh(P[:3, :3] - np.outer(moment, moment) / mass)
         least = max(THINNEST * values[-1], mass * SMALLEST_RADIUS**2)
-        body[:3, :3] += (axes * np.maximum(least - values, 0.0)) @ axes.T
-    return _changed_only(link_parameters, P)
+        P[:3, :3] += (axes * np.maximum(least - values, 0.0)) @ axes.T
+        repaired[k, 4:] = (P.ravel() @ COORDINATES.T)[4:]
+    return repaired.ravel()
 
 
 def congruence(A: FloatArray) -> FloatArray:
@@ -83,10 +87,3 @@ def congruence(A: FloatArray) -> FloatArray:
 def upper_factors(P: FloatArray) -> FloatArray:
     """Upper triangular U with U Uᵀ = P, (n, 4, 4), as the log-Cholesky parameterisation has them."""
     return np.asarray(np.linalg.cholesky(P[:, ::-1, ::-1])[:, ::-1, ::-1], dtype=np.float64)
-
-
-def _changed_only(before: FloatArray, P: FloatArray) -> FloatArray:
-    after, given = link_parameters(P).reshape(-1, 10), np.reshape(before, (-1, 10))
-    after[:, :4] = given[:, :4]  # but for rounding they are the same
-    changed = np.abs(after - given).max(axis=1) > 1e-14 * np.abs(given).max(axis=1)
-    return np.ravel(np.where(changed[:, None], after, given))

@@ -288,8 +288,8 @@ def test_inertia_and_friction_are_added_where_there_are_none(tmp_path):
     robot = yourdfpy.URDF.load(str(export.urdf), load_meshes=False)
     for joint, label in zip(leg.joint_names, leg.joint_labels, strict=True):
         dynamics = robot.joint_map[joint].dynamics
-        assert dynamics.friction == estimate.value(f"c0_{label}")
-        assert dynamics.damping == estimate.value(f"d_{label}")
+        assert float(dynamics.friction) == estimate.value(f"c0_{label}")
+        assert float(dynamics.damping) == estimate.value(f"d_{label}")
     model = reloaded(leg, export.urdf).model
     for j, link in enumerate(leg.link_names, start=1):
         inertial = robot.link_map[link].inertial

@@ -47,10 +47,10 @@ def nearest_to_prior(leg, values):
 
 
 def nearest_to_estimate(leg, values, covariance, heaviest):
-    """Least distance, in standard deviations, of the parameters of bodies up to so many times their own mass."""
+    """Least distance, in standard deviations, of the parameters of bodies up to so many kilograms."""
     bodies = Bodies(leg)
     W = np.linalg.inv(np.linalg.cholesky(covariance))
-    lighter = [Q[3, 3] <= heaviest for Q in bodies.scaled]
+    lighter = [mass <= most for mass, most in zip(bodies.masses, heaviest, strict=True)]
     return bodies.solve(cp.Minimize(cp.norm(W @ values - W @ bodies.values)), lighter)
 
 

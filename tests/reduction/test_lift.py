@@ -3,6 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+from lxml import etree
 from semidefinite import nearest_to_estimate, nearest_to_prior
 from test_numeric import urdf_of
 
@@ -13,7 +14,6 @@ from exoid.model import dynamic_parameters
 from exoid.published import bleex_parameters
 from exoid.published.parameters import BLEEX_SETS
 from exoid.reduction import Lift, lift
-from exoid.reduction.lift import HEAVIEST
 from exoid.reduction.pseudo_inertia import (
     congruence,
     link_parameters,
@@ -141,7 +141,7 @@ def test_infeasible_estimates_lift_to_the_optimum_of_the_semidefinite_program(ro
         if lifted.feasible:
             continue
         infeasible += 1
-        optimum = nearest_to_estimate(leg, values, covariance, HEAVIEST)
+        optimum = nearest_to_estimate(leg, values, covariance, lifted.heaviest)
         assert lifted.distance == pytest.approx(optimum.value, rel=1e-4, abs=1e-4)
         difference = lifted.values - leg.reduction.parameters(optimum.links)
         assert np.sqrt(difference @ np.linalg.solve(covariance, difference)) < 1e-2 * max(optimum.value, 1.0)
@@ -225,6 +225,25 @@ def test_links_that_cannot_exist_gain_a_little_extent(inertia):
     lifted = lift(leg, leg.parameters * [1.0, 1.0, 1.2])
     assert lifted.feasible
     assert_possible(lifted)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 0.1, 10.0, 1e3])
+def test_a_poor_prior_does_not_make_an_estimate_infeasible(bleex, factor):
+    """Placeholders instead of inertias, as many a URDF has them."""
+    poor = Leg.from_description(describe(with_masses(bleex.description.text, factor)), bleex.joint_names)
+    lifted = lift(poor, bleex.parameters)
+    assert lifted.feasible
+    np.testing.assert_allclose(lifted.values, bleex.parameters, rtol=1e-12)
+    assert_possible(lifted)
+
+
+def with_masses(text, factor):
+    root = etree.fromstring(text.encode())
+    for inertial in root.iter("inertial"):
+        for element in (inertial.find("mass"), inertial.find("inertia")):
+            for name, value in element.attrib.items():
+                element.set(name, repr(factor * float(value)))
+    return etree.tostring(root, encoding="unicode")
 
 
 def test_possible_links_are_not_repaired(built_in_leg):
