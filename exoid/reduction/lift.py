@@ -46,11 +46,9 @@ TIGHTEST = 1e-8
 """Smallest eigenvalue of P relative to the prior below which a body counts as being on the boundary of the possible."""
 
 HEAVIEST = 10.0
-"""What a link may weigh at most, times its mass in the URDF or in a rough fit to the estimate, whichever is more.
-Without this bound the nearest possible estimate often belongs to links of infinite mass only, that is, to none."""
-
-ROUGH = 1.0
-"""μ of the rough fit."""
+"""What a link may weigh at most, times its mass in the URDF, scaled up first should all inertias there be too small for
+the estimate. Without this bound the nearest possible estimate often belongs to links of infinite mass, that is, to none.
+"""
 
 GAP = 1e-5
 """Of χ² by which an infeasible estimate may be farther away than the nearest possible one."""
@@ -58,7 +56,7 @@ GAP = 1e-5
 NEGLIGIBLE = 1e-9
 """χ² that is not worth a step nearer."""
 
-STEPS = 100
+STEPS = 300
 """Most Newton steps for each μ; a dozen is usual."""
 
 SETTLED = 1e-12
@@ -167,8 +165,9 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
     prior = made_possible(dynamic_parameters(leg.model))
     problem = _Problem.around(prior, leg.reduction)
     natural = _whitening(problem.K @ problem.K.T)
-    rough = problem.minimise(problem.prior, _Misfit(natural, target, ROUGH))[:, 3, 3] ** 2
-    heaviest = HEAVIEST * np.maximum(1.0, rough)
+    own = natural @ leg.reduction.parameters(prior)
+    scale = float(own @ natural @ target) / float(own @ own)
+    heaviest = np.full(problem.links, HEAVIEST * max(1.0, scale))
     exact = _reproduce(problem, target, natural, heaviest)
     if exact is not None:
         unit, feasible = exact, True
