@@ -47,7 +47,7 @@ TIGHTEST = 1e-8
 
 HEAVIEST = 10.0
 """What a link may weigh at most, times its mass in the URDF, scaled up first should all inertias there be too small for
-the estimate. Without this bound the nearest possible estimate often belongs to links of infinite mass, that is, to none.
+the estimate. Without this bound the nearest possible estimate often belongs to links of infinite mass, that is to none.
 """
 
 GAP = 1e-5
