@@ -57,21 +57,21 @@ class Description:
     @cached_property
     def child_links(self) -> dict[str, str]:
         """Name of the link that each joint carries."""
-        joints = self._root.findall("joint")
+        joints = self.parse().findall("joint")
         return {j.get("name", ""): c.get("link", "") for j in joints if (c := j.find("child")) is not None}
 
     @property
     def plain(self) -> str:
         """The XML with numbers parted by single spaces: where Pinocchio's parser finds others, it drops the element."""
-        root = self._root
+        root = self.parse()
         for path, attributes in NUMBERS.items():
             for element in root.findall(path):
                 for attribute in attributes.keys() & element.keys():
                     element.set(attribute, " ".join(element.get(attribute, "").split()))
         return etree.tostring(root, encoding="unicode")
 
-    @property
-    def _root(self) -> etree._Element:
+    def parse(self) -> etree._Element:
+        """Parse the text afresh: the root element, with comments, the caller's own to change."""
         return etree.fromstring(self.text.encode(), _parser())
 
 

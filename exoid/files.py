@@ -1,9 +1,10 @@
-"""Writing files whole or not at all."""
+"""Writing files whole or not at all, one or several that belong together."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from .errors import ExoidError
@@ -22,11 +23,50 @@ def write_whole(path: str | os.PathLike[str], pieces: Iterable[str]) -> None:
     write_bytes(path, (piece.encode() for piece in pieces))
 
 
+def write_together(contents: Mapping[Path, str]) -> None:
+    """Write several texts so that either all of them appear under their names or none does.
+
+    Each is first written in full beside its place; only then are they put there, and what was there before comes back
+    if one cannot be.
+
+    Args:
+        contents: Text of each file; existing files are replaced.
+
+    Raises:
+        ExoidError: A folder is missing or cannot be written, or the disk is full.
+    """
+    parts = {path: path.with_name(f".{path.name}.{os.getpid()}.part") for path in contents}
+    saved = {path: path.with_name(f".{path.name}.{os.getpid()}.before") for path in contents}
+    placed: list[Path] = []
+    try:
+        for path, text in contents.items():
+            try:
+                write_whole(parts[path], [text])
+            except ExoidError as error:
+                raise ExoidError(error.what, where=str(path), remedy=error.remedy) from None
+        for path in contents:
+            with _written(path):
+                if path.is_file():
+                    path.replace(saved[path])
+                parts[path].replace(path)
+                placed.append(path)
+    except BaseException:
+        for path in contents:
+            if saved[path].exists():
+                saved[path].replace(path)
+            elif path in placed:
+                path.unlink()
+        raise
+    finally:
+        for path in (*parts.values(), *saved.values()):
+            path.unlink(missing_ok=True)
+
+
 def write_bytes(path: str | os.PathLike[str], pieces: Iterable[bytes]) -> None:
     """Write bytes so that the file appears under its name only when it is complete; see :func:`write_whole`."""
     target = Path(path)
     part = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
+    with _written(path):
         try:
             with part.open("xb") as file:
                 file.writelines(pieces)
@@ -35,6 +75,13 @@ def write_bytes(path: str | os.PathLike[str], pieces: Iterable[bytes]) -> None:
             part.replace(target)
         finally:
             part.unlink(missing_ok=True)
+
+
+@contextmanager
+def _written(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Turn what the operating system refuses into one line about a path."""
+    try:
+        yield
     except OSError as problem:
         raise ExoidError(
             f"cannot be written: {problem.strerror or problem}",

@@ -124,6 +124,16 @@ class Leg:
         return _without_side(self.joint_names)
 
     @property
+    def link_names(self) -> tuple[str, ...]:
+        """Names of the links that the joints carry."""
+        return tuple(self.description.child_links[joint] for joint in self.joint_names)
+
+    @property
+    def link_labels(self) -> tuple[str, ...]:
+        """Link names without ``left_`` or ``right_``."""
+        return _without_side(self.link_names)
+
+    @property
     def parameter_names(self) -> tuple[str, ...]:
         """Names of the parameters, the order of every array of them."""
         return self.reduction.names

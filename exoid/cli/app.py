@@ -10,6 +10,7 @@ import typer
 import exoid
 from exoid.errors import ExoidError
 
+from .export import export
 from .identify import identify
 from .reproduce import reproduce
 from .validate import validate
@@ -26,6 +27,7 @@ app = typer.Typer(
 )
 app.command()(identify)
 app.command()(validate)
+app.command()(export)
 app.command()(reproduce)
 
 

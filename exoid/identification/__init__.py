@@ -5,6 +5,7 @@ from .diagnostics import JointNoise
 from .estimate import Estimate, Input
 from .estimate_file import estimate_from_json, estimate_to_json
 from .estimators import ESTIMATORS
+from .export import Export, export_to_json
 from .identify import identify
 from .validation import Validation, validate, validation_to_json
 
@@ -12,6 +13,7 @@ __all__ = [
     "ESTIMATORS",
     "Comparison",
     "Estimate",
+    "Export",
     "Input",
     "JointNoise",
     "Validation",
@@ -19,6 +21,7 @@ __all__ = [
     "comparison_to_json",
     "estimate_from_json",
     "estimate_to_json",
+    "export_to_json",
     "identify",
     "validate",
     "validation_to_json",

@@ -23,6 +23,8 @@ from .diagnostics import JointNoise, verdict
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from .export import Export
+
 ILL_CONDITIONED = 100.0
 """Beyond this condition number of the scaled regressor, single parameters deserve little trust."""
 
@@ -208,6 +210,29 @@ class Estimate:
         from .estimate_file import read_estimate  # noqa: PLC0415
 
         return read_estimate(path)
+
+    def to_urdf(self, path: str | os.PathLike[str]) -> Export:
+        """Write the leg's URDF with identified inertias and friction, and a sidecar with what it has no place for.
+
+        Inertias of the moving links are those that can exist, reproduce the estimate and are nearest to the URDF's own
+        (:func:`exoid.reduction.lift`); where none can exist, those of the nearest possible estimate. Coulomb and
+        viscous friction go into ``<dynamics friction= damping=>`` where they were identified. Rotor inertia, offset,
+        stiffness and the smoothing of friction stand in ``<name>.exoid.json`` beside it. A rotor inertia that is
+        merged into an inertia (J1 at the hip) stays there. Everything else in the URDF stays as it is; file names of
+        meshes too, so a URDF with relative ones belongs into the same folder.
+
+        Args:
+            path: The URDF to write. Both files are written whole or neither is.
+
+        Returns:
+            What was written, which prints itself: where the parameters are, and by how much they had to move.
+
+        Raises:
+            ExoidError: A file cannot be written.
+        """
+        from .export import export_urdf  # noqa: PLC0415 - it needs this class
+
+        return export_urdf(self, path)
 
     def __repr__(self) -> str:
         """Name the parameters."""
