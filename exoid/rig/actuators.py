@@ -34,6 +34,10 @@ class Actuator(Protocol):
         """State after the step."""
         ...
 
+    def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
+        """Torque at this moment [N·m], (n, B), as a sensor sees it."""
+        ...
+
 
 @dataclass(frozen=True)
 class IdealTorque:
@@ -52,9 +56,13 @@ class IdealTorque:
         """Check the limit."""
         _refuse_unless(self.limit > 0.0, self)
 
-    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
+    def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
         """The command, limited."""
-        return Drive(np.clip(command, -self.limit, self.limit), np.zeros_like(command))
+        return np.clip(command, -self.limit, self.limit)
+
+    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
+        """The same throughout the step."""
+        return Drive(self.torque(state, command), np.zeros_like(command))
 
     def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
         """It has no state."""
@@ -92,10 +100,13 @@ class DcMotor:
         """Rotor inertia seen at the joint, ratio² times the rotor's [kg·m²]."""
         return self.ratio**2 * self.rotor_inertia
 
-    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
+    def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
         """Torque of the limited current."""
-        current = np.clip(command, -self.current_limit, self.current_limit)
-        return Drive(self.ratio * self.torque_constant * current, np.zeros_like(command))
+        return self.ratio * self.torque_constant * np.clip(command, -self.current_limit, self.current_limit)
+
+    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
+        """The same throughout the step."""
+        return Drive(self.torque(state, command), np.zeros_like(command))
 
     def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
         """It has no state."""
@@ -128,6 +139,10 @@ class HydraulicServo:
         kh, cl, Kv = (np.asarray(x, dtype=np.float64) for x in (self.stiffness, self.leakage, self.valve_gain))
         finite = all(np.isfinite(x).all() for x in (kh, cl, Kv))
         _refuse_unless(bool(finite and (kh > 0.0).all() and (cl >= 0.0).all() and (Kv > 0.0).all()), self)
+
+    def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
+        """The state A."""
+        return state
 
     def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
         """Mean torque ½ (A + A⁺) as a function of the mean velocity."""

@@ -92,7 +92,7 @@ class Run:
         time: [s], (K,).
         q: True angles [rad], (K, n, B).
         v: True velocities [rad/s], (K, n, B).
-        tau: True actuator torques [N·m], means over the step before, (K, n, B).
+        tau: True actuator torques at that moment [N·m], (K, n, B).
         q_measured: (K, n, B).
         v_measured: (K, n, B).
         tau_measured: (K, n, B).
@@ -194,8 +194,8 @@ def simulate(
                 drive = actuator.drive(state, command, dt)
                 step = rig.step(drive.torque, drive.damping)
                 state = actuator.advance(state, command, step.mean_velocity, dt)
-                torque = drive.torque - drive.damping * step.mean_velocity
-                audit.add(torque, step, dt)
+                audit.add(drive.torque - drive.damping * step.mean_velocity, step, dt)
+                torque = actuator.torque(state, command)
     time = every_log * dt * np.arange(len(log.samples), dtype=np.float64)
     q, v, tau, q_measured, v_measured, tau_measured, aim = log.arrays()
     return Run(plant, time, q, v, tau, q_measured, v_measured, tau_measured, aim, audit.energy(rig.energy()))
