@@ -10,8 +10,6 @@ import typer
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
-from exoid import reproduce as replays
-
 from .inputs import AsJson
 
 
@@ -22,6 +20,8 @@ def reproduce(
     as_json: AsJson = False,
 ) -> None:
     """Run a document's experiments on virtual rigs, identify, and print every table side by side."""
+    from exoid import reproduce as replays  # noqa: PLC0415 - it draws, and matplotlib would slow down every command
+
     if figures is not None:
         replays.make_folder(figures)  # before the minute that the replay takes
     with Progress(console=Console(stderr=True), transient=True) as bar:

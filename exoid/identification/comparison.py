@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import stats
+import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
@@ -136,7 +136,7 @@ def _each(difference: FloatArray, v1: FloatArray, v2: FloatArray, dof1: float, d
     known = variance == 0.0
     spread = np.where(known, 1.0, variance)
     dof = spread**2 / np.where(known, 1.0, v1**2 / dof1 + v2**2 / dof2)
-    p = 2.0 * stats.t.sf(np.abs(difference) / np.sqrt(spread), dof)
+    p = 2.0 * scipy.stats.t.sf(np.abs(difference) / np.sqrt(spread), dof)
     return np.where(known, np.where(difference == 0.0, 1.0, 0.0), p)
 
 
@@ -152,7 +152,7 @@ def _together(difference: FloatArray, covariance: FloatArray, dof: float) -> tup
     squared = float(((vectors[:, seen].T @ (difference / std)) ** 2 / sizes[seen]).sum())
     left = max(dof - rank + 1.0, 1.0)
     statistic = squared * left / (rank * max(dof, left))
-    return statistic, float(stats.f.sf(statistic, rank, left))
+    return statistic, float(scipy.stats.f.sf(statistic, rank, left))
 
 
 def _holm(p_values: FloatArray) -> FloatArray:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 
@@ -69,7 +69,7 @@ def judge_noise(problem: Problem, point: Point, noises: Noises) -> tuple[JointNo
             effective_samples=float(effective[joint]),
             order=max(noise.order for (_, j), noise in noises.items() if j == joint),
             correlation=float(products[joint, 1] / (products[joint, 0] or 1.0)),
-            whiteness=float(chi2.sf(statistic[joint], lags[joint])) if lags[joint] else 1.0,
+            whiteness=float(scipy.stats.chi2.sf(statistic[joint], lags[joint])) if lags[joint] else 1.0,
         )
         for joint in range(joints)
     )

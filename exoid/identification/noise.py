@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.fft import irfft, next_fast_len, rfft
-from scipy.signal import freqz, lfilter
+import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 
@@ -81,7 +80,7 @@ class AutoregressiveNoise:
 
         By Parseval (mean S)² / mean S² of the spectrum S.
         """
-        _, response = freqz([1.0], self.polynomial, FREQUENCIES, whole=True)
+        _, response = scipy.signal.freqz([1.0], self.polynomial, FREQUENCIES, whole=True)
         spectrum = np.abs(response) ** 2
         return float(np.mean(spectrum) ** 2 / np.mean(spectrum**2))
 
@@ -102,8 +101,8 @@ class AutoregressiveNoise:
         radius = float(np.abs(np.roots(self.polynomial)).max())
         ring = X.shape[1] if radius >= 1.0 else math.ceil(math.log(RING) / math.log(max(radius, 1e-3)))
         start = np.zeros((len(X), self.order))
-        filtered, state = lfilter([1.0], self.polynomial, X[:, ::-1], zi=start)
-        after, _ = lfilter([1.0], self.polynomial, np.zeros((len(X), min(ring, X.shape[1]))), zi=state)
+        filtered, state = scipy.signal.lfilter([1.0], self.polynomial, X[:, ::-1], zi=start)
+        after, _ = scipy.signal.lfilter([1.0], self.polynomial, np.zeros((len(X), min(ring, X.shape[1]))), zi=state)
         return np.asarray(self.variances[-1] * (filtered @ filtered.T + after @ after.T))
 
     def whiten(self, X: FloatArray) -> FloatArray:
@@ -119,14 +118,16 @@ class AutoregressiveNoise:
             factor[k, :k] = -self.predictors[k, k - 1 :: -1]
         out[:, :p] = (X[:, :p] @ factor.T) / np.sqrt(np.maximum(self.variances[:p], TINY))
         if X.shape[1] > p:
-            out[:, p:] = lfilter(self.polynomial, [1.0], X)[:, p:] / math.sqrt(max(self.variances[-1], TINY))
+            out[:, p:] = scipy.signal.lfilter(self.polynomial, [1.0], X)[:, p:] / math.sqrt(
+                max(self.variances[-1], TINY)
+            )
         return out
 
 
 def autocovariance_sums(x: FloatArray, largest: int) -> FloatArray:
     """Σ_t x_t · x_{t+k} for k = 0 … ``largest``, summed over the rows of x, (P, N) or (N,)."""
-    length = next_fast_len(x.shape[-1] + largest, real=True)
+    length = scipy.fft.next_fast_len(x.shape[-1] + largest, real=True)
     power = np.zeros(length // 2 + 1)
     for row in np.atleast_2d(x):
-        power += np.abs(rfft(row, length)) ** 2
-    return np.asarray(irfft(power, length)[: largest + 1])
+        power += np.abs(scipy.fft.rfft(row, length)) ** 2
+    return np.asarray(scipy.fft.irfft(power, length)[: largest + 1])

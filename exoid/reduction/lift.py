@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.linalg import block_diag, cholesky, inv, solve_triangular
+import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
@@ -68,7 +68,7 @@ LONGEST = 0.95
 TRACE = np.trace(BASIS, axis1=1, axis2=2)
 """tr P = TRACE · π."""
 
-ORTHONORMAL = np.asarray(inv(cholesky(BASIS.reshape(10, 16) @ BASIS.reshape(10, 16).T)))
+ORTHONORMAL = np.linalg.inv(np.linalg.cholesky(BASIS.reshape(10, 16) @ BASIS.reshape(10, 16).T).T)
 """Columns are π of matrices that are orthonormal by ⟨A, B⟩ = tr A B, (10, 10)."""
 
 FLOOR = 1e-12
@@ -218,7 +218,7 @@ class _Problem:
     def around(cls, prior: FloatArray, reduction: Reduction) -> _Problem:
         """Scale by the prior, (10 n,)."""
         blocks = congruence(upper_factors(pseudo_inertias(prior)))
-        back = np.asarray(block_diag(*blocks))
+        back = np.asarray(scipy.linalg.block_diag(*blocks))
         return cls(reduction.collect @ back, back, len(blocks))
 
     @property
@@ -259,7 +259,7 @@ class _Problem:
         residual = misfit.W @ (misfit.target - self.K @ _unit(U)) / np.sqrt(misfit.mu)
         if misfit.heaviest is not None:  # −log room, whose second derivative has one row a link
             room = misfit.heaviest - U[:, 3, 3] ** 2
-            columns = np.vstack([columns, block_diag(*(turned[:, 0] / room[:, None]))])
+            columns = np.vstack([columns, scipy.linalg.block_diag(*(turned[:, 0] / room[:, None]))])
             residual = np.concatenate([residual, -np.ones(len(room))])
         small = np.eye(len(columns)) + columns @ columns.T
         y = pull + columns.T @ np.linalg.solve(small, residual - columns @ pull)
@@ -329,7 +329,7 @@ def _whitening(covariance: FloatArray) -> FloatArray:
     """W with Wᵀ W = covariance⁻¹, (p, p)."""
     scale = np.sqrt(np.diag(covariance))
     lower = np.linalg.cholesky(covariance / np.outer(scale, scale))
-    return np.asarray(solve_triangular(lower, np.diag(1.0 / scale), lower=True))
+    return np.asarray(scipy.linalg.solve_triangular(lower, np.diag(1.0 / scale), lower=True))
 
 
 def _metric(covariance: FloatArray, problem: _Problem) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.stats import norm
+import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.identification.least_squares import Solution, solve
@@ -70,7 +70,7 @@ def _stretches(usable: FloatArray) -> Iterator[slice]:
 
 def _disagreement(names: tuple[str, ...], difference: FloatArray, covariance: FloatArray) -> tuple[str, ...]:
     """Compare with weighted least squares, whose variance bounds that of the difference (Hausman)."""
-    limit = norm.ppf(1.0 - 0.5 * DISAGREEMENT / len(names))
+    limit = scipy.stats.norm.ppf(1.0 - 0.5 * DISAGREEMENT / len(names))
     far = [n for n, d, s in zip(names, difference, np.sqrt(np.diag(covariance)), strict=True) if abs(d) > limit * s]
     if not far:
         return ()
