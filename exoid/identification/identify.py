@@ -130,5 +130,5 @@ def _evidence(data: Recording | Poses) -> Input:
     for name in ("time", "q", "v", "a", "tau"):
         array = getattr(data, name, None)
         if array is not None:
-            digest.update(array.tobytes())
+            digest.update(np.ascontiguousarray(array).data)
     return Input("array", digest.hexdigest(), len(data), rate)

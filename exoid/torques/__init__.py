@@ -4,6 +4,7 @@ from .armature import Armature
 from .catalog import DEFAULT_TERMS, TERMS, term_by_name, term_from_json, term_to_json
 from .coulomb import Coulomb
 from .model import Merged, TorqueModel
+from .motion import Motion
 from .offset import Offset
 from .stiffness import Stiffness
 from .term import Term
@@ -15,6 +16,7 @@ __all__ = [
     "Armature",
     "Coulomb",
     "Merged",
+    "Motion",
     "Offset",
     "Stiffness",
     "Term",

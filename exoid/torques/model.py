@@ -14,6 +14,7 @@ from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.torso import TorsoMotion
 
+from .motion import Motion
 from .term import Term
 
 BLOCK = 8192
@@ -81,10 +82,8 @@ class TorqueModel:
     def merged(self) -> tuple[Merged, ...]:
         """Parameters of terms that are part of others, whatever the motion (a rotor at the hip is part of J1)."""
         every = (*self.leg.parameter_names, *(name for block in self._blocks for name in block.names))
-        rng = np.random.default_rng(0)
-        motion = rng.standard_normal((3, 10 * len(every), len(self.leg.joint_names)))
-        q, v, a = motion * [[[1.0]], [[2.0]], [[5.0]]]
-        W = self._fill(q, v, a, None, every).reshape(-1, len(every))
+        q, v, a = _some_motion(10 * len(every), len(self.leg.joint_names))
+        W = self._fill(Motion(q, v, a), every).transpose(2, 1, 0).reshape(-1, len(every))
         scale = np.linalg.norm(W, axis=0)
         W, scale = W / np.where(scale > 0.0, scale, 1.0), np.where(scale > 0.0, scale, 1.0)
         kept, merged = list(range(len(self.leg.parameter_names))), []
@@ -97,10 +96,28 @@ class TorqueModel:
                 kept.append(k)
         return tuple(merged)
 
+    @cached_property
+    def acting(self) -> NDArray[np.bool_]:
+        """Which parameters can act on which joint, (n, P); columns are zero elsewhere."""
+        joints, rigid = len(self.leg.joint_names), self.leg.parameter_names
+        acting = np.zeros((joints, len(self.names)), dtype=np.bool_)
+        acting[:, : len(rigid)] = self.leg.regressor(*_some_motion(10, joints)).any(axis=0)
+        for _, joint, names in self._blocks:
+            acting[joint, [self.names.index(name) for name in names if name in self.names]] = True
+        return acting
+
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
         """Columns of all parameters, (N, n, P); arguments as for :meth:`exoid.Leg.regressor`."""
+        return self.columns(self.motion(q, v, a, torso)).transpose(2, 1, 0)
+
+    def motion(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> Motion:
+        """Gather what the columns of a whole recording depend on; arguments as for :meth:`exoid.Leg.regressor`."""
         q, v, a = self.leg.samples(q, v, a)
-        return self._fill(q, v, a, torso, self.names)
+        return Motion(q, v, a, torso)
+
+    def columns(self, motion: Motion) -> FloatArray:
+        """Columns of all parameters for a motion or some rows of it, each contiguous in memory, (P, n, N)."""
+        return self._fill(motion, self.names)
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
         """Say which joint's sample can be identified from, given velocities [rad/s], (N, n)."""
@@ -127,17 +144,16 @@ class TorqueModel:
             del units[merged.name]
         return units
 
-    def _fill(
-        self, q: FloatArray, v: FloatArray, a: FloatArray, torso: TorsoMotion | None, names: tuple[str, ...]
-    ) -> FloatArray:
-        """Regressor of the named parameters, of which the leg's are the first."""
+    def _fill(self, motion: Motion, names: tuple[str, ...]) -> FloatArray:
+        """Columns of the named parameters, of which the leg's are the first."""
+        q, v, a, torso = motion
         out = np.zeros((len(names), *q.shape[::-1]))
         self.leg.fill_regressor(q, v, a, out[: len(self.leg.parameter_names)], torso)
         for start in range(0, len(q), BLOCK):
             rows = slice(start, start + BLOCK)
             columns = out[len(self.leg.parameter_names) :, :, rows]
             self._fill_terms(q[rows].T, v[rows].T, a[rows].T, columns, names)
-        return out.transpose(2, 1, 0)
+        return out
 
     def _fill_terms(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, names: tuple[str, ...]) -> None:
         row = 0
@@ -149,3 +165,9 @@ class TorqueModel:
             if len(kept) < len(symbols):
                 out[rows, joint] = columns[kept]
             row = rows.stop
+
+
+def _some_motion(samples: int, joints: int) -> FloatArray:
+    """Angles, velocities and accelerations that have nothing to do with each other, (3, N, n)."""
+    motion = np.random.default_rng(0).standard_normal((3, samples, joints))
+    return motion * [[[1.0]], [[2.0]], [[5.0]]]
