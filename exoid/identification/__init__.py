@@ -4,18 +4,22 @@ from .comparison import Comparison, compare, comparison_to_json
 from .diagnostics import JointNoise
 from .estimate import Estimate, Input
 from .estimate_file import estimate_from_json, estimate_to_json
-from .estimators import ESTIMATORS
+from .estimators import ESTIMATORS, ClosedLoop, InstrumentalVariables, JointML, OutputError
 from .export import Export, export_to_json
 from .identify import identify
 from .validation import Validation, validate, validation_to_json
 
 __all__ = [
     "ESTIMATORS",
+    "ClosedLoop",
     "Comparison",
     "Estimate",
     "Export",
     "Input",
+    "InstrumentalVariables",
+    "JointML",
     "JointNoise",
+    "OutputError",
     "Validation",
     "compare",
     "comparison_to_json",

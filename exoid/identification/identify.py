@@ -10,15 +10,15 @@ import numpy as np
 
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.signals import Poses, Preparation, Recording, ZeroPhase, preparation_by_name
+from exoid.signals import Poses, Preparation, Recording, ZeroPhase, choose_cutoff, preparation_by_name
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .diagnostics import judge_noise, judge_sizes
 from .estimate import Estimate, Input
-from .estimators import ESTIMATORS
+from .estimators import ESTIMATORS, NEED_LOOP, Estimator, name_of
 from .problem import Problem
 from .residuals import sandwich
-from .rows import join, refuse_dead_torques, refuse_empty_joints, refuse_still_joints, rms_residual
+from .rows import for_leg, join, refuse_dead_torques, refuse_empty_joints, refuse_still_joints, rms_residual
 
 NOISES = ("correlated", "white")
 
@@ -27,9 +27,9 @@ def identify(
     leg: Leg,
     recordings: Recording | Poses | Iterable[Recording | Poses],
     terms: Sequence[Term] | None = None,
-    estimator: str = "wls",
+    estimator: str | Estimator = "wls",
     *,
-    cutoff: float = 8.0,
+    cutoff: float | None = None,
     preparation: Preparation | str | None = None,
     noise: str = "correlated",
 ) -> Estimate:
@@ -45,8 +45,11 @@ def identify(
         terms: What acts on the joints besides rigid-body dynamics; None for Coulomb and viscous friction, rotor
             inertia and offset at every joint; () for nothing.
         estimator: "wls" (each joint, at rest and in motion, weighted by its residuals), "huber" (the same, and spikes
-            count less), "gls" (whitened by a model of the noise; only where the model of the leg is right) or "ols".
-        cutoff: Of the parallel filter [Hz]; above the fastest motion, below the noise.
+            count less), "gls" (whitened by a model of the noise; only where the model of the leg is right), "ml"
+            (motion and parameters together; where angles are noisy and the model is right) or "ols". Also an object
+            with settings, such as :class:`exoid.identification.OutputError`.
+        cutoff: Of the parallel filter [Hz]; above the fastest motion, below the noise. None to choose it from the noise
+            of the angles, at most 8 Hz, see :func:`exoid.signals.choose_cutoff`.
         preparation: Another way from a recording to rows, such as :class:`exoid.signals.MovingAverage`, or its name:
             "finite-difference" (doc. 1), "moving-average" (doc. 2), "smoothed"; ``cutoff`` then does not apply.
         noise: What the covariance assumes of the torque noise: "correlated" (its autocorrelation is estimated from the
@@ -63,20 +66,21 @@ def identify(
         >>> est = identify(leg, Recording.from_csv("log.csv"))  # doctest: +SKIP
     """
     recordings = _recordings(recordings)
-    if estimator not in ESTIMATORS:
-        raise ExoidError(f"no estimator {estimator!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
+    estimate = _estimator(estimator)
     if noise not in NOISES:
         raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
     model = TorqueModel(leg, _terms(terms))
     refuse_still_joints(model, recordings)
     if isinstance(preparation, str):
         preparation = preparation_by_name(preparation)
-    preparation = ZeroPhase(cutoff) if preparation is None else preparation
+    if preparation is None:
+        selected = (for_leg(model, data) for data in recordings)
+        preparation = ZeroPhase(choose_cutoff(selected) if cutoff is None else cutoff)
     problem = Problem(model, recordings, preparation)
     groups = problem.groups
     refuse_dead_torques(model, recordings)
     refuse_empty_joints(model, [join(group) for group in zip(*groups, strict=True)])
-    fit = ESTIMATORS[estimator](problem)
+    fit = estimate(problem)
     solution = fit.solution
     covariance, noises = solution.covariance, fit.noises
     if noises is None:
@@ -92,13 +96,23 @@ def identify(
         condition_number=solution.condition_number,
         dof=solution.dof if white else max(1.0, independent - len(model.names)),
         residual_rms=np.array(residuals),
-        estimator=estimator,
+        estimator=fit.name or name_of(estimate),
         preparation=preparation,
         inputs=tuple(_evidence(recording) for recording in recordings),
         noise=judged,
         sizes=judge_sizes(problem.triangles),
         warnings=fit.remarks,
     )
+
+
+def _estimator(given: str | Estimator) -> Estimator:
+    """Look an estimator up by name."""
+    if callable(given):
+        return given
+    known = {**ESTIMATORS, **NEED_LOOP}
+    if given not in known:
+        raise ExoidError(f"no estimator {given!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
+    return known[given]
 
 
 def _recordings(given: Recording | Poses | Iterable[Recording | Poses]) -> list[Recording | Poses]:

@@ -1,11 +1,13 @@
 """A virtual rig: the truth, actuators and sensors of exoskeleton legs on a jig, to try experiments on."""
 
 from .actuators import Actuator, DcMotor, Drive, HydraulicServo, IdealTorque
+from .continuous import Followed, follow
 from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
 from .pinocchio_stepper import PinocchioStepper
 from .plant import Plant
 from .sensors import Sensors
 from .simulate import Energy, Rates, Run, simulate
+from .smooth_stepper import SmoothStepper
 from .stepper import PlanarStepper, Step, Stepper
 
 __all__ = [
@@ -14,6 +16,7 @@ __all__ = [
     "DcMotor",
     "Drive",
     "Energy",
+    "Followed",
     "HydraulicServo",
     "IdealTorque",
     "PinocchioStepper",
@@ -25,8 +28,10 @@ __all__ = [
     "Reference",
     "Run",
     "Sensors",
+    "SmoothStepper",
     "Step",
     "Stepper",
     "Target",
+    "follow",
     "simulate",
 ]
