@@ -1,5 +1,7 @@
 """From recordings to parameters with their uncertainty, and how well these predict."""
 
+from .assumed import Assumed, Prior
+from .bands import TorqueBand
 from .comparison import Comparison, compare, comparison_to_json
 from .diagnostics import JointNoise
 from .estimate import Estimate, Input
@@ -7,19 +9,26 @@ from .estimate_file import estimate_from_json, estimate_to_json
 from .estimators import ESTIMATORS, ClosedLoop, InstrumentalVariables, JointML, OutputError
 from .export import Export, export_to_json
 from .identify import identify
+from .influence import Influence
+from .trends import Trend
 from .validation import Validation, validate, validation_to_json
 
 __all__ = [
     "ESTIMATORS",
+    "Assumed",
     "ClosedLoop",
     "Comparison",
     "Estimate",
     "Export",
+    "Influence",
     "Input",
     "InstrumentalVariables",
     "JointML",
     "JointNoise",
     "OutputError",
+    "Prior",
+    "TorqueBand",
+    "Trend",
     "Validation",
     "compare",
     "comparison_to_json",

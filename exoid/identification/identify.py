@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 
 import numpy as np
@@ -13,12 +13,15 @@ from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, choose_cutoff, preparation_by_name
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .diagnostics import judge_noise, judge_sizes
+from .assumed import Assumed, Prior
+from .diagnostics import judge_noise, judge_sizes, negative
 from .estimate import Estimate, Input
 from .estimators import ESTIMATORS, NEED_LOOP, Estimator, name_of
+from .influence import influence
 from .problem import Problem
 from .residuals import sandwich
 from .rows import for_leg, join, refuse_dead_torques, refuse_empty_joints, refuse_still_joints, rms_residual
+from .trends import remarks, residual_trends
 
 NOISES = ("correlated", "white")
 
@@ -32,6 +35,9 @@ def identify(
     cutoff: float | None = None,
     preparation: Preparation | str | None = None,
     noise: str = "correlated",
+    known: Mapping[str, float] | None = None,
+    prior: Prior | Mapping[str, tuple[float, float]] | None = None,
+    nonnegative: bool = False,
 ) -> Estimate:
     """Identify the parameters of a leg from recorded motions and torques.
 
@@ -54,6 +60,11 @@ def identify(
             "finite-difference" (doc. 1), "moving-average" (doc. 2), "smoothed"; ``cutoff`` then does not apply.
         noise: What the covariance assumes of the torque noise: "correlated" (its autocorrelation is estimated from the
             residuals) or "white" (the textbook's formula: intervals far too narrow where it is not).
+        known: Parameters that are held fixed, by name, such as a mass that was weighed.
+        prior: Values that others are believed to have, with standard deviations, such as
+            ``Prior.from_leg(leg, 0.2)`` of a leg with its CAD's inertias. They count as measurements.
+        nonnegative: Keep friction and rotor inertia from falling below zero. Without it one that is negative beyond its
+            error is named in a warning: something in the model is wrong, which a bound would hide.
 
     Returns:
         The estimate, with the covariance of its parameters.
@@ -70,13 +81,15 @@ def identify(
     if noise not in NOISES:
         raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
     model = TorqueModel(leg, _terms(terms))
-    refuse_still_joints(model, recordings)
+    assumed = Assumed(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
+    assumed.check(model)
+    refuse_still_joints(model, recordings, assumed.names)
     if isinstance(preparation, str):
         preparation = preparation_by_name(preparation)
     if preparation is None:
         selected = (for_leg(model, data) for data in recordings)
         preparation = ZeroPhase(choose_cutoff(selected) if cutoff is None else cutoff)
-    problem = Problem(model, recordings, preparation)
+    problem = Problem(model, recordings, preparation, assumed)
     groups = problem.groups
     refuse_dead_torques(model, recordings)
     refuse_empty_joints(model, [join(group) for group in zip(*groups, strict=True)])
@@ -84,24 +97,32 @@ def identify(
     solution = fit.solution
     covariance, noises = solution.covariance, fit.noises
     if noises is None:
-        covariance, noises = sandwich(problem, fit.point, solution.inverse, covariance)
+        covariance, noises = sandwich(problem, fit.point, solution)
     judged = judge_noise(problem, fit.point, noises)
     independent = sum(of_joint.effective_samples for of_joint in judged)
     residuals = [rms_residual(of_joint, solution.values) for of_joint in zip(*groups, strict=True)]
     white = noise == "white"
+    covariance = solution.covariance if white else covariance
+    inputs = tuple(_evidence(recording) for recording in recordings)
+    std = np.sqrt(np.diag(covariance))
+    trends = residual_trends(problem, fit.point, noises, solution, covariance, whitened=fit.noises is not None)
     return Estimate(
         model=model,
         values=solution.values,
-        covariance=solution.covariance if white else covariance,
+        covariance=covariance,
         condition_number=solution.condition_number,
-        dof=solution.dof if white else max(1.0, independent - len(model.names)),
+        dof=solution.dof if white else max(1.0, independent - int(assumed.free(model.names).sum())),
         residual_rms=np.array(residuals),
         estimator=fit.name or name_of(estimate),
         preparation=preparation,
-        inputs=tuple(_evidence(recording) for recording in recordings),
+        inputs=inputs,
         noise=judged,
         sizes=judge_sizes(problem.triangles),
-        warnings=fit.remarks,
+        warnings=(*fit.remarks, *negative(model, solution.values, std), *remarks(trends)),
+        assumed=assumed,
+        bounded=tuple(model.names[k] for k in solution.bounded),
+        influence=influence(problem, [source.name for source in inputs], fit.weights, solution.inverse, std),
+        trends=trends,
     )
 
 

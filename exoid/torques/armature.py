@@ -27,6 +27,11 @@ class Armature(Term):
         """Kilogram metres squared."""
         return ("kg·m²",)
 
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Return Ia."""
+        return ("Ia",)
+
     def fill(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
         """Column a."""
         out[0] = a

@@ -44,6 +44,11 @@ class Coulomb(Term):
         """Newton metres."""
         return ("N·m",)
 
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Return c0."""
+        return ("c0",)
+
     def fill(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
         """Column sgn(v), sharp or smooth, zero in the dead band."""
         if self.smoothing > 0.0:

@@ -38,6 +38,11 @@ class Term(ABC):
     def units(self) -> tuple[str, ...]:
         """Unit of each parameter."""
 
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Symbols of parameters that cannot be negative in nature."""
+        return ()
+
     @abstractmethod
     def fill(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
         """Write the columns of one joint.

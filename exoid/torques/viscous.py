@@ -23,6 +23,11 @@ class Viscous(Term):
         """Newton metre seconds over radians."""
         return ("N·m·s/rad",)
 
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Return d."""
+        return ("d",)
+
     def fill(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
         """Column v."""
         out[0] = v

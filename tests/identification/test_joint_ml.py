@@ -1,6 +1,7 @@
 """Motion and parameters fitted together: right without noise, better with it, and honest about it."""
 
 import dataclasses
+from functools import partial
 
 import numpy as np
 import pytest
@@ -15,10 +16,16 @@ from exoid.identification.estimators.joint_ml import smooth
 from exoid.identification.estimators.motion_fit import Levels, Moving, Still, _State, _System, fit_motion
 from exoid.identification.estimators.sensitivity import respond
 from exoid.identification.estimators.trajectory import Trajectory
+from exoid.identification.least_squares import solve
 from exoid.signals import Poses
 from exoid.torques import Motion, TorqueModel
 
 ANGLE, TORQUE = 1e-3, 0.05
+NO_PRIORS = np.zeros((0, 16))
+
+
+def solver(swing):
+    return partial(solve, names=TorqueModel(swing.leg, TERMS).names)
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +99,7 @@ def system(swing):
         moving.append(Moving(log.time, log.q, log.tau, usable, swing.motion[0][rows], None))
     static = poses(swing, 5)
     still = Still(model.regressor(static.q, 0 * static.q, 0 * static.q), static.tau)
-    return _System(model, moving, [still], [Trajectory.on(data.time, 0.07) for data in moving])
+    return _System(model, moving, [still], NO_PRIORS, [Trajectory.on(data.time, 0.07) for data in moving])
 
 
 LEVELS = Levels(np.array([1e-3, 2e-3, 3e-3]), np.array([0.05, 0.1, 0.02]), np.array([0.01, 0.02, 0.03]))
@@ -119,14 +126,15 @@ def test_the_score_is_the_derivative_of_the_sum_of_squares(system, swing):
 
 
 def test_at_the_optimum_no_direction_reduces_the_sum_of_squares(system, swing):
-    found = fit_motion(system.model, system.moving, system.still, swing.truth, 0.07, 1e-6)
+    found = fit_motion(system.model, system.moving, system.still, swing.truth, 0.07, solver(swing), NO_PRIORS, 1e-6)
     trajectories = system.trajectories
-    state = _State([t.through(q) for t, q in zip(trajectories, found.motions, strict=True)], found.values)
+    state = _State([t.through(q) for t, q in zip(trajectories, found.motions, strict=True)], found.solution.values)
+    found_std = np.sqrt(np.diag(found.solution.covariance))
     least, rng = system.squares(state, found.levels), np.random.default_rng(7)
     for size in (1e-3, 1e-2):
         for _ in range(5):
             moved = [c + 1e-3 * size * rng.standard_normal(c.shape) for c in state.coefficients]
-            values = state.values + size * rng.standard_normal(len(state.values)) / np.sqrt(np.diag(found.matrix))
+            values = state.values + size * rng.standard_normal(len(state.values)) * found_std
             assert system.squares(_State(moved, values), found.levels) > least
 
 
@@ -157,7 +165,7 @@ def test_it_is_nearer_to_the_truth_than_least_squares_at_a_cutoff_that_is_too_hi
 def test_levels_are_those_of_the_noise(swing):
     model, log = TorqueModel(swing.leg, TERMS), noisy(swing, 4)
     moving = Moving(log.time, log.q, log.tau, np.ones_like(log.q), swing.motion[0], None)
-    levels = fit_motion(model, [moving], [], swing.truth, 0.05).levels
+    levels = fit_motion(model, [moving], [], swing.truth, 0.05, solver(swing), NO_PRIORS).levels
     np.testing.assert_allclose(levels.angle, ANGLE, rtol=0.1)
     np.testing.assert_allclose(levels.torque, TORQUE, rtol=0.25)
 
@@ -177,6 +185,15 @@ def test_a_sharp_sign_is_smoothed_and_dead_bands_are_left_to_the_angles(swing):
     assert (coulomb.smoothing, coulomb.dead_band, viscous) == (0.01, 0.0, Viscous())
     estimate = exoid.identify(swing.leg, noisy(swing, 6), sharp.terms, JointML(0.05))
     assert relative(estimate, swing).max() < 0.1
+
+
+def test_what_is_known_and_believed_enters(swing):
+    free = exoid.identify(swing.leg, noisy(swing, 7), TERMS, JointML(0.05))
+    prior = {"J3": (swing.truth[8], 1e-5)}
+    told = exoid.identify(swing.leg, noisy(swing, 7), TERMS, JointML(0.05), known={"X1": 3.783}, prior=prior)
+    assert told.value("X1") == 3.783
+    assert abs(told.value("J3") - swing.truth[8]) < 3e-5
+    assert told.std[8] < 0.1 * free.std[8]
 
 
 def test_an_estimate_by_ml_survives_its_file(swing, tmp_path):

@@ -114,11 +114,9 @@ class _Later(NamedTuple):
         return self.reference.at(self.start + time)
 
 
-def least(model: TorqueModel) -> FloatArray:
-    """Lower bounds of the parameters in a simulation, (P,)."""
-    rigid = len(model.leg.parameter_names)
-    symbols = [name.partition("_")[0] for name in model.names]
-    return np.array([0.0 if k >= rigid and symbol in DISSIPATIVE else -np.inf for k, symbol in enumerate(symbols)])
+def as_possible(model: TorqueModel, values: FloatArray) -> FloatArray:
+    """Values that can be simulated: no friction and no rotor inertia is negative."""
+    return np.where(model.nonnegative, np.maximum(values, 0.0), values)
 
 
 def as_plant(

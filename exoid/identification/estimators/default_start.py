@@ -19,5 +19,5 @@ def default_start(problem: Problem) -> FloatArray:
     """β by weighted least squares on rows as they are prepared by default, whatever the problem's own preparation."""
     preparation = default_preparation(problem)
     if preparation != problem.preparation:
-        problem = Problem(problem.model, problem.data, preparation)
+        problem = Problem(problem.model, problem.data, preparation, problem.assumed)
     return wls(problem).solution.values

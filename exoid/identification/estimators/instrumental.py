@@ -11,7 +11,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.least_squares import Solution
+from exoid.identification.assumed import NOTHING
 from exoid.identification.noise import QuadraticForm
 from exoid.identification.problem import Problem
 from exoid.identification.residuals import Point, Sandwich, fit_noise, series
@@ -19,7 +19,7 @@ from exoid.identification.rows import for_leg
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
 
-from .closed_loop import ClosedLoop, least
+from .closed_loop import ClosedLoop, as_possible
 from .default_start import default_start
 from .fit import Fit
 from .wls import wls
@@ -64,9 +64,14 @@ class InstrumentalVariables:
                 "instruments come from a simulated loop, whose controller and reference must be known",
                 remedy="pass estimator=InstrumentalVariables(ClosedLoop(controller, reference)), or use ml",
             )
+        if problem.assumed != NOTHING:
+            raise ExoidError(
+                "instrumental variables take no known parameters, priors or bounds",
+                remedy="use output error, ml or wls, which do",
+            )
         first = wls(problem)
-        values, bound = default_start(problem), least(problem.model)
-        instruments = _instruments(problem, self.loop, np.maximum(values, bound))
+        values = default_start(problem)
+        instruments = _instruments(problem, self.loop, as_possible(problem.model, values))
         for _ in range(ROUNDS):
             before, (values, inverse) = values, _solve(problem, instruments, first.weights)
             covariance, noises = _covariance(problem, instruments, Point(values, first.weights), inverse)
@@ -74,10 +79,10 @@ class InstrumentalVariables:
             if converged:
                 break
             try:
-                instruments = _instruments(problem, self.loop, np.maximum(values, bound))
+                instruments = _instruments(problem, self.loop, as_possible(problem.model, values))
             except ExoidError:  # no leg moves with such parameters
                 break
-        solution = Solution(values, covariance, first.solution.condition_number, first.solution.dof, inverse)
+        solution = first.solution._replace(values=values, covariance=covariance)
         remarks = () if converged else ("instrumental variables have not converged: prefer ml or output error",)
         return Fit(solution, first.weights, noises=noises, remarks=remarks)
 

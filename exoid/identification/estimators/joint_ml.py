@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.least_squares import Solution
 from exoid.identification.problem import Problem
 from exoid.identification.residuals import Point, fit_noise
 from exoid.identification.rows import for_leg, make_rows
@@ -83,19 +83,22 @@ class JointML:
         recordings = [data for data in problem.data if isinstance(data, Recording)]
         moving = [_moving(problem.model, data, preparation) for data in recordings]
         still = [_still(problem, data) for data in problem.data if isinstance(data, Poses)]
+        fit = partial(
+            fit_motion, model, still=still, solve=problem.solve, priors=problem.assumed.pseudo_rows(problem.names)
+        )
         values, spacing = default_start(problem), self.spacing
         interval = max(float(np.median(np.diff(data.time))) for data in moving)
         if spacing is None:
-            finest = FINEST * interval * (1.0 - 1e-9)
-            rough = _best(model, moving, still, values, finest)
-            finer = rough.spacing / LADDER
-            moving, values, spacing = _on(moving, rough), rough.values, finer if finer >= finest else rough.spacing
+            rough = _best(fit, moving, values, FINEST * interval * (1.0 - 1e-9))
+            moving, values, spacing = _on(moving, rough), rough.solution.values, rough.spacing
+            if spacing / LADDER >= FINEST * interval * (1.0 - 1e-9):
+                spacing /= LADDER
         elif spacing < CLOSEST * interval * (1.0 - 1e-9):
             raise ExoidError(
                 f"knots every {spacing:g} s are closer than {CLOSEST:g} samples",
                 remedy=f"choose a spacing of at least {CLOSEST * interval:.3g} s, or None",
             )
-        return _as_fit(problem, first, fit_motion(model, moving, still, values, spacing))
+        return _as_fit(problem, first, fit(moving, values=values, spacing=spacing))
 
 
 def smooth(model: TorqueModel) -> TorqueModel:
@@ -126,15 +129,13 @@ def _on(moving: Sequence[Moving], found: MotionFit) -> list[Moving]:
     return [data._replace(smooth=q) for data, q in zip(moving, found.motions, strict=True)]
 
 
-def _best(
-    model: TorqueModel, moving: Sequence[Moving], still: Sequence[Still], values: FloatArray, finest: float
-) -> MotionFit:
+def _best(fit: Callable[..., MotionFit], moving: Sequence[Moving], values: FloatArray, finest: float) -> MotionFit:
     """Walk along the ladder of spacings, finer or else coarser, as long as the criterion falls."""
-    best = first = fit_motion(model, moving, still, values, max(COARSE, finest), ROUGHLY)
+    best = first = fit(moving, values=values, spacing=max(COARSE, finest), settled=ROUGHLY)
     for ratio in (1.0 / LADDER, LADDER):
         here = first.spacing * ratio
         while finest <= here <= COARSEST:
-            found = fit_motion(model, _on(moving, best), still, best.values, here, ROUGHLY)
+            found = fit(_on(moving, best), values=best.solution.values, spacing=here, settled=ROUGHLY)
             if not found.criterion < best.criterion:
                 break
             best, here = found, here * ratio
@@ -144,17 +145,9 @@ def _best(
 
 
 def _as_fit(problem: Problem, first: Fit, found: MotionFit) -> Fit:
-    inverse = np.asarray(np.linalg.inv(found.matrix))
-    scale = np.sqrt(np.diag(found.matrix))
-    sizes = np.linalg.eigvalsh(found.matrix / np.multiply.outer(scale, scale))
-    solution = Solution(
-        values=found.values,
-        covariance=inverse,
-        condition_number=math.sqrt(sizes[-1] / sizes[0]),
-        dof=max(1.0, float(found.redundancy)),
-        inverse=inverse,
-    )
-    noises = fit_noise(problem, Point(found.values, first.weights), inverse)
+    """Describe the noise of the filtered rows too, as for other estimators."""
+    solution = found.solution._replace(inverse=first.solution.inverse, prior_noise=first.solution.prior_noise)
+    noises = fit_noise(problem, Point(solution.values, first.weights), solution.covariance)
     remarks = () if found.converged else ("the joint fit of motion and parameters has not converged: prefer wls",)
     name = f"ml(spacing={found.spacing:.4g})"
     return Fit(solution, first.weights, noises=noises, remarks=remarks, name=name)

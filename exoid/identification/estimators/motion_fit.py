@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.identification.least_squares import Solution
+from exoid.identification.rows import Triangle
 from exoid.torques import Motion, TorqueModel
 from exoid.torso import TorsoMotion
 
@@ -76,25 +78,21 @@ class MotionFit(NamedTuple):
     """Result for given knots.
 
     Attributes:
-        values: β, (P,).
+        solution: β, and its covariance after the motions were eliminated.
         spacing: Of the knots [s].
-        matrix: Information on β, the motions eliminated, (P, P).
         levels: Noise.
         motions: Fitted angles of each recording [rad], (N, n).
         criterion: Generalised cross-validation, Σ N ln(mean squared residual / (1 − t)²) over the angles and torques of
             each joint, t the share of their degrees of freedom that the fit took: what residuals would be at samples
             that were left out.
-        redundancy: Measured numbers less unknowns.
         converged: Whether steps had become small.
     """
 
-    values: FloatArray
+    solution: Solution
     spacing: float
-    matrix: FloatArray
     levels: Levels
     motions: list[FloatArray]
     criterion: float
-    redundancy: int
     converged: bool
 
 
@@ -104,6 +102,8 @@ def fit_motion(
     still: Sequence[Still],
     values: FloatArray,
     spacing: float,
+    solve: Callable[[Triangle], Solution],
+    priors: FloatArray,
     settled: float = SETTLED,
 ) -> MotionFit:
     """Minimise Σ (q_t − q(t))² / σ_q² + Σ (τ_t − W(q(t), q̇(t), q̈(t)) β)² / σ_τ² over splines q(t) and β.
@@ -117,28 +117,40 @@ def fit_motion(
         still: Poses.
         values: β to begin with.
         spacing: Of the knots [s].
+        solve: For β, with what is known beside the rows.
+        priors: Rows of unit variance that it adds, as [W τ], (K, P + 1).
         settled: When to stop.
     """
-    system = _System(model, moving, still, [Trajectory.on(data.time, spacing) for data in moving])
+    system = _System(model, moving, still, priors, [Trajectory.on(data.time, spacing) for data in moving])
     state = system.begin(values)
-    levels = system.levels(system.residuals(state), 0.0, None)
+    levels = system.levels(system.residuals(state), None)
     for _ in range(ROUNDS):
         rows = system.linearise(state, levels)
         reduced = [eliminate(trajectory, part) for trajectory, part in zip(system.trajectories, rows, strict=True)]
         matrix, gradient = system.join(reduced, state, levels)
-        step = np.asarray(np.linalg.solve(matrix, gradient))
-        before, state, full = state, *system.descend(state, levels, reduced, step)
-        old, levels = levels, system.levels(system.residuals(state), 1.0, (rows, reduced, matrix, levels))
-        moved = np.abs(state.values - before.values) * np.sqrt(np.diag(matrix))
+        solution = solve(_as_triangle(matrix, gradient + matrix @ state.values, system.redundancy(state)))
+        before, state, full = state, *system.descend(state, levels, reduced, solution.values - state.values)
+        taken = system.taken(rows, reduced, solution.covariance, levels)
+        old, levels = levels, system.levels(system.residuals(state), taken)
+        std = np.sqrt(np.diag(solution.covariance))
+        moved = np.abs(state.values - before.values) / np.where(std > 0.0, std, np.inf)
         changed = max(float(np.abs(np.log(a / b)).max()) for a, b in zip(levels, old, strict=True))
         converged = full and max(float(moved.max()), changed) < settled
         if converged:
             break
     motions = [t.at_samples(c)[0] for t, c in zip(system.trajectories, state.coefficients, strict=True)]
-    redundancy = sum(data.q.size + int(data.usable.sum()) for data in moving) + sum(data.tau.size for data in still)
-    redundancy -= sum(c.size for c in state.coefficients) + len(values)
     criterion = system.criterion(system.residuals(state), levels)
-    return MotionFit(state.values, spacing, np.asarray(matrix), levels, motions, criterion, redundancy, converged)
+    return MotionFit(solution._replace(values=state.values), spacing, levels, motions, criterion, converged)
+
+
+def _as_triangle(matrix: FloatArray, right: FloatArray, redundancy: int) -> Triangle:
+    """Rows of unit noise that have these normal equations."""
+    count = len(right)
+    root = np.linalg.cholesky(matrix)
+    R = np.zeros((count + 1, count + 1))
+    R[:count, :count], R[:count, count] = root.T, np.linalg.solve(root, right)
+    R[count, count] = np.sqrt(redundancy)
+    return Triangle(R, redundancy + count, float(redundancy + count))
 
 
 class _State(NamedTuple):
@@ -160,6 +172,7 @@ class _System(NamedTuple):
     model: TorqueModel
     moving: Sequence[Moving]
     still: Sequence[Still]
+    priors: FloatArray
     trajectories: list[Trajectory]
 
     def begin(self, values: FloatArray) -> _State:
@@ -221,37 +234,34 @@ class _System(NamedTuple):
         return state, True
 
     def squares(self, state: _State, levels: Levels) -> float:
-        return sum(
+        believed = float(((self.priors @ np.append(state.values, -1.0)) ** 2).sum())
+        return believed + sum(
             float(((residual / level) ** 2).sum())
             for residual, level in zip(self.residuals(state), levels, strict=True)
         )
 
-    def levels(
-        self,
-        residuals: _Residuals,
-        share: float,
-        fit: tuple[Sequence[Rows], Sequence[Reduced], FloatArray, Levels] | None,
-    ) -> Levels:
+    def levels(self, residuals: _Residuals, taken: FloatArray | None) -> Levels:
         """Noise levels, corrected for what the fit has taken away."""
-        taken = np.zeros((3, residuals.angle.shape[1])) if fit is None else self.taken(*fit)
-        counts = self.counts()
+        taken = np.zeros((3, residuals.angle.shape[1])) if taken is None else taken
         squares = [(residual**2).sum(axis=0) for residual in residuals]
-        floor = (QUIET, QUIET * self.largest_torque(), QUIET * self.largest_torque())
+        quiet = QUIET * max(float(np.abs(data.tau).max()) for data in self.moving)
         return Levels(
             *(
-                np.maximum(np.sqrt(total / np.maximum(count - share * lost, 1.0)), least)
-                for total, count, lost, least in zip(squares, counts, taken, floor, strict=True)
+                np.maximum(np.sqrt(total / np.maximum(count - lost, 1.0)), least)
+                for total, count, lost, least in zip(squares, self.counts(), taken, (QUIET, quiet, quiet), strict=True)
             )
         )
+
+    def redundancy(self, state: _State) -> int:
+        """Measured numbers less unknowns."""
+        unknown = sum(c.size for c in state.coefficients) + len(state.values)
+        return max(1, int(np.sum(self.counts())) - unknown)
 
     def counts(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Angles, usable torques and poses of each joint."""
         usable = np.sum([data.usable.sum(axis=0) for data in self.moving], axis=0)
         every = np.full_like(usable, sum(len(data.q) for data in self.moving))
         return every, usable, np.full_like(usable, sum(len(data.tau) for data in self.still))
-
-    def largest_torque(self) -> float:
-        return max(float(np.abs(data.tau).max()) for data in self.moving)
 
     def criterion(self, residuals: _Residuals, levels: Levels) -> float:
         """See :attr:`MotionFit.criterion`; σ² = Σ residual² / (N (1 − t)), and of t only this is needed."""
@@ -261,16 +271,18 @@ class _System(NamedTuple):
             total += float((count * (4.0 * np.log(level) - np.log(mean))).sum())
         return total
 
-    def taken(self, rows: Sequence[Rows], reduced: Sequence[Reduced], matrix: FloatArray, levels: Levels) -> FloatArray:
+    def taken(
+        self, rows: Sequence[Rows], reduced: Sequence[Reduced], covariance: FloatArray, levels: Levels
+    ) -> FloatArray:
         """Degrees of freedom that angles, torques and poses of each joint have lost to the fit, (3, n).
 
         The trace of a block of the hat matrix A is the mean of zᵀ A z over random signs z.
         """
         rng = np.random.default_rng(0)
-        covariance, n = np.linalg.inv(matrix), len(levels.angle)
+        n = len(levels.angle)
         still = [data.W / levels.still[:, None] for data in self.still]
         probes, seen = [], []
-        right = np.zeros((len(matrix), PROBES))
+        right = np.zeros((len(covariance), PROBES))
         for trajectory, part, eliminated in zip(self.trajectories, rows, reduced, strict=True):
             z = rng.choice([-1.0, 1.0], (2, *part.torque.shape, PROBES))
             local = (part.J.transpose(0, 2, 1) @ z[0]).reshape(len(z[0]), WIDTH, n, PROBES)
@@ -282,7 +294,6 @@ class _System(NamedTuple):
         exact = np.zeros(n)
         for W in still:
             exact += np.einsum("tip,pq,tiq->i", W, covariance, W)
-        # the poses' own probes need no trajectory, so that their share is computed exactly
         values = covariance @ right
         taken = np.zeros((3, n))
         for trajectory, part, eliminated, z, of_motion in zip(

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
@@ -18,7 +17,7 @@ from exoid.identification.residuals import Point, fit_noise
 from exoid.identification.rows import Triangle, for_leg, make_rows, make_triangle
 from exoid.signals import Poses
 
-from .closed_loop import ClosedLoop, least
+from .closed_loop import ClosedLoop, as_possible
 from .default_start import default_start
 from .fit import Fit
 from .wls import wls
@@ -78,16 +77,13 @@ class OutputError:
             )
         first = wls(problem)
         matching = _Matching(self.loop, problem)
-        bound = least(problem.model)
-        values = np.maximum(default_start(problem), bound)
+        values = as_possible(problem.model, default_start(problem))
         answer = matching.answer(values, np.sqrt(np.diag(first.solution.covariance)))
         converged = False
         for _ in range(ROUNDS):
             scales = answer.scales()
-            triangle = answer.triangle(scales)
-            solution = solve(triangle, problem.names)
-            step = _bounded_step(triangle, solution.values, bound - values)
-            std = np.sqrt(np.diag(solution.covariance))
+            solution = matching.solve(answer, scales, values)
+            step, std = solution.values - values, np.sqrt(np.diag(solution.covariance))
             converged = bool((np.abs(step) <= np.maximum(SETTLED * std, EXACT * np.abs(values))).all())
             if converged:
                 break
@@ -96,7 +92,7 @@ class OutputError:
                 converged = True  # no step reduces the sum of squares any further
                 break
             values, answer = moved
-        return _as_fit(problem, first, values, answer, converged)
+        return _as_fit(matching, first, values, answer, converged)
 
 
 class _Series(NamedTuple):
@@ -127,9 +123,11 @@ class _Answer(NamedTuple):
         """Weighted sum of squares."""
         return sum(float(np.sum((part.residual / scales[part.group]) ** 2)) for part in self.series)
 
-    def triangle(self, scales: FloatArray) -> Triangle:
-        """Of the weighted rows."""
-        tables = [np.column_stack([part.J, part.residual]) / scales[part.group] for part in self.series]
+    def triangle(self, scales: FloatArray, values: FloatArray) -> Triangle:
+        """Of the weighted rows, linearised about values."""
+        tables = [
+            np.column_stack([part.J, part.residual + part.J @ values]) / scales[part.group] for part in self.series
+        ]
         table = np.vstack(tables)
         return make_triangle(table, len(table), float(len(table)))
 
@@ -137,6 +135,16 @@ class _Answer(NamedTuple):
 class _Matching(NamedTuple):
     loop: ClosedLoop
     problem: Problem
+
+    def solve(self, answer: _Answer, scales: FloatArray, values: FloatArray) -> Solution:
+        """One Gauss–Newton step, with what is known beside the recordings, and nothing negative that cannot be."""
+        assumed, model = replace(self.problem.assumed, nonnegative=True), self.problem.model
+        return solve(answer.triangle(scales, values), model.names, assumed, model.nonnegative)
+
+    def squares(self, answer: _Answer, scales: FloatArray, values: FloatArray) -> float:
+        """Weighted sum of squares, priors among them."""
+        priors = self.problem.assumed.pseudo_rows(self.problem.names) @ np.append(values, -1.0)
+        return answer.squares(scales) + float(priors @ priors)
 
     def answer(self, values: FloatArray, std: FloatArray) -> _Answer:
         """Simulate at values and beside them."""
@@ -164,42 +172,37 @@ def _descend(
     matching: _Matching, answer: _Answer, scales: FloatArray, values: FloatArray, step: FloatArray, std: FloatArray
 ) -> tuple[FloatArray, _Answer] | None:
     """Halve the step until the sum of squares falls; None where it does not."""
-    before = answer.squares(scales)
+    before = matching.squares(answer, scales, values)
     for halving in range(HALVINGS):
         there = values + 0.5**halving * step
         try:
             found = matching.answer(there, std)
         except ExoidError:  # a step too far diverges
             continue
-        if found.squares(scales) < before:
+        if matching.squares(found, scales, there) < before:
             return there, found
     return None
 
 
-def _bounded_step(triangle: Triangle, free: FloatArray, low: FloatArray) -> FloatArray:
-    """The Gauss–Newton step, on the bounds if it would cross them."""
-    if (free >= low).all():
-        return free
-    count = len(free)
-    R, z = triangle.R[:count, :count], triangle.R[:count, count]
-    norms = np.linalg.norm(R, axis=0)
-    bounds = (np.minimum(low, 0.0) * norms, np.full(count, np.inf))
-    return np.asarray(scipy.optimize.lsq_linear(R / norms, z, bounds, method="bvls").x / norms)
-
-
-def _as_fit(problem: Problem, first: Fit, values: FloatArray, answer: _Answer, converged: bool) -> Fit:
-    scales = answer.scales()
-    solution = solve(answer.triangle(scales), problem.names)
+def _as_fit(matching: _Matching, first: Fit, values: FloatArray, answer: _Answer, converged: bool) -> Fit:
+    scales, problem = answer.scales(), matching.problem
+    solution = matching.solve(answer, scales, values)
     covariance = _sandwich(answer, scales, solution)
-    solution = solution._replace(values=values, covariance=covariance)
     noises = fit_noise(problem, Point(values, first.weights), covariance)
     remarks = () if converged else ("output error has not converged: check controller and reference",)
+    solution = solution._replace(
+        values=values,
+        covariance=covariance,
+        inverse=first.solution.inverse,
+        prior_noise=first.solution.prior_noise,
+        bounded=(),
+    )
     return Fit(solution, first.weights, noises=noises, remarks=remarks)
 
 
 def _sandwich(answer: _Answer, scales: FloatArray, solution: Solution) -> FloatArray:
     """Covariance with an autoregressive model of the residuals of each output."""
-    meat = np.zeros_like(solution.inverse)
+    meat = solution.prior_noise.copy()
     for part in answer.series:
         residual, J = part.residual / scales[part.group], part.J.T / scales[part.group]
         largest = 0 if part.independent else min(LARGEST_ORDER, len(residual) // 10)
