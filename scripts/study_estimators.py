@@ -15,7 +15,8 @@ real      The DFKI double pendulum: identified on the training part; NRMSE of th
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import cache, partial
@@ -65,10 +66,11 @@ class Motion(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """Relative errors of one estimate, and which of its 95 % intervals contain the truth."""
+    """Relative errors of one estimate, which of its 95 % intervals contain the truth, and its cost [s of CPU]."""
 
     errors: FloatArray
     inside: FloatArray
+    seconds: float
 
 
 @cache
@@ -102,22 +104,22 @@ def motion(seconds: float = SECONDS) -> Motion:
     model, aim = leg().model, reference()
     data = model.createData()
 
-    def torque(time: float, state: FloatArray) -> FloatArray:
-        target = aim.at(time)
+    def torque(moment: float, state: FloatArray) -> FloatArray:
+        target = aim.at(moment)
         return STIFFNESS * (target.q[:, 0] - state[:3]) + DAMPING * (target.v[:, 0] - state[3:])
 
-    def rate(time: float, state: FloatArray) -> FloatArray:
+    def rate(moment: float, state: FloatArray) -> FloatArray:
         v = state[3:]
-        net = torque(time, state) - COULOMB * np.tanh(v / SMOOTHING) - VISCOUS * v
+        net = torque(moment, state) - COULOMB * np.tanh(v / SMOOTHING) - VISCOUS * v
         return np.concatenate([v, pin.aba(model, data, state[:3], v, net)])
 
-    time = START + np.arange(round(seconds * RATE)) / RATE
+    stamps = START + np.arange(round(seconds * RATE)) / RATE
     begin = np.concatenate(aim.at(0.0))[:, 0]
-    solved = solve_ivp(rate, (0.0, time[-1] + 0.1), begin, "DOP853", time, rtol=1e-9, atol=1e-11, max_step=5e-3)
+    solved = solve_ivp(rate, (0.0, stamps[-1] + 0.1), begin, "DOP853", stamps, rtol=1e-9, atol=1e-11, max_step=5e-3)
     states = solved.y.T
-    a = np.array([rate(t, state)[3:] for t, state in zip(time, states, strict=True)])
-    tau = np.array([torque(t, state) for t, state in zip(time, states, strict=True)])
-    return Motion(time, states[:, :3], states[:, 3:], a, tau)
+    a = np.array([rate(t, state)[3:] for t, state in zip(stamps, states, strict=True)])
+    tau = np.array([torque(t, state) for t, state in zip(stamps, states, strict=True)])
+    return Motion(stamps, states[:, :3], states[:, 3:], a, tau)
 
 
 def recording(setting: str, seed: int, *, quantised: bool, exact: bool = False) -> exoid.Recording:
@@ -150,10 +152,13 @@ def estimator(name: str, closed: ClosedLoop) -> Estimator | str:
     return known.get(name, name)
 
 
-def judge(estimate: exoid.Estimate) -> Outcome:
-    """Compare with the truth."""
+def judge(identify: Callable[[], exoid.Estimate]) -> Outcome:
+    """Identify and compare with the truth."""
+    start = time.process_time()
+    estimate = identify()
+    seconds = time.process_time() - start
     low, high = estimate.interval().T
-    return Outcome(np.abs(estimate.values / truth() - 1.0), (low <= truth()) & (truth() <= high))
+    return Outcome(np.abs(estimate.values / truth() - 1.0), (low <= truth()) & (truth() <= high), seconds)
 
 
 def replicate(seed: int, setting: str, name: str, quantised: bool) -> Outcome:
@@ -161,27 +166,35 @@ def replicate(seed: int, setting: str, name: str, quantised: bool) -> Outcome:
     exact = name == "exact"
     log = recording(setting, seed, quantised=quantised, exact=exact)
     preparation = FiniteDifference() if exact else None
-    return judge(exoid.identify(leg(), log, TERMS, estimator(name, loop()), preparation=preparation))
+    return judge(partial(exoid.identify, leg(), log, TERMS, estimator(name, loop()), preparation=preparation))
 
 
 def figure(outcomes: Sequence[Outcome]) -> str:
     """Mean error of the worst parameter and coverage, in percent."""
-    errors, inside = (np.mean(part, axis=0) for part in zip(*outcomes, strict=True))
+    errors, inside, _ = (np.mean(part, axis=0) for part in zip(*outcomes, strict=True))
     return f"{100.0 * errors.max():.2f} ({100.0 * inside.mean():.0f})"
+
+
+def cost(outcomes: Sequence[Outcome]) -> str:
+    """Least CPU time of an estimate [s]."""
+    return f"{min(outcome.seconds for outcome in outcomes):.1f}"
 
 
 def study_angles(names: Sequence[str], replicates: int, quantised: bool, workers: int) -> None:
     """Print a row for each estimator."""
-    print(f"| {'quantised' if quantised else 'noise'} | " + " | ".join(SETTINGS) + " |")
-    print("|---" * (1 + len(SETTINGS)) + "|")
+    print(f"| {'quantised' if quantised else 'noise'} | " + " | ".join(SETTINGS) + " | CPU s at 500 Hz |")
+    print("|---" * (2 + len(SETTINGS)) + "|")
     motion()
     with ProcessPoolExecutor(workers) as pool:
         for name in names:
-            cells = []
+            cells: list[str] = []
+            costs: list[str] = []
             for setting in SETTINGS:
                 run = partial(replicate, setting=setting, name=name, quantised=quantised)
-                cells.append(figure(list(pool.map(run, range(replicates)))))
-            print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
+                outcomes = list(pool.map(run, range(replicates)))
+                cells.append(figure(outcomes))
+                costs.append(cost(outcomes))
+            print(f"| {name} | " + " | ".join([*cells, costs[0]]) + " |", flush=True)
 
 
 def stick_slip(replicates: int, seed: int = 0) -> list[exoid.Recording]:
@@ -202,7 +215,7 @@ def stick_once(log: exoid.Recording, name: str) -> Outcome:
     closed, sticks = loop(2000.0, 5e-4), name == "output-error"
     terms = (exoid.Coulomb(smoothing=0.0), exoid.Viscous()) if sticks else STICKING_TERMS
     preparation = None if name in ("ml", *NEED_LOOP) else "smoothed"
-    return judge(exoid.identify(leg(), log, terms, estimator(name, closed), preparation=preparation))
+    return judge(partial(exoid.identify, leg(), log, terms, estimator(name, closed), preparation=preparation))
 
 
 def study_sticking(names: Sequence[str], replicates: int, workers: int) -> None:

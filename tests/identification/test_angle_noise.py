@@ -6,17 +6,21 @@ and prints the figures. The experiment is that of scripts/study_estimators.py.
 
 import os
 import sys
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+
+import exoid
+from exoid.torques import TorqueModel
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 import study_estimators as study
 
 FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
 REPLICATES = 20 if FULL else 2
-SLACK = 1.0 if FULL else 1.6
+SLACK = 1.0 if FULL else 2.0
 """The mean of two absolute errors scatters more than that of twenty."""
 
 LIMITS = {
@@ -34,9 +38,11 @@ def same_motion():
     study.motion()
 
 
+@cache
 def outcomes(name, setting, replicates, quantised=False):
+    """Relative errors, and which intervals contain the truth."""
     runs = [study.replicate(seed, setting, name, quantised) for seed in range(replicates)]
-    return (np.array(part) for part in zip(*runs, strict=True))
+    return np.array([run.errors for run in runs]), np.array([run.inside for run in runs])
 
 
 @pytest.mark.parametrize("quantised", [False, True], ids=["Gaussian", "quantised"])
@@ -62,7 +68,7 @@ def test_output_error_is_at_least_as_near(index):
 
 def test_intervals_of_joint_maximum_likelihood_hold():
     """All settings together; nominal 95 %."""
-    inside = np.concatenate([list(outcomes("ml", setting, REPLICATES))[1] for setting in study.SETTINGS])
+    inside = np.concatenate([outcomes("ml", setting, REPLICATES)[1] for setting in study.SETTINGS])
     mean, worst = 100.0 * inside.mean(), 100.0 * inside.mean(axis=0).min()
     print(f"\nml: coverage {mean:.1f} %, worst parameter {worst:.0f} %, of {len(inside)} estimates")
     assert inside.mean() > (0.90 if FULL else 0.85)
@@ -72,13 +78,13 @@ def test_the_highest_cutoff_must_fail_with_noisy_angles():
     """At 8 Hz whatever the noise, the worst parameter is off by tens of percent."""
     setting = "1e-3 rad, 50 Hz"
     log = study.recording(setting, 0, quantised=False)
-    errors = study.judge(study.exoid.identify(study.leg(), log, study.TERMS, cutoff=8.0)).errors
-    assert errors.max() > 0.5
+    estimate = exoid.identify(study.leg(), log, study.TERMS, cutoff=8.0)
+    assert np.abs(estimate.values / study.truth() - 1.0).max() > 0.5
 
 
 def test_the_motion_obeys_the_model():
     """Torque of the tracked motion is W β of its exact angles, velocities and accelerations."""
     time, q, v, a, tau = study.motion()
-    W = study.exoid.torques.TorqueModel(study.leg(), study.TERMS).regressor(q, v, a)
+    W = TorqueModel(study.leg(), study.TERMS).regressor(q, v, a)
     np.testing.assert_allclose(W @ study.truth(), tau, atol=1e-9)
     np.testing.assert_allclose(np.gradient(q, time, axis=0)[1:-1], v[1:-1], atol=2e-4)

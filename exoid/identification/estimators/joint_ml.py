@@ -19,7 +19,8 @@ from exoid.torques import Coulomb, Term, TorqueModel
 
 from .default_start import default_preparation, default_start
 from .fit import Fit
-from .motion_fit import MotionFit, Moving, Still, fit_motion
+from .motion_fit import MotionFit, fit_motion
+from .motion_system import Moving, Still
 from .wls import wls
 
 COARSE = 0.04
