@@ -1,15 +1,24 @@
 """Figures: functions of results that draw on matplotlib axes and return them."""
 
+from .coverage import plot_coverage, plot_excitation
 from .dynamics import plot_friction, plot_inertial_torque, plot_reference, plot_torques
+from .parameters import plot_correlation, plot_parameters
+from .residuals import plot_prediction, plot_residual_along
 from .statics import plot_approaches, plot_stiffness
 from .style import paper
 
 __all__ = [
     "paper",
     "plot_approaches",
+    "plot_correlation",
+    "plot_coverage",
+    "plot_excitation",
     "plot_friction",
     "plot_inertial_torque",
+    "plot_parameters",
+    "plot_prediction",
     "plot_reference",
+    "plot_residual_along",
     "plot_stiffness",
     "plot_torques",
 ]
