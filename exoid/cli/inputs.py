@@ -29,6 +29,9 @@ Column = Annotated[
 Degrees = Annotated[bool, typer.Option("--degrees", help="Angles in the logs are degrees.")]
 Start = Annotated[float | None, typer.Option(metavar="S", help="Use each log from this time stamp on [s].")]
 Stop = Annotated[float | None, typer.Option(metavar="S", help="Use each log up to before this time stamp [s].")]
+Report = Annotated[
+    str | None, typer.Option(metavar="FILE.HTML", help="Write a report: one HTML page that needs nothing beside it.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 
 

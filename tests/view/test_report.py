@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from pages import check
+from html_pages import check
 
 import exoid
-from exoid.view.report import DataTable, Embedded, Page, Section, Words, identification_report, picture
+from exoid.tables import DataTable
+from exoid.view.report import Embedded, Page, Section, Words, identification_report, picture
 
 
 @pytest.fixture(scope="module")

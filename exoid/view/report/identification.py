@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 from exoid._typing import FloatArray
 from exoid.identification import Estimate, Validation, validate
 from exoid.signals import Recording
-from exoid.tables import with_error
+from exoid.tables import DataTable, with_error
 from exoid.view.coverage import plot_coverage, plot_excitation
 from exoid.view.parameters import plot_correlation, plot_parameters
 from exoid.view.residuals import plot_prediction, plot_residual_along
 
-from .page import DataTable, Page, Part, Picture, Section, Words, picture
+from .page import Page, Part, Picture, Section, Words, picture
 
 SHOWN = 20.0
 """Of a recording [s], as torque over time."""

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from importlib import resources
 from itertools import groupby
 from pathlib import Path
-from typing import ClassVar
 
 import jinja2
 from matplotlib import rc_context
@@ -17,6 +16,7 @@ from matplotlib.figure import Figure
 
 import exoid
 from exoid.files import write_whole
+from exoid.tables import DataTable
 from exoid.view.style import COLUMN, paper
 
 
@@ -33,28 +33,11 @@ class Picture:
     svg: bytes
     alternative: str
     caption: str = ""
-    kind: ClassVar[str] = "picture"
 
     @property
     def source(self) -> str:
         """The drawing as a data URL."""
         return "data:image/svg+xml;base64," + base64.b64encode(self.svg).decode()
-
-
-@dataclass(frozen=True)
-class DataTable:
-    """A table whose first column names its rows.
-
-    Attributes:
-        caption: Above it.
-        headers: Of the columns.
-        rows: Cells as text.
-    """
-
-    caption: str
-    headers: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    kind: ClassVar[str] = "table"
 
 
 @dataclass(frozen=True)
@@ -66,7 +49,6 @@ class Words:
     """
 
     lines: Sequence[str]
-    kind: ClassVar[str] = "words"
 
 
 @dataclass(frozen=True)
@@ -80,7 +62,6 @@ class Embedded:
 
     html: str
     title: str
-    kind: ClassVar[str] = "embedded"
 
 
 Part = Picture | DataTable | Words | Embedded
@@ -96,7 +77,7 @@ class Section:
     @property
     def groups(self) -> list[list[Part]]:
         """The parts, neighbours of one kind together: pictures stand side by side."""
-        return [list(group) for _, group in groupby(self.parts, key=lambda part: part.kind)]
+        return [list(group) for _, group in groupby(self.parts, key=type)]
 
 
 @dataclass(frozen=True)
@@ -117,7 +98,7 @@ class Page:
         """Write the page as HTML that loads nothing from anywhere."""
         environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
         template = resources.files(__package__).joinpath("page.html.jinja").read_text(encoding="utf-8")
-        return environment.from_string(template).render(page=self, version=exoid.__version__)
+        return environment.from_string(template).render(page=self, version=exoid.__version__, kind=_kind)
 
     def write(self, path: str | Path) -> None:
         """Write the page, whole or not at all.
@@ -126,6 +107,11 @@ class Page:
             ExoidError: The file cannot be written.
         """
         write_whole(path, [self.html()])
+
+
+def _kind(part: Part) -> str:
+    """Name what a part is, for the template."""
+    return type(part).__name__
 
 
 def picture(
@@ -140,9 +126,15 @@ def picture(
         columns: Width in columns of a paper.
         aspect: Height over the width of one column.
     """
-    file = io.BytesIO()
-    with paper(), rc_context({"svg.hashsalt": "exoid"}):  # the same drawing gives the same bytes
+    with paper():
         figure = Figure(figsize=(columns * COLUMN, aspect * COLUMN))
         draw(figure)
+        return picture_of(figure, alternative, caption)
+
+
+def picture_of(figure: Figure, alternative: str, caption: str = "") -> Picture:
+    """Take a figure that is drawn already."""
+    file = io.BytesIO()
+    with paper(), rc_context({"svg.hashsalt": "exoid"}):  # the same drawing gives the same bytes
         figure.savefig(file, format="svg", metadata={"Date": None})
     return Picture(file.getvalue(), alternative, caption)
