@@ -65,11 +65,9 @@ def weights(figure: Figure) -> Iterator[tuple[str, Command]]:
 def torques(figure: Figure) -> Iterator[tuple[str, Command]]:
     """Paths and commands that draw the torque of each joint, as large as the largest."""
     reach = figure.skeleton.reach
-    frames = zip(figure.mounts(figure.root), figure.skeleton.axes, figure.colours, strict=True)
-    for path, axis, colour in frames:
-        turned = moved(np.zeros(3), towards(axis))
-        arrow = [part.at(turned) for part in around(WIDEST * reach, THICKNESS * reach, colour)]
-        yield f"{path}/torque", show(f"{path}/torque", arrow, shadows=False)
+    for path, colour in zip(figure.mounts(figure.root), figure.colours, strict=True):
+        arrow = around(WIDEST * reach, THICKNESS * reach, colour)
+        yield f"{path}/torque", show(f"{path}/torque/arrow", arrow, shadows=False)
 
 
 def force_places(figure: Figure, poses: Poses) -> Iterator[Command]:
@@ -77,6 +75,8 @@ def force_places(figure: Figure, poses: Poses) -> Iterator[Command]:
     down = towards(figure.leg.gravity_of_tilted_torso(poses.pitch))
     for path, centre in zip(_weight_paths(figure), _centres(figure, poses.q[:1]), strict=True):
         yield place(path, moved(centre[0], down))
+    for path, axis in zip(figure.mounts(figure.root), figure.skeleton.axes, strict=True):
+        yield place(f"{path}/torque", moved(np.zeros(3), towards(axis)))
     for path, scale in _scales(figure, poses).items():
         yield place(path, np.diag([*scale[0], 1.0]))
 
@@ -103,4 +103,4 @@ def _centres(figure: Figure, q: FloatArray) -> FloatArray:
 def _scales(figure: Figure, poses: Poses) -> dict[str, FloatArray]:
     largest = float(np.abs(poses.tau).max())
     mounts = figure.mounts(figure.root)
-    return {f"{path}/torque": torque_scale(tau, largest) for path, tau in zip(mounts, poses.tau.T, strict=True)}
+    return {f"{path}/torque/arrow": torque_scale(tau, largest) for path, tau in zip(mounts, poses.tau.T, strict=True)}

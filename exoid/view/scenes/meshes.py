@@ -14,8 +14,12 @@ from exoid._typing import FloatArray
 
 IndexArray = NDArray[np.int64]
 
-FINEST = 160.0
-"""Points closer than this share of a mesh's size become one: a screen does not show more."""
+FINENESS = (160.0, 110.0, 80.0, 56.0, 40.0)
+"""Points closer than a mesh's size over this become one: a screen does not show more. The first that leaves no more
+than :data:`MOST` triangles is taken."""
+
+MOST = 20_000
+"""Triangles of a mesh."""
 
 CREASE = np.cos(np.deg2rad(40.0))
 """Faces that meet at a sharper angle keep their edge."""
@@ -69,20 +73,24 @@ def load_mesh(path: Path, scale: FloatArray) -> Mesh:
     read = coal.MeshLoader().load(str(path.resolve()), scale)
     indices = [read.tri_indices(i) for i in range(read.num_tris)]
     triangles = np.array([(t[0], t[1], t[2]) for t in indices])
-    return _with_normals(*_coarser(np.asarray(read.vertices()), triangles))
+    coarser = (_coarser(np.asarray(read.vertices()), triangles, fineness) for fineness in FINENESS)
+    joined, left = next(coarser)
+    while len(left) > MOST and (pair := next(coarser, None)) is not None:
+        joined, left = pair
+    return _with_normals(joined, left)
 
 
-def _coarser(points: FloatArray, triangles: IndexArray) -> tuple[FloatArray, IndexArray]:
+def _coarser(points: FloatArray, triangles: IndexArray, fineness: float) -> tuple[FloatArray, IndexArray]:
     """Join points of one cell of a grid, and drop the triangles that vanish with them."""
-    cell = float(np.ptp(points, axis=0).max()) / FINEST
+    cell = float(np.ptp(points, axis=0).max()) / fineness
     cells = np.rint((points - points.min(axis=0)) / cell).astype(int)
-    _, owner, counts = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    _, owner, counts = np.unique(_keys(cells), return_inverse=True, return_counts=True)
     owner = owner.ravel()
     joined = np.column_stack([np.bincount(owner, points[:, axis]) for axis in range(3)]) / counts[:, np.newaxis]
     faces = owner[triangles]
     a, b, c = faces.T
     faces = faces[(a != b) & (b != c) & (c != a)]
-    _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    _, first = np.unique(_keys(np.sort(faces, axis=1)), return_index=True)
     return joined, faces[np.sort(first)]
 
 
@@ -101,6 +109,14 @@ def _with_normals(points: FloatArray, triangles: IndexArray) -> Mesh:
     smooth = np.einsum("ij,ij->i", unit[corner_faces[corner]], unit[other]) > CREASE
     normals: FloatArray = np.column_stack([np.bincount(corner, areas[other, k] * smooth) for k in range(3)])
     normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-    keys = np.column_stack([corner_points, np.rint(normals * 50.0).astype(int)])
-    _, first, owner = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    keys = np.column_stack([corner_points, np.rint(normals * 50.0).astype(int) + 50])
+    _, first, owner = np.unique(_keys(keys), return_index=True, return_inverse=True)
     return Mesh(points[corner_points[first]], normals[first], owner.reshape(-1, 3))
+
+
+def _keys(rows: IndexArray) -> IndexArray:
+    """One number for each row of numbers that are not negative: sorting those is quick."""
+    keys = np.zeros(len(rows), dtype=np.int64)
+    for column in rows.T:
+        keys = keys * (int(column.max(initial=0)) + 1) + column
+    return keys

@@ -39,7 +39,7 @@ def write_page(scene: Mapping[str, Any], *, live: bool = False) -> str:
 @lru_cache(maxsize=4)
 def _packed(text: str) -> str:
     """Compress, a third of the size, in letters that need no escape; the page unpacks it."""
-    return base64.b64encode(zlib.compress(text.encode(), 9)).decode()
+    return base64.b64encode(zlib.compress(text.encode(), 6)).decode()
 
 
 @cache

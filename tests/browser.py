@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-ARTEFACTS = Path(__file__).parents[2] / "artefacts" / "screenshots"
+ARTEFACTS = Path(__file__).parents[1] / "artefacts" / "screenshots"
 """Where screenshots are kept to be looked at; not under version control."""
 
 FLAGS = (
@@ -58,7 +58,7 @@ class Browser:
         self.port = port
 
     @contextmanager
-    def page(self, url, size=(1200, 900)):
+    def page(self, url, size=(800, 600)):
         """Open an address, wait until it is loaded, and close it afterwards."""
         from websockets.sync.client import connect  # noqa: PLC0415 - tests that need no browser need no websockets
 
