@@ -14,6 +14,7 @@ from .export import export
 from .identify import identify
 from .reproduce import reproduce
 from .validate import validate
+from .view import view
 
 BAD_INPUT = 2
 """Exit status for bad input or usage."""
@@ -29,6 +30,7 @@ app.command()(identify)
 app.command()(validate)
 app.command()(export)
 app.command()(reproduce)
+app.command()(view)
 
 
 def _print_version(wanted: bool) -> None:

@@ -75,11 +75,11 @@ def find_leg(
         logged: Joints in the log.
     """
     if name in SEGMENTS:
-        _refuse({"--joints": joints}, f"the joints of {name} are known")
+        refuse({"--joints": joints}, f"the joints of {name} are known")
         return load_leg(name, side or _side(logged), inertias)
-    _refuse({"--side": side, "--inertias": inertias}, f"{name!r} is no built-in leg")
+    refuse({"--side": side, "--inertias": inertias}, f"{name!r} is no built-in leg")
     if name in DATASETS:
-        _refuse({"--joints": joints}, f"the joints of {name} are known")
+        refuse({"--joints": joints}, f"the joints of {name} are known")
         return DATASETS[name]().leg
     if not Path(name).is_file():
         known = ", ".join([*SEGMENTS, *DATASETS])
@@ -87,7 +87,7 @@ def find_leg(
     return Leg.from_urdf(name, joints if joints is not None else _moving_joints(Path(name), logged))
 
 
-def _refuse(options: Mapping[str, object], why: str) -> None:
+def refuse(options: Mapping[str, object], why: str) -> None:
     """Refuse options that would have no effect."""
     for option, value in options.items():
         if value is not None:

@@ -7,6 +7,7 @@ from .estimate_file import estimate_from_json, estimate_to_json
 from .estimators import ESTIMATORS
 from .export import Export, export_to_json
 from .identify import identify
+from .prediction import predict_motion
 from .validation import Validation, validate, validation_to_json
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "estimate_to_json",
     "export_to_json",
     "identify",
+    "predict_motion",
     "validate",
     "validation_to_json",
 ]

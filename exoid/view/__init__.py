@@ -1,13 +1,16 @@
-"""Figures: functions of results that draw on matplotlib axes and return them."""
+"""Figures, functions of results that draw on matplotlib axes and return them, and the leg in three dimensions."""
 
 from .coverage import plot_coverage, plot_excitation
 from .dynamics import plot_friction, plot_inertial_torque, plot_reference, plot_torques
 from .parameters import plot_correlation, plot_parameters
 from .residuals import plot_prediction, plot_residual_along
+from .scenes import Scene, SceneServer, scene
 from .statics import plot_approaches, plot_stiffness
 from .style import paper
 
 __all__ = [
+    "Scene",
+    "SceneServer",
     "paper",
     "plot_approaches",
     "plot_correlation",
@@ -21,4 +24,5 @@ __all__ = [
     "plot_residual_along",
     "plot_stiffness",
     "plot_torques",
+    "scene",
 ]
