@@ -32,6 +32,10 @@ Stop = Annotated[float | None, typer.Option(metavar="S", help="Use each log up t
 Report = Annotated[
     str | None, typer.Option(metavar="FILE.HTML", help="Write a report: one HTML page that needs nothing beside it.")
 ]
+Topic = Annotated[str | None, typer.Option(metavar="NAME", help="Topic of joint states in a bag of ROS.")]
+Received = Annotated[
+    bool, typer.Option("--received", help="Time at which a bag received its messages, not that in their headers.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 
 
@@ -43,12 +47,16 @@ class LogOptions(NamedTuple):
         degrees: Whether angles are degrees.
         start: First time stamp to use [s].
         stop: First time stamp not to use [s].
+        topic: Of joint states in bags; None for the only one.
+        received: Whether bags count time by when they received messages.
     """
 
     columns: Sequence[str] | None = None
     degrees: bool = False
     start: float | None = None
     stop: float | None = None
+    topic: str | None = None
+    received: bool = False
 
 
 def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] | None = None) -> list[Recording]:
@@ -144,7 +152,10 @@ def _read_log(name: str, options: LogOptions, joints: Sequence[str] | None) -> R
         raise ExoidError(f"no log {name!r}", remedy=f"name {dataset}:train or {dataset}:test")
     else:
         unit: Literal["deg", "rad"] = "deg" if options.degrees else "rad"
-        recording = Recording.from_csv(name, joints, _columns(options.columns), angle_unit=unit)
+        stamps: Literal["header", "received"] = "received" if options.received else "header"
+        recording = Recording.from_file(
+            name, joints, _columns(options.columns), angle_unit=unit, topic=options.topic, stamps=stamps
+        )
     if options.start is None and options.stop is None:
         return recording
     start = recording.time[0] if options.start is None else options.start

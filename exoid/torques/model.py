@@ -86,7 +86,8 @@ class TorqueModel:
         q, v, a = motion * [[[1.0]], [[2.0]], [[5.0]]]
         W = self._fill(q, v, a, None, every).reshape(-1, len(every))
         scale = np.linalg.norm(W, axis=0)
-        W, scale = W / np.where(scale > 0.0, scale, 1.0), np.where(scale > 0.0, scale, 1.0)
+        scale = np.where(scale > 0.0, scale, 1.0)
+        W = np.asarray(np.linalg.qr(W / scale, mode="r"))  # as small as can be: a seven-joint arm has 80 columns
         kept, merged = list(range(len(self.leg.parameter_names))), []
         for k in range(len(kept), len(every)):
             share, *_ = np.linalg.lstsq(W[:, kept], W[:, k])
