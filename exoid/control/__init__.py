@@ -1,31 +1,36 @@
 """Control laws on an identified leg, and the closed loop with a virtual rig."""
 
 from .closed_loop import simulate, simulate_many
+from .computed_torque import computed_torque
+from .feedforward_pd import feedforward_pd
 from .friction import AHEAD, SHARP, SMOOTH, FrictionCompensation
-from .gravity_friction_pd import GravityFrictionPD, gravity_friction_pd
+from .gravity_friction_pd import gravity_friction_pd
 from .law import Law, State
+from .limited import Limited
+from .lqr import Weights, lqr
 from .model import ControlModel
-from .pd import PD, p, pd
+from .pd import p, pd
 from .side_by_side import SideBySide
-from .tracking import Tracking, tracking_table, tracking_to_json
+from .tracking import Tracking
 
 __all__ = [
     "AHEAD",
-    "PD",
     "SHARP",
     "SMOOTH",
     "ControlModel",
     "FrictionCompensation",
-    "GravityFrictionPD",
     "Law",
+    "Limited",
     "SideBySide",
     "State",
     "Tracking",
+    "Weights",
+    "computed_torque",
+    "feedforward_pd",
     "gravity_friction_pd",
+    "lqr",
     "p",
     "pd",
     "simulate",
     "simulate_many",
-    "tracking_table",
-    "tracking_to_json",
 ]

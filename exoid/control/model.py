@@ -125,6 +125,11 @@ class ControlModel:
             torque[other.joint] += (other.torque(at, rate) - other.torque(at, np.zeros_like(rate))).reshape(v.shape[1:])
         return np.asarray(torque)
 
+    def spring_rate(self, q: FloatArray) -> FloatArray:
+        """s'(q) of the polynomials [N·m/rad], (n,); q is (n,)."""
+        powers = np.arange(len(self.spring) - 1, 0, -1.0)[:, None]
+        return np.asarray((powers * self.spring[:-1] * q ** (powers - 1.0)).sum(axis=0))
+
     def mass_matrix(self, q: FloatArray) -> FloatArray:
         """M(q) with rotors [kg·m²], (n, n); q is (n,)."""
         return np.asarray(self.leg.mass_matrix(q)[0] + np.diag(self.armature))

@@ -5,8 +5,9 @@ import pytest
 from legs import cuhk_plant, frictionless
 from scipy.integrate import solve_ivp
 
-from exoid.control import ControlModel, State, gravity_friction_pd, pd, simulate, simulate_many, tracking_to_json
+from exoid.control import ControlModel, State, gravity_friction_pd, pd, simulate, simulate_many
 from exoid.control.closed_loop import plant_step
+from exoid.control.tracking import tracking_to_json
 from exoid.errors import ExoidError
 from exoid.experiments import Hold, healthy_gait
 from exoid.rig import Plant, Sensors, Target

@@ -8,7 +8,6 @@ from legs import LEG, cuhk_plant, exact_estimate, random_target, true_torque
 
 from exoid.control import (
     AHEAD,
-    PD,
     SHARP,
     SMOOTH,
     ControlModel,
@@ -19,6 +18,7 @@ from exoid.control import (
     p,
     pd,
 )
+from exoid.control.pd import PD
 from exoid.errors import ExoidError
 from exoid.rig import Target
 
