@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.control.law import Law, State
+from exoid.control.law import Law, State, refuse_rate
+from exoid.control.linearise import Linear, discretise, linearise
 from exoid.control.model import ControlModel
 from exoid.errors import ExoidError
 from exoid.rig import Plant, Target
@@ -33,13 +33,6 @@ SMOOTH = 1e-3
 
 LawOf = Callable[[float, float], Law]
 """From a scale of the gains and a rate [Hz] to a law."""
-
-
-class _Held(NamedTuple):
-    """The linearised leg over one period of constant torque: x⁺ = A x + B u, x = (δθ, θ̇)."""
-
-    A: FloatArray
-    B: FloatArray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -146,19 +139,11 @@ def _margin(plant: Plant, law: LawOf, q: FloatArray, rate: float, delay: int) ->
     return float(below)
 
 
-def _hold(plant: Plant, q: FloatArray, rate: float) -> _Held:
-    """Linearise M q̈ + D q̇ + K δq = δτ about a pose, and integrate it exactly over one period."""
-    if not 0.0 < rate < np.inf:
-        raise ExoidError(f"a law at {rate:g} Hz", remedy="give a positive rate in Hz")
-    model = ControlModel.of(plant)
-    n = model.n
-    M = model.mass_matrix(q)
-    K = np.array([model.statics(q + STEP * unit) - model.statics(q - STEP * unit) for unit in np.eye(n)]).T / (2 * STEP)
-    system = np.zeros((3 * n, 3 * n))
-    system[:n, n : 2 * n] = np.eye(n)
-    system[n : 2 * n] = np.linalg.solve(M, np.hstack([-K, -np.diag(model.viscous), np.eye(n)]))
-    held = scipy.linalg.expm(system / rate)
-    return _Held(held[: 2 * n, : 2 * n], held[: 2 * n, 2 * n :])
+def _hold(plant: Plant, q: FloatArray, rate: float) -> Linear:
+    """Linearise the leg at rest, and integrate it exactly over one period of constant torque."""
+    refuse_rate(rate)
+    still = np.zeros_like(q)
+    return discretise(linearise(ControlModel.of(plant), q, still, still), 1.0 / rate)
 
 
 def _feedback(law: Law, q: FloatArray) -> FloatArray:
@@ -183,7 +168,7 @@ def _derivatives(law: Law, q: FloatArray, step: float) -> FloatArray:
     return np.array(columns).T / (2.0 * step)
 
 
-def _radius(held: _Held, feedback: FloatArray, delay: int) -> float:
+def _radius(held: Linear, feedback: FloatArray, delay: int) -> float:
     """Of the state with its past, (x_k, x_{k−1}, …, x_{k−d})."""
     if delay < 0 or delay != int(delay):
         raise ExoidError(f"a delay of {delay} periods", remedy="give a whole number")

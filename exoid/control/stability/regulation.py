@@ -70,7 +70,7 @@ class Regulation:
     def outcome(self) -> str:
         """In two or three words."""
         if self.stopped:
-            return "stops" if self.equilibrium.holds(self.run.q[-1]) else "held from outside"
+            return "stops" if self.equilibrium.holds(self.run.q[-1]) else "stops elsewhere"
         return "limit cycle" if self.cycle.exists else "still settling"
 
 
