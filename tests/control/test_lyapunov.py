@@ -9,9 +9,9 @@ import scipy
 from legs import cuhk_plant
 
 from exoid import ExoidError
-from exoid.control import pd, simulate
+from exoid.control import FrictionCompensation, SideBySide, pd, simulate, simulate_many
 from exoid.control.gravity_friction_pd import gravity_friction_pd
-from exoid.control.stability import lyapunov, regulate
+from exoid.control.stability import find_limit_cycle, lyapunov, regulate
 from exoid.experiments import Hold
 from exoid.experiments.cuhk import validation_motion
 
@@ -67,7 +67,7 @@ def test_a_sampled_law_raises_v_where_the_leg_turns_and_the_rise_vanishes_as_the
     rise = {}
     for rate in (50.0, 100.0, 2000.0):
         law = gravity_friction_pd(bare, KP, KD, friction=None, rate=rate)
-        run = simulate(bare, law, Hold(TARGET[:, None]), 4.0, start=TARGET + AWAY, log_rate=rate)
+        run = simulate(bare, law, Hold(TARGET[:, None]), 2.0, start=TARGET + AWAY, log_rate=rate)
         rise[rate] = lyapunov(run, bare, KP, KD).largest_increase
     assert rise[2000.0] <= 1e-9
     assert 1e-7 < rise[100.0] < 1e-5
@@ -160,3 +160,19 @@ def test_the_table_names_every_run(regulations):
         assert word in text
     with pytest.raises(ExoidError, match="no run '× 9'"):
         regulations["× 9"]
+
+
+def test_a_smooth_sign_ends_the_cycle_only_where_it_is_smooth_enough():
+    """Over 0.05 rad/s at 1.2 times the friction but not at 1.5 times; over 0.2 rad/s at both."""
+    plant = cuhk_plant(end_stops=False)
+    sizes = {(0.05, 1.2): False, (0.05, 1.5): True, (0.2, 1.5): False}
+    laws = tuple(
+        gravity_friction_pd(plant, KP, KD, friction=FrictionCompensation(width=width, scale=scale))
+        for width, scale in sizes
+    )
+    start = (TARGET + AWAY)[:, None]
+    runs = simulate_many(plant.each(len(laws)), SideBySide(laws), Hold(TARGET[:, None]), 15.0, start=start)
+    for run, cycles in zip(runs, sizes.values(), strict=True):
+        found = find_limit_cycle(run, 0.25)
+        assert found.exists == cycles
+        assert (found.peak_to_peak_deg[0] > 10.0) == cycles

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -144,6 +145,21 @@ def check_properties(
         gravity=float(np.abs(model.leg.gravity(q)).max()),
         friction=np.array([_friction_at(model, q, speed) for speed in SPEEDS]),
     )
+
+
+def properties_to_json(properties: ModelProperties) -> dict[str, Any]:
+    """Turn verdicts and evidence into what JSON can hold."""
+    return {
+        "symmetric_positive_definite": properties.symmetric_positive_definite,
+        "skew_symmetric": properties.skew_symmetric,
+        "bounded": properties.bounded,
+        "smallest_inertia": properties.smallest_inertia,
+        "skewness": properties.skewness,
+        "speeds": properties.speeds.tolist(),
+        "coriolis": properties.coriolis.tolist(),
+        "friction": properties.friction.tolist(),
+        "gravity": properties.gravity,
+    }
 
 
 def _mass_matrix(model: ControlModel, q: FloatArray) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import ceil
 from typing import Any
@@ -145,6 +145,7 @@ def regulate(
     rate: float = RATE,
     duration: float = DURATION,
     log_rate: float | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> Regulations:
     """Regulate a leg to a target under PD with exact gravity compensation and any share of its friction.
 
@@ -163,6 +164,7 @@ def regulate(
         rate: Of the law [Hz].
         duration: [s].
         log_rate: Of the log [Hz], a multiple of the rate; None for at least 100.
+        progress: Told the share that is done.
 
     Returns:
         Each run; the first one is that of the leg without friction, called "no friction".
@@ -183,7 +185,7 @@ def regulate(
         for share in shares
     ]
     log = rate * ceil(100.0 / rate) if log_rate is None else log_rate
-    runs = _simulate(plants, laws, aim, start, duration, log, names)
+    runs = _simulate(plants, laws, aim, start, duration, log, names, progress)
     return Regulations(
         tuple(
             Regulation(
@@ -209,13 +211,21 @@ def _simulate(
     duration: float,
     log_rate: float,
     names: Sequence[str],
+    progress: Callable[[float], None] | None,
 ) -> tuple[Tracking, ...]:
     """Planar legs all at once, others one by one."""
     reference = Hold(target[:, None])
     if plants[0].leg.chain is not None:
         together, side_by_side = Plant.join(plants), SideBySide(tuple(laws))
         return simulate_many(
-            together, side_by_side, reference, duration, start=start[:, None], log_rate=log_rate, names=tuple(names)
+            together,
+            side_by_side,
+            reference,
+            duration,
+            start=start[:, None],
+            log_rate=log_rate,
+            names=tuple(names),
+            progress=progress,
         )
     return tuple(
         simulate(plant, law, reference, duration, start=start, log_rate=log_rate, name=name)
