@@ -50,7 +50,9 @@ def test_sandbags_weigh_what_winter_says():
     assert [bag.mass for bag in sandbags(share=0.5)] == pytest.approx([3.25, 1.51125, 0.47125])
 
 
-@pytest.mark.parametrize("bad", [{"mass": -1.0}, {"mass": np.nan}, {"position": (0.0, np.inf, 0.0)}, {"gyration": -0.1}])
+@pytest.mark.parametrize(
+    "bad", [{"mass": -1.0}, {"mass": np.nan}, {"position": (0.0, np.inf, 0.0)}, {"gyration": -0.1}]
+)
 def test_impossible_payloads_are_refused(bad):
     with pytest.raises(ExoidError, match="no such payload"):
         Payload(**{"joint": "hip", "mass": 1.0, **bad})
