@@ -15,6 +15,7 @@ from exoid.identification import Estimate
 from exoid.leg import Leg
 from exoid.model import configuration
 from exoid.rig import Plant
+from exoid.rig.plant import STIFFNESS_DEGREE
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, Viscous
 
 from .law import spread
@@ -85,6 +86,29 @@ class ControlModel:
             return cls(bodies, b, source.coulomb[:, 0], source.viscous[:, 0], source.armature[:, 0])
         what = f"a plant of {source.count} rigs" if isinstance(source, Plant) else repr(source)
         raise ExoidError(f"no control model from {what}", remedy="give an Estimate, a Leg, or a Plant of one rig")
+
+    def plant(self, *, end_stops: bool = True) -> Plant:
+        """Build the rig that this model describes; friction that is negative, which no rig can have, becomes zero.
+
+        Args:
+            end_stops: Whether joints stop at the limits of the URDF.
+
+        Raises:
+            ExoidError: There are terms that a rig does not have, or no bodies have such parameters.
+        """
+        if self.others or len(self.spring) > STIFFNESS_DEGREE + 1:
+            raise ExoidError(
+                "the rig has no such friction or stiffness",
+                remedy=f"identify Coulomb and viscous friction, and stiffness of degree {STIFFNESS_DEGREE} at most",
+            )
+        powers = range(len(self.spring) - 1, -1, -1)
+        rows = {f"b{power}": row for power, row in zip(powers, self.spring, strict=True)}
+        rows |= {"c0": self.coulomb.clip(0.0), "d": self.viscous.clip(0.0), "Ia": self.armature.clip(0.0)}
+        labels = self.leg.joint_labels
+        values = {
+            f"{symbol}_{label}": float(x) for symbol, row in rows.items() for label, x in zip(labels, row, strict=True)
+        }
+        return Plant.build(self.leg, values, end_stops=end_stops)
 
     @property
     def n(self) -> int:

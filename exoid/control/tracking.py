@@ -136,12 +136,13 @@ def tracking_table(trackings: Iterable[Tracking]) -> str:
     )
     rows = [
         (
-            f"{one.law}, {one.rate:g} Hz",
+            one.law,
+            f"{one.rate:g}",
             *(" / ".join(shape.format(x) for x in getattr(one, name)) for name, shape in quantities),
         )
         for one in every
     ]
-    headers = ("law", "peak [deg]", "rms [deg]", "rms torque [N·m]", "energy [J]", "variation [N·m/s]")
+    headers = ("law", "[Hz]", "peak [deg]", "rms [deg]", "rms torque [N·m]", "energy [J]", "variation [N·m/s]")
     return to_text(make_table(headers, rows), f"joints: {' / '.join(every[0].joint_names)}")
 
 
