@@ -13,6 +13,7 @@ from exoid.errors import ExoidError
 from .export import export
 from .identify import identify
 from .reproduce import reproduce
+from .stability import stability
 from .validate import validate
 from .view import view
 
@@ -31,6 +32,7 @@ app.command()(validate)
 app.command()(export)
 app.command()(reproduce)
 app.command()(view)
+app.command()(stability)
 
 
 def _print_version(wanted: bool) -> None:

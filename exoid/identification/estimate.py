@@ -23,6 +23,8 @@ from .diagnostics import JointNoise, verdict
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from exoid.codegen import CSource
+
     from .export import Export
 
 ILL_CONDITIONED = 100.0
@@ -233,6 +235,28 @@ class Estimate:
         from .export import export_urdf  # noqa: PLC0415 - it needs this class
 
         return export_urdf(self, path)
+
+    def to_c(self, path: str | os.PathLike[str], *, precision: str = "double", name: str | None = None) -> CSource:
+        """Write the torques of a planar leg as one C99 file that needs nothing but ``<math.h>``.
+
+        Gravity, friction, springs and offsets, mass matrix, rigid bodies, and all together (:meth:`torque`) are
+        functions ``<name>_gravity(q, tau)`` and so on, without state or allocation, for a microcontroller. The comment
+        at the top says where the numbers come from.
+
+        Args:
+            path: The file to write, whole or not at all.
+            precision: "double" or "float".
+            name: Prefix of every name in it; None for the file's.
+
+        Returns:
+            What was written, which prints itself.
+
+        Raises:
+            ExoidError: The leg is not a planar chain, a term has no form in C, or the file cannot be written.
+        """
+        from exoid.codegen import write_c  # noqa: PLC0415 - few need it
+
+        return write_c(self, path, precision=precision, name=name)
 
     def __repr__(self) -> str:
         """Name the parameters."""

@@ -5,6 +5,7 @@ from .dynamics import plot_friction, plot_inertial_torque, plot_reference, plot_
 from .parameters import plot_correlation, plot_parameters
 from .residuals import plot_prediction, plot_residual_along
 from .scenes import Scene, SceneServer, scene
+from .stability import plot_gain_margins, plot_lyapunov, plot_regulation_errors
 from .statics import plot_approaches, plot_stiffness
 from .style import paper
 
@@ -17,11 +18,15 @@ __all__ = [
     "plot_coverage",
     "plot_excitation",
     "plot_friction",
+    "plot_gain_margins",
     "plot_inertial_torque",
     "plot_parameters",
     "plot_prediction",
     "plot_reference",
     "plot_residual_along",
+    "plot_lyapunov",
+    "plot_reference",
+    "plot_regulation_errors",
     "plot_stiffness",
     "plot_torques",
     "scene",

@@ -6,6 +6,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import exoid
+from exoid.control.stability import GainMargins, Lyapunov
 from exoid.signals import Approaches, Poses
 from exoid.view import (
     paper,
@@ -14,7 +15,9 @@ from exoid.view import (
     plot_coverage,
     plot_excitation,
     plot_friction,
+    plot_gain_margins,
     plot_inertial_torque,
+    plot_lyapunov,
     plot_parameters,
     plot_prediction,
     plot_reference,
@@ -22,7 +25,8 @@ from exoid.view import (
     plot_stiffness,
     plot_torques,
 )
-from exoid.view.style import COLUMN
+from exoid.view.stability import RESTLESS
+from exoid.view.style import COLUMN, MEASURED
 
 NAMES = ("hip", "knee", "ankle")
 TIME = np.linspace(0.0, 4.0, 50)
@@ -47,6 +51,9 @@ def inside(figure, ax):
     return box.x1 <= figure.bbox.x1 + 1.0 and box.y1 <= figure.bbox.y1 + 1.0 and box.y0 >= axes.y1 - 1.0
 
 
+FALLING = Lyapunov("a law", 10.0, TIME, np.exp(-TIME), -np.exp(-TIME), -np.exp(-TIME))
+RISING = Lyapunov("another", 10.0, TIME, 1.0 + 0.1 * np.sin(9.0 * TIME), np.zeros(50), np.zeros(50))
+
 PLOTS = {
     "approaches": lambda ax: plot_approaches(ax, Approaches(POSES, POSES), 2, "ankle"),
     "stiffness": lambda ax: plot_stiffness(
@@ -54,6 +61,7 @@ PLOTS = {
     ),
     "inertia": lambda ax: plot_inertial_torque(ax, TIME, np.sin(TIME), np.sin(TIME), "ankle"),
     "friction": lambda ax: plot_friction(ax, np.cos(TIME), np.sign(np.cos(TIME)), 0.2646, "ankle"),
+    "energy": lambda ax: plot_lyapunov(ax, [FALLING, RISING], ["exact", "too much"]),
     "reference": lambda ax: plot_reference(ax, TIME, np.column_stack([TIME, -TIME]), ("hip", "knee")),
 }
 
@@ -74,6 +82,20 @@ def test_the_friction_figure_draws_the_fitted_step():
 def test_the_reference_is_drawn_in_degrees():
     _, ax = drawn(PLOTS["reference"])
     np.testing.assert_allclose(ax.lines[0].get_ydata(), np.rad2deg(TIME))
+
+
+def test_gain_margins_are_drawn_over_the_rate_with_a_line_for_each_delay():
+    margins = GainMargins((30.0, 100.0), (0, 1), np.array([[2.2, 0.9], [7.3, 3.5]]))
+    figure, ax = drawn(lambda ax: plot_gain_margins(ax, margins))
+    np.testing.assert_array_equal(ax.lines[1].get_ydata(), [0.9, 3.5])
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["no delay", "delay of 1 period"]
+    assert inside(figure, ax)
+
+
+def test_runs_whose_energy_rises_again_and_again_have_colours_of_their_own():
+    _, ax = drawn(PLOTS["energy"])
+    assert ax.lines[0].get_color() == MEASURED
+    assert ax.lines[1].get_color() == RESTLESS[0]
 
 
 def test_torques_of_each_joint_have_axes_of_their_own():
