@@ -12,6 +12,7 @@ from exoid.errors import ExoidError
 
 from .export import export
 from .identify import identify
+from .plan import plan
 from .reproduce import reproduce
 from .validate import validate
 
@@ -28,6 +29,7 @@ app = typer.Typer(
 app.command()(identify)
 app.command()(validate)
 app.command()(export)
+app.command()(plan)
 app.command()(reproduce)
 
 
