@@ -12,6 +12,7 @@ from exoid.errors import ExoidError
 
 from .export import export
 from .identify import identify
+from .plan import plan
 from .reproduce import reproduce
 from .stability import stability
 from .validate import validate
@@ -30,6 +31,7 @@ app = typer.Typer(
 app.command()(identify)
 app.command()(validate)
 app.command()(export)
+app.command()(plan)
 app.command()(reproduce)
 app.command()(view)
 app.command()(stability)

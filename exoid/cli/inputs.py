@@ -71,7 +71,7 @@ def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] |
 
 
 def find_leg(
-    name: str, side: str | None, inertias: str | None, joints: Sequence[str] | None, logged: Sequence[str]
+    name: str, side: str | None, inertias: str | None, joints: Sequence[str] | None, logged: Sequence[str] | None
 ) -> Leg:
     """Find the leg that a word means: a built-in one, that of a dataset, or a URDF file.
 
@@ -80,11 +80,11 @@ def find_leg(
         side: "left" or "right" for a built-in leg; None for the side whose joints were logged.
         inertias: Inertia set of a built-in leg.
         joints: Joints of a URDF that move; None for those that were logged.
-        logged: Joints in the log.
+        logged: Joints in the log; None if there is none: all joints of a URDF move.
     """
     if name in SEGMENTS:
         refuse({"--joints": joints}, f"the joints of {name} are known")
-        return load_leg(name, side or _side(logged), inertias)
+        return load_leg(name, side or _side(logged or ()), inertias)
     refuse({"--side": side, "--inertias": inertias}, f"{name!r} is no built-in leg")
     if name in DATASETS:
         refuse({"--joints": joints}, f"the joints of {name} are known")
@@ -92,7 +92,9 @@ def find_leg(
     if not Path(name).is_file():
         known = ", ".join([*SEGMENTS, *DATASETS])
         raise ExoidError(f"no leg or URDF file {name!r}", remedy=f"name a built-in leg ({known}) or a URDF file")
-    return Leg.from_urdf(name, joints if joints is not None else _moving_joints(Path(name), logged))
+    if joints is None and logged is not None:
+        joints = _moving_joints(Path(name), logged)
+    return Leg.from_urdf(name, joints)
 
 
 def refuse(options: Mapping[str, object], why: str) -> None:
@@ -141,6 +143,20 @@ def parse_terms(text: str | None) -> tuple[Term, ...]:
 def split_names(text: str | None) -> tuple[str, ...] | None:
     """Turn "hip,knee" into names."""
     return None if text is None else tuple(name.strip() for name in text.split(","))
+
+
+def parse_numbers(text: str | None, option: str) -> tuple[float, ...] | None:
+    """Turn "0.3,0.2" into numbers; one number alone stands for all joints.
+
+    Raises:
+        ExoidError: A part is no number.
+    """
+    if text is None:
+        return None
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise ExoidError(f"{option} {text}", remedy="write numbers, separated by commas, e.g. 0.3,0.2,0.1") from None
 
 
 def _read_log(name: str, options: LogOptions, joints: Sequence[str] | None) -> Recording:

@@ -6,6 +6,7 @@ from .parameters import plot_correlation, plot_parameters
 from .residuals import plot_prediction, plot_residual_along
 from .scenes import Scene, SceneServer, scene
 from .stability import plot_gain_margins, plot_lyapunov, plot_regulation_errors
+from .plans import plot_planned_motion, plot_precision
 from .statics import plot_approaches, plot_stiffness
 from .style import paper
 
@@ -22,6 +23,8 @@ __all__ = [
     "plot_inertial_torque",
     "plot_parameters",
     "plot_prediction",
+    "plot_planned_motion",
+    "plot_precision",
     "plot_reference",
     "plot_residual_along",
     "plot_lyapunov",
