@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 
@@ -47,11 +51,13 @@ class Problem:
         model: What is to be identified.
         data: Recordings and poses.
         preparation: How they become rows.
+        keep: Which rows to use, given the index of the recording and their times [s], (N,); None for all.
     """
 
     model: TorqueModel
     data: Sequence[Recording | Poses]
     preparation: Preparation
+    keep: Callable[[int, FloatArray], NDArray[np.bool_]] | None = None
     _kept: dict[tuple[int, bool], Rows] = field(default_factory=dict, init=False, repr=False)
 
     @property
@@ -90,9 +96,15 @@ class Problem:
 
     def _make(self, index: int, thinned: bool) -> Rows:
         """Make rows, and keep them and what is left of them after thinning where there is room."""
-        whole = self._kept.get((index, False)) or make_rows(self.model, self.data[index], self.preparation)
+        whole = self._kept.get((index, False)) or self._chosen(index)
         few = thin(whole)
         for key, rows in (((index, True), few), ((index, False), whole)):
             if key not in self._kept and sum(r.W.nbytes for r in self._kept.values()) + rows.W.nbytes <= KEPT_BYTES:
                 self._kept[key] = rows
         return few if thinned else whole
+
+    def _chosen(self, index: int) -> Rows:
+        rows = make_rows(self.model, self.data[index], self.preparation)
+        if self.keep is None:
+            return rows
+        return rows._replace(usable=rows.usable & self.keep(index, rows.time)[:, None])

@@ -64,8 +64,8 @@ def static_rows(model: TorqueModel, poses: Poses) -> Rows:
     """Rows of a leg at rest: no velocity, no acceleration, nothing to filter."""
     poses = for_leg(model, poses)
     still = np.zeros_like(poses.q)
-    W = model.regressor(poses.q, still, still, poses.torso)
-    return Rows(np.arange(len(poses), dtype=np.float64), W, poses.tau, np.ones(poses.q.shape, dtype=np.bool_), 1.0)
+    W, tau = without_known(model, model.regressor(poses.q, still, still, poses.torso), poses.tau)
+    return Rows(np.arange(len(poses), dtype=np.float64), W, tau, np.ones(poses.q.shape, dtype=np.bool_), 1.0)
 
 
 def dynamic_rows(model: TorqueModel, recording: Recording, preparation: Preparation) -> Rows:
@@ -84,8 +84,14 @@ def dynamic_rows(model: TorqueModel, recording: Recording, preparation: Preparat
     rate = recording.sample_rate
     q, v, a, valid = preparation.kinematics(recording)
     W = preparation.filter_columns(model.regressor(q, v, a, recording.torso), rate)
-    tau = preparation.filter(recording.tau, rate)
+    W, tau = without_known(model, W, preparation.filter(recording.tau, rate))
     return Rows(recording.time[valid], W[valid], tau[valid], model.usable(v)[valid], preparation.independence(rate))
+
+
+def without_known(model: TorqueModel, W: FloatArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Take torque that is known, columns beyond those of the parameters, to the other side."""
+    count = len(model.names)
+    return (W[..., :count], tau - W[..., count:].sum(axis=2)) if W.shape[2] > count else (W, tau)
 
 
 def thin(rows: Rows) -> Rows:
@@ -139,7 +145,10 @@ def refuse_dead_torques(model: TorqueModel, recordings: Sequence[Recording | Pos
         ExoidError: Names the joint and the value.
     """
     chosen = [for_leg(model, recording) for recording in recordings]
-    torques = np.vstack([recording.tau for recording in chosen if recording.tau is not None])
+    present = [recording.tau for recording in chosen if recording.tau is not None]
+    if not present:
+        return  # making rows says so, and which column is missing
+    torques = np.vstack(present)
     for joint, torque in zip(model.leg.joint_names, torques.T, strict=True):
         if np.ptp(torque) == 0.0:
             raise ExoidError(
