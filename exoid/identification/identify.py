@@ -43,8 +43,8 @@ def identify(
         recordings: One recording or several of the same leg, with torques; also :class:`exoid.signals.Poses`. Velocity
             and acceleration are derived where they are missing.
         terms: What acts on the joints besides rigid-body dynamics; None for Coulomb and viscous friction, rotor
-            inertia and offset at every joint; () for nothing. Settings that are :class:`exoid.torques.Free` are found by
-            separable least squares, and stand in ``shapes`` of the estimate.
+            inertia and offset at every joint; () for nothing. Settings that are :class:`exoid.torques.Free` are found
+            by separable least squares, and stand in ``shapes`` of the estimate.
         estimator: "wls" (each joint, at rest and in motion, weighted by its residuals), "huber" (the same, and spikes
             count less), "gls" (whitened by a model of the noise; only where the model of the leg is right) or "ols".
         cutoff: Of the parallel filter [Hz]; above the fastest motion, below the noise.
@@ -132,5 +132,5 @@ def _evidence(data: Recording | Poses) -> Input:
     for name in ("time", "q", "v", "a", "tau"):
         array = getattr(data, name, None)
         if array is not None:
-            digest.update(array.tobytes())
+            digest.update(np.ascontiguousarray(array).data)
     return Input("array", digest.hexdigest(), len(data), rate)

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording
-from exoid.torques import Merged, Shape, Term, TorqueModel, free_shapes, linearise, with_shapes
+from exoid.torques import Merged, Shape, Term, TorqueModel, free_shapes, with_shapes
+from exoid.torques.linearised import linearise
 
 from .estimators import ESTIMATORS, Fit
 from .problem import Problem

@@ -5,11 +5,10 @@ from .catalog import DEFAULT_TERMS, TERMS, term_by_name, term_from_json, term_to
 from .coulomb import Coulomb
 from .dry_friction import DryFriction
 from .free import Free, Shape, free_shapes, with_shapes
-from .linearised import Linearised, linearise
 from .load_friction import LoadFriction
 from .memory import Memory
 from .model import Merged, TorqueModel
-from .motion import JointMotion
+from .motion import JointMotion, Motion
 from .offset import Offset
 from .presliding import Presliding
 from .stiffness import Stiffness
@@ -25,10 +24,10 @@ __all__ = [
     "DryFriction",
     "Free",
     "JointMotion",
-    "Linearised",
     "LoadFriction",
     "Memory",
     "Merged",
+    "Motion",
     "Offset",
     "Presliding",
     "Shape",
@@ -38,7 +37,6 @@ __all__ = [
     "TorqueModel",
     "Viscous",
     "free_shapes",
-    "linearise",
     "term_by_name",
     "term_from_json",
     "term_to_json",

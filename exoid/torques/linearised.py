@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.leg import Leg
@@ -75,6 +76,14 @@ class Linearised(TorqueModel):
     def merged(self) -> tuple[Merged, ...]:
         """As it is at every point."""
         return self.known_merged
+
+    @cached_property
+    def acting(self) -> NDArray[np.bool_]:
+        """Which parameters and settings can act on which joint, (n, P + S)."""
+        acting = super().acting
+        for column, slope in enumerate(self.slopes.values(), start=len(self.point)):
+            acting[slope.above[0].joint, column] = True
+        return acting
 
     @property
     def _known_columns(self) -> int:

@@ -17,7 +17,7 @@ from exoid.torso import TorsoMotion
 
 from .free import free_shapes
 from .memory import Memory
-from .motion import JointMotion
+from .motion import JointMotion, Motion
 from .term import Term
 
 BLOCK = 8192
@@ -58,10 +58,6 @@ class Block(NamedTuple):
     names: tuple[str, ...]
 
 
-States = Mapping[tuple[int, Memory], FloatArray]
-"""Hidden states by joint and memory, over all samples of a motion, (N,) each."""
-
-
 class LegMotion(NamedTuple):
     """Motion of all joints over some samples, (n, N) each.
 
@@ -77,7 +73,7 @@ class LegMotion(NamedTuple):
     v: FloatArray
     a: FloatArray
     load: FloatArray
-    states: States
+    states: Mapping[tuple[int, Memory], FloatArray]
 
     def of(self, block: Block) -> JointMotion:
         """Pick what a term may know."""
@@ -142,10 +138,8 @@ class TorqueModel:
         count = len(self.leg.parameter_names)
         every = self.every_name
         loaded = {name for block in self.blocks if block.term.loaded for name in block.names}
-        rng = np.random.default_rng(0)
-        motion = rng.standard_normal((3, 10 * len(every), len(self.leg.joint_names)))
-        q, v, a = motion * [[[1.0]], [[2.0]], [[5.0]]]
-        W = self._fill(q, v, a, None, every).reshape(-1, len(every))
+        motion = self.motion(*_some_motion(10 * len(every), len(self.leg.joint_names)))
+        W = self._fill(motion, every).transpose(2, 1, 0).reshape(-1, len(every))
         scale = np.linalg.norm(W, axis=0)
         W, scale = W / np.where(scale > 0.0, scale, 1.0), np.where(scale > 0.0, scale, 1.0)
         kept, merged = list(range(count)), []
@@ -162,14 +156,36 @@ class TorqueModel:
         """Return the same model with joints loaded by the rigid-body torque of these parameters, (P,)."""
         return replace(self, rigid=values[: len(self.leg.parameter_names)]) if self.loaded else self
 
+    @cached_property
+    def acting(self) -> NDArray[np.bool_]:
+        """Which parameters can act on which joint, (n, P); columns are zero elsewhere."""
+        joints, rigid = len(self.leg.joint_names), self.leg.parameter_names
+        acting = np.zeros((joints, len(self.names)), dtype=np.bool_)
+        acting[:, : len(rigid)] = self.leg.regressor(*_some_motion(10, joints)).any(axis=0)
+        for block in self.blocks:
+            acting[block.joint, [self.names.index(name) for name in block.names if name in self.names]] = True
+        return acting
+
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
         """Columns of all parameters, (N, n, P); arguments as for :meth:`exoid.Leg.regressor`.
 
-        Terms with a memory, such as presliding, take the samples in time order. A model that is linearised has one
-        column more: torque that is known.
+        Terms with a memory, such as presliding, take the samples in time order.
         """
+        return self.columns(self.motion(q, v, a, torso)).transpose(2, 1, 0)
+
+    def motion(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> Motion:
+        """Gather what the columns of a whole recording depend on, hidden states too; arguments as there."""
         q, v, a = self.leg.samples(q, v, a)
-        return self._fill(q, v, a, torso, self.names)
+        needed = {(block.joint, block.term.memory) for block in self._remembering}
+        states = {(j, memory): memory.states(q[:, j], v[:, j]) for j, memory in needed if memory is not None}
+        return Motion(q, v, a, torso, states)
+
+    def columns(self, motion: Motion) -> FloatArray:
+        """Columns of all parameters for a motion or some rows of it, each contiguous in memory, (P, n, N).
+
+        A model that is linearised has one more: torque that is known.
+        """
+        return self._fill(motion, self.names)
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
         """Say which joint's sample can be identified from, given velocities [rad/s], (N, n)."""
@@ -207,38 +223,23 @@ class TorqueModel:
         """Blocks whose hidden states are needed."""
         return self.blocks
 
-    def states(self, q: FloatArray, v: FloatArray) -> States:
-        """Hidden states over a whole motion in time order, each once.
-
-        Args:
-            q: Joint angles [rad], (N, n).
-            v: Joint velocities [rad/s], (N, n).
-        """
-        needed = {(block.joint, block.term.memory) for block in self._remembering}
-        return {(j, memory): memory.states(q[:, j], v[:, j]) for j, memory in needed if memory is not None}
-
-    def _fill(
-        self, q: FloatArray, v: FloatArray, a: FloatArray, torso: TorsoMotion | None, names: tuple[str, ...]
-    ) -> FloatArray:
-        """Regressor of the named parameters, of which the leg's are the first."""
+    def _fill(self, motion: Motion, names: tuple[str, ...]) -> FloatArray:
+        """Columns of the named parameters, of which the leg's are the first."""
+        q, v, a, torso, _ = motion
         out = np.zeros((len(names) + self._known_columns, *q.shape[::-1]))
         self.leg.fill_regressor(q, v, a, out[: len(self.leg.parameter_names)], torso)
-        states = self.states(q, v)
         for start in range(0, len(q), BLOCK):
             rows = slice(start, start + BLOCK)
-            motion = self._slice(q[rows].T, v[rows].T, a[rows].T, states, rows, out[..., rows])
-            self._fill_terms(motion, out[..., rows], names)
-        return out.transpose(2, 1, 0)
+            self._fill_terms(self._leg_motion(motion.rows(rows), out[..., rows]), out[..., rows], names)
+        return out
 
-    def _slice(
-        self, q: FloatArray, v: FloatArray, a: FloatArray, states: States, rows: slice, columns: FloatArray
-    ) -> LegMotion:
-        """Samples ``rows`` of a motion, (n, N) each, with loads from the rigid bodies' columns, (p or more, n, N)."""
-        load = np.zeros_like(q)
+    def _leg_motion(self, motion: Motion, columns: FloatArray) -> LegMotion:
+        """Samples of a motion with their loads, from the rigid bodies' columns, (p or more, n, N)."""
+        load = np.zeros(motion.q.shape[::-1])
         if self.loaded:
             rigid = self.leg.parameters if self.rigid is None else self.rigid
             load = np.tensordot(rigid, columns[: len(rigid)], axes=1)
-        return LegMotion(q, v, a, load, {key: state[rows] for key, state in states.items()})
+        return LegMotion(motion.q.T, motion.v.T, motion.a.T, load, motion.states)
 
     def _fill_terms(self, motion: LegMotion, out: FloatArray, names: tuple[str, ...]) -> None:
         """Write the terms' columns below those of the rigid bodies, (P or more, n, N)."""
@@ -252,3 +253,9 @@ class TorqueModel:
             if not whole:
                 out[rows, block.joint] = columns[kept]
             row = rows.stop
+
+
+def _some_motion(samples: int, joints: int) -> FloatArray:
+    """Angles, velocities and accelerations that have nothing to do with each other, (3, N, n)."""
+    motion = np.random.default_rng(0).standard_normal((3, samples, joints))
+    return motion * [[[1.0]], [[2.0]], [[5.0]]]
