@@ -13,8 +13,11 @@ from exoid.errors import ExoidError
 from .compare import compare
 from .export import export
 from .identify import identify
+from .plan import plan
 from .reproduce import reproduce
+from .stability import stability
 from .validate import validate
+from .view import view
 
 BAD_INPUT = 2
 """Exit status for bad input or usage."""
@@ -30,7 +33,10 @@ app.command()(identify)
 app.command()(validate)
 app.command()(compare)
 app.command()(export)
+app.command()(plan)
 app.command()(reproduce)
+app.command()(view)
+app.command()(stability)
 
 
 def _print_version(wanted: bool) -> None:
