@@ -1,6 +1,6 @@
 """What one step of every law costs from Python, against one bare call of Pinocchio's RNEA.
 
-``pytest tests/benchmarks/test_laws.py -s`` prints the times.
+``pytest tests/benchmarks/test_law_steps.py -s`` prints the times.
 """
 
 from __future__ import annotations
