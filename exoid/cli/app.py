@@ -12,7 +12,9 @@ from exoid.errors import ExoidError
 
 from .export import export
 from .identify import identify
+from .plan import plan
 from .reproduce import reproduce
+from .stability import stability
 from .validate import validate
 from .view import view
 
@@ -29,8 +31,10 @@ app = typer.Typer(
 app.command()(identify)
 app.command()(validate)
 app.command()(export)
+app.command()(plan)
 app.command()(reproduce)
 app.command()(view)
+app.command()(stability)
 
 
 def _print_version(wanted: bool) -> None:

@@ -8,15 +8,20 @@ from .estimators import ESTIMATORS
 from .export import Export, export_to_json
 from .identify import identify
 from .prediction import predict_motion
+from .selection import Candidate, Selection, select_terms, selection_to_json
+from .shapes import Shapes
 from .validation import Validation, validate, validation_to_json
 
 __all__ = [
     "ESTIMATORS",
+    "Candidate",
     "Comparison",
     "Estimate",
     "Export",
     "Input",
     "JointNoise",
+    "Selection",
+    "Shapes",
     "Validation",
     "compare",
     "comparison_to_json",
@@ -25,6 +30,8 @@ __all__ = [
     "export_to_json",
     "identify",
     "predict_motion",
+    "select_terms",
+    "selection_to_json",
     "validate",
     "validation_to_json",
 ]
