@@ -14,6 +14,7 @@ from .export import export
 from .identify import identify
 from .plan import plan
 from .reproduce import reproduce
+from .study import study
 from .validate import validate
 
 BAD_INPUT = 2
@@ -31,6 +32,7 @@ app.command()(validate)
 app.command()(export)
 app.command()(plan)
 app.command()(reproduce)
+app.command()(study)
 
 
 def _print_version(wanted: bool) -> None:
