@@ -15,6 +15,7 @@ from .identify import identify
 from .plan import plan
 from .reproduce import reproduce
 from .stability import stability
+from .study import study
 from .validate import validate
 from .view import view
 
@@ -35,6 +36,7 @@ app.command()(plan)
 app.command()(reproduce)
 app.command()(view)
 app.command()(stability)
+app.command()(study)
 
 
 def _print_version(wanted: bool) -> None:
