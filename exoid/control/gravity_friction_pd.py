@@ -3,11 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from math import copysign, tanh
-from typing import NamedTuple
-
-import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.identification import Estimate
@@ -19,16 +14,6 @@ from .law import RATE, State, gains, refuse_rate
 from .model import ControlModel
 from .pd import PD
 from .suspicion import warn_of_active_friction
-
-
-class _Joint(NamedTuple):
-    """A joint of the law in plain floats: gains, spring polynomial, and the friction that is compensated."""
-
-    kp: float
-    kd: float
-    spring: list[float]
-    c0: float
-    d: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,46 +39,8 @@ class GravityFrictionPD:
 
     def torque(self, state: State, target: Target) -> FloatArray:
         """See the class."""
-        if self._joints is not None and state.q.ndim == 1:
-            return self._torque_of_one(state, target, self._joints)
         torque = self.feedback.torque(state, target) + self.model.statics(state.q)
         return torque if self.friction is None else torque + self.friction.torque(self.model, state, target)
-
-    def _torque_of_one(self, state: State, target: Target, joints: list[_Joint]) -> FloatArray:
-        """The same in plain floats: arrays of three numbers cost more than their arithmetic does."""
-        q, v, qd, vd = state.q.tolist(), state.v.tolist(), target.q.tolist(), target.v.tolist()
-        friction = self.friction or SMOOTH  # where there is none its coefficients are zero
-        rubbing = vd if friction.velocity == "desired" else v
-        sign, scale = (_sgn, 1.0) if friction.width == 0.0 else (tanh, 1.0 / friction.width)
-        gravity = self.model.gravity_of_one(state.q).tolist()
-        torque = []
-        for (kp, kd, spring, c0, d), x, w, xd, wd, u, g in zip(joints, q, v, qd, vd, rubbing, gravity, strict=True):
-            statics = g + _horner(spring, x) if spring else g
-            torque.append(kp * (xd - x) + kd * (wd - w) + statics + c0 * sign(scale * u) + d * u)
-        return np.array(torque)
-
-    @cached_property
-    def _joints(self) -> list[_Joint] | None:
-        """Each joint in plain floats; None where gains are those of several legs, or terms need arrays."""
-        kp, kd, model = self.feedback.kp, self.feedback.kd, self.model
-        if max(kp.ndim, kd.ndim) > 1 or model.others:
-            return None
-        share = 0.0 if self.friction is None else self.friction.scale
-        springs = [np.trim_zeros(polynomial, "f").tolist() for polynomial in model.spring.T]
-        every = (np.broadcast_to(x, model.n).tolist() for x in (kp, kd, share * model.coulomb, share * model.viscous))
-        stiffness, damping, coulomb, viscous = every
-        return [_Joint(*each) for each in zip(stiffness, damping, springs, coulomb, viscous, strict=True)]
-
-
-def _sgn(x: float) -> float:
-    return copysign(1.0, x) if x else 0.0
-
-
-def _horner(coefficients: list[float], x: float) -> float:
-    value = 0.0
-    for coefficient in coefficients:
-        value = value * x + coefficient
-    return value
 
 
 def gravity_friction_pd(

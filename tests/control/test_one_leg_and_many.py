@@ -1,4 +1,4 @@
-"""The quick way through PD with gravity and friction compensation gives what the way for many legs gives."""
+"""PD with gravity and friction compensation gives one leg what it gives each of many, whatever way is quicker."""
 
 from __future__ import annotations
 
