@@ -13,6 +13,7 @@ from exoid.errors import ExoidError
 from .export import export
 from .identify import identify
 from .reproduce import reproduce
+from .select import select
 from .validate import validate
 
 BAD_INPUT = 2
@@ -26,6 +27,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command()(identify)
+app.command()(select)
 app.command()(validate)
 app.command()(export)
 app.command()(reproduce)
