@@ -27,7 +27,7 @@ def select(
         str | None, typer.Option("--output", "-o", metavar="EST.JSON", help="Identify with the choice, and write it.")
     ] = None,
     test: Annotated[
-        str | None, typer.Option(metavar="LOG", help="Validate the choice, once, on a log that it was not made from.")
+        str | None, typer.Option(metavar="LOG", help="Validate the choice, once, on a log it was not made from.")
     ] = None,
     friction: Annotated[
         str | None, typer.Option(metavar="A,B", help=f"Models to compare; default: {', '.join(FRICTION)}.")
@@ -44,9 +44,8 @@ def select(
     as_json: AsJson = False,
 ) -> None:
     """Select terms, filter and estimator for LEG by blocked cross-validation inside the LOGs."""
-    options = LogOptions(column, degrees, start, stop)
-    recordings = read_logs(logs, options)
-    tested = read_logs([test], options)[0] if test is not None else None
+    recordings = read_logs(logs, LogOptions(column, degrees, start, stop))
+    tested = read_logs([test], LogOptions(column, degrees))[0] if test is not None else None
     found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names)
     with Progress(console=Console(stderr=True), transient=True) as bar:
         told = partial(_tell, bar, bar.add_task("trying candidates", total=1.0))

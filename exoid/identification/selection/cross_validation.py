@@ -110,11 +110,12 @@ class Errors(NamedTuple):
         return np.asarray(np.sqrt(np.maximum(self.torque_squares / self.rows - (self.torque / self.rows) ** 2, TINY)))
 
 
-def held_out(task: Task, split: Split, start: Start | None, cutoff: float) -> Errors:
+def held_out(task: Task, recordings: Sequence[Recording], split: Split, start: Start | None, cutoff: float) -> Errors:
     """Fit to the rows that a split leaves, and predict the others.
 
     Args:
         task: What to fit.
+        recordings: Its data.
         split: Rows to fit and rows to test.
         start: Near the solution; None to search.
         cutoff: Of the filter that measured and predicted torque pass for comparison [Hz].
@@ -124,7 +125,7 @@ def held_out(task: Task, split: Split, start: Start | None, cutoff: float) -> Er
     """
     fitted = fit_model(task._replace(keep=split.fitted), start)
     errors = []
-    for index, recording in enumerate(task.data):
+    for index, recording in enumerate(recordings):
         rows = make_rows(fitted.model, recording, evaluation(task.preparation, cutoff, recording.sample_rate))
         tested = split.tested(index, rows.time)
         residual, torque = (rows.tau - rows.W @ fitted.values)[tested], rows.tau[tested]

@@ -236,8 +236,8 @@ class _Bench(NamedTuple):
         try:
             whole = fit_model(task)
             start = Start.at(whole)
-            each = [held_out(task, split, start, self.cutoff) for split in splits]
-            quick = held_out(task, fast, start, self.cutoff)
+            each = [held_out(task, self.recordings, split, start, self.cutoff) for split in splits]
+            quick = held_out(task, self.recordings, fast, start, self.cutoff)
         except ExoidError as error:
             nothing = np.full(len(self.leg.joint_names), np.nan)
             return Score(candidate, 0, nothing, np.full(len(splits), np.nan), nothing, error.what)
