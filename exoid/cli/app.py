@@ -16,6 +16,7 @@ from .plan import plan
 from .reproduce import reproduce
 from .stability import stability
 from .study import study
+from .select import select
 from .validate import validate
 from .view import view
 
@@ -30,6 +31,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command()(identify)
+app.command()(select)
 app.command()(validate)
 app.command()(export)
 app.command()(plan)
