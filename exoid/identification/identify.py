@@ -17,10 +17,11 @@ from .assumed import Assumed, Prior
 from .diagnostics import judge_noise, judge_sizes, negative
 from .estimate import Estimate, Input
 from .estimators import ESTIMATORS
+from .fitting import Task
 from .influence import influence
 from .residuals import sandwich
 from .rows import refuse_dead_torques, refuse_still_joints, rms_residual
-from .separable import Task, fit_model
+from .separable import fit_model
 from .trends import remarks, residual_trends
 
 NOISES = ("correlated", "white")
@@ -102,6 +103,8 @@ def identify(
     inputs = tuple(_evidence(recording) for recording in recordings)
     trends = residual_trends(problem, fit.point, noises, solution, covariance, whitened=fit.noises is not None)
     std = np.sqrt(np.diag(covariance))
+    shapes = fitted.shapes.with_covariance(problem.names[count:], covariance[count:, count:])
+    doubts = (*shapes.doubts, *negative(fitted.model, fitted.values, std[:count]), *remarks(trends))
     return Estimate(
         model=fitted.model,
         values=fitted.values,
@@ -114,8 +117,8 @@ def identify(
         inputs=inputs,
         noise=judged,
         sizes=judge_sizes(problem.triangles)[:count],
-        warnings=(*fitted.remarks, *negative(fitted.model, fitted.values, std[:count]), *remarks(trends)),
-        shapes=fitted.shapes.with_covariance(problem.names[count:], covariance[count:, count:]),
+        warnings=(*fitted.remarks, *doubts),
+        shapes=shapes,
         assumed=assumed,
         bounded=tuple(problem.names[k] for k in solution.bounded),
         influence=influence(problem, [source.name for source in inputs], fit, std, count),

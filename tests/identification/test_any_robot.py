@@ -106,9 +106,7 @@ def test_intervals_hold_for_numeric_base_parameters_and_terms(arm, time_constant
         ratios.append(exoid.validate(estimate, arm.recording(TEST, noise)).rmse / floor)
     pooled, each = np.mean(inside), np.mean(inside, axis=0)
     measured = np.std(np.mean(inside, axis=1), ddof=1) / np.sqrt(REPLICATES)
-    error = max(
-        measured, np.sqrt(0.05 * 0.95 / (20 * REPLICATES))
-    )  # as if 20 of each were independent
+    error = max(measured, np.sqrt(0.05 * 0.95 / (20 * REPLICATES)))  # as if 20 of each were independent
     print(
         f"\n{arm.robot}, {len(each)} parameters, noise memory {time_constant} s, {REPLICATES} replicates: coverage "
         f"{pooled:.1%} ± {measured:.1%} (Monte Carlo), worst parameter {each.min():.0%}, RMSE over floor "

@@ -138,12 +138,12 @@ def _merged(layers: Iterable[Layer]) -> tuple[Layer, ...]:
 
 
 def _direction(figures: Sequence[Figure]) -> FloatArray:
-    """Direction to look from: half from the front, from the side of the legs that is away from what they hang on."""
+    """Direction to look from: one leg from the side that is away from what it hangs on, several more from the front."""
     torsos = [point for figure in figures if figure.shapes[0] for part in figure.shapes[0] for point in part.extent]
     middle = np.mean([*torsos, np.zeros(3)], axis=0)
     hips = np.mean([figure.skeleton.placements[0][:3, 3] for figure in figures], axis=0)
     side = -1.0 if hips[1] < middle[1] - 1e-3 else 1.0
-    direction = np.array([0.62, 0.78 * side, 0.22])
+    direction = np.array([0.62, 0.78 * side, 0.22] if len(figures) == 1 else [0.87, 0.44, 0.22])
     return np.asarray(direction / np.linalg.norm(direction))
 
 
@@ -168,7 +168,7 @@ def _surroundings(points: FloatArray, direction: FloatArray) -> Iterator[Command
     above = size * np.array([0.6 * direction[0], 0.5 * direction[1], 1.6]) + centre
     yield set_property("/Lights/SpotLight", "visible", True)
     yield set_property(spot, "castShadow", True)
-    for light, intensity in (("AmbientLight", 0.5), ("FillLight", 0.2), ("SpotLight", 0.35)):
+    for light, intensity in (("AmbientLight", 0.5), ("FillLight", 0.2), ("SpotLight", 0.3)):
         yield set_property(f"/Lights/{light}/<object>", "intensity", intensity)
     yield set_property(spot, "position", above.tolist())
     yield {"type": "set_object", "path": "/Cameras/default/rotated", "object": CAMERA}
