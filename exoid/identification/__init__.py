@@ -10,12 +10,16 @@ from .estimators import ESTIMATORS, ClosedLoop, InstrumentalVariables, JointML, 
 from .export import Export, export_to_json
 from .identify import identify
 from .influence import Influence
+from .prediction import predict_motion
+from .selection import Candidate, Selection, select_terms, selection_to_json
+from .shapes import Shapes
 from .trends import Trend
 from .validation import Validation, validate, validation_to_json
 
 __all__ = [
     "ESTIMATORS",
     "Assumed",
+    "Candidate",
     "ClosedLoop",
     "Comparison",
     "Estimate",
@@ -27,6 +31,8 @@ __all__ = [
     "JointNoise",
     "OutputError",
     "Prior",
+    "Selection",
+    "Shapes",
     "TorqueBand",
     "Trend",
     "Validation",
@@ -36,6 +42,9 @@ __all__ = [
     "estimate_to_json",
     "export_to_json",
     "identify",
+    "predict_motion",
+    "select_terms",
+    "selection_to_json",
     "validate",
     "validation_to_json",
 ]

@@ -11,16 +11,17 @@ import numpy as np
 from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, choose_cutoff, preparation_by_name
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+from exoid.torques import DEFAULT_TERMS, Term, TorqueModel, free_shapes
 
 from .assumed import Assumed, Prior
 from .diagnostics import judge_noise, judge_sizes, negative
 from .estimate import Estimate, Input
-from .estimators import ESTIMATORS, NEED_LOOP, Estimator, name_of
+from .estimators import Estimator, find_estimator, name_of
+from .fitting import Task
 from .influence import influence
-from .problem import Problem
 from .residuals import sandwich
-from .rows import for_leg, join, refuse_dead_torques, refuse_empty_joints, refuse_still_joints, rms_residual
+from .rows import for_leg, refuse_dead_torques, refuse_still_joints, rms_residual
+from .separable import fit_model
 from .trends import remarks, residual_trends
 
 NOISES = ("correlated", "white")
@@ -49,7 +50,8 @@ def identify(
         recordings: One recording or several of the same leg, with torques; also :class:`exoid.signals.Poses`. Velocity
             and acceleration are derived where they are missing.
         terms: What acts on the joints besides rigid-body dynamics; None for Coulomb and viscous friction, rotor
-            inertia and offset at every joint; () for nothing.
+            inertia and offset at every joint; () for nothing. Settings that are :class:`exoid.torques.Free` are found
+            by separable least squares, and stand in ``shapes`` of the estimate.
         estimator: "wls" (each joint, at rest and in motion, weighted by its residuals), "huber" (the same, and spikes
             count less), "gls" (whitened by a model of the noise; only where the model of the leg is right), "ml"
             (motion and parameters together; where angles are noisy and the model is right) or "ols". Also an object
@@ -77,63 +79,56 @@ def identify(
         >>> est = identify(leg, Recording.from_csv("log.csv"))  # doctest: +SKIP
     """
     recordings = _recordings(recordings)
-    estimate = _estimator(estimator)
+    estimate = find_estimator(estimator)
     if noise not in NOISES:
         raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
-    model = TorqueModel(leg, _terms(terms))
+    terms = _terms(terms)
     assumed = Assumed(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
-    assumed.check(model)
-    refuse_still_joints(model, recordings, assumed.names)
+    refuse_still_joints(_checked(leg, terms, assumed), recordings, assumed.names)
     if isinstance(preparation, str):
         preparation = preparation_by_name(preparation)
+    rigid = TorqueModel(leg, ())
     if preparation is None:
-        selected = (for_leg(model, data) for data in recordings)
+        selected = (for_leg(rigid, data) for data in recordings)
         preparation = ZeroPhase(choose_cutoff(selected) if cutoff is None else cutoff)
-    problem = Problem(model, recordings, preparation, assumed)
-    groups = problem.groups
-    refuse_dead_torques(model, recordings)
-    refuse_empty_joints(model, [join(group) for group in zip(*groups, strict=True)])
-    fit = estimate(problem)
-    solution = fit.solution
+    refuse_dead_torques(rigid, recordings)
+    fitted = fit_model(Task(leg, terms, recordings, preparation, estimate, assumed=assumed))
+    problem, fit = fitted.problem, fitted.fit
+    solution, count = fit.solution, len(fitted.values)
     covariance, noises = solution.covariance, fit.noises
     if noises is None:
         covariance, noises = sandwich(problem, fit.point, solution)
     judged = judge_noise(problem, fit.point, noises)
     independent = sum(of_joint.effective_samples for of_joint in judged)
-    residuals = [rms_residual(of_joint, solution.values) for of_joint in zip(*groups, strict=True)]
-    white = noise == "white"
-    covariance = solution.covariance if white else covariance
+    residuals = [rms_residual(of_joint, solution.values) for of_joint in zip(*problem.groups, strict=True)]
+    if noise == "white":
+        covariance, dof = solution.covariance, solution.dof
+    else:
+        dof = max(1.0, independent - int(assumed.free(problem.names).sum()))
     inputs = tuple(_evidence(recording) for recording in recordings)
-    std = np.sqrt(np.diag(covariance))
     trends = residual_trends(problem, fit.point, noises, solution, covariance, whitened=fit.noises is not None)
+    std = np.sqrt(np.diag(covariance))
+    shapes = fitted.shapes.with_covariance(problem.names[count:], covariance[count:, count:])
+    doubts = (*shapes.doubts, *negative(fitted.model, fitted.values, std[:count]), *remarks(trends))
     return Estimate(
-        model=model,
-        values=solution.values,
-        covariance=covariance,
+        model=fitted.model,
+        values=fitted.values,
+        covariance=covariance[:count, :count],
         condition_number=solution.condition_number,
-        dof=solution.dof if white else max(1.0, independent - int(assumed.free(model.names).sum())),
+        dof=dof,
         residual_rms=np.array(residuals),
         estimator=fit.name or name_of(estimate),
         preparation=preparation,
         inputs=inputs,
         noise=judged,
-        sizes=judge_sizes(problem.triangles),
-        warnings=(*fit.remarks, *negative(model, solution.values, std), *remarks(trends)),
+        sizes=judge_sizes(problem.triangles)[:count],
+        warnings=(*fitted.remarks, *doubts),
+        shapes=shapes,
         assumed=assumed,
-        bounded=tuple(model.names[k] for k in solution.bounded),
-        influence=influence(problem, [source.name for source in inputs], fit.weights, solution.inverse, std),
+        bounded=tuple(problem.names[k] for k in solution.bounded),
+        influence=influence(problem, [source.name for source in inputs], fit, std, count),
         trends=trends,
     )
-
-
-def _estimator(given: str | Estimator) -> Estimator:
-    """Look an estimator up by name."""
-    if callable(given):
-        return given
-    known = {**ESTIMATORS, **NEED_LOOP}
-    if given not in known:
-        raise ExoidError(f"no estimator {given!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
-    return known[given]
 
 
 def _recordings(given: Recording | Poses | Iterable[Recording | Poses]) -> list[Recording | Poses]:
@@ -155,6 +150,24 @@ def _terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
     if wrong:
         raise ExoidError(f"{wrong[0]!r} is no term", remedy="pass terms such as (exoid.Coulomb(), exoid.Viscous())")
     return terms
+
+
+def _checked(leg: Leg, terms: tuple[Term, ...], assumed: Assumed) -> TorqueModel:
+    """Return the model that assumptions are about, or the bare leg where there are none.
+
+    Raises:
+        ExoidError: They make no sense, or the model is not linear in its parameters.
+    """
+    if not assumed.names and not assumed.nonnegative:
+        return TorqueModel(leg, ())
+    if any(term.loaded for term in terms) or free_shapes(terms, leg.joint_names, leg.joint_labels):
+        raise ExoidError(
+            "known parameters, priors and bounds need a model that is linear in its parameters",
+            remedy="leave out friction that depends on the load, and give all settings of terms a value",
+        )
+    model = TorqueModel(leg, terms)
+    assumed.check(model)
+    return model
 
 
 def _evidence(data: Recording | Poses) -> Input:

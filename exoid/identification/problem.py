@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -67,11 +67,13 @@ class Problem:
         data: Recordings and poses.
         preparation: How they become rows.
         assumed: What is known beside them.
+        keep: Which rows to use, given the index of the recording and their times [s], (N,); None for all.
     """
 
     model: TorqueModel
     data: Sequence[Recording | Poses]
     preparation: Preparation
+    keep: Callable[[int, FloatArray], NDArray[np.bool_]] | None = None
     assumed: Assumed = NOTHING
     _kept: dict[tuple[int, bool], list[Rows]] = field(default_factory=dict, init=False, repr=False)
     _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)
@@ -168,7 +170,10 @@ class Problem:
         """Prepare a recording, and remember the last one."""
         if index not in self._prepared:
             self._prepared.clear()
-            self._prepared[index] = prepare(self.model, self.data[index], self.preparation)
+            prepared = prepare(self.model, self.data[index], self.preparation)
+            if self.keep is not None:
+                prepared = prepared._replace(usable=prepared.usable & self.keep(index, prepared.time)[:, None])
+            self._prepared[index] = prepared
         return self._prepared[index]
 
 

@@ -32,9 +32,27 @@ def report(estimate: Estimate) -> str:
             strict=True,
         )
     ]
-    title = f"{estimate.model.leg.description.name}: {estimate.estimator} estimate of {len(rows)} parameters"
+    rows += _shapes(estimate)
+    title = f"{estimate.model.leg.description.name}: {estimate.estimator} estimate of {len(estimate.names)} parameters"
     headers = ("parameter", "value", "± std", "95 % from", "to", "unit", "determined")
     return to_text(title, make_table(headers, rows), *_remarks(estimate))
+
+
+def _shapes(estimate: Estimate) -> list[tuple[str, ...]]:
+    """Settings as rows of the table; those that are held have no uncertainty."""
+    shapes = estimate.shapes
+    return [
+        (name, *(with_error(value, std, *interval) if std > 0.0 else (f"{value:.4g}", "", "", "")), unit, judged)
+        for name, value, std, interval, unit, judged in zip(
+            shapes.names,
+            shapes.values,
+            shapes.std,
+            shapes.interval(estimate.dof),
+            shapes.units,
+            shapes.verdicts,
+            strict=True,
+        )
+    ]
 
 
 def _remarks(estimate: Estimate) -> Iterator[str]:

@@ -146,40 +146,39 @@ def form_rows(model: TorqueModel, prepared: Prepared, stretch: range) -> Rows:
     """Form the regressor columns of a stretch of samples and pass them through the filter that the torque has passed.
 
     Columns are formed as far beyond both ends of the stretch as the filter reaches, so that they come out as if those
-    of the whole recording had been filtered.
+    of the whole recording had been filtered. Columns beyond those of the parameters are torque that is known, and is
+    taken to the other side.
     """
     first = max(0, stretch.start - prepared.reach)
     around = slice(first, min(len(prepared.time), stretch.stop + prepared.reach))
     columns = model.columns(prepared.motion.rows(around))
+    count, known = len(model.names), len(columns) - len(model.names)
     if prepared.preparation is not None:
-        acting = model.acting.T
-        distinct, places = _distinct(columns[acting])
-        columns[acting] = prepared.preparation.filter_columns(distinct.T, prepared.rate).T[places]
+        acting = np.vstack([model.acting.T, np.ones((known, columns.shape[1]), dtype=np.bool_)])
+        signals = [columns[parameter, joint] for parameter, joint in np.argwhere(acting)]
+        distinct, places = _distinct(signals)
+        filtered = prepared.preparation.filter_columns(distinct.T, prepared.rate).T
+        for signal, place in zip(signals, places, strict=True):
+            signal[:] = filtered[place]
     rows = slice(stretch.start, stretch.stop)
     W = columns[:, :, stretch.start - first : stretch.stop - first].transpose(2, 1, 0)
-    motion = prepared.motion.rows(rows)
-    return Rows(
-        prepared.time[rows],
-        W,
-        prepared.tau[rows],
-        motion.q,
-        motion.v,
-        prepared.usable[rows],
-        model.acting,
-        prepared.independence,
-    )
+    tau, motion = prepared.tau[rows], prepared.motion.rows(rows)
+    if known:
+        W, tau = W[..., :count], tau - W[..., count:].sum(axis=2)
+    time, usable = prepared.time[rows], prepared.usable[rows]
+    return Rows(time, W, tau, motion.q, motion.v, usable, model.acting, prepared.independence)
 
 
-def _distinct(signals: FloatArray) -> tuple[FloatArray, list[int]]:
+def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
     """Signals that differ, and which of them each one is: filters are slow, and some parameters act on joints alike."""
-    kept: list[int] = []
+    kept: list[FloatArray] = []
     places = []
-    for k, signal in enumerate(signals):
-        twins = (place for place, j in enumerate(kept) if signals[j, 0] == signal[0] and (signals[j] == signal).all())
+    for signal in signals:
+        twins = (k for k, other in enumerate(kept) if other[0] == signal[0] and np.array_equal(other, signal))
         places.append(next(twins, len(kept)))
         if places[-1] == len(kept):
-            kept.append(k)
-    return signals[kept], places
+            kept.append(signal)
+    return np.array(kept), places
 
 
 def make_rows(model: TorqueModel, data: Recording | Poses, preparation: Preparation) -> Rows:
@@ -273,6 +272,8 @@ def refuse_dead_torques(model: TorqueModel, recordings: Sequence[Recording | Pos
     torques = [for_leg(model, recording).tau for recording in recordings]
     for index, joint in enumerate(model.leg.joint_names):
         columns = [tau[:, index] for tau in torques if tau is not None]
+        if not columns:
+            return  # preparing them says so, and which column is missing
         value = columns[0][0]
         if all((column == value).all() for column in columns):
             raise ExoidError(

@@ -3,6 +3,7 @@
 from .actuators import Actuator, DcMotor, Drive, HydraulicServo, IdealTorque
 from .continuous import Followed, follow
 from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
+from .payload import Payload, load_leg_with, load_plant, sandbags
 from .pinocchio_stepper import PinocchioStepper
 from .plant import Plant
 from .sensors import Sensors
@@ -19,6 +20,7 @@ __all__ = [
     "Followed",
     "HydraulicServo",
     "IdealTorque",
+    "Payload",
     "PinocchioStepper",
     "PlanarStepper",
     "Plant",
@@ -33,5 +35,8 @@ __all__ = [
     "Stepper",
     "Target",
     "follow",
+    "load_leg_with",
+    "load_plant",
+    "sandbags",
     "simulate",
 ]

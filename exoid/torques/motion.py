@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import fields
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.torso import TorsoMotion
+
+from .memory import Memory
 
 
 class Motion(NamedTuple):
@@ -19,17 +23,38 @@ class Motion(NamedTuple):
         v: Joint velocities [rad/s], (N, n).
         a: Joint accelerations [rad/s²], (N, n).
         torso: Motion of the torso, if it moves.
+        states: Hidden states of joints by joint and memory, (N,) each.
     """
 
     q: FloatArray
     v: FloatArray
     a: FloatArray
     torso: TorsoMotion | None = None
+    states: Mapping[tuple[int, Memory], FloatArray] = MappingProxyType({})
 
     def rows(self, rows: slice) -> Motion:
         """Cut some rows out; nothing is copied."""
         torso = None if self.torso is None else _cut(self.torso, len(self.q), rows)
-        return Motion(self.q[rows], self.v[rows], self.a[rows], torso)
+        states = {key: state[rows] for key, state in self.states.items()}
+        return Motion(self.q[rows], self.v[rows], self.a[rows], torso, states)
+
+
+class JointMotion(NamedTuple):
+    """Motion of one joint over consecutive samples, and what comes with it: what a term may know.
+
+    Attributes:
+        q: Angle [rad], (N,).
+        v: Velocity [rad/s], (N,).
+        a: Acceleration [rad/s²], (N,).
+        load: Rigid-body torque of the model at this joint [N·m], (N,): never the measured one.
+        memory: State that depends on all samples before, of terms that have a memory, (N,).
+    """
+
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    load: FloatArray
+    memory: FloatArray | None = None
 
 
 def _cut(torso: TorsoMotion, count: int, rows: slice) -> TorsoMotion:

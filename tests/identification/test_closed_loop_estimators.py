@@ -191,8 +191,8 @@ class Cubic(Term):
     def units(self):
         return ("N·m·s³/rad³",)
 
-    def fill(self, q, v, a, out):
-        out[0] = v**3
+    def fill(self, motion, out):
+        out[0] = motion.v**3
 
 
 def test_a_term_that_no_rig_knows_is_refused_by_name(exact):

@@ -1,7 +1,6 @@
-"""Estimators by name: from a problem to parameters."""
+"""Estimators: from a problem to parameters."""
 
-from collections.abc import Mapping
-
+from .by_name import ESTIMATORS, find_estimator
 from .closed_loop import ClosedLoop
 from .fit import Estimator, Fit, Reduced, name_of
 from .gls import gls
@@ -12,15 +11,8 @@ from .ols import ols
 from .output_error import OutputError
 from .wls import wls
 
-ESTIMATORS: Mapping[str, Estimator] = {"gls": gls, "huber": huber, "ml": JointML(), "ols": ols, "wls": wls}
-"""Estimators that need no settings."""
-
-NEED_LOOP: Mapping[str, Estimator] = {"iv": InstrumentalVariables(), "output-error": OutputError()}
-"""Estimators that need a :class:`ClosedLoop`, and say so when they are used without."""
-
 __all__ = [
     "ESTIMATORS",
-    "NEED_LOOP",
     "ClosedLoop",
     "Estimator",
     "Fit",
@@ -28,6 +20,7 @@ __all__ = [
     "JointML",
     "OutputError",
     "Reduced",
+    "find_estimator",
     "gls",
     "huber",
     "name_of",

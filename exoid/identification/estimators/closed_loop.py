@@ -25,7 +25,9 @@ from exoid.rig import (
     simulate,
 )
 from exoid.signals import Recording
-from exoid.torques import Coulomb, TorqueModel
+from exoid.torques import TorqueModel
+from exoid.torques.dry_friction import DryFriction
+from exoid.torques.free import number
 
 DISSIPATIVE = ("c0", "d", "Ia")
 """Symbols of parameters that are kept from being negative: no simulation runs on friction that feeds energy in."""
@@ -148,7 +150,7 @@ def as_plant(
         lower=np.full(shape, -np.inf),
         upper=np.full(shape, np.inf),
     )
-    widths = {term.smoothing for term in model.terms if isinstance(term, Coulomb)}
+    widths = {number(term.smoothing) for term in model.terms if isinstance(term, DryFriction)}
     if len(widths) > 1:
         raise ExoidError("Coulomb friction of different smoothing cannot be simulated", remedy="use one for all joints")
     width = widths.pop() if widths else 0.0

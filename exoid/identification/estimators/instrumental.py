@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +20,7 @@ from exoid.signals import Recording
 from exoid.torques import TorqueModel
 
 from .closed_loop import ClosedLoop, as_possible
-from .default_start import default_start
+from .default_start import default_start, refuse_other_friction
 from .fit import Fit
 from .wls import wls
 
@@ -69,6 +69,7 @@ class InstrumentalVariables:
                 "instrumental variables take no known parameters, priors or bounds",
                 remedy="use output error, ml or wls, which do",
             )
+        refuse_other_friction(problem.model, "iv")
         first = wls(problem)
         values = default_start(problem)
         instruments = _instruments(problem, self.loop, as_possible(problem.model, values))
@@ -93,7 +94,7 @@ def _instruments(problem: Problem, loop: ClosedLoop, values: FloatArray) -> Prob
         simulated_recording(problem.model, loop, values, item) if isinstance(item, Recording) else item
         for item in problem.data
     ]
-    return Problem(problem.model, data, problem.preparation)
+    return replace(problem, data=data)
 
 
 def simulated_recording(model: TorqueModel, loop: ClosedLoop, values: FloatArray, recording: Recording) -> Recording:

@@ -15,9 +15,10 @@ from exoid.identification.problem import Problem
 from exoid.identification.residuals import Point, fit_noise
 from exoid.identification.rows import for_leg, make_rows
 from exoid.signals import Poses, Recording, ZeroPhase
-from exoid.torques import Coulomb, Term, TorqueModel
+from exoid.torques import Term, TorqueModel
+from exoid.torques.dry_friction import DryFriction
 
-from .default_start import default_preparation, default_start
+from .default_start import default_preparation, default_start, refuse_other_friction
 from .fit import Fit
 from .motion_fit import MotionFit, fit_motion
 from .motion_system import Moving, Still
@@ -78,6 +79,7 @@ class JointML:
 
     def __call__(self, problem: Problem) -> Fit:
         """Start from weighted least squares on filtered rows, and fit."""
+        refuse_other_friction(problem.model, "ml")
         first = wls(problem)
         model = smooth(problem.model)
         preparation = default_preparation(problem)
@@ -108,7 +110,7 @@ def smooth(model: TorqueModel) -> TorqueModel:
 
 
 def _smooth(term: Term) -> Term:
-    if isinstance(term, Coulomb):
+    if isinstance(term, DryFriction):
         return replace(term, smoothing=term.smoothing or SHARP, dead_band=0.0)
     return term
 

@@ -18,7 +18,7 @@ from exoid.identification.rows import Triangle, for_leg, make_rows, make_triangl
 from exoid.signals import Poses
 
 from .closed_loop import ClosedLoop, as_possible
-from .default_start import default_start
+from .default_start import default_start, refuse_other_friction
 from .fit import Fit
 from .wls import wls
 
@@ -75,6 +75,7 @@ class OutputError:
                 "output error simulates the loop, and must know its controller and reference",
                 remedy=f"pass estimator={NEEDS_LOOP}, or use ml, which needs neither",
             )
+        refuse_other_friction(problem.model, "output error")
         first = wls(problem)
         matching = _Matching(self.loop, problem)
         values = as_possible(problem.model, default_start(problem))
