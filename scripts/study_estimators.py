@@ -114,7 +114,8 @@ def motion(seconds: float = SECONDS) -> Motion:
         return np.concatenate([v, pin.aba(model, data, state[:3], v, net)])
 
     stamps = START + np.arange(round(seconds * RATE)) / RATE
-    begin = np.concatenate(aim.at(0.0))[:, 0]
+    first = aim.at(0.0)
+    begin = np.concatenate([first.q, first.v])[:, 0]
     solved = solve_ivp(rate, (0.0, stamps[-1] + 0.1), begin, "DOP853", stamps, rtol=1e-9, atol=1e-11, max_step=5e-3)
     states = solved.y.T
     a = np.array([rate(t, state)[3:] for t, state in zip(stamps, states, strict=True)])

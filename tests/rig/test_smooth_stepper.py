@@ -32,7 +32,7 @@ def plant():
 
 def began(plant, dt):
     first = Swing().at(0.0)
-    q, v = (np.tile(x, (1, plant.count)) for x in first)
+    q, v = (np.tile(x, (1, plant.count)) for x in (first.q, first.v))
     return SmoothStepper(plant, q, v, dt, SMOOTHING)
 
 
