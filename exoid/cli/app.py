@@ -13,6 +13,7 @@ from exoid.errors import ExoidError
 from .export import export
 from .identify import identify
 from .reproduce import reproduce
+from .track import track
 from .validate import validate
 
 BAD_INPUT = 2
@@ -29,6 +30,7 @@ app.command()(identify)
 app.command()(validate)
 app.command()(export)
 app.command()(reproduce)
+app.command()(track)
 
 
 def _print_version(wanted: bool) -> None:

@@ -72,7 +72,7 @@ def write_bleex_figures(side: SideReplay, folder: str | Path) -> list[Path]:
         "doc1_fig6_kinetic_friction": _kinetic_friction,
         "doc1_fig7_validation": _validation,
     }
-    return _write({name: partial(draw, side) for name, draw in figures.items()}, folder)
+    return write_figures({name: partial(draw, side) for name, draw in figures.items()}, folder)
 
 
 def write_cuhk_figures(replay: CuhkReplay, folder: str | Path) -> list[Path]:
@@ -81,7 +81,9 @@ def write_cuhk_figures(replay: CuhkReplay, folder: str | Path) -> list[Path]:
     Raises:
         ExoidError: The folder cannot be made or written.
     """
-    return _write({"doc2_fig3_validation": partial(_cuhk_validation, replay), "doc2_fig6_reference": _gait}, folder)
+    return write_figures(
+        {"doc2_fig3_validation": partial(_cuhk_validation, replay), "doc2_fig6_reference": _gait}, folder
+    )
 
 
 def _static_friction(side: SideReplay) -> Figure:
@@ -166,14 +168,23 @@ def _figure(aspect: float) -> Figure:
     return Figure(figsize=(COLUMN, aspect * COLUMN))
 
 
-def _write(draw: Mapping[str, Callable[[], Figure]], folder: str | Path) -> list[Path]:
-    """Draw everything, then write it."""
+def write_figures(draw: Mapping[str, Callable[[], Figure]], folder: str | Path, form: str = "png") -> list[Path]:
+    """Draw everything, then write it.
+
+    Args:
+        draw: How, by the name of the file.
+        folder: Where to.
+        form: "png" or "pdf".
+
+    Raises:
+        ExoidError: The folder cannot be made or written.
+    """
     path, images = make_folder(folder), {}
     for name, make in draw.items():
         image = io.BytesIO()
         with paper():
-            make().savefig(image, format="png")
-        images[path / f"{name}.png"] = image.getvalue()
+            make().savefig(image, format=form)
+        images[path / f"{name}.{form}"] = image.getvalue()
     for file, content in images.items():
         write_bytes(file, [content])
     return list(images)

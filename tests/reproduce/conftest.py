@@ -78,3 +78,14 @@ def cuhk(shared_folder):
         }
 
     return once(shared_folder, "cuhk", make)
+
+
+@pytest.fixture(scope="session", params=[0.8, 0.0], ids=lambda rotor: f"rotor {rotor}")
+def tracking(request, shared_folder):
+    """Document 2's comparison of controllers with every law, with rotors and without."""
+
+    def make(_):
+        replay = reproduce.reproduce_cuhk_tracking(0, request.param, wrong=True)
+        return {"json": reproduce.cuhk_tracking_json(replay), "text": reproduce.cuhk_tracking_text(replay)}
+
+    return once(shared_folder, f"tracking {request.param}", make)
