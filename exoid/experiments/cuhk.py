@@ -102,7 +102,7 @@ def _period(motion: Harmonics) -> tuple[FloatArray, FloatArray, FloatArray]:
     """One period of the multisine: angles, velocities and accelerations, (N, 2) each."""
     time = np.arange(0.0, 1.0 / BASE_FREQUENCY, 0.02)
     targets = [motion.at(t) for t in time]
-    q, v = (np.array([target[k][:, 0] for target in targets]) for k in (0, 1))
+    q, v = np.array([(target.q[:, 0], target.v[:, 0]) for target in targets]).swapaxes(0, 1)
     return q, v, np.array([motion.acceleration(t)[:, 0] for t in time])
 
 
