@@ -14,7 +14,9 @@ from .export import export
 from .identify import identify
 from .plan import plan
 from .reproduce import reproduce
+from .select import select
 from .stability import stability
+from .study import study
 from .validate import validate
 from .view import view
 
@@ -29,12 +31,14 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command()(identify)
+app.command()(select)
 app.command()(validate)
 app.command()(export)
 app.command()(plan)
 app.command()(reproduce)
 app.command()(view)
 app.command()(stability)
+app.command()(study)
 
 
 def _print_version(wanted: bool) -> None:

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from exoid import identification
+from exoid.torques import TERMS
 
 from .inputs import (
     AsJson,
@@ -34,9 +35,7 @@ def identify(
     side: Annotated[str | None, typer.Option(help="left or right; by default the side in the log.")] = None,
     inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
     joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF; default: logged.")] = None,
-    terms: Annotated[
-        str | None, typer.Option(metavar="A,B", help="armature, coulomb, offset, stiffness, viscous; none for none.")
-    ] = None,
+    terms: Annotated[str | None, typer.Option(metavar="A,B", help=f"{', '.join(TERMS)}; none for none.")] = None,
     estimator: Annotated[str, typer.Option(help="wls, huber, gls or ols.")] = "wls",
     cutoff: Annotated[float, typer.Option(metavar="HZ", help="Of the zero-phase low-pass.")] = 8.0,
     preparation: Annotated[

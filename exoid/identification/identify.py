@@ -16,9 +16,10 @@ from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 from .diagnostics import judge_noise, judge_sizes
 from .estimate import Estimate, Input
 from .estimators import ESTIMATORS
+from .fitting import Task
 from .residuals import sandwich
 from .rows import refuse_dead_torques, refuse_still_joints, rms_residual
-from .separable import Task, fit_model
+from .separable import fit_model
 
 NOISES = ("correlated", "white")
 
@@ -86,6 +87,7 @@ def identify(
         covariance, dof = solution.covariance, solution.dof
     else:
         dof = max(1.0, independent - len(problem.names))
+    shapes = fitted.shapes.with_covariance(problem.names[count:], covariance[count:, count:])
     return Estimate(
         model=fitted.model,
         values=fitted.values,
@@ -98,8 +100,8 @@ def identify(
         inputs=tuple(_evidence(recording) for recording in recordings),
         noise=judged,
         sizes=judge_sizes(problem.triangles)[:count],
-        warnings=fitted.remarks,
-        shapes=fitted.shapes.with_covariance(problem.names[count:], covariance[count:, count:]),
+        warnings=(*fitted.remarks, *shapes.doubts),
+        shapes=shapes,
     )
 
 

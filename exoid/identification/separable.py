@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
 import scipy  # its parts load when they are first used
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.leg import Leg
-from exoid.signals import Poses, Preparation, Recording
-from exoid.torques import Merged, Shape, Term, TorqueModel, free_shapes, with_shapes
+from exoid.errors import ExoidError
+from exoid.torques import Merged, Shape, TorqueModel, free_shapes, with_shapes
 from exoid.torques.linearised import linearise
 
-from .estimators import ESTIMATORS, Fit
+from .estimators import ESTIMATORS
+from .fitting import Fitted, Start, Task
 from .problem import Problem
 from .rows import join, refuse_empty_joints
 from .shapes import Shapes
-
-Keep = Callable[[int, FloatArray], NDArray[np.bool_]]
-"""Which rows to use: recording index, times [s] → mask."""
 
 PASSES = 6
 """Passes over the rows at most to settle the parameters at given settings."""
@@ -47,6 +42,9 @@ TINY = 1e-9
 AT_BOUND = 0.02
 """A setting this close to its bound, relatively, counts as at it."""
 
+NO_LOAD = 1e-6
+"""Columns of friction under load below this part of the torque count as zero."""
+
 UNDETERMINED = 1.0
 """A setting whose standard deviation is larger than this part of it is not determined."""
 
@@ -56,59 +54,11 @@ POLISH = 8
 STRIDE = 3.0
 """In one of them a setting changes by this factor at most."""
 
-STILL = 0.02
-"""These have converged when nothing moves by more than this part of its standard deviation."""
+STILL = 0.1
+"""These have converged when nothing moves by more than this part of its standard deviation,"""
 
-
-class Task(NamedTuple):
-    """What is fitted to what.
-
-    Attributes:
-        leg: The leg.
-        terms: Terms, settings of which may be free.
-        data: Recordings and poses.
-        preparation: How they become rows.
-        estimator: Name of the estimator.
-        keep: Which rows to use; None for all.
-    """
-
-    leg: Leg
-    terms: tuple[Term, ...]
-    data: Sequence[Recording | Poses]
-    preparation: Preparation
-    estimator: str
-    keep: Keep | None = None
-
-    def problem(self, model: TorqueModel) -> Problem:
-        """Rows of a model."""
-        return Problem(model, self.data, self.preparation, self.keep)
-
-
-class Fitted(NamedTuple):
-    """A fit.
-
-    Attributes:
-        model: With all settings, loaded by the fitted rigid bodies.
-        values: β, (P,).
-        shapes: Settings that were found, without covariance.
-        problem: Rows, about the solution linear in β and in the settings that are not held.
-        fit: Solution in both.
-        remarks: What the reader should know.
-    """
-
-    model: TorqueModel
-    values: FloatArray
-    shapes: Shapes
-    problem: Problem
-    fit: Fit
-    remarks: tuple[str, ...]
-
-
-class Start(NamedTuple):
-    """Where a fit begins: parameters β, (P,), and settings by name."""
-
-    values: FloatArray
-    settings: dict[str, float]
+ROUNDING = 1e-6
+"""and this part of itself, where there is no noise."""
 
 
 def fit_model(task: Task, start: Start | None = None) -> Fitted:
@@ -145,12 +95,16 @@ class _Search:
 
     def __init__(self, task: Task, shapes: Sequence[Shape], start: Start | None) -> None:
         self.task, self.shapes = task, tuple(shapes)
-        self.settings = {s.name: s.free.start for s in shapes} if start is None else dict(start.settings)
         self.merged: tuple[Merged, ...] | None = None
-        self.values = self._zeros() if start is None else start.values.copy()
-        self.weights: Sequence[float] | None = None
-        self._settle()
-        self._weigh()
+        self.weights: Sequence[float] | None
+        if start is None:
+            self.settings, self.weights = {s.name: s.free.start for s in shapes}, None
+            self.values = self._zeros()
+            self._settle()
+            self._weigh()
+        else:
+            self.values, self.settings, self.weights = start.values, dict(start.settings), start.weights
+            self._settle(passes=1)
 
     def run(self) -> None:
         """Find the settings by weighted least squares."""
@@ -171,22 +125,27 @@ class _Search:
 
     def polish(self) -> Fitted:
         """Go on from there with the estimator asked for, in the parameters and the settings at once."""
+        self._refuse_unloaded()
         held = self._held()
+        remarks = tuple(held.values())
         for _ in range(POLISH):
             problem = self._problem(tuple(held))
             fit = ESTIMATORS[self.task.estimator](problem)
             found = dict(zip(problem.names, fit.solution.values, strict=True))
-            moved = fit.solution.values - self._vector(problem.names)
+            before = self._vector(problem.names)
+            moved = fit.solution.values - before
             self._take(found)
-            if (np.abs(moved) <= STILL * np.sqrt(np.diag(fit.solution.covariance))).all():
+            if (np.abs(moved) <= STILL * np.sqrt(np.diag(fit.solution.covariance)) + ROUNDING * np.abs(before)).all():
                 break
+        else:
+            remarks = (*remarks, f"the fit has not settled in {POLISH} steps: start settings nearer, or leave some out")
         leg, names = self.task.leg, tuple(s.name for s in self.shapes)
         settled = with_shapes(self.task.terms, leg.joint_names, leg.joint_labels, self.settings)
         model = TorqueModel(leg, settled, self.values[: len(leg.parameter_names)])
         values = np.array([self.settings[name] for name in names])
         units = tuple(s.unit for s in self.shapes)
         shapes = Shapes(names, units, values, np.zeros((len(names),) * 2), tuple(held))
-        return Fitted(model, self.values, shapes, problem, fit, (*fit.remarks, *held.values()))
+        return Fitted(model, self.values, shapes, problem, fit, (*fit.remarks, *remarks))
 
     def _residual(self, logs: FloatArray) -> FloatArray:
         """Residual after the best parameters, as long as there are settings, and one more."""
@@ -201,9 +160,9 @@ class _Search:
         self._residual(logs)
         return -self.corner[:, :-1] * np.exp(logs)
 
-    def _settle(self) -> None:
+    def _settle(self, passes: int = PASSES) -> None:
         """Solve for the parameters at the present settings, which takes more than one pass if rows depend on them."""
-        for _ in range(PASSES):
+        for _ in range(passes):
             problem = self._problem()
             refuse_empty_joints(problem.model, [join(group) for group in zip(*problem.groups, strict=True)])
             self.triangles = problem.triangles
@@ -227,6 +186,23 @@ class _Search:
         floor = TINY * max(float(np.linalg.norm(t.R[:, -1])) / np.sqrt(max(t.rows, 1)) for t in self.triangles)
         self.weights = [1.0 / max(size, floor) for size in sizes]
         self._solve()
+
+    def _refuse_unloaded(self) -> None:
+        """Refuse friction that depends on a rigid-body torque where there is none.
+
+        Raises:
+            ExoidError: Names the parameters.
+        """
+        model = self._problem().model
+        columns = np.sqrt(sum(t.R**2 for t in self.triangles)).max(axis=0)
+        places = {name: k for k, name in enumerate(model.names)}
+        loads = [name for block in model.blocks if block.term.loaded for name in block.names]
+        unloaded = [name for name in loads if columns[places[name]] <= NO_LOAD * columns[-1]]
+        if unloaded:
+            raise ExoidError(
+                f"{', '.join(unloaded)} left no trace in the torque: there is no rigid-body torque to depend on",
+                remedy="leave out LoadFriction at these joints",
+            )
 
     def _problem(self, held: Sequence[str] = ()) -> Problem:
         task = self.task

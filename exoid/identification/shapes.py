@@ -67,6 +67,17 @@ class Shapes:
             for name, value, std in zip(self.names, self.values, self.std, strict=True)
         )
 
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Say of each that was found but is not determined what that means."""
+        return tuple(
+            f"{name} = {value:.3g} ± {std:.2g} {unit} is not determined: a given value may predict as well"
+            for name, value, std, unit, judged in zip(
+                self.names, self.values, self.std, self.units, self.verdicts, strict=True
+            )
+            if judged == "not"
+        )
+
     def interval(self, dof: float, level: float = 0.95) -> FloatArray:
         """Confidence intervals, (S, 2), of Student's t for the logarithms, as settings are positive.
 

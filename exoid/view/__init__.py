@@ -3,10 +3,10 @@
 from .coverage import plot_coverage, plot_excitation
 from .dynamics import plot_friction, plot_inertial_torque, plot_reference, plot_torques
 from .parameters import plot_correlation, plot_parameters
+from .plans import plot_planned_motion, plot_precision
 from .residuals import plot_prediction, plot_residual_along
 from .scenes import Scene, SceneServer, scene
 from .stability import plot_gain_margins, plot_lyapunov, plot_regulation_errors
-from .plans import plot_planned_motion, plot_precision
 from .statics import plot_approaches, plot_stiffness
 from .style import paper
 
@@ -21,15 +21,14 @@ __all__ = [
     "plot_friction",
     "plot_gain_margins",
     "plot_inertial_torque",
+    "plot_lyapunov",
     "plot_parameters",
-    "plot_prediction",
     "plot_planned_motion",
     "plot_precision",
-    "plot_reference",
-    "plot_residual_along",
-    "plot_lyapunov",
+    "plot_prediction",
     "plot_reference",
     "plot_regulation_errors",
+    "plot_residual_along",
     "plot_stiffness",
     "plot_torques",
     "scene",

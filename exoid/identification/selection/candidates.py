@@ -47,13 +47,13 @@ def friction_candidates(cutoff: float = 8.0) -> tuple[Candidate, ...]:
         "asymmetric": (Coulomb(asymmetric=True),),
         "stribeck": (sharp, fading),
         "load": (sharp, load),
-        "load, split": (sharp, split),
+        "load+split": (sharp, split),
         "presliding": (bent,),
-        "presliding, stribeck": (bent, bent_fading),
-        "presliding, load": (bent, bent_load),
-        "presliding, load, split": (bent, bent_split),
-        "presliding, load, stribeck": (bent, bent_load, bent_fading),
-        "presliding, load, split, stribeck": (bent, bent_split, bent_fading),
+        "presliding+stribeck": (bent, bent_fading),
+        "presliding+load": (bent, bent_load),
+        "presliding+load+split": (bent, bent_split),
+        "presliding+load+stribeck": (bent, bent_load, bent_fading),
+        "presliding+load+split+stribeck": (bent, bent_split, bent_fading),
     }
     sensor = {name: () if name == "asymmetric" else (Offset(),) for name in friction}
     return tuple(
@@ -71,13 +71,13 @@ def filter_candidates(chosen: Candidate, cutoff: float = 8.0) -> tuple[Candidate
     """
     return (
         *(
-            replace(chosen, name=f"{chosen.name}; {factor * cutoff:g} Hz", preparation=ZeroPhase(factor * cutoff))
+            replace(chosen, name=f"{chosen.name}, {factor * cutoff:g} Hz", preparation=ZeroPhase(factor * cutoff))
             for factor in (0.6, 1.5)
         ),
-        replace(chosen, name=f"{chosen.name}; no parallel filter", preparation=Smoothed(2.0 * cutoff)),
+        replace(chosen, name=f"{chosen.name}, no parallel filter", preparation=Smoothed(2.0 * cutoff)),
     )
 
 
 def estimator_candidates(chosen: Candidate) -> tuple[Candidate, ...]:
     """Other estimators for terms and a filter that are chosen already."""
-    return (replace(chosen, name=f"{chosen.name}; huber", estimator="huber"),)
+    return (replace(chosen, name=f"{chosen.name}, huber", estimator="huber"),)

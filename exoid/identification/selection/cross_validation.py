@@ -9,16 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.identification.fitting import Start, Task
 from exoid.identification.rows import make_rows
-from exoid.identification.separable import Start, Task, fit_model
+from exoid.identification.separable import fit_model
 from exoid.signals import Preparation, Recording, Smoothed, ZeroPhase
-from exoid.signals.preparation import KINEMATICS_MULTIPLE
 
 GAP = 0.1
 """Rows this near to the tested ones [s] are not fitted either: a low-pass mixes neighbours."""
 
 BLOCK = 1.0
 """Length of the blocks that are sorted by speed [s]."""
+
+TINY = 1e-300
+"""Keeps a constant torque from being divided by."""
 
 SLOW = 0.7
 """Share of the blocks, the slowest, from which the others are predicted."""
@@ -80,20 +83,39 @@ class Errors(NamedTuple):
 
     Attributes:
         squares: Sum of squared residuals of each joint [N²·m²], (n,).
-        spread: Sum of squared deviations of the measured torque from its mean [N²·m²], (n,).
+        torque: Sum of measured torques [N·m], (n,).
+        torque_squares: Sum of their squares [N²·m²], (n,).
         rows: How many.
     """
 
     squares: FloatArray
-    spread: FloatArray
+    torque: FloatArray
+    torque_squares: FloatArray
     rows: int
 
+    @staticmethod
+    def total(several: Sequence[Errors]) -> Errors:
+        """Errors on the rows of all."""
+        squares, torque, torque_squares = (np.sum([errors[:3][k] for errors in several], axis=0) for k in range(3))
+        return Errors(squares, torque, torque_squares, sum(errors.rows for errors in several))
 
-def held_out(task: Task, split: Split, start: Start | None, cutoff: float) -> Errors:
+    @property
+    def rms(self) -> FloatArray:
+        """Root of the mean squared residual [N·m], (n,)."""
+        return np.asarray(np.sqrt(self.squares / self.rows))
+
+    @property
+    def spread(self) -> FloatArray:
+        """Standard deviation of the measured torque [N·m], (n,)."""
+        return np.asarray(np.sqrt(np.maximum(self.torque_squares / self.rows - (self.torque / self.rows) ** 2, TINY)))
+
+
+def held_out(task: Task, recordings: Sequence[Recording], split: Split, start: Start | None, cutoff: float) -> Errors:
     """Fit to the rows that a split leaves, and predict the others.
 
     Args:
         task: What to fit.
+        recordings: Its data.
         split: Rows to fit and rows to test.
         start: Near the solution; None to search.
         cutoff: Of the filter that measured and predicted torque pass for comparison [Hz].
@@ -102,22 +124,19 @@ def held_out(task: Task, split: Split, start: Start | None, cutoff: float) -> Er
         ExoidError: The rows that are left do not determine the parameters.
     """
     fitted = fit_model(task._replace(keep=split.fitted), start)
-    preparation = evaluation(task.preparation, cutoff)
-    residuals, torques = [], []
-    for index, recording in enumerate(task.data):
-        rows = make_rows(fitted.model, recording, preparation)
+    errors = []
+    for index, recording in enumerate(recordings):
+        rows = make_rows(fitted.model, recording, evaluation(task.preparation, cutoff, recording.sample_rate))
         tested = split.tested(index, rows.time)
-        residuals.append((rows.tau - rows.W @ fitted.values)[tested])
-        torques.append(rows.tau[tested])
-    residual, torque = np.vstack(residuals), np.vstack(torques)
-    return Errors((residual**2).sum(axis=0), ((torque - torque.mean(axis=0)) ** 2).sum(axis=0), len(residual))
+        residual, torque = (rows.tau - rows.W @ fitted.values)[tested], rows.tau[tested]
+        errors.append(Errors((residual**2).sum(axis=0), torque.sum(axis=0), (torque**2).sum(axis=0), len(residual)))
+    return Errors.total(errors)
 
 
-def evaluation(preparation: Preparation, cutoff: float) -> Preparation:
-    """Filter for torques that is the same for all candidates, with the kinematics of this one."""
+def evaluation(preparation: Preparation, cutoff: float, rate: float) -> Preparation:
+    """Filter for torques, sampled at ``rate`` [Hz], that is the same for all candidates, with this one's kinematics."""
     if isinstance(preparation, ZeroPhase):
-        kinematics = preparation.kinematics_cutoff or KINEMATICS_MULTIPLE * preparation.cutoff
-        return ZeroPhase(cutoff, kinematics, preparation.order)
+        return ZeroPhase(cutoff, preparation.kinematics_cutoff_at(rate), preparation.order)
     if isinstance(preparation, Smoothed):
         return ZeroPhase(cutoff, preparation.cutoff, preparation.order)
     return preparation

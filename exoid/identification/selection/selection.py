@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,15 +13,17 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.estimate import Estimate
 from exoid.identification.estimate_file import preparation_to_json
+from exoid.identification.fitting import Start, Task
 from exoid.identification.identify import identify
-from exoid.identification.separable import Start, Task, fit_model
+from exoid.identification.separable import fit_model
+from exoid.identification.validation import Validation, validate
 from exoid.leg import Leg
 from exoid.signals import Recording
 from exoid.tables import make_table, to_text
 from exoid.torques import term_to_json
 
 from .candidates import Candidate, estimator_candidates, filter_candidates, friction_candidates
-from .cross_validation import Errors, Split, blocked_folds, fast_blocks, held_out
+from .cross_validation import Errors, Split, blocked_folds, evaluation, fast_blocks, held_out
 
 FOLDS = 5
 """Stretches of each recording that are predicted in turn."""
@@ -97,6 +100,11 @@ class Selection:
         chosen = self.candidate
         return identify(self.leg, recordings, chosen.terms, chosen.estimator, preparation=chosen.preparation)
 
+    def validate(self, estimate: Estimate, recording: Recording) -> Validation:
+        """Validate behind the filter at :attr:`cutoff`, whatever filter was chosen for the fit."""
+        preparation = evaluation(estimate.preparation, self.cutoff, recording.sample_rate)
+        return validate(estimate, recording, preparation=preparation)
+
     def __repr__(self) -> str:
         """Name the choice."""
         return f"Selection({self.candidate.name!r} of {len(self.scores)})"
@@ -134,6 +142,7 @@ def select_terms(
     *,
     folds: int = FOLDS,
     cutoff: float = 8.0,
+    tune: bool = True,
     progress: Callable[[float], None] | None = None,
 ) -> Selection:
     """Compare ways to identify by how well they predict stretches of the recordings that they were not fitted to.
@@ -141,39 +150,41 @@ def select_terms(
     Each recording is cut into as many stretches as there are folds; each is predicted from the others. Rows within
     0.1 s of those tested are not fitted. Hidden states run through the whole recording: they depend on angles alone.
     Of all candidates whose error exceeds the best one's by no more than the standard error of the difference (paired,
-    fold by fold), the one with the fewest numbers is chosen, of equals the first. Without candidates there are three
-    rounds: friction models, then filters for the model chosen, then estimators.
+    fold by fold), the one with the fewest numbers is chosen, of equals the first. Other filters, and then other
+    estimators, are tried for the terms that were chosen, and compared in the same way.
 
     Args:
         leg: The leg.
         recordings: One or several. Nothing else is looked at.
-        candidates: What to compare; None for the default ones.
+        candidates: What to compare; None for :func:`exoid.identification.selection.friction_candidates`.
         folds: Number of folds, at least 3.
-        cutoff: Of the filter behind which torques are compared, and of the default candidates' first filter [Hz].
+        cutoff: Of the filter behind which torques are compared, and of the default candidates' own [Hz].
+        tune: Whether to go on to filters and estimators.
         progress: Called with the share done.
 
     Raises:
         ExoidError: There are no candidates, too few folds, or none of the candidates can be fitted.
+
+    Example:
+        >>> est = select_terms(leg, recording).identify(recording)  # doctest: +SKIP
     """
     several = [recordings] if isinstance(recordings, Recording) else list(recordings)
-    if folds < 3 or not several or (candidates is not None and not candidates):
+    candidates = friction_candidates(cutoff) if candidates is None else tuple(candidates)
+    if folds < 3 or not several or not candidates:
         raise ExoidError(
-            f"{len(several)} recordings, {folds} folds, {'no' if candidates is not None else 'default'} candidates",
-            remedy="pass recordings, at least 3 folds, and candidates or None",
+            f"{len(candidates)} candidates, {len(several)} recordings, {folds} folds",
+            remedy="pass candidates (or None for the default ones), recordings, and at least 3 folds",
         )
     bench = _Bench(leg, several, folds, cutoff)
-    if candidates is not None:
-        scores = bench.scores(candidates, progress)
-        return bench.selection(scores, _choose(scores))
-    scores, chosen = bench.scores(friction_candidates(cutoff), _part(progress, 0.0, 0.6)), 0
+    scores = bench.scores(candidates, _part(progress, 0.0, 0.6 if tune else 1.0))
     chosen = _choose(scores)
-    for first, last, more in ((0.6, 0.85, lambda c: filter_candidates(c, cutoff)), (0.85, 1.0, estimator_candidates)):
+    rounds = ((0.6, 0.85, partial(filter_candidates, cutoff=cutoff)), (0.85, 1.0, estimator_candidates))
+    for first, last, more in rounds if tune else ():
         later = bench.scores(more(scores[chosen].candidate), _part(progress, first, last))
-        rivals = (scores[chosen], *later)
-        choice = _choose(rivals)
+        choice = _choose((scores[chosen], *later))
         chosen = chosen if choice == 0 else len(scores) + choice - 1
         scores = (*scores, *later)
-    return bench.selection(scores, chosen)
+    return Selection(leg, leg.joint_names, scores, chosen, cutoff, folds)
 
 
 def selection_to_json(selection: Selection) -> dict[str, Any]:
@@ -219,31 +230,25 @@ class _Bench(NamedTuple):
                 progress((index + 1) / len(candidates))
         return tuple(found)
 
-    def selection(self, scores: tuple[Score, ...], chosen: int) -> Selection:
-        """Put together what came out."""
-        return Selection(self.leg, self.leg.joint_names, scores, chosen, self.cutoff, self.folds)
-
     def _score(self, candidate: Candidate, splits: Sequence[Split], fast: Split) -> Score:
         """Fit to all rows first: fits to most of them begin there, which changes where they end by nothing."""
         task = Task(self.leg, candidate.terms, self.recordings, candidate.preparation, candidate.estimator)
         try:
             whole = fit_model(task)
-            start = Start(whole.values, dict(zip(whole.shapes.names, whole.shapes.values.tolist(), strict=True)))
-            each = [held_out(task, split, start, self.cutoff) for split in splits]
-            quick = held_out(task, fast, start, self.cutoff)
+            start = Start.at(whole)
+            each = [held_out(task, self.recordings, split, start, self.cutoff) for split in splits]
+            quick = held_out(task, self.recordings, fast, start, self.cutoff)
         except ExoidError as error:
             nothing = np.full(len(self.leg.joint_names), np.nan)
             return Score(candidate, 0, nothing, np.full(len(splits), np.nan), nothing, error.what)
         numbers = len(whole.values) + len(whole.shapes)
-        return Score(candidate, numbers, *_summary(each), np.sqrt(quick.squares / quick.spread))
+        return Score(candidate, numbers, *_summary(each), quick.rms / quick.spread)
 
 
 def _summary(each: Sequence[Errors]) -> tuple[FloatArray, FloatArray]:
-    """NRMSE of each joint over all folds, and of each fold."""
-    rows = sum(errors.rows for errors in each)
-    variance = sum(errors.spread for errors in each) / rows
-    total = np.sqrt(sum(errors.squares for errors in each) / rows / variance)
-    return total, np.array([np.mean(np.sqrt(e.squares / e.rows / variance)) for e in each])
+    """NRMSE of each joint over all folds, and of each fold, all over the spread of the torque in the whole."""
+    whole = Errors.total(each)
+    return whole.rms / whole.spread, np.array([np.mean(errors.rms / whole.spread) for errors in each])
 
 
 def _best(scores: Sequence[Score]) -> int:
