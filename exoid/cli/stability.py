@@ -35,7 +35,6 @@ RATIO = 0.1
 ROTOR = 0.8
 """Reflected inertia of CUHK-EXO's motors, an assumption [kg·m²]."""
 
-
 CERTAIN = 3.0
 """Standard deviations by which something is negative for certain."""
 
