@@ -12,9 +12,13 @@ from exoid.errors import ExoidError
 
 from .export import export
 from .identify import identify
+from .plan import plan
 from .reproduce import reproduce
 from .stability import stability
+from .study import study
+from .select import select
 from .validate import validate
+from .view import view
 
 BAD_INPUT = 2
 """Exit status for bad input or usage."""
@@ -27,10 +31,14 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command()(identify)
+app.command()(select)
 app.command()(validate)
 app.command()(export)
+app.command()(plan)
 app.command()(reproduce)
+app.command()(view)
 app.command()(stability)
+app.command()(study)
 
 
 def _print_version(wanted: bool) -> None:

@@ -7,6 +7,7 @@ from typing import Literal, NamedTuple
 
 from exoid.errors import ExoidError
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
+from exoid.torques.free import number
 
 from .dialect import Dialect
 
@@ -64,11 +65,12 @@ def express(term: Term, joint: int, constants: Mapping[str, str], dialect: Diale
     Raises:
         ExoidError: The term has no form in C.
     """
-    if type(term) not in WRITERS:  # a subclass may compute something else
+    if type(term) not in WRITERS or term.memory is not None:  # a subclass may compute something else
         known = ", ".join(kind.__name__ for kind in WRITERS)
+        remembers = " and a memory" if term.memory is not None else ""
         raise ExoidError(
-            f"{type(term).__name__} ({', '.join(constants)}) has no form in C",
-            remedy=f"identify with terms that have one: {known}",
+            f"{type(term).__name__} ({', '.join(constants)}){remembers} has no form in C",
+            remedy=f"identify with terms that have one: {known}, without presliding",
         )
     return WRITERS[type(term)](term, joint, constants, dialect)
 
@@ -79,19 +81,24 @@ def _armature(term: Armature, joint: int, constants: Mapping[str, str], dialect:
 
 def _coulomb(term: Coulomb, joint: int, constants: Mapping[str, str], dialect: Dialect) -> Expression:
     x, zero = f"v[{joint}]", dialect.number(0.0)
-    if term.smoothing > 0.0:
-        direction = f"{dialect.function('tanh')}({x} / {dialect.number(term.smoothing)})"
+    if (smoothing := number(term.smoothing)) > 0.0:
+        direction = f"{dialect.function('tanh')}({x} / {dialect.number(smoothing)})"
     else:
         one, minus = dialect.number(1.0), dialect.number(-1.0)
         direction = f"({x} > {zero} ? {one} : {x} < {zero} ? {minus} : {x})"
-    torque = f"{constants['c0']} * {direction}"
+    size = f"({x} > {zero} ? {constants['c0p']} : {constants['c0n']})" if term.asymmetric else constants["c0"]
+    torque = f"{size} * {direction}"
     if term.dead_band > 0.0:
         torque = f"({dialect.function('fabs')}({x}) > {dialect.number(term.dead_band)} ? {torque} : {zero})"
     return Expression("friction", torque)
 
 
 def _viscous(term: Viscous, joint: int, constants: Mapping[str, str], dialect: Dialect) -> Expression:
-    return Expression("friction", f"{constants['d']} * v[{joint}]")
+    x = f"v[{joint}]"
+    rate = (
+        f"({x} > {dialect.number(0.0)} ? {constants['dp']} : {constants['dn']})" if term.asymmetric else constants["d"]
+    )
+    return Expression("friction", f"{rate} * {x}")
 
 
 def _offset(term: Offset, joint: int, constants: Mapping[str, str], dialect: Dialect) -> Expression:

@@ -7,15 +7,21 @@ from .estimate_file import estimate_from_json, estimate_to_json
 from .estimators import ESTIMATORS
 from .export import Export, export_to_json
 from .identify import identify
+from .prediction import predict_motion
+from .selection import Candidate, Selection, select_terms, selection_to_json
+from .shapes import Shapes
 from .validation import Validation, validate, validation_to_json
 
 __all__ = [
     "ESTIMATORS",
+    "Candidate",
     "Comparison",
     "Estimate",
     "Export",
     "Input",
     "JointNoise",
+    "Selection",
+    "Shapes",
     "Validation",
     "compare",
     "comparison_to_json",
@@ -23,6 +29,9 @@ __all__ = [
     "estimate_to_json",
     "export_to_json",
     "identify",
+    "predict_motion",
+    "select_terms",
+    "selection_to_json",
     "validate",
     "validation_to_json",
 ]

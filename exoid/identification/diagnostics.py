@@ -10,7 +10,7 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 
-from .noise import autocovariance_sums
+from .noise import LagSums
 from .problem import Problem
 from .residuals import Noises, Point, series
 from .rows import Triangle
@@ -53,13 +53,18 @@ def judge_noise(problem: Problem, point: Point, noises: Noises) -> tuple[JointNo
     joints = len(problem.model.leg.joint_names)
     samples, effective, statistic, lags = np.zeros((4, joints))
     products = np.zeros((joints, 2))
+    running: dict[int, tuple[LagSums, LagSums]] = {}
     for part in series(problem, point):
         joint, count = part.joint, part.usable.sum()
         samples[joint] += count
         effective[joint] += count * noises[part.kind, joint].effective_share
-        if not part.kind.at_rest and count > 2 * LAGS and part.residual.any():
-            sums, pairs = (autocovariance_sums(x, LAGS) for x in (part.residual, part.usable))
-            correlations = sums[1:] / np.maximum(pairs[1:], 1.0) * count / sums[0]
+        if part.begins:
+            running[joint] = (LagSums(LAGS), LagSums(LAGS))
+        for lag_sums, x in zip(running[joint], (part.residual, part.usable), strict=True):
+            lag_sums.add(x)
+        sums, pairs = (lag_sums.sums for lag_sums in running[joint])
+        if part.ends and not part.kind.at_rest and pairs[0] > 2 * LAGS and sums[0] > 0.0:
+            correlations = sums[1:] / np.maximum(pairs[1:], 1.0) * pairs[0] / sums[0]
             statistic[joint] += (pairs[1:] * correlations**2).sum()
             lags[joint] += LAGS
             products[joint] += sums[:2]

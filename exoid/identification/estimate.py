@@ -19,6 +19,7 @@ from exoid.torques import Merged, TorqueModel
 from exoid.torso import TorsoMotion
 
 from .diagnostics import JointNoise, verdict
+from .shapes import Shapes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -68,6 +69,8 @@ class Estimate:
         noise: What the residuals of each joint look like, n of them, or none.
         sizes: Of parameters that would explain all torque of a joint alone, (P,); see :attr:`verdicts`.
         warnings: What makes this estimate doubtful.
+        shapes: Settings of terms that were found, such as a Stribeck velocity; the covariance of the values counts in
+            that they are uncertain, too.
     """
 
     model: TorqueModel
@@ -82,6 +85,7 @@ class Estimate:
     noise: tuple[JointNoise, ...] = ()
     sizes: FloatArray | None = None
     warnings: tuple[str, ...] = ()
+    shapes: Shapes = field(default_factory=Shapes)
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
@@ -181,6 +185,9 @@ class Estimate:
     def torque(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
         """Predict actuator torques τ = W(q, v, a) β, rigid bodies and terms together.
 
+        Friction that depends on load takes the estimate's own rigid-body torque. Terms with presliding take the samples
+        in time order and start as if the joint had slid in the direction of its first velocity.
+
         Args:
             q: Joint angles [rad], (N, n).
             v: Joint velocities [rad/s], (N, n).
@@ -190,7 +197,7 @@ class Estimate:
         Returns:
             Torques [N·m], (N, n).
         """
-        return self.model.regressor(q, v, a, torso) @ self.values
+        return self.model.loaded_by(self.values).regressor(q, v, a, torso) @ self.values
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the estimate as JSON, whole or not at all; see :meth:`load`.
@@ -270,9 +277,26 @@ class Estimate:
                 self.names, self.values, self.std, self.interval(), self.units, self.verdicts, strict=True
             )
         ]
-        title = f"{self.model.leg.description.name}: {self.estimator} estimate of {len(rows)} parameters"
+        rows += self._shape_rows()
+        title = f"{self.model.leg.description.name}: {self.estimator} estimate of {len(self.names)} parameters"
         headers = ("parameter", "value", "± std", "95 % from", "to", "unit", "determined")
         return to_text(title, make_table(headers, rows), *self._remarks())
+
+    def _shape_rows(self) -> list[tuple[str, ...]]:
+        """Settings as rows of the table; those that are held have no uncertainty."""
+        shapes = self.shapes
+        return [
+            (name, *(with_error(value, std, *interval) if std > 0.0 else (f"{value:.4g}", "", "", "")), unit, judged)
+            for name, value, std, interval, unit, judged in zip(
+                shapes.names,
+                shapes.values,
+                shapes.std,
+                shapes.interval(self.dof),
+                shapes.units,
+                shapes.verdicts,
+                strict=True,
+            )
+        ]
 
     def _remarks(self) -> Sequence[str]:
         residuals = ", ".join(

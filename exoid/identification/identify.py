@@ -16,9 +16,10 @@ from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 from .diagnostics import judge_noise, judge_sizes
 from .estimate import Estimate, Input
 from .estimators import ESTIMATORS
-from .problem import Problem
+from .fitting import Task
 from .residuals import sandwich
-from .rows import join, refuse_dead_torques, refuse_empty_joints, refuse_still_joints, rms_residual
+from .rows import refuse_dead_torques, refuse_still_joints, rms_residual
+from .separable import fit_model
 
 NOISES = ("correlated", "white")
 
@@ -43,7 +44,8 @@ def identify(
         recordings: One recording or several of the same leg, with torques; also :class:`exoid.signals.Poses`. Velocity
             and acceleration are derived where they are missing.
         terms: What acts on the joints besides rigid-body dynamics; None for Coulomb and viscous friction, rotor
-            inertia and offset at every joint; () for nothing.
+            inertia and offset at every joint; () for nothing. Settings that are :class:`exoid.torques.Free` are found
+            by separable least squares, and stand in ``shapes`` of the estimate.
         estimator: "wls" (each joint, at rest and in motion, weighted by its residuals), "huber" (the same, and spikes
             count less), "gls" (whitened by a model of the noise; only where the model of the leg is right) or "ols".
         cutoff: Of the parallel filter [Hz]; above the fastest motion, below the noise.
@@ -67,37 +69,39 @@ def identify(
         raise ExoidError(f"no estimator {estimator!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
     if noise not in NOISES:
         raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
-    model = TorqueModel(leg, _terms(terms))
-    refuse_still_joints(model, recordings)
+    refuse_still_joints(TorqueModel(leg, ()), recordings)
     if isinstance(preparation, str):
         preparation = preparation_by_name(preparation)
     preparation = ZeroPhase(cutoff) if preparation is None else preparation
-    problem = Problem(model, recordings, preparation)
-    groups = problem.groups
-    refuse_dead_torques(model, recordings)
-    refuse_empty_joints(model, [join(group) for group in zip(*groups, strict=True)])
-    fit = ESTIMATORS[estimator](problem)
-    solution = fit.solution
+    refuse_dead_torques(TorqueModel(leg, ()), recordings)
+    fitted = fit_model(Task(leg, _terms(terms), recordings, preparation, estimator))
+    problem, fit = fitted.problem, fitted.fit
+    solution, count = fit.solution, len(fitted.values)
     covariance, noises = solution.covariance, fit.noises
     if noises is None:
         covariance, noises = sandwich(problem, fit.point, solution.inverse, covariance)
     judged = judge_noise(problem, fit.point, noises)
     independent = sum(of_joint.effective_samples for of_joint in judged)
-    residuals = [rms_residual(of_joint, solution.values) for of_joint in zip(*groups, strict=True)]
-    white = noise == "white"
+    residuals = [rms_residual(of_joint, solution.values) for of_joint in zip(*problem.groups, strict=True)]
+    if noise == "white":
+        covariance, dof = solution.covariance, solution.dof
+    else:
+        dof = max(1.0, independent - len(problem.names))
+    shapes = fitted.shapes.with_covariance(problem.names[count:], covariance[count:, count:])
     return Estimate(
-        model=model,
-        values=solution.values,
-        covariance=solution.covariance if white else covariance,
+        model=fitted.model,
+        values=fitted.values,
+        covariance=covariance[:count, :count],
         condition_number=solution.condition_number,
-        dof=solution.dof if white else max(1.0, independent - len(model.names)),
+        dof=dof,
         residual_rms=np.array(residuals),
         estimator=estimator,
         preparation=preparation,
         inputs=tuple(_evidence(recording) for recording in recordings),
         noise=judged,
-        sizes=judge_sizes(problem.triangles),
-        warnings=fit.remarks,
+        sizes=judge_sizes(problem.triangles)[:count],
+        warnings=(*fitted.remarks, *shapes.doubts),
+        shapes=shapes,
     )
 
 
@@ -130,5 +134,5 @@ def _evidence(data: Recording | Poses) -> Input:
     for name in ("time", "q", "v", "a", "tau"):
         array = getattr(data, name, None)
         if array is not None:
-            digest.update(array.tobytes())
+            digest.update(np.ascontiguousarray(array).data)
     return Input("array", digest.hexdigest(), len(data), rate)

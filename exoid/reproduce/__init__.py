@@ -3,7 +3,8 @@
 from .bleex import BleexReplay, SideReplay, reproduce_bleex
 from .bleex_measurements import Extent
 from .cuhk import CuhkReplay, reproduce_cuhk
-from .figures import make_folder, write_bleex_figures, write_cuhk_figures
+from .figures import bleex_figures, cuhk_figures, make_folder, write_figures
+from .pages import bleex_page, cuhk_page
 from .report import bleex_json, bleex_text, cuhk_json, cuhk_text
 
 __all__ = [
@@ -11,13 +12,16 @@ __all__ = [
     "CuhkReplay",
     "Extent",
     "SideReplay",
+    "bleex_figures",
     "bleex_json",
+    "bleex_page",
     "bleex_text",
+    "cuhk_figures",
     "cuhk_json",
+    "cuhk_page",
     "cuhk_text",
     "make_folder",
     "reproduce_bleex",
     "reproduce_cuhk",
-    "write_bleex_figures",
-    "write_cuhk_figures",
+    "write_figures",
 ]

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -59,29 +58,39 @@ def make_folder(folder: str | Path) -> Path:
     return path
 
 
-def write_bleex_figures(side: SideReplay, folder: str | Path) -> list[Path]:
-    """Write figures 3 to 7 of document 1 as PNG files.
+def bleex_figures(side: SideReplay) -> dict[str, Figure]:
+    """Draw figures 3 to 7 of document 1, by name."""
+    with paper():
+        return {
+            "doc1_fig3_static_friction": _static_friction(side),
+            "doc1_fig4_stiffness": _stiffness(side),
+            "doc1_fig5_inertia": _inertia(side),
+            "doc1_fig6_kinetic_friction": _kinetic_friction(side),
+            "doc1_fig7_validation": _validation(side),
+        }
+
+
+def cuhk_figures(replay: CuhkReplay) -> dict[str, Figure]:
+    """Draw figures 3 and 6 of document 2, by name."""
+    with paper():
+        return {"doc2_fig3_validation": _cuhk_validation(replay), "doc2_fig6_reference": _gait()}
+
+
+def write_figures(figures: Mapping[str, Figure], folder: str | Path) -> list[Path]:
+    """Write figures as PNG files: all are drawn before the first is written.
 
     Raises:
         ExoidError: The folder cannot be made or written.
     """
-    figures = {
-        "doc1_fig3_static_friction": _static_friction,
-        "doc1_fig4_stiffness": _stiffness,
-        "doc1_fig5_inertia": _inertia,
-        "doc1_fig6_kinetic_friction": _kinetic_friction,
-        "doc1_fig7_validation": _validation,
-    }
-    return _write({name: partial(draw, side) for name, draw in figures.items()}, folder)
-
-
-def write_cuhk_figures(replay: CuhkReplay, folder: str | Path) -> list[Path]:
-    """Write figures 3 and 6 of document 2 as PNG files.
-
-    Raises:
-        ExoidError: The folder cannot be made or written.
-    """
-    return _write({"doc2_fig3_validation": partial(_cuhk_validation, replay), "doc2_fig6_reference": _gait}, folder)
+    path, images = make_folder(folder), {}
+    for name, figure in figures.items():
+        image = io.BytesIO()
+        with paper():
+            figure.savefig(image, format="png")
+        images[path / f"{name}.png"] = image.getvalue()
+    for file, content in images.items():
+        write_bytes(file, [content])
+    return list(images)
 
 
 def _static_friction(side: SideReplay) -> Figure:
@@ -164,16 +173,3 @@ def _gait() -> Figure:
 
 def _figure(aspect: float) -> Figure:
     return Figure(figsize=(COLUMN, aspect * COLUMN))
-
-
-def _write(draw: Mapping[str, Callable[[], Figure]], folder: str | Path) -> list[Path]:
-    """Draw everything, then write it."""
-    path, images = make_folder(folder), {}
-    for name, make in draw.items():
-        image = io.BytesIO()
-        with paper():
-            make().savefig(image, format="png")
-        images[path / f"{name}.png"] = image.getvalue()
-    for file, content in images.items():
-        write_bytes(file, [content])
-    return list(images)

@@ -16,6 +16,7 @@ from exoid import Coulomb, ExoidError, Leg, Offset, Stiffness, Viscous
 from exoid.codegen import c_source, c_source_to_json
 from exoid.description import describe
 from exoid.identification import Input
+from exoid.torques import LoadFriction, Stribeck
 
 CUHK = exoid.load_leg("cuhk")
 ESTIMATE = made_up(CUHK)
@@ -176,6 +177,12 @@ class TestRefusals:
         assert leg.chain is None
         with pytest.raises(ExoidError, match=r"tilted.urdf: only a planar chain.*choose joints"):
             made_up(leg, ()).to_c(tmp_path / "leg.c")
+        assert not list(tmp_path.iterdir())
+
+    @pytest.mark.parametrize("term", [Coulomb(presliding=1e-3), LoadFriction(), Stribeck()])
+    def test_friction_that_remembers_or_depends_on_more_than_velocity(self, term, tmp_path):
+        with pytest.raises(ExoidError, match="no form in C"):
+            made_up(exoid.load_leg("cuhk"), (term,)).to_c(tmp_path / "leg.c")
         assert not list(tmp_path.iterdir())
 
     def test_a_term_that_has_no_form_in_c(self, tmp_path):

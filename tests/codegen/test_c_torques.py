@@ -99,6 +99,8 @@ SETS = {
     "a spring and an offset": (Stiffness(degree=1), Offset()),
     "constant springs": (Stiffness(degree=0),),
     "high powers": (Stiffness(degree=8),),
+    "of either direction its own": (Coulomb(asymmetric=True), Viscous(asymmetric=True)),
+    "sharp, of either direction its own": (Coulomb(asymmetric=True, smoothing=0.0, dead_band=0.2),),
     "some joints only": (Coulomb(joints=("knee",)), Armature(joints=("left_knee",)), Offset(joints=("hip",))),
     "smooth at the hip, sharp at the knee": (Coulomb(joints=("hip",)), Coulomb(joints=("knee",), smoothing=0.0)),
 }
