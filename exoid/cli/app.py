@@ -10,6 +10,7 @@ import typer
 import exoid
 from exoid.errors import ExoidError
 
+from .compare import compare
 from .export import export
 from .identify import identify
 from .plan import plan
@@ -34,6 +35,7 @@ app = typer.Typer(
 app.command()(identify)
 app.command()(select)
 app.command()(validate)
+app.command()(compare)
 app.command()(export)
 app.command()(plan)
 app.command()(reproduce)
