@@ -17,12 +17,13 @@ from exoid import published
 from exoid._typing import FloatArray
 from exoid.catalog import load_leg
 from exoid.errors import ExoidError
+from exoid.files import refuse_unwritable
 from exoid.identification import Estimate
 from exoid.leg import Leg
 from exoid.signals import Recording
-from exoid.tables import to_text
+from exoid.tables import DataTable, to_text
 
-from .inputs import AsJson
+from .inputs import AsJson, Report
 
 HARMONICS = 6
 """Fitted to a reference from a log."""
@@ -66,6 +67,7 @@ def track(
     friction: Annotated[float | None, typer.Option(metavar="X", help="Of the rig, over what laws know.")] = None,
     figures: Annotated[str | None, typer.Option(metavar="DIR", help="Write figures there.")] = None,
     form: Annotated[Literal["png", "pdf"], typer.Option("--format", help="Of the figures.")] = "png",
+    report: Report = None,
     as_json: AsJson = False,
 ) -> None:
     """Run control laws on a rig and compare: tracking error, torque, energy, chatter.
@@ -74,10 +76,13 @@ def track(
     made of it, and the laws know it; --payload and --friction make the rig differ.
     """
     from exoid import reproduce  # noqa: PLC0415 - it draws, and matplotlib would slow down every command
+    from exoid.view.figure_files import make_folder, write_figures  # noqa: PLC0415
 
     plan = Plan(kp, kd, rate, period, scale, speed, reference, payload, friction)
     if figures is not None:
-        reproduce.make_folder(figures)
+        make_folder(figures)
+    if report is not None:
+        refuse_unwritable(report)
     if what == "cuhk":
         _refuse(plan._asdict(), "it is document 2's comparison; name an estimate")
     else:
@@ -88,18 +93,22 @@ def track(
         if what == "cuhk":
             inertia = {} if rotor is None else {"rotor": rotor}
             replay = reproduce.reproduce_cuhk_tracking(seed, wrong=wrong, progress=told, **inertia)
+            table, notes = reproduce.cuhk_tracking_table(replay), reproduce.cuhk_tracking_notes(replay)
             runs, text, data = replay.laws, reproduce.cuhk_tracking_text(replay), reproduce.cuhk_tracking_json(replay)
         else:
-            runs, text, data = _track_leg(what, plan, seed, told)
+            runs, table, data = _track_leg(what, plan, seed, told)
+            text, notes = to_text(table), ()
     if figures is not None:
-        for path in reproduce.write_tracking_figures(runs, figures, form):
+        for path in write_figures(reproduce.tracking_figures(runs), figures, form):
             typer.echo(f"wrote {path}", err=True)
+    if report is not None:
+        reproduce.tracking_page(f"Control laws on {what}", table, notes, runs).write(report)
     typer.echo(json.dumps(data, indent=1) if as_json else text)
 
 
 def _track_leg(
     what: str, plan: Plan, seed: int, told: Callable[[float], None]
-) -> tuple[Mapping[str, Any], str, dict[str, Any]]:
+) -> tuple[Mapping[str, Any], DataTable, dict[str, Any]]:
     """Run every law on a leg; return what they did, as a table and as JSON."""
     from exoid import control, reproduce  # noqa: PLC0415
     from exoid.control.tracking import tracking_table  # noqa: PLC0415
@@ -126,7 +135,7 @@ def _track_leg(
     )
     gains = ", ".join(f"{name} {p:.3g} / {d:.3g}" for name, p, d in zip(model.leg.joint_labels, kp, kd, strict=True))
     title = f"{model.leg.description.name}: reference of {period:g} s; Kp [N·m/rad] / Kd [N·m·s/rad]: {gains}"
-    return runs, to_text(title, tracking_table(runs.values())), reproduce.laws_json(runs, kp, kd, seed)
+    return runs, tracking_table(title, runs.values()), reproduce.laws_json(runs, kp, kd, seed)
 
 
 def _model(what: str) -> Any:  # noqa: ANN401 - a ControlModel, which is not imported at the start

@@ -16,12 +16,16 @@ from exoid.leg import Leg
 from exoid.model import configuration
 from exoid.rig import Plant
 from exoid.rig.plant import STIFFNESS_DEGREE
-from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, Viscous
+from exoid.torques import Armature, Coulomb, JointMotion, Offset, Stiffness, Term, Viscous
 
 from .law import spread
 
 PLAIN: tuple[type[Term], ...] = (Coulomb, Viscous, Armature)
 """Terms of one coefficient a joint."""
+
+
+SLIDING = 0.02
+"""Velocity over which a contact with a memory changes its sign in a law [rad/s]."""
 
 
 class OtherTerm(NamedTuple):
@@ -37,10 +41,14 @@ class OtherTerm(NamedTuple):
     joint: int
     values: FloatArray
 
-    def torque(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Torque at angles and velocities of its joint [N·m], (N,) each."""
+    def torque(self, q: FloatArray, v: FloatArray, load: FloatArray) -> FloatArray:
+        """Torque at angles, velocities and gravity torques of its joint [N·m], (N,) each.
+
+        A law does not know the way since the last reversal: a contact that bends counts as one that slides.
+        """
         out = np.zeros((len(self.values), q.size))
-        self.term.fill(q, v, np.zeros_like(q), out)
+        sliding = None if self.term.memory is None else np.tanh(v / SLIDING)
+        self.term.fill(JointMotion(q, v, np.zeros_like(q), load, sliding), out)
         return np.asarray(self.values @ out)
 
 
@@ -148,9 +156,12 @@ class ControlModel:
         """
         sign = np.sign(v) if width == 0.0 else np.tanh(v / width)
         torque = spread(self.coulomb, v) * sign + spread(self.viscous, v) * v
-        for other in self.others:
-            at, rate = np.atleast_1d(q[other.joint]), np.atleast_1d(v[other.joint])
-            torque[other.joint] += (other.torque(at, rate) - other.torque(at, np.zeros_like(rate))).reshape(v.shape[1:])
+        if self.others:
+            load = self._gravity(q)
+            for other in self.others:
+                at, rate, pull = (np.atleast_1d(x[other.joint]) for x in (q, v, load))
+                moving = other.torque(at, rate, pull) - other.torque(at, np.zeros_like(rate), pull)
+                torque[other.joint] += moving.reshape(v.shape[1:])
         return np.asarray(torque)
 
     def spring_rate(self, q: FloatArray) -> FloatArray:
@@ -191,8 +202,13 @@ class ControlModel:
         for other in self.others:
             at = np.atleast_1d(q[other.joint])
             torque = torque + np.zeros_like(q)
-            torque[other.joint] += other.torque(at, np.zeros_like(at)).reshape(q.shape[1:])
+            torque[other.joint] += other.torque(at, np.zeros_like(at), np.zeros_like(at)).reshape(q.shape[1:])
         return np.asarray(torque)
+
+    def _gravity(self, q: FloatArray) -> FloatArray:
+        """Gravity torque of the bodies, which loads gears [N·m], (n,) or (n, B)."""
+        torque = self.leg.gravity(q.T).T
+        return torque[:, 0] if q.ndim == 1 else torque
 
 
 def _of_estimate(estimate: Estimate) -> ControlModel:
@@ -211,7 +227,7 @@ def _of_estimate(estimate: Estimate) -> ControlModel:
                 spring[degree - term.degree :, joint] += found
             elif kind is Offset:
                 spring[-1, joint] += found[0]
-            elif kind in PLAIN:
+            elif kind in PLAIN and len(term.symbols) == 1:
                 rest[PLAIN.index(kind), joint] += found[0]
             else:
                 others.append(OtherTerm(term, joint, found))

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
 from exoid._typing import FloatArray
 from exoid.rig import Energy, Run
 from exoid.signals import Recording
-from exoid.tables import make_table, to_text
+from exoid.tables import DataTable, to_text
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -109,7 +108,7 @@ class Tracking:
         rows = [(name, *(f"{value:.3g}" for value in values)) for name, *values in columns]
         headers = ("joint", "peak error [deg]", "rms [deg]", "rms torque [N·m]", "energy [J]", "variation [N·m/s]")
         span = f"{self.settle:g} to {self.time[-1]:g} s"
-        return to_text(f"{self.law} at {self.rate:g} Hz, {span}", make_table(headers, rows))
+        return to_text(DataTable(f"{self.law} at {self.rate:g} Hz, {span}", headers, rows))
 
 
 def tracking_to_json(tracking: Tracking) -> dict[str, Any]:
@@ -118,7 +117,7 @@ def tracking_to_json(tracking: Tracking) -> dict[str, Any]:
     return {name: getattr(tracking, name).tolist() for name in names}
 
 
-def tracking_table(trackings: Iterable[Tracking]) -> Table:
+def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:
     """Put several laws one below the other, one line a joint; TV is the torque's total variation over the time."""
     rows = [
         (
@@ -135,7 +134,7 @@ def tracking_table(trackings: Iterable[Tracking]) -> Table:
         for joint, name in enumerate(one.joint_names)
     ]
     headers = ("law", "[Hz]", "joint", "peak [deg]", "rms [deg]", "rms [N·m]", "energy [J]", "TV [N·m/s]")
-    return make_table(headers, rows)
+    return DataTable(caption, headers, rows)
 
 
 def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tracking:

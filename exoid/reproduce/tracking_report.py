@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
-from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
-from rich.table import Table
 
 from exoid._typing import FloatArray
 from exoid.control import Tracking
 from exoid.control.tracking import tracking_table, tracking_to_json
-from exoid.tables import to_text
-from exoid.view import plot_law_torques, plot_peak_errors, plot_tracking_errors
+from exoid.tables import DataTable, to_text
+from exoid.view import paper, plot_law_torques, plot_peak_errors, plot_tracking_errors
 from exoid.view.style import COLUMN
 from exoid.view.tracking import LAW_COLOURS
 
 from .cuhk_tracking import DOCUMENT_DEG, GAINS, LOADED, PRINTED, TrackingReplay
-from .figures import write_figures
 
 LABELS = {
     "pd_30hz": "PD, 30 Hz",
@@ -37,15 +33,24 @@ CLOSE = 3.0
 
 def cuhk_tracking_text(replay: TrackingReplay) -> str:
     """Every law beside the others and beside document 2's figures, and what they mean."""
+    parts: list[DataTable | str] = [cuhk_tracking_table(replay), "", *cuhk_tracking_notes(replay)]
+    if replay.wrong:
+        parts += ["", wrong_table(replay), "", _table_iii(replay)]
+    return to_text(*parts)
+
+
+def cuhk_tracking_table(replay: TrackingReplay) -> DataTable:
+    """Every law beside the others."""
     title = (
         f"CUHK-EXO with payload, rotors of {replay.rotor:g} kg·m², gait of 10 s, gains {GAINS['kp']} N·m/rad and "
         f"{GAINS['kd']} N·m·s/rad; laws know an estimate from noisy data"
     )
-    parts: list[Table | str] = [title, tracking_table(replay.laws.values()), "", *_findings(replay)]
-    if replay.wrong:
-        parts += ["", "The same where the laws know the leg wrongly", tracking_table(replay.wrong.values())]
-        parts += ["", _table_iii(replay)]
-    return to_text(*parts)
+    return tracking_table(title, replay.laws.values())
+
+
+def wrong_table(replay: TrackingReplay) -> DataTable:
+    """Laws that know the leg wrongly."""
+    return tracking_table("The same where the laws know the leg wrongly", replay.wrong.values())
 
 
 def laws_json(runs: Mapping[str, Tracking], kp: Iterable[float], kd: Iterable[float], seed: int) -> dict[str, Any]:
@@ -62,39 +67,37 @@ def cuhk_tracking_json(replay: TrackingReplay) -> dict[str, Any]:
     return data
 
 
-def write_tracking_figures(runs: Mapping[str, Tracking], folder: str | Path, form: str = "png") -> list[Path]:
-    """Write document 2's figures 8 (errors) and 9 (torques), and all laws side by side at the same rate and gains.
+def tracking_figures(runs: Mapping[str, Tracking]) -> dict[str, Figure]:
+    """Draw document 2's figures 8 (errors) and 9 (torques), and all laws side by side at the same rate and gains.
 
     Figures 8 and 9 compare PD, at 30 Hz where it ran, with PD and compensation.
 
     Args:
         runs: By the names of :func:`exoid.control.standard_laws`, and "pd_30hz".
-        folder: Where to.
-        form: "png" or "pdf".
 
-    Raises:
-        ExoidError: The folder cannot be made or written.
+    Returns:
+        Figures by name.
     """
     slow = "pd_30hz" if "pd_30hz" in runs else "pd"
     document = {LABELS[name]: runs[name] for name in (slow, "pd_gravity_friction")}
     every = {LABELS.get(name, name): run for name, run in runs.items() if name != "pd_30hz"}
     colours = dict(zip(every, LAW_COLOURS, strict=False))
     close = {label: run for label, run in every.items() if run.peak_deg.max() < CLOSE}
-    figures = {
-        "doc2_fig8_errors": partial(_figure, plot_tracking_errors, document),
-        "doc2_fig9_torques": partial(_figure, plot_law_torques, document),
-        "laws_errors": partial(_figure, plot_tracking_errors, every),
-        "laws_torques": partial(_figure, plot_law_torques, every),
-        "laws_peak_errors": partial(_peaks, every),
-    }
-    if 0 < len(close) < len(every):
-        figures["laws_errors_close"] = partial(
-            _figure, plot_tracking_errors, close, [colours[label] for label in close]
-        )
-    return write_figures(figures, folder, form)
+    with paper():
+        figures = {
+            "doc2_fig8_errors": _figure(plot_tracking_errors, document),
+            "doc2_fig9_torques": _figure(plot_law_torques, document),
+            "laws_errors": _figure(plot_tracking_errors, every),
+            "laws_torques": _figure(plot_law_torques, every),
+            "laws_peak_errors": _peaks(every),
+        }
+        if 0 < len(close) < len(every):
+            figures["laws_errors_close"] = _figure(plot_tracking_errors, close, [colours[label] for label in close])
+    return figures
 
 
-def _findings(replay: TrackingReplay) -> Sequence[str]:
+def cuhk_tracking_notes(replay: TrackingReplay) -> Sequence[str]:
+    """What the comparison says beside document 2's."""
     laws = replay.laws
     slow, pd, compensated = (laws[name] for name in ("pd_30hz", "pd", "pd_gravity_friction"))
     printed = "; ".join(f"{LABELS[name]} {hip:g} / {knee:g}" for name, (hip, knee) in DOCUMENT_DEG.items())

@@ -8,7 +8,7 @@ import exoid
 from exoid.control import ControlModel
 from exoid.errors import ExoidError
 from exoid.rig import Plant
-from exoid.torques import Coulomb, TorqueModel, Viscous
+from exoid.torques import Coulomb, LoadFriction, TorqueModel, Viscous
 
 RNG = np.random.default_rng(3)
 
@@ -78,8 +78,8 @@ class Cubic(Viscous):
     def units(self):
         return ("N·m·s³/rad³", "N·m")
 
-    def fill(self, q, v, a, out):
-        out[0], out[1] = v**3, 1.0
+    def fill(self, motion, out):
+        out[0], out[1] = motion.v**3, 1.0
 
 
 @pytest.mark.parametrize("shape", [(2,), (2, 4)])
@@ -92,6 +92,29 @@ def test_a_term_of_an_unknown_kind_is_compensated_too(shape):
     whole = control.inverse_dynamics(q, v, a) + control.friction(q, v, 0.05)
     np.testing.assert_allclose(whole.T.reshape(-1, 2), est.torque(q.T, v.T, a.T), atol=1e-12)
     np.testing.assert_allclose(control.with_friction(3.0).friction(q, v, 0.05), 3.0 * control.friction(q, v, 0.05))
+
+
+@pytest.mark.parametrize("shape", [(2,), (2, 4)])
+def test_friction_that_grows_with_load_is_that_of_the_leg_at_rest_under_gravity(shape):
+    model = TorqueModel(LEG, (LoadFriction(split=True, smoothing=0.02),))
+    own = dict(zip(LEG.parameter_names, LEG.parameters, strict=True))
+    est = estimate_of(model, {**own, "mu_drive_hip": 0.2, "mu_back_hip": 0.1, "mu_drive_knee": 0.3})
+    control = ControlModel.of(est)
+    q, v = RNG.uniform(-1.0, 1.0, (2, *shape))
+    gravity = LEG.gravity(q.T)
+    drive, back = np.array([0.2, 0.3]), np.array([0.1, 0.0])
+    z = np.tanh(v.T.reshape(-1, 2) / 0.02)
+    share = 0.5 * (drive * (1.0 + z * np.sign(gravity)) + back * (1.0 - z * np.sign(gravity)))
+    np.testing.assert_allclose(control.friction(q, v, 0.02).T.reshape(-1, 2), np.abs(gravity) * z * share, atol=1e-12)
+
+
+def test_a_contact_that_bends_counts_as_one_that_slides():
+    own = dict(zip(LEG.parameter_names, LEG.parameters, strict=True))
+    values = {**own, "c0_hip": 1.0, "c0_knee": 0.5}
+    two = (Coulomb(presliding=1e-3), Coulomb())
+    bends, slides = (ControlModel.of(estimate_of(TorqueModel(LEG, (term,)), values)) for term in two)
+    q, v = RNG.uniform(-1.0, 1.0, (2, 2))
+    np.testing.assert_array_equal(bends.friction(q, v, 0.02), slides.friction(q, v, 0.02))
 
 
 def test_friction_can_be_made_wrong_on_purpose():
