@@ -126,9 +126,13 @@ class ControlModel:
     def statics(self, q: FloatArray) -> FloatArray:
         """Torque that holds the leg at q: gravity, springs and offsets [N·m]."""
         if q.ndim == 1:
-            at = configuration(self.pinocchio, q[None])[0] if self._turns else q
-            return np.asarray(pin.computeGeneralizedGravity(self.pinocchio, self._data, at) + self._springs(q))
+            return np.asarray(self.gravity(q) + self._springs(q))
         return self.inverse_dynamics(q, np.zeros_like(q), np.zeros_like(q))
+
+    def gravity(self, q: FloatArray) -> FloatArray:
+        """Gravity torque of one leg [N·m]; q is (n,)."""
+        at = configuration(self.pinocchio, q[None])[0] if self._turns else q
+        return np.asarray(pin.computeGeneralizedGravity(self.pinocchio, self._data, at))
 
     def inverse_dynamics(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """RNEA(q, v, a) + Ia a + s(q): everything but friction [N·m]."""

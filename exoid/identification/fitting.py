@@ -13,6 +13,7 @@ from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel
 
+from .assumed import NOTHING, Assumed
 from .estimators import Fit
 from .problem import Problem
 from .shapes import Shapes
@@ -31,6 +32,7 @@ class Task(NamedTuple):
         preparation: How they become rows.
         estimator: Name of the estimator.
         keep: Which rows to use; None for all.
+        assumed: What is known of the parameters of a linear model.
     """
 
     leg: Leg
@@ -39,10 +41,11 @@ class Task(NamedTuple):
     preparation: Preparation
     estimator: str
     keep: Keep | None = None
+    assumed: Assumed = NOTHING
 
     def problem(self, model: TorqueModel) -> Problem:
         """Rows of a model."""
-        return Problem(model, self.data, self.preparation, self.keep)
+        return Problem(model, self.data, self.preparation, self.keep, self.assumed)
 
 
 class Fitted(NamedTuple):

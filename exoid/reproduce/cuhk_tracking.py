@@ -23,7 +23,7 @@ GAINS = {"kp": (22.0, 55.0), "kd": (2.2, 5.5)}
 """Of hip and knee [N·m/rad, N·m·s/rad]. Document 2 prints none: with these its PD errs by its 15° and 12°, on the rig
 with rotors and without; kd is a tenth of kp."""
 
-PERIOD, PERIODS, AMPLITUDE = 10.0, 3, 1.2
+PERIOD, PERIODS, AMPLITUDE = 10.0, 2, 1.2
 """Stride of document 2 [s], how many are walked (the first is not counted), and the factor by which its amplitude is
 enlarged, which is not printed."""
 
