@@ -29,6 +29,9 @@ Column = Annotated[
 Degrees = Annotated[bool, typer.Option("--degrees", help="Angles in the logs are degrees.")]
 Start = Annotated[float | None, typer.Option(metavar="S", help="Use each log from this time stamp on [s].")]
 Stop = Annotated[float | None, typer.Option(metavar="S", help="Use each log up to before this time stamp [s].")]
+Report = Annotated[
+    str | None, typer.Option(metavar="FILE.HTML", help="Write a report: one HTML page that needs nothing beside it.")
+]
 Topic = Annotated[str | None, typer.Option(metavar="NAME", help="Topic of joint states in a bag of ROS.")]
 Received = Annotated[
     bool, typer.Option("--received", help="Time at which a bag received its messages, not that in their headers.")
@@ -68,7 +71,7 @@ def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] |
 
 
 def find_leg(
-    name: str, side: str | None, inertias: str | None, joints: Sequence[str] | None, logged: Sequence[str]
+    name: str, side: str | None, inertias: str | None, joints: Sequence[str] | None, logged: Sequence[str] | None
 ) -> Leg:
     """Find the leg that a word means: a built-in one, that of a dataset, or a URDF file.
 
@@ -77,22 +80,24 @@ def find_leg(
         side: "left" or "right" for a built-in leg; None for the side whose joints were logged.
         inertias: Inertia set of a built-in leg.
         joints: Joints of a URDF that move; None for those that were logged.
-        logged: Joints in the log.
+        logged: Joints in the log; None if there is none: all joints of a URDF move.
     """
     if name in SEGMENTS:
-        _refuse({"--joints": joints}, f"the joints of {name} are known")
-        return load_leg(name, side or _side(logged), inertias)
-    _refuse({"--side": side, "--inertias": inertias}, f"{name!r} is no built-in leg")
+        refuse({"--joints": joints}, f"the joints of {name} are known")
+        return load_leg(name, side or _side(logged or ()), inertias)
+    refuse({"--side": side, "--inertias": inertias}, f"{name!r} is no built-in leg")
     if name in DATASETS:
-        _refuse({"--joints": joints}, f"the joints of {name} are known")
+        refuse({"--joints": joints}, f"the joints of {name} are known")
         return DATASETS[name]().leg
     if not Path(name).is_file():
         known = ", ".join([*SEGMENTS, *DATASETS])
         raise ExoidError(f"no leg or URDF file {name!r}", remedy=f"name a built-in leg ({known}) or a URDF file")
-    return Leg.from_urdf(name, joints if joints is not None else _moving_joints(Path(name), logged))
+    if joints is None and logged is not None:
+        joints = _moving_joints(Path(name), logged)
+    return Leg.from_urdf(name, joints)
 
 
-def _refuse(options: Mapping[str, object], why: str) -> None:
+def refuse(options: Mapping[str, object], why: str) -> None:
     """Refuse options that would have no effect."""
     for option, value in options.items():
         if value is not None:
@@ -138,6 +143,20 @@ def parse_terms(text: str | None) -> tuple[Term, ...]:
 def split_names(text: str | None) -> tuple[str, ...] | None:
     """Turn "hip,knee" into names."""
     return None if text is None else tuple(name.strip() for name in text.split(","))
+
+
+def parse_numbers(text: str | None, option: str) -> tuple[float, ...] | None:
+    """Turn "0.3,0.2" into numbers; one number alone stands for all joints.
+
+    Raises:
+        ExoidError: A part is no number.
+    """
+    if text is None:
+        return None
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise ExoidError(f"{option} {text}", remedy="write numbers, separated by commas, e.g. 0.3,0.2,0.1") from None
 
 
 def _read_log(name: str, options: LogOptions, joints: Sequence[str] | None) -> Recording:

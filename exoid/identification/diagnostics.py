@@ -9,8 +9,10 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.torques import TorqueModel
 
-from .noise import autocovariance_sums
+from .assumed import Assumed
+from .noise import LagSums
 from .problem import Problem
 from .residuals import Noises, Point, series
 from .rows import Triangle
@@ -23,6 +25,15 @@ WEAKLY = 0.3
 
 SIZE = 0.1
 """A value near zero is judged by this part of the value that would explain all torque of a joint alone."""
+
+MOSTLY_PRIOR = 0.7
+"""A standard deviation beyond this part of the prior's says that the recordings know less than the prior."""
+
+BELOW_ZERO = 0.005
+"""Probability with which a parameter that is zero would be said to be negative."""
+
+CANCELS = 3.0
+"""A value that alone would give so many times all torque of a joint only cancels another, whatever its error."""
 
 LAGS = 10
 """Autocorrelations that are tested for whiteness."""
@@ -53,13 +64,18 @@ def judge_noise(problem: Problem, point: Point, noises: Noises) -> tuple[JointNo
     joints = len(problem.model.leg.joint_names)
     samples, effective, statistic, lags = np.zeros((4, joints))
     products = np.zeros((joints, 2))
+    running: dict[int, tuple[LagSums, LagSums]] = {}
     for part in series(problem, point):
         joint, count = part.joint, part.usable.sum()
         samples[joint] += count
         effective[joint] += count * noises[part.kind, joint].effective_share
-        if not part.kind.at_rest and count > 2 * LAGS and part.residual.any():
-            sums, pairs = (autocovariance_sums(x, LAGS) for x in (part.residual, part.usable))
-            correlations = sums[1:] / np.maximum(pairs[1:], 1.0) * count / sums[0]
+        if part.begins:
+            running[joint] = (LagSums(LAGS), LagSums(LAGS))
+        for lag_sums, x in zip(running[joint], (part.residual, part.usable), strict=True):
+            lag_sums.add(x)
+        sums, pairs = (lag_sums.sums for lag_sums in running[joint])
+        if part.ends and not part.kind.at_rest and pairs[0] > 2 * LAGS and sums[0] > 0.0:
+            correlations = sums[1:] / np.maximum(pairs[1:], 1.0) * pairs[0] / sums[0]
             statistic[joint] += (pairs[1:] * correlations**2).sum()
             lags[joint] += LAGS
             products[joint] += sums[:2]
@@ -78,16 +94,40 @@ def judge_noise(problem: Problem, point: Point, noises: Noises) -> tuple[JointNo
 def judge_sizes(triangles: Sequence[Triangle]) -> FloatArray:
     """Return the size of each parameter that would explain, alone, all torque of a joint it acts on, (P,).
 
-    That is ‖τ‖ / ‖W_i‖ of the joint where it is smallest.
+    That is ‖τ‖ / ‖W_i‖ of the joint where it is smallest; zero for one that left no trace.
     """
     norms = np.array([np.linalg.norm(triangle.R, axis=0) for triangle in triangles])
     columns, torques = norms[:, :-1], norms[:, -1:]
-    return np.asarray(np.divide(torques, columns, out=np.full_like(columns, np.inf), where=columns > 0.0).min(axis=0))
+    sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=columns > 0.0).min(axis=0)
+    return np.where(np.isfinite(sizes), sizes, 0.0)
 
 
 def verdict(value: float, std: float, size: float) -> str:
     """Say how well a parameter is determined: "well", "weakly" or "not"."""
+    if abs(value) > CANCELS * size > 0.0:
+        return "not"
     scale = max(abs(value), SIZE * size)
     if std <= WELL * scale:
         return "well"
     return "weakly" if std <= WEAKLY * scale else "not"
+
+
+def verdict_beside(name: str, assumed: Assumed, std: float, of_data: str) -> str:
+    """Say "known" or "prior" of parameters that are rather what was assumed than what was measured."""
+    if name in assumed.known:
+        return "known"
+    believed = assumed.prior.values.get(name)
+    return "prior" if believed is not None and std > MOSTLY_PRIOR * believed[1] else of_data
+
+
+def negative(model: TorqueModel, values: FloatArray, std: FloatArray) -> tuple[str, ...]:
+    """Name friction and rotor inertia that are negative by more than their error."""
+    limit = float(scipy.stats.norm.ppf(1.0 - BELOW_ZERO))
+    below = model.nonnegative & (values < 0.0) & (values < -limit * std)
+    if not below.any():
+        return ()
+    names = ", ".join(name for name, is_below in zip(model.names, below, strict=True) if is_below)
+    return (
+        f"{names} negative beyond error, which nature does not allow: a term is missing, a sign is wrong, or the "
+        "torque is not that of this joint",
+    )

@@ -19,8 +19,12 @@ from exoid.leg import Leg
 from exoid.signals import PREPARATIONS, Preparation
 from exoid.torques import TorqueModel, term_from_json, term_to_json
 
+from .assumed import Assumed, Prior
 from .diagnostics import JointNoise
 from .estimate import Estimate, Input
+from .influence import influence_from_json, influence_to_json
+from .shapes import Shapes
+from .trends import trends_from_json, trends_to_json
 
 SCHEMA = "exoid-estimate-1"
 
@@ -65,12 +69,19 @@ def estimate_to_json(estimate: Estimate) -> dict[str, Any]:
         "residual_rms": dict(zip(estimate.joint_names, estimate.residual_rms.tolist(), strict=True)),
         "merged": {merged.name: merged.into for merged in estimate.merged},
         "estimator": estimate.estimator,
-        "preparation": {"name": estimate.preparation.name, **_settings(estimate.preparation)},
+        "preparation": preparation_to_json(estimate.preparation),
         "noise": {name: asdict(of_joint) for name, of_joint in zip(estimate.joint_names, estimate.noise, strict=False)},
         "sizes": dict(zip(estimate.names, np.asarray(estimate.sizes).tolist(), strict=True)),
         "determined": dict(zip(estimate.names, estimate.verdicts, strict=True)),
         "warnings": list(estimate.warnings),
+        "known": dict(estimate.assumed.known),
+        "prior": {name: list(pair) for name, pair in estimate.assumed.prior.values.items()},
+        "nonnegative": estimate.assumed.nonnegative,
+        "bounded": list(estimate.bounded),
+        "trends": trends_to_json(estimate.trends),
+        "influence": influence_to_json(estimate.influence, estimate.names),
         "inputs": [asdict(source) for source in estimate.inputs],
+        "shapes": _shapes_to_json(estimate.shapes, estimate.dof) if len(estimate.shapes) else {},
         "terms": [term_to_json(term) for term in model.terms],
         "leg": {
             "name": leg.description.name,
@@ -102,11 +113,12 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
     model = TorqueModel(leg, tuple(term_from_json(term) for term in data["terms"]))
     if tuple(data["values"]) != model.names:
         raise ExoidError(f"values {', '.join(data['values'])} do not fit the parameters {', '.join(model.names)}")
+    values = np.array(list(data["values"].values()), dtype=np.float64)
     settings = dict(data["preparation"])
     preparation = PREPARATIONS[settings.pop("name")](**settings)
     return Estimate(
-        model=model,
-        values=np.array(list(data["values"].values()), dtype=np.float64),
+        model=model.loaded_by(values),
+        values=values,
         covariance=np.array(data["covariance"], dtype=np.float64),
         condition_number=float(data["condition_number"]),
         dof=float(data["degrees_of_freedom"]),
@@ -117,11 +129,45 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
         noise=_noise(data.get("noise", {}), leg.joint_names),
         sizes=_sizes(data.get("sizes"), model.names),
         warnings=_warnings(data.get("warnings", [])),
+        assumed=_assumed(data, model),
+        bounded=tuple(str(name) for name in data.get("bounded", [])),
+        trends=trends_from_json(data.get("trends", [])),
+        influence=influence_from_json(data.get("influence", []), model.names),
+        shapes=_shapes(data.get("shapes", {})),
     )
 
 
-def _settings(preparation: Preparation) -> dict[str, Any]:
-    return asdict(preparation)  # type: ignore[call-overload,no-any-return]
+def _assumed(data: Mapping[str, Any], model: TorqueModel) -> Assumed:
+    """Read what was assumed; older files know of nothing."""
+    prior = Prior({name: tuple(pair) for name, pair in data.get("prior", {}).items()})
+    assumed = Assumed(data.get("known", {}), prior, bool(data.get("nonnegative", False)))
+    assumed.check(model)
+    return assumed
+
+
+def preparation_to_json(preparation: Preparation) -> dict[str, Any]:
+    """Describe a preparation by its name and settings."""
+    return {"name": preparation.name, **asdict(preparation)}  # type: ignore[call-overload]
+
+
+def _shapes_to_json(shapes: Shapes, dof: float) -> dict[str, Any]:
+    return {
+        "values": dict(zip(shapes.names, shapes.values.tolist(), strict=True)),
+        "std": dict(zip(shapes.names, shapes.std.tolist(), strict=True)),
+        "interval_95": dict(zip(shapes.names, shapes.interval(dof).tolist(), strict=True)),
+        "units": dict(zip(shapes.names, shapes.units, strict=True)),
+        "determined": dict(zip(shapes.names, shapes.verdicts, strict=True)),
+        "held": list(shapes.held),
+        "covariance": shapes.covariance.tolist(),
+    }
+
+
+def _shapes(data: Mapping[str, Any]) -> Shapes:
+    """Read fitted settings; files without any have none."""
+    if not data:
+        return Shapes()
+    names, units = tuple(data["values"]), tuple(data["units"].values())
+    return Shapes(names, units, np.array(list(data["values"].values())), data["covariance"], tuple(data["held"]))
 
 
 def _noise(data: Mapping[str, Any], joints: Sequence[str]) -> tuple[JointNoise, ...]:

@@ -122,6 +122,7 @@ def export_to_json(export: Export) -> dict[str, Any]:
         "only_here": list(export.only_in_sidecar),
         "not_dissipative": list(export.not_dissipative),
         "terms": [term_to_json(term) for term in estimate.model.terms],
+        "shapes": dict(zip(estimate.shapes.names, estimate.shapes.values.tolist(), strict=True)),
         "merged": {merged.name: merged.into for merged in estimate.merged},
         "estimate": {
             "values": dict(zip(estimate.names, estimate.values.tolist(), strict=True)),

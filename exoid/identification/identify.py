@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 
 import numpy as np
@@ -11,14 +11,18 @@ import numpy as np
 from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, preparation_by_name
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+from exoid.torques import DEFAULT_TERMS, Term, TorqueModel, free_shapes
 
-from .diagnostics import judge_noise, judge_sizes
+from .assumed import Assumed, Prior
+from .diagnostics import judge_noise, judge_sizes, negative
 from .estimate import Estimate, Input
 from .estimators import ESTIMATORS
-from .problem import Problem
+from .fitting import Task
+from .influence import influence
 from .residuals import sandwich
-from .rows import join, refuse_dead_torques, refuse_empty_joints, refuse_still_joints, rms_residual
+from .rows import refuse_dead_torques, refuse_still_joints, rms_residual
+from .separable import fit_model
+from .trends import remarks, residual_trends
 
 NOISES = ("correlated", "white")
 
@@ -32,6 +36,9 @@ def identify(
     cutoff: float = 8.0,
     preparation: Preparation | str | None = None,
     noise: str = "correlated",
+    known: Mapping[str, float] | None = None,
+    prior: Prior | Mapping[str, tuple[float, float]] | None = None,
+    nonnegative: bool = False,
 ) -> Estimate:
     """Identify the parameters of a leg from recorded motions and torques.
 
@@ -43,7 +50,8 @@ def identify(
         recordings: One recording or several of the same leg, with torques; also :class:`exoid.signals.Poses`. Velocity
             and acceleration are derived where they are missing.
         terms: What acts on the joints besides rigid-body dynamics; None for Coulomb and viscous friction, rotor
-            inertia and offset at every joint; () for nothing.
+            inertia and offset at every joint; () for nothing. Settings that are :class:`exoid.torques.Free` are found
+            by separable least squares, and stand in ``shapes`` of the estimate.
         estimator: "wls" (each joint, at rest and in motion, weighted by its residuals), "huber" (the same, and spikes
             count less), "gls" (whitened by a model of the noise; only where the model of the leg is right) or "ols".
         cutoff: Of the parallel filter [Hz]; above the fastest motion, below the noise.
@@ -51,6 +59,11 @@ def identify(
             "finite-difference" (doc. 1), "moving-average" (doc. 2), "smoothed"; ``cutoff`` then does not apply.
         noise: What the covariance assumes of the torque noise: "correlated" (its autocorrelation is estimated from the
             residuals) or "white" (the textbook's formula: intervals far too narrow where it is not).
+        known: Parameters that are held fixed, by name, such as a mass that was weighed.
+        prior: Values that others are believed to have, with standard deviations, such as
+            ``Prior.from_leg(leg, 0.2)`` of a leg with its CAD's inertias. They count as measurements.
+        nonnegative: Keep friction and rotor inertia from falling below zero. Without it one that is negative beyond its
+            error is named in a warning: something in the model is wrong, which a bound would hide.
 
     Returns:
         The estimate, with the covariance of its parameters.
@@ -67,37 +80,49 @@ def identify(
         raise ExoidError(f"no estimator {estimator!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
     if noise not in NOISES:
         raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
-    model = TorqueModel(leg, _terms(terms))
-    refuse_still_joints(model, recordings)
+    terms = _terms(terms)
+    assumed = Assumed(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
+    refuse_still_joints(_checked(leg, terms, assumed), recordings, assumed.names)
     if isinstance(preparation, str):
         preparation = preparation_by_name(preparation)
     preparation = ZeroPhase(cutoff) if preparation is None else preparation
-    problem = Problem(model, recordings, preparation)
-    groups = problem.groups
-    refuse_dead_torques(model, recordings)
-    refuse_empty_joints(model, [join(group) for group in zip(*groups, strict=True)])
-    fit = ESTIMATORS[estimator](problem)
-    solution = fit.solution
+    refuse_dead_torques(TorqueModel(leg, ()), recordings)
+    fitted = fit_model(Task(leg, terms, recordings, preparation, estimator, assumed=assumed))
+    problem, fit = fitted.problem, fitted.fit
+    solution, count = fit.solution, len(fitted.values)
     covariance, noises = solution.covariance, fit.noises
     if noises is None:
-        covariance, noises = sandwich(problem, fit.point, solution.inverse, covariance)
+        covariance, noises = sandwich(problem, fit.point, solution)
     judged = judge_noise(problem, fit.point, noises)
     independent = sum(of_joint.effective_samples for of_joint in judged)
-    residuals = [rms_residual(of_joint, solution.values) for of_joint in zip(*groups, strict=True)]
-    white = noise == "white"
+    residuals = [rms_residual(of_joint, solution.values) for of_joint in zip(*problem.groups, strict=True)]
+    if noise == "white":
+        covariance, dof = solution.covariance, solution.dof
+    else:
+        dof = max(1.0, independent - int(assumed.free(problem.names).sum()))
+    inputs = tuple(_evidence(recording) for recording in recordings)
+    trends = residual_trends(problem, fit.point, noises, solution, covariance, whitened=fit.noises is not None)
+    std = np.sqrt(np.diag(covariance))
+    shapes = fitted.shapes.with_covariance(problem.names[count:], covariance[count:, count:])
+    doubts = (*shapes.doubts, *negative(fitted.model, fitted.values, std[:count]), *remarks(trends))
     return Estimate(
-        model=model,
-        values=solution.values,
-        covariance=solution.covariance if white else covariance,
+        model=fitted.model,
+        values=fitted.values,
+        covariance=covariance[:count, :count],
         condition_number=solution.condition_number,
-        dof=solution.dof if white else max(1.0, independent - len(model.names)),
+        dof=dof,
         residual_rms=np.array(residuals),
         estimator=estimator,
         preparation=preparation,
-        inputs=tuple(_evidence(recording) for recording in recordings),
+        inputs=inputs,
         noise=judged,
-        sizes=judge_sizes(problem.triangles),
-        warnings=fit.remarks,
+        sizes=judge_sizes(problem.triangles)[:count],
+        warnings=(*fitted.remarks, *doubts),
+        shapes=shapes,
+        assumed=assumed,
+        bounded=tuple(problem.names[k] for k in solution.bounded),
+        influence=influence(problem, [source.name for source in inputs], fit, std, count),
+        trends=trends,
     )
 
 
@@ -122,6 +147,24 @@ def _terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
     return terms
 
 
+def _checked(leg: Leg, terms: tuple[Term, ...], assumed: Assumed) -> TorqueModel:
+    """Return the model that assumptions are about, or the bare leg where there are none.
+
+    Raises:
+        ExoidError: They make no sense, or the model is not linear in its parameters.
+    """
+    if not assumed.names and not assumed.nonnegative:
+        return TorqueModel(leg, ())
+    if any(term.loaded for term in terms) or free_shapes(terms, leg.joint_names, leg.joint_labels):
+        raise ExoidError(
+            "known parameters, priors and bounds need a model that is linear in its parameters",
+            remedy="leave out friction that depends on the load, and give all settings of terms a value",
+        )
+    model = TorqueModel(leg, terms)
+    assumed.check(model)
+    return model
+
+
 def _evidence(data: Recording | Poses) -> Input:
     rate = data.sample_rate if isinstance(data, Recording) else 0.0
     if data.source is not None:
@@ -130,5 +173,5 @@ def _evidence(data: Recording | Poses) -> Input:
     for name in ("time", "q", "v", "a", "tau"):
         array = getattr(data, name, None)
         if array is not None:
-            digest.update(array.tobytes())
+            digest.update(np.ascontiguousarray(array).data)
     return Input("array", digest.hexdigest(), len(data), rate)

@@ -85,10 +85,7 @@ class AutoregressiveNoise:
         return float(np.mean(spectrum) ** 2 / np.mean(spectrum**2))
 
     def quadratic_form(self, X: FloatArray) -> FloatArray:
-        """X Γ Xᵀ with Γ the covariance matrix of consecutive samples of the noise.
-
-        With e = Ψ ε and Γ = σ² Ψ Ψᵀ, the rows of X Ψ are those of X filtered by 1 / φ backwards in time, and on beyond
-        their beginning until the response is over.
+        """X Γ Xᵀ with Γ the covariance matrix of consecutive samples of the noise; see :class:`QuadraticForm`.
 
         Args:
             X: Rows over consecutive samples, zero at those left out, (P, N).
@@ -96,14 +93,9 @@ class AutoregressiveNoise:
         Returns:
             (P, P).
         """
-        if self.order == 0:
-            return np.asarray(self.variances[-1] * (X @ X.T))
-        radius = float(np.abs(np.roots(self.polynomial)).max())
-        ring = X.shape[1] if radius >= 1.0 else math.ceil(math.log(RING) / math.log(max(radius, 1e-3)))
-        start = np.zeros((len(X), self.order))
-        filtered, state = scipy.signal.lfilter([1.0], self.polynomial, X[:, ::-1], zi=start)
-        after, _ = scipy.signal.lfilter([1.0], self.polynomial, np.zeros((len(X), min(ring, X.shape[1]))), zi=state)
-        return np.asarray(self.variances[-1] * (filtered @ filtered.T + after @ after.T))
+        form = QuadraticForm(self, len(X))
+        form.add(X)
+        return form.total()
 
     def whiten(self, X: FloatArray) -> FloatArray:
         """Rows with which noise of this kind becomes white of unit variance, exactly from the first sample on.
@@ -122,6 +114,58 @@ class AutoregressiveNoise:
                 max(self.variances[-1], TINY)
             )
         return out
+
+
+class QuadraticForm:
+    """X Γ Xᵀ of rows that come stretch by stretch, with Γ the covariance matrix of consecutive samples of a noise.
+
+    With e = Ψ ε and Γ = σ² Ψ Ψᵀ, the rows of X Ψ are those of X filtered by 1 / φ backwards in time, and on beyond
+    their beginning until the response is over. Γ is the same with time reversed, so they may be filtered forwards, and
+    on beyond their end.
+    """
+
+    def __init__(self, noise: AutoregressiveNoise, rows: int) -> None:
+        """Begin with nothing, for so many rows of X."""
+        self.noise = noise
+        self._state = np.zeros((rows, noise.order))
+        self._sum = np.zeros((rows, rows))
+        self._samples = 0
+
+    def add(self, X: FloatArray) -> None:
+        """Go on with the next samples of the rows, zero at those left out, (P, N)."""
+        if self.noise.order:
+            X, self._state = scipy.signal.lfilter([1.0], self.noise.polynomial, X, zi=self._state)
+        self._sum += X @ X.T
+        self._samples += X.shape[1]
+
+    def total(self) -> FloatArray:
+        """X Γ Xᵀ of all that was added, (P, P)."""
+        noise, after = self.noise, np.zeros((len(self._sum), 1))
+        if noise.order:
+            radius = float(np.abs(np.roots(noise.polynomial)).max())
+            ring = self._samples if radius >= 1.0 else math.ceil(math.log(RING) / math.log(max(radius, 1e-3)))
+            silence = np.zeros((len(self._sum), min(ring, self._samples)))
+            after, _ = scipy.signal.lfilter([1.0], noise.polynomial, silence, zi=self._state)
+        return np.asarray(noise.variances[-1] * (self._sum + after @ after.T))
+
+
+class LagSums:
+    """Σ_t x_t · x_{t+k} for k = 0 … ``largest`` of rows that come stretch by stretch, summed over the rows."""
+
+    def __init__(self, largest: int) -> None:
+        """Begin with nothing."""
+        self.sums = np.zeros(largest + 1)
+        self._tail: FloatArray | None = None
+
+    def add(self, x: FloatArray) -> None:
+        """Go on with the next samples, (P, N) or (N,)."""
+        largest = len(self.sums) - 1
+        x = np.atleast_2d(x)
+        if self._tail is not None:
+            self.sums -= autocovariance_sums(self._tail, largest)
+            x = np.concatenate([self._tail, x], axis=1)
+        self.sums += autocovariance_sums(x, largest)
+        self._tail = x[:, max(0, x.shape[1] - largest) :].copy()
 
 
 def autocovariance_sums(x: FloatArray, largest: int) -> FloatArray:

@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 
-from .rows import Rows, Triangle, join, make_rows, make_triangles, thin
+from .assumed import NOTHING, Assumed
+from .least_squares import Solution, solve
+from .rows import Prepared, Rows, Triangle, chain, form_rows, join, make_triangles, prepare, thin, thinning
 
 KEPT_BYTES = 2**26
 """Rows are kept between passes as long as together they stay below this, and made again otherwise."""
+
+KINDS = (Recording, Poses)
+"""What rows come from; each kind has noise of its own."""
 
 
 class Kind(NamedTuple):
@@ -30,10 +39,19 @@ class Kind(NamedTuple):
 
 
 class Block(NamedTuple):
-    """Rows of one recording and the kind of their noise."""
+    """Consecutive rows of one recording and the kind of their noise.
+
+    Attributes:
+        kind: Of the noise.
+        rows: The rows.
+        begins: Whether these are the first of the recording.
+        ends: Whether these are the last of it.
+    """
 
     kind: Kind
     rows: Rows
+    begins: bool
+    ends: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,58 +59,136 @@ class Problem:
     """τ = W β over recordings and poses.
 
     A first pass over the rows leaves triangles, which suffice for least squares; whoever needs more goes over
-    :meth:`blocks`. Memory is that of the rows of one recording, and of small ones that are kept.
+    :meth:`blocks`. A regressor is never formed for more than some ten thousand samples at once: memory is that of
+    the kinematics of one recording, and of rows that are kept where there are few.
 
     Attributes:
         model: What is to be identified.
         data: Recordings and poses.
         preparation: How they become rows.
+        assumed: What is known beside them.
+        keep: Which rows to use, given the index of the recording and their times [s], (N,); None for all.
     """
 
     model: TorqueModel
     data: Sequence[Recording | Poses]
     preparation: Preparation
-    _kept: dict[tuple[int, bool], Rows] = field(default_factory=dict, init=False, repr=False)
+    keep: Callable[[int, FloatArray], NDArray[np.bool_]] | None = None
+    assumed: Assumed = NOTHING
+    _kept: dict[tuple[int, bool], list[Rows]] = field(default_factory=dict, init=False, repr=False)
+    _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the parameters."""
         return self.model.names
 
+    def solve(self, triangle: Triangle) -> Solution:
+        """Solve for weighted rows, with what is known beside them."""
+        bounds = self.model.nonnegative if self.assumed.nonnegative else None
+        return solve(triangle, self.names, self.assumed, bounds)
+
+    @cached_property
+    def each(self) -> list[list[Triangle]]:
+        """One triangle a joint for each recording."""
+        found: list[list[Triangle]] = []
+        for block in self.blocks():
+            new = make_triangles(block.rows)
+            if block.begins:
+                found.append(new)
+            else:
+                found[-1] = [join(pair) for pair in zip(found[-1], new, strict=True)]
+        return found
+
     @cached_property
     def groups(self) -> list[list[Triangle]]:
         """One triangle a joint over all recordings, and one over all poses, which have noise of their own."""
-        each: dict[bool, list[list[Triangle]]] = {False: [], True: []}
-        for block in self.blocks():
-            each[block.kind.at_rest].append(make_triangles(block.rows))
-        return [[join(of_joint) for of_joint in zip(*group, strict=True)] for group in each.values() if group]
+        groups = ([t for d, t in zip(self.data, self.each, strict=True) if isinstance(d, kind)] for kind in KINDS)
+        return [[join(of_joint) for of_joint in zip(*group, strict=True)] for group in groups if group]
 
     @property
     def triangles(self) -> list[Triangle]:
         """All triangles, joint by joint, those of recordings before those of poses."""
         return [triangle for group in self.groups for triangle in group]
 
+    @cached_property
+    def columns(self) -> list[NDArray[np.intp]]:
+        """Parameters that can act on each joint, as indices."""
+        return [np.flatnonzero(acting) for acting in self.model.acting]
+
     def weight_index(self, kind: Kind, joint: int) -> int:
         """Place among :attr:`triangles` of the one that holds the rows of a kind and joint."""
-        return joint + (len(self.groups[0]) if kind.at_rest and len(self.groups) > 1 else 0)
+        return self.place(kind.at_rest, joint)
+
+    def place(self, at_rest: bool, joint: int) -> int:
+        """Place among :attr:`triangles` of a joint in poses, or in motion."""
+        return joint + (len(self.groups[0]) if at_rest and len(self.groups) > 1 else 0)
+
+    def at_rest(self, index: int) -> bool:
+        """Say whether one of the recordings is poses."""
+        return isinstance(self.data[index], Poses)
 
     def blocks(self, *, thinned: bool = False) -> Iterator[Block]:
-        """Go over the rows, recording by recording.
+        """Go over the rows, recording by recording, each in order of time.
 
         Args:
             thinned: Only as many as carry independent noise, see :func:`exoid.identification.rows.thin`.
         """
         for index, data in enumerate(self.data):
-            rows = self._kept.get((index, thinned)) or self._make(index, thinned)
-            at_rest = isinstance(data, Poses)
-            pace = 0 if at_rest or len(rows.time) < 2 else round(math.log(rows.time[1] - rows.time[0]) / math.log(1.1))
-            yield Block(Kind(at_rest, pace), rows)
+            stretches = self._kept.get((index, thinned)) or self._make(index, thinned)
+            kind = None
+            for rows, begins, ends in _with_ends(stretches):
+                kind = kind or Kind(isinstance(data, Poses), _pace(rows.time))
+                yield Block(kind, rows, begins, ends)
 
-    def _make(self, index: int, thinned: bool) -> Rows:
-        """Make rows, and keep them and what is left of them after thinning where there is room."""
-        whole = self._kept.get((index, False)) or make_rows(self.model, self.data[index], self.preparation)
-        few = thin(whole)
-        for key, rows in (((index, True), few), ((index, False), whole)):
-            if key not in self._kept and sum(r.W.nbytes for r in self._kept.values()) + rows.W.nbytes <= KEPT_BYTES:
-                self._kept[key] = rows
-        return few if thinned else whole
+    def _make(self, index: int, thinned: bool) -> Iterator[Rows]:
+        """Make rows stretch by stretch, and keep them and what is left of them after thinning where there is room."""
+        prepared = self._prepare(index)
+        count, step = len(prepared.valid), thinning(prepared.independence)
+        size = 8 * count * prepared.tau.shape[1] * len(self.names)
+        room = KEPT_BYTES - sum(rows.W.nbytes for kept in self._kept.values() for rows in kept)
+        keep_few = size / step <= room
+        keep_whole = size * (1.0 + 1.0 / step) <= room
+        whole, few = [], []
+        for stretch in prepared.stretches():
+            rows = form_rows(self.model, prepared, stretch)
+            fewer = thin(rows, stretch.start - prepared.valid.start, count)
+            if keep_few and len(fewer.time):
+                few.append(fewer)
+            if keep_whole:
+                whole.append(rows)
+            if not thinned:
+                yield rows
+            elif len(fewer.time):
+                yield fewer
+        if keep_few:
+            self._kept[index, True] = [chain(few)]
+        if keep_whole:
+            self._kept[index, False] = whole
+
+    def _prepare(self, index: int) -> Prepared:
+        """Prepare a recording, and remember the last one."""
+        if index not in self._prepared:
+            self._prepared.clear()
+            prepared = prepare(self.model, self.data[index], self.preparation)
+            if self.keep is not None:
+                prepared = prepared._replace(usable=prepared.usable & self.keep(index, prepared.time)[:, None])
+            self._prepared[index] = prepared
+        return self._prepared[index]
+
+
+def _pace(time: FloatArray) -> int:
+    """Logarithm of the sampling interval to base 1.1, rounded."""
+    return 0 if len(time) < 2 else round(math.log(time[1] - time[0]) / math.log(1.1))
+
+
+def _with_ends(stretches: Iterable[Rows]) -> Iterator[tuple[Rows, bool, bool]]:
+    """Say of each stretch whether it is the first, and whether it is the last."""
+    begins, before = True, None
+    for rows in stretches:
+        if before is not None:
+            yield before, begins, False
+            begins = False
+        before = rows
+    if before is not None:
+        yield before, begins, True

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
-from .noise import LARGEST_ORDER, AutoregressiveNoise, autocovariance_sums
+from .least_squares import Solution
+from .noise import LARGEST_ORDER, AutoregressiveNoise, LagSums, QuadraticForm
 from .problem import Kind, Problem
 
 PASSES = 5
@@ -21,7 +22,7 @@ SETTLED = 1e-3
 
 
 class Series(NamedTuple):
-    """Weighted rows of one recording and joint in time order.
+    """Weighted rows of one recording and joint in time order, or a stretch of them.
 
     Attributes:
         kind: Of the noise.
@@ -30,7 +31,11 @@ class Series(NamedTuple):
         X: Their columns of the regressor, zero at samples left out, (p, N).
         residual: τ − W β, zero there too, (N,).
         usable: Samples not left out, (N,).
+        q: Angle [rad], (N,).
+        v: Velocity [rad/s], (N,).
         stands_for: How many rows each of these stands for.
+        begins: Whether these are the first of the recording.
+        ends: Whether these are the last of it.
     """
 
     kind: Kind
@@ -39,7 +44,11 @@ class Series(NamedTuple):
     X: FloatArray
     residual: FloatArray
     usable: FloatArray
+    q: FloatArray
+    v: FloatArray
     stands_for: float
+    begins: bool = True
+    ends: bool = True
 
 
 class Point(NamedTuple):
@@ -62,16 +71,28 @@ Noises = Mapping[tuple[Kind, int], AutoregressiveNoise]
 
 def series(problem: Problem, point: Point) -> Iterator[Series]:
     """Go over all recordings and joints, in rows thinned to the pace of independent noise."""
-    for kind, rows in problem.blocks(thinned=True):
+    for kind, rows, begins, ends in problem.blocks(thinned=True):
         for joint in range(rows.tau.shape[1]):
             weight = point.weights[problem.weight_index(kind, joint)]
             usable = rows.usable[:, joint].astype(np.float64)
             W = rows.W[:, joint].T
-            columns = np.flatnonzero(W.any(axis=1))
+            columns = problem.columns[joint]
             X = weight * W[columns] * usable
             residual = weight * rows.tau[:, joint] * usable - point.values[columns] @ X
             residual = np.clip(residual, -point.clip, point.clip)
-            yield Series(kind, joint, columns, X, residual, usable, rows.stands_for)
+            yield Series(
+                kind,
+                joint,
+                columns,
+                X,
+                residual,
+                usable,
+                rows.q[:, joint],
+                rows.v[:, joint],
+                rows.stands_for,
+                begins,
+                ends,
+            )
 
 
 def fit_noise(problem: Problem, point: Point, covariance: FloatArray) -> dict[tuple[Kind, int], AutoregressiveNoise]:
@@ -82,15 +103,19 @@ def fit_noise(problem: Problem, point: Point, covariance: FloatArray) -> dict[tu
     maximum likelihood does). Samples left out do not count.
     """
     sums: dict[tuple[Kind, int], FloatArray] = {}
+    running: dict[int, tuple[LagSums, LagSums]] = {}
+    roots = [_root(covariance[np.ix_(columns, columns)]).T for columns in problem.columns]
     for part in series(problem, point):
-        largest = 0 if part.kind.at_rest else max(0, min(LARGEST_ORDER, int(part.usable.sum()) // 10))
-        found = np.zeros((2, LARGEST_ORDER + 1))
-        root = _root(covariance[np.ix_(part.columns, part.columns)])
-        found[0, : largest + 1] = autocovariance_sums(part.residual, largest)
-        found[0, : largest + 1] += autocovariance_sums(root.T @ part.X, largest)
-        found[1, : largest + 1] = np.rint(autocovariance_sums(part.usable, largest))
-        key = (part.kind, part.joint)
-        sums[key] = sums.get(key, np.zeros_like(found)) + found
+        if part.begins:
+            running[part.joint] = (LagSums(LARGEST_ORDER), LagSums(LARGEST_ORDER))
+        products, pairs = running[part.joint]
+        products.add(np.vstack([part.residual, roots[part.joint] @ part.X]))
+        pairs.add(part.usable)
+        if part.ends:
+            found = np.array([products.sums, np.rint(pairs.sums)])
+            found[:, 1 + (0 if part.kind.at_rest else int(found[1, 0]) // 10) :] = 0.0
+            key = (part.kind, part.joint)
+            sums[key] = sums.get(key, 0.0) + found
     return {key: _model(*found) for key, found in sums.items()}
 
 
@@ -106,22 +131,27 @@ class Sandwich(NamedTuple):
     noises: Noises
 
 
-def sandwich(problem: Problem, point: Point, inverse: FloatArray, start: FloatArray) -> Sandwich:
+def sandwich(problem: Problem, point: Point, solution: Solution) -> Sandwich:
     """Compute (WᵀW)⁻¹ Wᵀ Γ W (WᵀW)⁻¹ with Γ that of the autoregressive noise in the residuals.
+
+    Rows of priors are among those of W, with the noise that the priors say.
 
     Args:
         problem: The problem.
         point: Where it was solved.
-        inverse: (WᵀW)⁻¹ of the weighted rows.
-        start: A first idea of the covariance.
+        solution: (WᵀW)⁻¹ of the weighted rows, and a first idea of the covariance.
     """
-    covariance = start
+    inverse, covariance = solution.inverse, solution.covariance
     for _ in range(PASSES):
         noises = fit_noise(problem, point, covariance)
-        meat = np.zeros_like(inverse)
+        meat = solution.prior_noise.copy()
+        running: dict[int, QuadraticForm] = {}
         for part in series(problem, point):
-            form = noises[part.kind, part.joint].quadratic_form(part.X)
-            meat[np.ix_(part.columns, part.columns)] += part.stands_for**2 * form
+            if part.begins:
+                running[part.joint] = QuadraticForm(noises[part.kind, part.joint], len(part.columns))
+            running[part.joint].add(part.X)
+            if part.ends:
+                meat[np.ix_(part.columns, part.columns)] += part.stands_for**2 * running[part.joint].total()
         before, covariance = covariance, inverse @ meat @ inverse
         if settled(before, covariance):
             break

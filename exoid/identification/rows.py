@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, TypeVar
 
 import numpy as np
+import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals import Poses, Preparation, Recording
-from exoid.torques import TorqueModel
+from exoid.torques import Motion, TorqueModel
+
+BLOCK = 16384
+"""Samples whose regressor is formed at once,"""
+
+REACHES = 8.0
+"""or so many times the reach of the filter where that is more."""
 
 SMALLEST_MOTION = 2e-3
 """A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""
+
+
+MOST = 0.5
+"""Torque that has one and the same value in more than this part of the samples was not measured."""
 
 
 class Rows(NamedTuple):
@@ -24,7 +35,10 @@ class Rows(NamedTuple):
         time: [s], (N,).
         W: Regressor, (N, n, P).
         tau: Measured torque [N·m], (N, n).
+        q: Angle [rad], (N, n).
+        v: Velocity [rad/s], (N, n).
         usable: Which samples of which joint may be fitted, (N, n).
+        acting: Which parameters can act on which joint, (n, P); the regressor is zero elsewhere.
         independence: Share of the samples that carry independent noise; a low-pass leaves fewer.
         stands_for: How many rows each of these stands for; 1 unless thinned.
     """
@@ -32,7 +46,10 @@ class Rows(NamedTuple):
     time: FloatArray
     W: FloatArray
     tau: FloatArray
+    q: FloatArray
+    v: FloatArray
     usable: NDArray[np.bool_]
+    acting: NDArray[np.bool_]
     independence: float
     stands_for: float = 1.0
 
@@ -50,31 +67,60 @@ class Triangle(NamedTuple):
     rows: int
     samples: float
 
+    def among(self, columns: NDArray[np.intp], width: int) -> Triangle:
+        """Put the columns into the places that they have among so many, the others being zero."""
+        R = np.zeros((len(self.R), width))
+        R[:, columns] = self.R
+        return make_triangle(R, self.rows, self.samples)
+
     def residual(self, values: FloatArray) -> float:
         """Root of the sum of squared residuals ‖W β − τ‖ [N·m]."""
         return float(np.linalg.norm(self.R @ np.append(values, -1.0)))
 
 
-def make_rows(model: TorqueModel, data: Recording | Poses, preparation: Preparation) -> Rows:
-    """Make the rows of a recording, or of poses."""
-    return static_rows(model, data) if isinstance(data, Poses) else dynamic_rows(model, data, preparation)
+class Prepared(NamedTuple):
+    """A recording, or poses, ready to become rows: arrays of all samples, from which columns follow stretch by stretch.
+
+    Attributes:
+        time: [s], (N,).
+        motion: What the columns depend on.
+        tau: Measured torque, filtered [N·m], (N, n).
+        usable: Which samples of which joint may be fitted, (N, n).
+        valid: Samples that the ends of the record do not spoil, in order.
+        independence: Share of the samples that carry independent noise.
+        reach: Samples beside a stretch that its filtered columns draw on.
+        rate: [Hz].
+        preparation: Whose filter the columns pass; None for poses.
+    """
+
+    time: FloatArray
+    motion: Motion
+    tau: FloatArray
+    usable: NDArray[np.bool_]
+    valid: range
+    independence: float = 1.0
+    reach: int = 0
+    rate: float = 0.0
+    preparation: Preparation | None = None
+
+    def stretches(self) -> Iterator[range]:
+        """Cut the valid samples into stretches that are worked on at once."""
+        length = max(BLOCK, int(REACHES * self.reach))
+        return (self.valid[start : start + length] for start in range(0, len(self.valid), length))
 
 
-def static_rows(model: TorqueModel, poses: Poses) -> Rows:
-    """Rows of a leg at rest: no velocity, no acceleration, nothing to filter."""
-    poses = for_leg(model, poses)
-    still = np.zeros_like(poses.q)
-    W = model.regressor(poses.q, still, still, poses.torso)
-    return Rows(np.arange(len(poses), dtype=np.float64), W, poses.tau, np.ones(poses.q.shape, dtype=np.bool_), 1.0)
-
-
-def dynamic_rows(model: TorqueModel, recording: Recording, preparation: Preparation) -> Rows:
-    """Form regressor columns from the kinematics, then pass columns and torque through the same filter.
+def prepare(model: TorqueModel, data: Recording | Poses, preparation: Preparation) -> Prepared:
+    """Derive the kinematics of a recording and filter its torque; poses have no velocity and need no filter.
 
     Raises:
         ExoidError: The recording has no torque, lacks a joint of the leg, or is too short for the filter.
     """
-    recording = for_leg(model, recording).resampled()
+    data = for_leg(model, data)
+    if isinstance(data, Poses):
+        still, count = np.zeros_like(data.q), len(data)
+        motion, usable = model.motion(data.q, still, still, data.torso), np.ones(data.q.shape, dtype=np.bool_)
+        return Prepared(np.arange(count, dtype=np.float64), motion, data.tau, usable, range(count))
+    recording = data.resampled()
     if recording.tau is None:
         raise ExoidError(
             "there is no torque in the recording",
@@ -83,29 +129,110 @@ def dynamic_rows(model: TorqueModel, recording: Recording, preparation: Preparat
         )
     rate = recording.sample_rate
     q, v, a, valid = preparation.kinematics(recording)
-    W = preparation.filter_columns(model.regressor(q, v, a, recording.torso), rate)
-    tau = preparation.filter(recording.tau, rate)
-    return Rows(recording.time[valid], W[valid], tau[valid], model.usable(v)[valid], preparation.independence(rate))
+    return Prepared(
+        recording.time,
+        model.motion(q, v, a, recording.torso),
+        preparation.filter(recording.tau, rate),
+        model.usable(v),
+        range(len(recording))[valid],
+        preparation.independence(rate),
+        preparation.reach(rate),
+        rate,
+        preparation,
+    )
 
 
-def thin(rows: Rows) -> Rows:
-    """Keep every m-th row, m = ⌊1 / independence⌋.
+def form_rows(model: TorqueModel, prepared: Prepared, stretch: range) -> Rows:
+    """Form the regressor columns of a stretch of samples and pass them through the filter that the torque has passed.
+
+    Columns are formed as far beyond both ends of the stretch as the filter reaches, so that they come out as if those
+    of the whole recording had been filtered. Columns beyond those of the parameters are torque that is known, and is
+    taken to the other side.
+    """
+    first = max(0, stretch.start - prepared.reach)
+    around = slice(first, min(len(prepared.time), stretch.stop + prepared.reach))
+    columns = model.columns(prepared.motion.rows(around))
+    count, known = len(model.names), len(columns) - len(model.names)
+    if prepared.preparation is not None:
+        acting = np.vstack([model.acting.T, np.ones((known, columns.shape[1]), dtype=np.bool_)])
+        signals = [columns[parameter, joint] for parameter, joint in np.argwhere(acting)]
+        distinct, places = _distinct(signals)
+        filtered = prepared.preparation.filter_columns(distinct.T, prepared.rate).T
+        for signal, place in zip(signals, places, strict=True):
+            signal[:] = filtered[place]
+    rows = slice(stretch.start, stretch.stop)
+    W = columns[:, :, stretch.start - first : stretch.stop - first].transpose(2, 1, 0)
+    tau, motion = prepared.tau[rows], prepared.motion.rows(rows)
+    if known:
+        W, tau = W[..., :count], tau - W[..., count:].sum(axis=2)
+    time, usable = prepared.time[rows], prepared.usable[rows]
+    return Rows(time, W, tau, motion.q, motion.v, usable, model.acting, prepared.independence)
+
+
+def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
+    """Signals that differ, and which of them each one is: filters are slow, and some parameters act on joints alike."""
+    kept: list[FloatArray] = []
+    places = []
+    for signal in signals:
+        twins = (k for k, other in enumerate(kept) if other[0] == signal[0] and np.array_equal(other, signal))
+        places.append(next(twins, len(kept)))
+        if places[-1] == len(kept):
+            kept.append(signal)
+    return np.array(kept), places
+
+
+def make_rows(model: TorqueModel, data: Recording | Poses, preparation: Preparation) -> Rows:
+    """Make all rows of a recording, or of poses, at once."""
+    prepared = prepare(model, data, preparation)
+    return form_rows(model, prepared, prepared.valid)
+
+
+def thinning(independence: float) -> int:
+    """Of how many rows one is enough, m = ⌊1 / independence⌋."""
+    return max(1, int(1.0 / independence))
+
+
+def thin(rows: Rows, before: int, count: int) -> Rows:
+    """Keep every m-th row, see :func:`thinning`.
 
     Behind a low-pass the rows between are redundant, and what noise is left is nearly white at this pace, so that a
     simple model describes it: at the full pace the same model would spend its order on the edge of the filter.
+
+    Args:
+        rows: All rows of a recording, or a stretch of them.
+        before: How many rows of the recording come before these.
+        count: How many it has in all.
     """
-    step = max(1, int(1.0 / rows.independence))
+    step = thinning(rows.independence)
     if step == 1:
         return rows
-    kept = slice((len(rows.time) - 1) % step // 2, None, step)
-    count = len(rows.time[kept])
+    first = (count - 1) % step // 2
+    kept = slice((first - before) % step, None, step)
     return Rows(
         rows.time[kept],
         rows.W[kept].copy(order="A"),
         rows.tau[kept].copy(),
+        rows.q[kept].copy(),
+        rows.v[kept].copy(),
         rows.usable[kept].copy(),
+        rows.acting,
         min(1.0, rows.independence * step),
-        len(rows.time) / count,
+        count / len(range(first, count, step)),
+    )
+
+
+def chain(stretches: Sequence[Rows]) -> Rows:
+    """Put stretches of one recording together."""
+    if len(stretches) == 1:
+        return stretches[0]
+    W = np.concatenate([rows.W.transpose(2, 1, 0) for rows in stretches], axis=2).transpose(2, 1, 0)
+    return stretches[0]._replace(
+        time=np.concatenate([rows.time for rows in stretches]),
+        W=W,
+        tau=np.concatenate([rows.tau for rows in stretches]),
+        q=np.concatenate([rows.q for rows in stretches]),
+        v=np.concatenate([rows.v for rows in stretches]),
+        usable=np.concatenate([rows.usable for rows in stretches]),
     )
 
 
@@ -119,6 +246,8 @@ def for_leg(model: TorqueModel, recording: Measured) -> Measured:
         ExoidError: A joint is missing.
     """
     names = model.leg.joint_names
+    if recording.joint_names == names:
+        return recording
     if set(names) <= set(recording.joint_names):
         return recording.select(names)
     labels = model.leg.joint_labels
@@ -133,30 +262,58 @@ def for_leg(model: TorqueModel, recording: Measured) -> Measured:
 
 
 def refuse_dead_torques(model: TorqueModel, recordings: Sequence[Recording | Poses]) -> None:
-    """Refuse recordings in which the torque of a joint never changes: a channel that was not connected.
+    """Refuse torques of a joint that never change, or stand still most of the time: a channel that was not connected.
+
+    A recording in which a joint swings freely throughout, beside others, is none.
 
     Raises:
         ExoidError: Names the joint and the value.
     """
-    chosen = [for_leg(model, recording) for recording in recordings]
-    torques = np.vstack([recording.tau for recording in chosen if recording.tau is not None])
-    for joint, torque in zip(model.leg.joint_names, torques.T, strict=True):
-        if np.ptp(torque) == 0.0:
+    torques = [for_leg(model, recording).tau for recording in recordings]
+    for index, joint in enumerate(model.leg.joint_names):
+        columns = [tau[:, index] for tau in torques if tau is not None]
+        if not columns:
+            return  # preparing them says so, and which column is missing
+        value = columns[0][0]
+        if all((column == value).all() for column in columns):
             raise ExoidError(
-                f"the torque of joint {joint} is {torque[0] + 0.0:.6g} N·m in every sample although the joint moves",
+                f"the torque of joint {joint} is {value + 0.0:.6g} N·m in every sample although the joint moves",
                 where=_sources(recordings),
                 remedy="connect its torque channel, or map the right column to tau_" + joint,
             )
+        for recording, column in zip(recordings, columns, strict=False):
+            middle = np.median(column)
+            share = np.count_nonzero(column == middle) / len(column)
+            if MOST < share < 1.0:
+                raise ExoidError(
+                    f"the torque of joint {joint} is {middle + 0.0:.6g} N·m in {share:.0%} of the samples although "
+                    "the joint moves: these say nothing, or something wrong",
+                    where=_sources([recording]),
+                    remedy="use the part of the recording in which torque was measured, see Recording.between",
+                )
 
 
 def make_triangles(rows: Rows) -> list[Triangle]:
     """Reduce the rows of each joint to a triangle."""
     triangles = []
     for joint in range(rows.tau.shape[1]):
-        use = rows.usable[:, joint]
-        table = np.column_stack([rows.W[use, joint], rows.tau[use, joint]])
-        triangles.append(make_triangle(table, int(use.sum()), float(use.sum()) * rows.independence))
+        columns, table = joint_table(rows, joint)
+        count = table.shape[1]
+        triangle = make_triangle(table.T, count, count * rows.independence)
+        triangles.append(triangle.among(columns, rows.W.shape[2] + 1))
     return triangles
+
+
+def joint_table(rows: Rows, joint: int) -> tuple[NDArray[np.intp], FloatArray]:
+    """Columns of [W τ] that act on a joint, the last that of its torque, and usable rows in them, (p, N)."""
+    W, use = rows.W[:, joint].T, rows.usable[:, joint]
+    columns = np.flatnonzero(rows.acting[joint])
+    table = np.empty((len(columns) + 1, int(np.count_nonzero(use))))
+    everything = use.all()
+    for row, column in zip(table, columns, strict=False):
+        row[:] = W[column] if everything else W[column, use]
+    table[-1] = rows.tau[use, joint]
+    return np.append(columns, len(W)), table
 
 
 def make_triangle(table: FloatArray, rows: int, samples: float) -> Triangle:
@@ -164,7 +321,8 @@ def make_triangle(table: FloatArray, rows: int, samples: float) -> Triangle:
     width = table.shape[1]
     if len(table) < width:
         table = np.vstack([table, np.zeros((width - len(table), width))])
-    return Triangle(np.asarray(np.linalg.qr(table, mode="r")), rows, samples)
+    factored, *_ = scipy.linalg.lapack.dgeqrf(table)
+    return Triangle(np.triu(factored[:width]), rows, samples)
 
 
 def rms_residual(triangles: Sequence[Triangle], values: FloatArray) -> float:
@@ -180,20 +338,30 @@ def join(triangles: Sequence[Triangle], weights: Sequence[float] | None = None) 
     return make_triangle(table, sum(t.rows for t in triangles), sum(t.samples for t in triangles))
 
 
-def refuse_still_joints(model: TorqueModel, recordings: Sequence[Recording | Poses]) -> None:
-    """Refuse recordings in which a joint of the leg never moves.
+def refuse_still_joints(
+    model: TorqueModel, recordings: Sequence[Recording | Poses], assumed: Sequence[str] = ()
+) -> None:
+    """Refuse recordings in which a joint of the leg never moves, unless all of it is known beside them.
+
+    Args:
+        model: What is to be identified.
+        recordings: All recordings and poses.
+        assumed: Parameters that are known or have a prior.
 
     Raises:
         ExoidError: Names the joint, how little it moves, and how to lock it.
     """
-    angles = np.vstack([for_leg(model, recording).q for recording in recordings])
-    for joint, span, mean in zip(model.leg.joint_names, np.ptp(angles, axis=0), angles.mean(axis=0), strict=True):
-        if span < SMALLEST_MOTION:
-            others = tuple(name for name in model.leg.joint_names if name != joint)
+    angles = [for_leg(model, recording).q for recording in recordings]
+    lowest, highest = np.min([q.min(axis=0) for q in angles], axis=0), np.max([q.max(axis=0) for q in angles], axis=0)
+    means, names = np.mean([q.mean(axis=0) for q in angles], axis=0), model.leg.joint_names
+    for joint, (name, span, mean) in enumerate(zip(names, highest - lowest, means, strict=True)):
+        own = model.own_parameters(joint)
+        if span < SMALLEST_MOTION and not (own and set(own) <= set(assumed)):
+            others = tuple(other for other in names if other != name)
             raise ExoidError(
-                f"joint {joint} stands still: its angle spans {span:.2g} rad, so nothing of it can be identified",
+                f"joint {name} stands still: its angle spans {span:.2g} rad, so nothing of it can be identified",
                 where=_sources(recordings),
-                remedy=f"move it, or lock it: Leg.from_urdf(..., joints={others}, locked={{{joint!r}: {mean:.4g}}})",
+                remedy=f"move it, or lock it: Leg.from_urdf(..., joints={others}, locked={{{name!r}: {mean:.4g}}})",
             )
 
 

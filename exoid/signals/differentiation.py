@@ -99,7 +99,7 @@ def _apply(stencil: Stencil, x: FloatArray) -> FloatArray:
     samples = len(x)
     if samples < max(width, 2 * margin + 1):
         raise ExoidError(f"{samples} samples are too few for a difference over {width}", remedy="record longer")
-    out = np.zeros(x.shape)
+    out = np.zeros_like(x, dtype=np.float64)
     for offset, weight in enumerate(stencil.centre):
         if weight:
             out[margin : samples - margin] += weight * x[offset : samples - 2 * margin + offset]

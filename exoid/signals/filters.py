@@ -10,10 +10,12 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-BLOCK_BYTES = 2**25
-"""Columns are filtered in blocks of about this size, so that temporaries stay small beside the data."""
+BLOCK_BYTES = 2**19
+"""Signals are filtered in blocks of about this size, but never less than one, so that temporaries stay small."""
 TOLERANCE = 1e-3
 """Part of a sample's acceleration that the end of the record may spoil; see `edge_length`."""
+ROUNDING = 1e-15
+"""The same part where a record is cut into stretches: below what the filter's own rounding leaves."""
 
 
 def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
@@ -26,8 +28,7 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Flo
         tan(π f_d / rate) = tan(π cutoff / rate) / (√2 − 1)^(1 / (2·order)).
 
     Beyond its ends the record is continued by point reflection over `edge_length` samples. The filter is
-    linear: passed over both sides of an equation it keeps the equation true. Besides the result it needs
-    some 0.1 GB, whatever the size of ``x``.
+    linear: passed over both sides of an equation it keeps the equation true.
 
     Args:
         x: Signals in any unit, (N, ...); filtered along the first axis.
@@ -50,13 +51,29 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Flo
             f"more than {pad} ({pad / rate:.4g} s) are needed",
             remedy="record longer or choose a higher cut-off",
         )
-    columns = x.reshape(len(x), -1)
-    out = np.empty(columns.shape)
+    signals = x.reshape(len(x), -1).T
+    out = np.empty(signals.shape)
+    start = scipy.signal.sosfilt_zi(sections)[:, np.newaxis, :]
     width = max(1, BLOCK_BYTES // (8 * len(x)))
-    for start in range(0, columns.shape[1], width):
-        block = columns[:, start : start + width]
-        out[:, start : start + width] = scipy.signal.sosfiltfilt(sections, block, axis=0, padlen=pad)
-    return out.reshape(x.shape)
+    for first in range(0, len(signals), width):
+        rows = slice(first, first + width)
+        out[rows] = _forth_and_back(sections, start, _reflected(signals[rows], pad))[:, pad : pad + len(x)]
+    return out.T.reshape(x.shape)
+
+
+def _reflected(signals: FloatArray, pad: int) -> FloatArray:
+    """Continue signals (K, N) beyond their ends by point reflection."""
+    head = 2.0 * signals[:, :1] - signals[:, pad:0:-1]
+    tail = 2.0 * signals[:, -1:] - signals[:, -2 : -pad - 2 : -1]
+    return np.concatenate([head, signals, tail], axis=1)
+
+
+def _forth_and_back(sections: FloatArray, start: FloatArray, signals: FloatArray) -> FloatArray:
+    """Filter along the last axis, each pass from the state in which a constant leaves the filter."""
+    for _ in range(2):
+        state = start * signals[:, 0, np.newaxis]
+        signals = scipy.signal.sosfilt(sections, signals, zi=state)[0][:, ::-1]
+    return signals
 
 
 def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = TOLERANCE) -> int:
@@ -88,6 +105,19 @@ def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = T
     mirrored = gain * np.prod(1 - np.outer(poles, zeros), axis=1) / np.prod(1 - np.outer(poles, poles), axis=1)
     envelope = 2.0 * float(np.abs(residues * mirrored / (1 - poles)).sum())
     return max(1, math.ceil(math.log(tolerance / envelope) / math.log(radius)))
+
+
+def reach(rate: float, cutoff: float, order: int = 4) -> int:
+    """Return how many samples away a sample still matters, beyond rounding, to one that `zero_phase` filtered.
+
+    A stretch of a record, filtered with so many more samples at both sides, comes out as in the whole.
+
+    Args:
+        rate: Sampling rate [Hz].
+        cutoff: −3 dB frequency of the two passes together [Hz].
+        order: Order of one pass.
+    """
+    return edge_length(rate, cutoff, order, ROUNDING)
 
 
 def noise_bandwidth(rate: float, cutoff: float, order: int = 4) -> float:

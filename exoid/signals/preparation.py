@@ -11,7 +11,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .differentiation import Accuracy, Kinematics, central_difference, second_difference
-from .filters import TOLERANCE, edge_length, exponential_moving_average, noise_bandwidth, zero_phase
+from .filters import TOLERANCE, edge_length, exponential_moving_average, noise_bandwidth, reach, zero_phase
 from .recording import Recording
 
 KINEMATICS_MULTIPLE = 2.0
@@ -47,6 +47,10 @@ class Preparation(Protocol):
 
     def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
         """Filter regressor columns, (N, ...), unless `kinematics` has filtered them like the torques."""
+        ...
+
+    def reach(self, rate: float) -> int:
+        """Return how many samples to each side `filter_columns` draws on; so columns can be filtered in stretches."""
         ...
 
     def independence(self, rate: float) -> float:
@@ -124,6 +128,10 @@ class ZeroPhase:
         """Low-pass columns exactly as the torques."""
         return self.filter(x, rate)
 
+    def reach(self, rate: float) -> int:
+        """Length of the parallel filter's response, to rounding."""
+        return reach(rate, self.cutoff, self.order)
+
     def independence(self, rate: float) -> float:
         """Noise bandwidth of the parallel filter over half the rate."""
         return noise_bandwidth(rate, self.cutoff, self.order)
@@ -180,6 +188,10 @@ class Smoothed:
         """Return the columns as they are."""
         return x
 
+    def reach(self, rate: float) -> int:
+        """None: columns are not filtered."""
+        return 0
+
     def independence(self, rate: float) -> float:
         """All samples: no torque is filtered."""
         return 1.0
@@ -217,6 +229,10 @@ class FiniteDifference:
     def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
         """Return the columns as they are."""
         return x
+
+    def reach(self, rate: float) -> int:
+        """None: columns are not filtered."""
+        return 0
 
     def independence(self, rate: float) -> float:
         """All samples: nothing is filtered."""
@@ -268,6 +284,10 @@ class MovingAverage:
     def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
         """Return the columns as they are: their signals were smoothed before."""
         return x
+
+    def reach(self, rate: float) -> int:
+        """None: columns are not filtered."""
+        return 0
 
     def independence(self, rate: float) -> float:
         """Σ h² of the average, α / (2 − α)."""

@@ -3,9 +3,16 @@
 from .armature import Armature
 from .catalog import DEFAULT_TERMS, TERMS, term_by_name, term_from_json, term_to_json
 from .coulomb import Coulomb
+from .dry_friction import DryFriction
+from .free import Free, Shape, free_shapes, with_shapes
+from .load_friction import LoadFriction
+from .memory import Memory
 from .model import Merged, TorqueModel
+from .motion import JointMotion, Motion
 from .offset import Offset
+from .presliding import Presliding
 from .stiffness import Stiffness
+from .stribeck import Stribeck
 from .term import Term
 from .viscous import Viscous
 
@@ -14,13 +21,24 @@ __all__ = [
     "TERMS",
     "Armature",
     "Coulomb",
+    "DryFriction",
+    "Free",
+    "JointMotion",
+    "LoadFriction",
+    "Memory",
     "Merged",
+    "Motion",
     "Offset",
+    "Presliding",
+    "Shape",
     "Stiffness",
+    "Stribeck",
     "Term",
     "TorqueModel",
     "Viscous",
+    "free_shapes",
     "term_by_name",
     "term_from_json",
     "term_to_json",
+    "with_shapes",
 ]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from exoid._typing import FloatArray
 
+from .motion import JointMotion
 from .term import Term
 
 
@@ -27,6 +28,11 @@ class Armature(Term):
         """Kilogram metres squared."""
         return ("kg·m²",)
 
-    def fill(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Return Ia."""
+        return ("Ia",)
+
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Column a."""
-        out[0] = a
+        out[0] = motion.a

@@ -10,16 +10,21 @@ from exoid.errors import ExoidError
 
 from .armature import Armature
 from .coulomb import Coulomb
+from .free import Free
+from .load_friction import LoadFriction
 from .offset import Offset
 from .stiffness import Stiffness
+from .stribeck import Stribeck
 from .term import Term
 from .viscous import Viscous
 
 TERMS: Mapping[str, type[Term]] = {
     "armature": Armature,
     "coulomb": Coulomb,
+    "load-friction": LoadFriction,
     "offset": Offset,
     "stiffness": Stiffness,
+    "stribeck": Stribeck,
     "viscous": Viscous,
 }
 
@@ -57,8 +62,13 @@ def term_from_json(data: Mapping[str, Any]) -> Term:
     Raises:
         ExoidError: The description is of no known term.
     """
-    settings = {key: tuple(value) if isinstance(value, list) else value for key, value in data.items() if key != "term"}
     try:
-        return TERMS[data["term"]](**settings)
+        return TERMS[data["term"]](**{key: _setting(value) for key, value in data.items() if key != "term"})
     except (KeyError, TypeError) as error:
         raise ExoidError(f"unknown term {dict(data)}", remedy=f"terms are {', '.join(TERMS)}") from error
+
+
+def _setting(value: Any) -> Any:  # noqa: ANN401 - of many types
+    if isinstance(value, Mapping):
+        return Free(**value)
+    return tuple(value) if isinstance(value, list) else value

@@ -5,54 +5,42 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
 
-from .term import Term
+from .dry_friction import DryFriction
+from .motion import JointMotion
 
 
 @dataclass(frozen=True, kw_only=True)
-class Coulomb(Term):
-    """Coulomb friction τ = c0 sgn(v), or τ = c0 tanh(v / smoothing) (doc. 1, eqs. (34)-(35), with the opposite sign).
+class Coulomb(DryFriction):
+    """Coulomb friction τ = c0 z, z = tanh(v / smoothing) (doc. 1, eqs. (34)-(35), with the opposite sign).
 
     Attributes:
-        smoothing: Velocity over which the sign changes [rad/s]; 0 for a sharp sign.
-        dead_band: Samples at or below this speed [rad/s] say nothing on friction and are left out of the fit, as in
-            doc. 1, sec. III-G; the column is zero there.
+        asymmetric: Whether it has a size for each direction, τ = c0p max(z, 0) + c0n min(z, 0). Half the difference is
+            nearly the same as an offset of the torque sensor: leave :class:`Offset` out then.
     """
 
-    smoothing: float = 0.02
-    dead_band: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Check that both velocities make sense."""
-        if not (0.0 <= self.smoothing < np.inf and 0.0 <= self.dead_band < np.inf):
-            raise ExoidError(
-                f"Coulomb(smoothing={self.smoothing}, dead_band={self.dead_band})",
-                remedy="both are velocities in rad/s, zero or positive",
-            )
+    asymmetric: bool = False
 
     @property
     def symbols(self) -> tuple[str, ...]:
-        """Return c0."""
-        return ("c0",)
+        """Return c0, or c0p forwards and c0n backwards."""
+        return ("c0p", "c0n") if self.asymmetric else ("c0",)
 
     @property
     def units(self) -> tuple[str, ...]:
         """Newton metres."""
-        return ("N·m",)
+        return ("N·m",) * len(self.symbols)
 
-    def fill(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
-        """Column sgn(v), sharp or smooth, zero in the dead band."""
-        if self.smoothing > 0.0:
-            np.tanh(np.divide(v, self.smoothing, out=out[0]), out=out[0])
-        else:
-            np.sign(v, out=out[0])
-        if self.dead_band > 0.0:
-            out[0][~self.usable(v)] = 0.0
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Return all of them."""
+        return self.symbols
 
-    def usable(self, v: FloatArray) -> NDArray[np.bool_]:
-        """Outside the dead band."""
-        return np.asarray(np.abs(v) > self.dead_band) if self.dead_band > 0.0 else super().usable(v)
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
+        """Column z, or its positive and its negative part."""
+        self.direction(motion, out[0])
+        if self.asymmetric:
+            np.minimum(out[0], 0.0, out=out[1])
+            np.maximum(out[0], 0.0, out=out[0])

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from exoid._typing import FloatArray
 
+from .motion import JointMotion
 from .term import Term
 
 
@@ -23,6 +24,6 @@ class Offset(Term):
         """Newton metres."""
         return ("N·m",)
 
-    def fill(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Column of ones."""
         out[0] = 1.0

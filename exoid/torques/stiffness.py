@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
+from .motion import JointMotion
 from .term import Term
 
 
@@ -38,8 +39,8 @@ class Stiffness(Term):
         units = {0: "N·m", 1: "N·m/rad"}
         return tuple(units.get(power, f"N·m/rad^{power}") for power in range(self.degree, -1, -1))
 
-    def fill(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Columns q^degree, …, q, 1."""
         out[-1] = 1.0
         for k in range(self.degree - 1, -1, -1):
-            out[k] = out[k + 1] * q
+            out[k] = out[k + 1] * motion.q

@@ -1,9 +1,9 @@
-"""What acts on a joint besides rigid-body dynamics, linear in its parameters."""
+"""What acts on a joint besides rigid-body dynamics: a sum of columns times parameters."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+
+from .memory import Memory
+from .motion import JointMotion
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,14 +41,32 @@ class Term(ABC):
     def units(self) -> tuple[str, ...]:
         """Unit of each parameter."""
 
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Symbols of parameters that cannot be negative in nature."""
+        return ()
+
+    @property
+    def loaded(self) -> bool:
+        """Whether it depends on the rigid-body torque of its joint, so that the model is no longer linear."""
+        return False
+
+    @property
+    def memory(self) -> Memory | None:
+        """What it remembers of the motion before a sample; None for a term that depends on the sample alone."""
+        return None
+
+    @property
+    def shape_symbols(self) -> Mapping[str, tuple[str, str]]:
+        """Symbol and unit of each setting that may be :class:`exoid.torques.Free`, by its field."""
+        return {}
+
     @abstractmethod
-    def fill(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Write the columns of one joint.
 
         Args:
-            q: Angle [rad], (N,).
-            v: Velocity [rad/s], (N,).
-            a: Acceleration [rad/s²], (N,).
+            motion: Of the joint, N samples.
             out: Receives torque per unit parameter, (number of symbols, N).
         """
 

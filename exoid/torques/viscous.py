@@ -4,25 +4,43 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from exoid._typing import FloatArray
 
+from .motion import JointMotion
 from .term import Term
 
 
 @dataclass(frozen=True, kw_only=True)
 class Viscous(Term):
-    """Viscous friction τ = d v; d > 0 dissipates."""
+    """Viscous friction τ = d v; d > 0 dissipates.
+
+    Attributes:
+        asymmetric: Whether it has a coefficient for each direction, τ = dp max(v, 0) + dn min(v, 0).
+    """
+
+    asymmetric: bool = False
 
     @property
     def symbols(self) -> tuple[str, ...]:
-        """Return d."""
-        return ("d",)
+        """Return d, or dp forwards and dn backwards."""
+        return ("dp", "dn") if self.asymmetric else ("d",)
 
     @property
     def units(self) -> tuple[str, ...]:
         """Newton metre seconds over radians."""
-        return ("N·m·s/rad",)
+        return ("N·m·s/rad",) * len(self.symbols)
 
-    def fill(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
-        """Column v."""
-        out[0] = v
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Return all of them."""
+        return self.symbols
+
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
+        """Column v, or its positive and its negative part."""
+        if self.asymmetric:
+            np.maximum(motion.v, 0.0, out=out[0])
+            np.minimum(motion.v, 0.0, out=out[1])
+        else:
+            out[0] = motion.v

@@ -59,13 +59,30 @@ def test_filtering_in_blocks_of_columns_changes_nothing(monkeypatch):
     x = np.random.default_rng(2).normal(size=(500, 3, 5))
     whole = zero_phase(x, 100.0, 8.0)
     widths = []
-    filtfilt = signal.sosfiltfilt
+    reflected = filters._reflected
     monkeypatch.setattr(filters, "BLOCK_BYTES", 500 * 8 * 4)
-    monkeypatch.setattr(
-        filters.scipy.signal, "sosfiltfilt", lambda s, b, **k: widths.append(b.shape[1]) or filtfilt(s, b, **k)
-    )
+    monkeypatch.setattr(filters, "_reflected", lambda x, pad: widths.append(len(x)) or reflected(x, pad))
     np.testing.assert_array_equal(zero_phase(x, 100.0, 8.0), whole)
     assert widths == [4, 4, 4, 3]
+
+
+def test_the_filter_is_scipys_forward_and_backward_one():
+    x = np.random.default_rng(2).normal(size=(500, 3)).cumsum(axis=0)
+    sections = signal.butter(4, filters._design_frequency(100.0, 8.0, 4), fs=100.0, output="sos")
+    expected = signal.sosfiltfilt(sections, x, axis=0, padlen=edge_length(100.0, 8.0))
+    np.testing.assert_allclose(zero_phase(x, 100.0, 8.0), expected, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize(("rate", "cutoff", "order"), [(500.0, 8.0, 4), (50.0, 8.0, 4), (1000.0, 3.0, 2)])
+def test_a_stretch_filtered_with_the_reach_beside_it_comes_out_as_in_the_whole(rate, cutoff, order):
+    """To rounding, also where the signal jumps."""
+    x = np.random.default_rng(2).choice([-1.0, 1.0], size=(20_000, 2))
+    whole, beside = zero_phase(x, rate, cutoff, order), filters.reach(rate, cutoff, order)
+    part = zero_phase(x[9_000 - beside : 9_500 + beside], rate, cutoff, order)[beside : beside + 500]
+    np.testing.assert_allclose(part, whole[9_000:9_500], rtol=0, atol=1e-12)
+    short = beside // 4
+    part = zero_phase(x[9_000 - short : 9_500 + short], rate, cutoff, order)[short : short + 500]
+    assert np.abs(part - whole[9_000:9_500]).max() > 1e-8
 
 
 def test_the_filter_is_linear_so_an_equation_stays_true():

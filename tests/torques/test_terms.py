@@ -8,7 +8,16 @@ from planar_chains import random_motion
 
 import exoid
 from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Stiffness, Viscous
-from exoid.torques import DEFAULT_TERMS, TERMS, Term, TorqueModel, term_by_name, term_from_json, term_to_json
+from exoid.torques import (
+    DEFAULT_TERMS,
+    TERMS,
+    JointMotion,
+    Term,
+    TorqueModel,
+    term_by_name,
+    term_from_json,
+    term_to_json,
+)
 
 NAMES = ("left_hip", "left_knee", "left_ankle")
 LABELS = ("hip", "knee", "ankle")
@@ -18,7 +27,7 @@ def columns(term: Term, q: object = 0.0, v: object = 0.0, a: object = 0.0) -> np
     """The columns of one joint, (number of symbols, N)."""
     q, v, a = (np.ascontiguousarray(x, dtype=float) for x in np.broadcast_arrays(np.atleast_1d(q), v, a))
     out = np.zeros((len(term.symbols), len(q)))
-    term.fill(q, v, a, out)
+    term.fill(JointMotion(q, v, a, np.zeros_like(q)), out)
     return out
 
 
@@ -108,7 +117,7 @@ def test_without_a_dead_band_every_sample_is_usable(term):
 @pytest.mark.parametrize("setting", ["smoothing", "dead_band"])
 @pytest.mark.parametrize("value", [-0.1, np.nan, np.inf])
 def test_a_velocity_that_makes_no_sense_is_refused(setting, value):
-    with pytest.raises(ExoidError, match="velocities in rad/s, zero or positive"):
+    with pytest.raises(ExoidError, match="velocity in rad/s, zero or positive"):
         Coulomb(**{setting: value})
 
 
@@ -222,8 +231,8 @@ def test_a_users_own_term_takes_part_like_any_other():
         def units(self) -> tuple[str, ...]:
             return ("N·m", "N·m")
 
-        def fill(self, q, v, a, out) -> None:
-            out[0], out[1] = np.maximum(v, 0) ** 2, np.minimum(v, 0) ** 2
+        def fill(self, motion, out) -> None:
+            out[0], out[1] = np.maximum(motion.v, 0) ** 2, np.minimum(motion.v, 0) ** 2
 
     leg = Leg.from_description(exoid.load_leg("cuhk").description, ("left_hip", "left_knee"))
     model = TorqueModel(leg, (Backlash(joints=("knee",)),))

@@ -181,8 +181,8 @@ class GearedRotor(Term):
     def units(self) -> tuple[str, ...]:
         return ("N·m", "kg·m²", "N·m·s³/rad³")
 
-    def fill(self, q, v, a, out) -> None:
-        out[0], out[1], out[2] = 3.0, 2.0 * a, v**3
+    def fill(self, motion, out) -> None:
+        out[0], out[1], out[2] = 3.0, 2.0 * motion.a, motion.v**3
 
 
 def test_merged_parameters_state_their_share_and_leave_the_others_their_columns(leg):

@@ -8,7 +8,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.identification.least_squares import Solution, solve
+from exoid.identification.least_squares import Solution
 from exoid.identification.problem import Problem
 from exoid.identification.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
 from exoid.identification.rows import Triangle, join, make_triangle
@@ -31,7 +31,7 @@ def gls(problem: Problem) -> Fit:
     that of weighted least squares by more than noise explains, and the fit carries a remark.
     """
     first = wls(problem)
-    reference = sandwich(problem, first.point, first.solution.inverse, first.solution.covariance)
+    reference = sandwich(problem, first.point, first.solution)
     solution, noises = first.solution._replace(covariance=reference.covariance), reference.noises
     for _ in range(ROUNDS):
         before, solution = solution, _solve(problem, first.point, noises)
@@ -44,28 +44,43 @@ def gls(problem: Problem) -> Fit:
 
 
 def _solve(problem: Problem, point: Point, noises: Noises) -> Solution:
-    """Solve with the rows of every uninterrupted stretch whitened."""
-    triangles = [
-        _whitened(part, rows, noises, len(problem.names))
-        for part in series(problem, point._replace(values=np.zeros(len(problem.names))))
-        for rows in _stretches(part.usable)
-    ]
-    solution = solve(join(triangles), problem.names)
+    """Solve with the rows of every uninterrupted run of samples whitened."""
+    count = len(problem.names)
+    total: Triangle | None = None
+    before: dict[int, FloatArray] = {}
+    for part in series(problem, point._replace(values=np.zeros(count))):
+        rows = np.vstack([part.X, part.residual])
+        past = rows[:, :0] if part.begins else before[part.joint]
+        found = [] if total is None else [total]
+        for start, stop in _runs(part.usable):
+            past = past if start == 0 else rows[:, :0]
+            found.append(_whitened(part, np.hstack([past, rows[:, start:stop]]), past.shape[1], noises, count))
+        before[part.joint] = _unfinished(part.usable, past, rows, noises[part.kind, part.joint].order)
+        total = join(found) if found else total
+    assert total is not None
+    solution = problem.solve(total)
     return solution._replace(covariance=solution.inverse)
 
 
-def _whitened(part: Series, rows: slice, noises: Noises, count: int) -> Triangle:
-    noise = noises[part.kind, part.joint]
-    table = np.zeros((rows.stop - rows.start, count + 1))
-    table[:, part.columns] = noise.whiten(part.X[:, rows]).T
-    table[:, -1] = noise.whiten(part.residual[None, rows])[0]
+def _whitened(part: Series, rows: FloatArray, known: int, noises: Noises, count: int) -> Triangle:
+    """Triangle of the rows of a run, of which the first were counted before and only tell where the noise was."""
+    white = noises[part.kind, part.joint].whiten(rows)[:, known:]
+    table = np.zeros((white.shape[1], count + 1))
+    table[:, [*part.columns, count]] = white.T
     return make_triangle(table, len(table), float(len(table)))
 
 
-def _stretches(usable: FloatArray) -> Iterator[slice]:
-    """Slices of samples in a row that are not left out."""
+def _unfinished(usable: FloatArray, past: FloatArray, rows: FloatArray, order: int) -> FloatArray:
+    """Return the end of a run that may go on in the next stretch: as many samples as the noise remembers."""
+    gaps = np.flatnonzero(usable == 0.0)
+    run = rows[:, gaps[-1] + 1 :] if len(gaps) else np.hstack([past, rows])
+    return run[:, max(0, run.shape[1] - order) :].copy()
+
+
+def _runs(usable: FloatArray) -> Iterator[tuple[int, int]]:
+    """Where runs of samples that are not left out start and stop."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0.0], usable, [0.0]])))
-    return (slice(int(start), int(stop)) for start, stop in zip(edges[::2], edges[1::2], strict=True))
+    return ((int(start), int(stop)) for start, stop in zip(edges[::2], edges[1::2], strict=True))
 
 
 def _disagreement(names: tuple[str, ...], difference: FloatArray, covariance: FloatArray) -> tuple[str, ...]:

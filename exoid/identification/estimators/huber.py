@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.identification.least_squares import solve
 from exoid.identification.problem import Problem
-from exoid.identification.rows import Triangle, join, make_triangle
+from exoid.identification.rows import Triangle, join, joint_table, make_triangle
 
 from .fit import Fit
 from .wls import noise_floor, wls
@@ -36,19 +35,21 @@ def huber(problem: Problem) -> Fit:
     for _ in range(ROUNDS):
         scales = np.maximum(_scales(problem, solution.values), floor)
         triangles, inside = _reweighted(problem, solution.values, scales)
-        before, solution = solution, solve(join(triangles), problem.names)
+        before, solution = solution, problem.solve(join(triangles))
         if (np.abs(solution.values - before.values) <= SETTLED * np.sqrt(np.diag(solution.covariance))).all():
             break
     # ψ'(r) is 1 inside and 0 beyond: the inverse of Σ ψ' xᵀx takes the place of (WᵀW)⁻¹
-    bread = solve(join(problem.triangles, np.sqrt(inside) / scales), problem.names)
-    solution = solution._replace(inverse=bread.inverse, condition_number=bread.condition_number)
+    bread = problem.solve(join(problem.triangles, np.sqrt(inside) / scales))
+    solution = solution._replace(
+        inverse=bread.inverse, prior_noise=bread.prior_noise, condition_number=bread.condition_number
+    )
     return Fit(solution, [1.0 / scale for scale in scales], TUNING)
 
 
 def _scales(problem: Problem, values: FloatArray) -> FloatArray:
     """Robust standard deviation of the residuals of each triangle's rows [N·m]."""
     sizes: list[list[FloatArray]] = [[] for _ in problem.triangles]
-    for kind, rows in problem.blocks():
+    for kind, rows, *_ in problem.blocks():
         residual = np.abs(rows.tau - rows.W @ values)
         for joint in range(residual.shape[1]):
             sizes[problem.weight_index(kind, joint)].append(residual[rows.usable[:, joint], joint])
@@ -57,14 +58,17 @@ def _scales(problem: Problem, values: FloatArray) -> FloatArray:
 
 def _reweighted(problem: Problem, values: FloatArray, scales: FloatArray) -> tuple[list[Triangle], FloatArray]:
     """Triangles of reweighted rows, and the share of residuals that are not clipped."""
-    triangles, inside, total = [], np.zeros(len(scales)), np.zeros(len(scales))
-    for kind, rows in problem.blocks():
+    found: list[list[Triangle]] = [[] for _ in scales]
+    inside, total = np.zeros((2, len(scales)))
+    count = len(problem.names)
+    for kind, rows, *_ in problem.blocks():
         for joint in range(rows.tau.shape[1]):
-            index, use = problem.weight_index(kind, joint), rows.usable[:, joint]
-            table = np.column_stack([rows.W[use, joint], rows.tau[use, joint]])
-            r = np.abs(table[:, -1] - table[:, :-1] @ values) / scales[index]
-            weight = np.sqrt(TUNING / np.maximum(r, TUNING)) / scales[index]
-            triangles.append(make_triangle(table * weight[:, None], len(table), len(table) * rows.independence))
-            inside[index] += np.sum(r <= TUNING)
+            index = problem.weight_index(kind, joint)
+            columns, table = joint_table(rows, joint)
+            r = np.abs(table[-1] - values[columns[:-1]] @ table[:-1]) / scales[index]
+            table *= np.sqrt(TUNING / np.maximum(r, TUNING)) / scales[index]
+            triangle = make_triangle(table.T, len(r), len(r) * rows.independence)
+            found[index] = [join([*found[index], triangle.among(columns, count + 1)])]
+            inside[index] += np.count_nonzero(r <= TUNING)
             total[index] += len(r)
-    return triangles, inside / np.maximum(total, 1.0)
+    return [triangle for one in found for triangle in one], inside / np.maximum(total, 1.0)

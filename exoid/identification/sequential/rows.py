@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.rows import dynamic_rows, for_leg, static_rows
-from exoid.signals import Poses, Preparation, Recording
+from exoid.identification.rows import for_leg, make_rows
+from exoid.signals import FiniteDifference, Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 
 
@@ -57,7 +57,7 @@ def rows_at_rest(model: TorqueModel, poses: Poses, joint: int) -> JointRows:
     Raises:
         ExoidError: A joint of the leg is missing.
     """
-    rows = static_rows(model, poses)
+    rows = make_rows(model, poses, FiniteDifference())
     return _of_joint(model, rows.W[:, joint], rows.tau[:, joint], np.zeros(len(rows.tau)), 1.0)
 
 
@@ -71,7 +71,7 @@ def rows_in_motion(
     """
     if not recordings:
         raise ExoidError("no recordings", remedy="pass at least one")
-    each = [dynamic_rows(model, recording, preparation) for recording in recordings]
+    each = [make_rows(model, recording, preparation) for recording in recordings]
     motions = [preparation.kinematics(for_leg(model, recording).resampled()) for recording in recordings]
     return _of_joint(
         model,

@@ -1,0 +1,288 @@
+"""Which terms, filter and estimator predict best what they have not seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.identification.estimate import Estimate
+from exoid.identification.estimate_file import preparation_to_json
+from exoid.identification.fitting import Start, Task
+from exoid.identification.identify import identify
+from exoid.identification.separable import fit_model
+from exoid.identification.validation import Validation, validate
+from exoid.leg import Leg
+from exoid.signals import Recording
+from exoid.tables import make_table, to_text
+from exoid.torques import term_to_json
+
+from .candidates import Candidate, estimator_candidates, filter_candidates, friction_candidates
+from .cross_validation import Errors, Split, blocked_folds, evaluation, fast_blocks, held_out
+
+FOLDS = 5
+"""Stretches of each recording that are predicted in turn."""
+
+TRANSFERS = 1.15
+"""An extrapolation error beyond this multiple of the best candidate's is warned of."""
+
+
+class Score(NamedTuple):
+    """How a candidate did.
+
+    Attributes:
+        candidate: What was tried.
+        numbers: How many parameters and settings it fits.
+        nrmse: Of each joint over all folds, (n,).
+        folds: NRMSE averaged over the joints, of each fold, relative to the torque of the whole, (K,).
+        extrapolation: NRMSE of the fastest seconds predicted from the slower ones, (n,).
+        failure: Why it could not be fitted; empty if it could.
+    """
+
+    candidate: Candidate
+    numbers: int
+    nrmse: FloatArray
+    folds: FloatArray
+    extrapolation: FloatArray
+    failure: str = ""
+
+    @property
+    def mean(self) -> float:
+        """Mean NRMSE over joints and folds, by which candidates are compared."""
+        return float(self.folds.mean())
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Selection:
+    """What was tried, how well it predicted, and what was chosen; prints itself as a table.
+
+    Attributes:
+        leg: The leg.
+        joint_names: Joints, (n,).
+        scores: Of all candidates, in the order in which they were tried.
+        chosen: Index of the one that was chosen.
+        cutoff: Of the filter behind which torques were compared [Hz].
+        folds: Number of folds.
+    """
+
+    leg: Leg
+    joint_names: tuple[str, ...]
+    scores: tuple[Score, ...]
+    chosen: int
+    cutoff: float
+    folds: int
+
+    @property
+    def candidate(self) -> Candidate:
+        """The one that was chosen."""
+        return self.scores[self.chosen].candidate
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What speaks against the choice."""
+        fitted = [score for score in self.scores if not score.failure]
+        best = min(fitted, key=lambda score: float(score.extrapolation.mean()))
+        mine, least = (float(s.extrapolation.mean()) for s in (self.scores[self.chosen], best))
+        if not mine > TRANSFERS * least:
+            return ()
+        return (
+            f"{self.candidate.name!r} transfers badly to faster motion: NRMSE {mine:.4f} there, "
+            f"{least:.4f} with {best.candidate.name!r}; record faster motions before you rely on it there",
+        )
+
+    def identify(self, recordings: Recording | Sequence[Recording]) -> Estimate:
+        """Identify with what was chosen; see :func:`exoid.identify`."""
+        chosen = self.candidate
+        return identify(self.leg, recordings, chosen.terms, chosen.estimator, preparation=chosen.preparation)
+
+    def validate(self, estimate: Estimate, recording: Recording) -> Validation:
+        """Validate behind the filter at :attr:`cutoff`, whatever filter was chosen for the fit."""
+        preparation = evaluation(estimate.preparation, self.cutoff, recording.sample_rate)
+        return validate(estimate, recording, preparation=preparation)
+
+    def __repr__(self) -> str:
+        """Name the choice."""
+        return f"Selection({self.candidate.name!r} of {len(self.scores)})"
+
+    def __str__(self) -> str:
+        """Print as a table."""
+        headers = (
+            "candidate",
+            "fits",
+            *self.joint_names,
+            "mean",
+            "± to best",
+            *(f"fast {n}" for n in self.joint_names),
+        )
+        best = _best(self.scores)
+        rows = [_row(k == self.chosen, score, self.scores[best]) for k, score in enumerate(self.scores)]
+        title = (
+            f"NRMSE of rows not fitted: {self.folds} blocked folds, torques behind {self.cutoff:g} Hz; "
+            "fast: the fastest 30 % of seconds from the others"
+        )
+        return to_text(
+            title,
+            make_table(headers, rows),
+            f"* chosen: {self.candidate.name}, which fits the fewest numbers of those whose mean is within one "
+            f"standard error of the best, {self.scores[best].candidate.name}",
+            *(f"{score.candidate.name}: {score.failure}" for score in self.scores if score.failure),
+            *(f"warning: {warning}" for warning in self.warnings),
+        )
+
+
+def select_terms(
+    leg: Leg,
+    recordings: Recording | Sequence[Recording],
+    candidates: Sequence[Candidate] | None = None,
+    *,
+    folds: int = FOLDS,
+    cutoff: float = 8.0,
+    tune: bool = True,
+    progress: Callable[[float], None] | None = None,
+) -> Selection:
+    """Compare ways to identify by how well they predict stretches of the recordings that they were not fitted to.
+
+    Each recording is cut into as many stretches as there are folds; each is predicted from the others. Rows within
+    0.1 s of those tested are not fitted. Hidden states run through the whole recording: they depend on angles alone.
+    Of all candidates whose error exceeds the best one's by no more than the standard error of the difference (paired,
+    fold by fold), the one with the fewest numbers is chosen, of equals the first. Other filters, and then other
+    estimators, are tried for the terms that were chosen, and compared in the same way.
+
+    Args:
+        leg: The leg.
+        recordings: One or several. Nothing else is looked at.
+        candidates: What to compare; None for :func:`exoid.identification.selection.friction_candidates`.
+        folds: Number of folds, at least 3.
+        cutoff: Of the filter behind which torques are compared, and of the default candidates' own [Hz].
+        tune: Whether to go on to filters and estimators.
+        progress: Called with the share done.
+
+    Raises:
+        ExoidError: There are no candidates, too few folds, or none of the candidates can be fitted.
+
+    Example:
+        >>> est = select_terms(leg, recording).identify(recording)  # doctest: +SKIP
+    """
+    several = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    candidates = friction_candidates(cutoff) if candidates is None else tuple(candidates)
+    if folds < 3 or not several or not candidates:
+        raise ExoidError(
+            f"{len(candidates)} candidates, {len(several)} recordings, {folds} folds",
+            remedy="pass candidates (or None for the default ones), recordings, and at least 3 folds",
+        )
+    bench = _Bench(leg, several, folds, cutoff)
+    scores = bench.scores(candidates, _part(progress, 0.0, 0.6 if tune else 1.0))
+    chosen = _choose(scores)
+    rounds = ((0.6, 0.85, partial(filter_candidates, cutoff=cutoff)), (0.85, 1.0, estimator_candidates))
+    for first, last, more in rounds if tune else ():
+        later = bench.scores(more(scores[chosen].candidate), _part(progress, first, last))
+        choice = _choose((scores[chosen], *later))
+        chosen = chosen if choice == 0 else len(scores) + choice - 1
+        scores = (*scores, *later)
+    return Selection(leg, leg.joint_names, scores, chosen, cutoff, folds)
+
+
+def selection_to_json(selection: Selection) -> dict[str, Any]:
+    """Turn a selection into what JSON can hold."""
+    return {
+        "cutoff": selection.cutoff,
+        "folds": selection.folds,
+        "joint_names": list(selection.joint_names),
+        "chosen": selection.candidate.name,
+        "terms": [term_to_json(term) for term in selection.candidate.terms],
+        "estimator": selection.candidate.estimator,
+        "preparation": preparation_to_json(selection.candidate.preparation),
+        "warnings": list(selection.warnings),
+        "candidates": [
+            {
+                "name": score.candidate.name,
+                "numbers": score.numbers,
+                "nrmse": _list(score.nrmse),
+                "folds": _list(score.folds),
+                "fast": _list(score.extrapolation),
+                "failure": score.failure,
+            }
+            for score in selection.scores
+        ],
+    }
+
+
+class _Bench(NamedTuple):
+    """Where candidates are tried."""
+
+    leg: Leg
+    recordings: list[Recording]
+    folds: int
+    cutoff: float
+
+    def scores(self, candidates: Sequence[Candidate], progress: Callable[[float], None] | None) -> tuple[Score, ...]:
+        """Try candidates one by one."""
+        splits, fast = blocked_folds(self.recordings, self.folds), fast_blocks(self.recordings)
+        found = []
+        for index, candidate in enumerate(candidates):
+            found.append(self._score(candidate, splits, fast))
+            if progress is not None:
+                progress((index + 1) / len(candidates))
+        return tuple(found)
+
+    def _score(self, candidate: Candidate, splits: Sequence[Split], fast: Split) -> Score:
+        """Fit to all rows first: fits to most of them begin there, which changes where they end by nothing."""
+        task = Task(self.leg, candidate.terms, self.recordings, candidate.preparation, candidate.estimator)
+        try:
+            whole = fit_model(task)
+            start = Start.at(whole)
+            each = [held_out(task, self.recordings, split, start, self.cutoff) for split in splits]
+            quick = held_out(task, self.recordings, fast, start, self.cutoff)
+        except ExoidError as error:
+            nothing = np.full(len(self.leg.joint_names), np.nan)
+            return Score(candidate, 0, nothing, np.full(len(splits), np.nan), nothing, error.what)
+        numbers = len(whole.values) + len(whole.shapes)
+        return Score(candidate, numbers, *_summary(each), quick.rms / quick.spread)
+
+
+def _summary(each: Sequence[Errors]) -> tuple[FloatArray, FloatArray]:
+    """NRMSE of each joint over all folds, and of each fold, all over the spread of the torque in the whole."""
+    whole = Errors.total(each)
+    return whole.rms / whole.spread, np.array([np.mean(errors.rms / whole.spread) for errors in each])
+
+
+def _best(scores: Sequence[Score]) -> int:
+    """Index of the smallest mean error."""
+    means = np.array([np.inf if score.failure else score.mean for score in scores])
+    if not np.isfinite(means).any():
+        raise ExoidError(f"no candidate can be fitted: {scores[0].failure}", remedy="record longer and richer motions")
+    return int(np.argmin(means))
+
+
+def _choose(scores: Sequence[Score]) -> int:
+    """The one with the fewest numbers among those within one standard error of the best."""
+    best = scores[_best(scores)]
+    within = [k for k, s in enumerate(scores) if not s.failure and s.mean - best.mean <= _error(s, best)]
+    return min(within, key=lambda k: (scores[k].numbers, k))
+
+
+def _error(score: Score, best: Score) -> float:
+    """Standard error of the difference of two candidates, fold by fold."""
+    return float(np.std(score.folds - best.folds, ddof=1) / np.sqrt(len(best.folds)))
+
+
+def _row(chosen: bool, score: Score, best: Score) -> tuple[str, ...]:
+    name = f"* {score.candidate.name}" if chosen else f"  {score.candidate.name}"
+    if score.failure:
+        return (name, "failed", *("",) * (2 * len(score.nrmse) + 2))
+    figures = (f"{x:.4f}" for x in (*score.nrmse, score.mean, _error(score, best), *score.extrapolation))
+    return (name, str(score.numbers), *figures)
+
+
+def _part(progress: Callable[[float], None] | None, first: float, last: float) -> Callable[[float], None] | None:
+    """Progress of a part of the work as progress of the whole."""
+    return None if progress is None else lambda share: progress(first + (last - first) * share)
+
+
+def _list(array: FloatArray) -> list[float | None]:
+    return [value if np.isfinite(value) else None for value in array.tolist()]

@@ -1,0 +1,271 @@
+"""Fits of models that are linear in most parameters but not in all: separable least squares."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.torques import Merged, Shape, TorqueModel, free_shapes, with_shapes
+from exoid.torques.linearised import linearise
+
+from .estimators import ESTIMATORS
+from .fitting import Fitted, Start, Task
+from .problem import Problem
+from .rows import join, refuse_empty_joints
+from .shapes import Shapes
+
+PASSES = 6
+"""Passes over the rows at most to settle the parameters at given settings."""
+
+SETTLED = 1e-3
+"""They have settled when predictions change by less than this part of the residual."""
+
+EVALUATIONS = 40
+"""Settings tried at most, for one set of weights."""
+
+ROUNDS = 2
+"""Sets of weights at most."""
+
+XTOL, FTOL = 3e-3, 1e-6
+"""Search ends when settings, relatively, or the sum of squares change by less."""
+
+INSIDE = 1e-6
+"""A trust-region search begins this far from the bounds of the settings' logarithms."""
+
+TINY = 1e-9
+"""Residuals below this part of the torque are rounding."""
+
+AT_BOUND = 0.02
+"""A setting this close to its bound, relatively, counts as at it."""
+
+NO_LOAD = 1e-6
+"""Columns of friction under load below this part of the torque count as zero."""
+
+UNDETERMINED = 1.0
+"""A setting whose standard deviation is larger than this part of it is not determined."""
+
+POLISH = 8
+"""Steps at most with the estimator asked for, from the optimum of weighted least squares."""
+
+STRIDE = 3.0
+"""In one of them a setting changes by this factor at most."""
+
+STILL = 0.1
+"""These have converged when nothing moves by more than this part of its standard deviation,"""
+
+ROUNDING = 1e-6
+"""and this part of itself, where there is no noise."""
+
+
+def fit_model(task: Task, start: Start | None = None) -> Fitted:
+    """Fit a model; where it is linear in all parameters, by one call of the estimator.
+
+    Args:
+        task: What to fit.
+        start: Near the solution, such as that of nearly the same rows; None to search from the settings' own start.
+
+    Raises:
+        ExoidError: Parameters are not determined by the rows: names them.
+    """
+    leg = task.leg
+    shapes = free_shapes(task.terms, leg.joint_names, leg.joint_labels)
+    if not shapes and not any(term.loaded for term in task.terms):
+        model = TorqueModel(leg, task.terms)
+        problem = task.problem(model)
+        refuse_empty_joints(model, [join(group) for group in zip(*problem.groups, strict=True)])
+        fit = ESTIMATORS[task.estimator](problem)
+        return Fitted(model, fit.solution.values, Shapes(), problem, fit, fit.remarks)
+    search = _Search(task, shapes, start)
+    if start is None:
+        search.run()
+    return search.polish()
+
+
+class _Search:
+    """Variable projection: parameters are solved for at each trial of the settings.
+
+    With rows [J_β J_θ r] reduced to a triangle R, r the torque less what the settings explain, R's lower right corner
+    holds the residual after the best β and its derivative by θ (Kaufman's), which is all that a trust-region method
+    asks for; the rows themselves are never kept.
+    """
+
+    def __init__(self, task: Task, shapes: Sequence[Shape], start: Start | None) -> None:
+        self.task, self.shapes = task, tuple(shapes)
+        self.merged: tuple[Merged, ...] | None = None
+        self.weights: Sequence[float] | None
+        if start is None:
+            self.settings, self.weights = {s.name: s.free.start for s in shapes}, None
+            self.values = self._zeros()
+            self._settle()
+            self._weigh()
+        else:
+            self.values, self.settings, self.weights = start.values, dict(start.settings), start.weights
+            self._settle(passes=1)
+
+    def run(self) -> None:
+        """Find the settings by weighted least squares."""
+        if not self.shapes:
+            self._settle()
+            return
+        bounds = np.log([s.free.lower for s in self.shapes]), np.log([s.free.upper for s in self.shapes])
+        inside = bounds[0] + INSIDE, bounds[1] - INSIDE
+        for _ in range(ROUNDS):
+            start = np.clip(np.log(list(self.settings.values())), *inside)
+            found = scipy.optimize.least_squares(
+                self._residual, start, self._slope, bounds=bounds, xtol=XTOL, ftol=FTOL, max_nfev=EVALUATIONS
+            )
+            self._residual(found.x)
+            self._weigh()
+            if np.abs(found.x - start).max() < 10.0 * XTOL:
+                break
+
+    def polish(self) -> Fitted:
+        """Go on from there with the estimator asked for, in the parameters and the settings at once."""
+        self._refuse_unloaded()
+        held = self._held()
+        remarks = tuple(held.values())
+        for _ in range(POLISH):
+            problem = self._problem(tuple(held))
+            fit = ESTIMATORS[self.task.estimator](problem)
+            found = dict(zip(problem.names, fit.solution.values, strict=True))
+            before = self._vector(problem.names)
+            moved = fit.solution.values - before
+            self._take(found)
+            if (np.abs(moved) <= STILL * np.sqrt(np.diag(fit.solution.covariance)) + ROUNDING * np.abs(before)).all():
+                break
+        else:
+            remarks = (*remarks, f"the fit has not settled in {POLISH} steps: start settings nearer, or leave some out")
+        leg, names = self.task.leg, tuple(s.name for s in self.shapes)
+        settled = with_shapes(self.task.terms, leg.joint_names, leg.joint_labels, self.settings)
+        model = TorqueModel(leg, settled, self.values[: len(leg.parameter_names)])
+        values = np.array([self.settings[name] for name in names])
+        units = tuple(s.unit for s in self.shapes)
+        shapes = Shapes(names, units, values, np.zeros((len(names),) * 2), tuple(held))
+        return Fitted(model, self.values, shapes, problem, fit, (*fit.remarks, *remarks))
+
+    def _residual(self, logs: FloatArray) -> FloatArray:
+        """Residual after the best parameters, as long as there are settings, and one more."""
+        settings = dict(zip(self.settings, np.exp(logs).tolist(), strict=True))
+        if settings != self.settings:
+            self.settings = settings
+            self._settle()
+        return self.corner[:, -1]
+
+    def _slope(self, logs: FloatArray) -> FloatArray:
+        """Its derivative by the logarithms of the settings."""
+        self._residual(logs)
+        return -self.corner[:, :-1] * np.exp(logs)
+
+    def _settle(self, passes: int = PASSES) -> None:
+        """Solve for the parameters at the present settings, which takes more than one pass if rows depend on them."""
+        for _ in range(passes):
+            problem = self._problem()
+            refuse_empty_joints(problem.model, [join(group) for group in zip(*problem.groups, strict=True)])
+            self.triangles = problem.triangles
+            if self._solve() <= SETTLED:
+                break
+
+    def _solve(self) -> float:
+        """Solve on the present triangles; tells how far predictions moved, as a part of the residual."""
+        count, theta = len(self.values), np.array(list(self.settings.values()))
+        R = join(self.triangles, self.weights).R
+        rest = R[:, -1] - R[:, count:-1] @ theta
+        before, self.values = self.values, _least_squares(R[:, :count], rest)
+        self.corner = np.column_stack([R[count:, count:-1], rest[count:]])
+        left = max(float(np.linalg.norm(rest - R[:, :count] @ self.values)), TINY * float(np.linalg.norm(R[:, -1])))
+        return float(np.linalg.norm(R[:, :count] @ (self.values - before))) / left if left > 0.0 else 0.0
+
+    def _weigh(self) -> None:
+        """Weigh each joint's rows by its residual, and solve again."""
+        x = np.append(self.values, list(self.settings.values()))
+        sizes = [t.residual(x) / np.sqrt(max(t.rows, 1)) for t in self.triangles]
+        floor = TINY * max(float(np.linalg.norm(t.R[:, -1])) / np.sqrt(max(t.rows, 1)) for t in self.triangles)
+        self.weights = [1.0 / max(size, floor) for size in sizes]
+        self._solve()
+
+    def _refuse_unloaded(self) -> None:
+        """Refuse friction that depends on a rigid-body torque where there is none.
+
+        Raises:
+            ExoidError: Names the parameters.
+        """
+        model = self._problem().model
+        columns = np.sqrt(sum(t.R**2 for t in self.triangles)).max(axis=0)
+        places = {name: k for k, name in enumerate(model.names)}
+        loads = [name for block in model.blocks if block.term.loaded for name in block.names]
+        unloaded = [name for name in loads if columns[places[name]] <= NO_LOAD * columns[-1]]
+        if unloaded:
+            raise ExoidError(
+                f"{', '.join(unloaded)} left no trace in the torque: there is no rigid-body torque to depend on",
+                remedy="leave out LoadFriction at these joints",
+            )
+
+    def _problem(self, held: Sequence[str] = ()) -> Problem:
+        task = self.task
+        model = linearise(task.leg, task.terms, self.values, self.settings, held=held, merged=self.merged)
+        return task.problem(model)
+
+    def _zeros(self) -> FloatArray:
+        """Parameters of size zero, as many as there are."""
+        leg = self.task.leg
+        model = TorqueModel(leg, with_shapes(self.task.terms, leg.joint_names, leg.joint_labels, self.settings))
+        self.merged = model.merged
+        return np.zeros(len(model.names))
+
+    def _vector(self, names: Sequence[str]) -> FloatArray:
+        return np.append(self.values, [self.settings[name] for name in names[len(self.values) :]])
+
+    def _take(self, found: dict[str, float]) -> None:
+        """Go to a solution, within bounds."""
+        self.values = np.array(list(found.values())[: len(self.values)])
+        for shape in self.shapes:
+            if shape.name in found:
+                value, free = self.settings[shape.name], shape.free
+                lower, upper = max(free.lower, value / STRIDE), min(free.upper, value * STRIDE)
+                self.settings[shape.name] = float(np.clip(found[shape.name], lower, upper))
+
+    def _held(self) -> dict[str, str]:
+        """Settings that are not determined, and why."""
+        held = {}
+        for shape in self.shapes:
+            value, free = self.settings[shape.name], shape.free
+            for side, bound in (("lower", free.lower), ("upper", free.upper)):
+                if abs(np.log(value / bound)) < AT_BOUND:
+                    held[shape.name] = f"{shape.name} is at its {side} bound, {bound:g} {shape.unit}, and held there"
+                    self.settings[shape.name] = bound
+        for _ in self.shapes:
+            left = [k for k, shape in enumerate(self.shapes) if shape.name not in held]
+            if not left:
+                break
+            spread = self._spread(left)
+            worst = int(np.argmax(spread))
+            if spread[worst] <= UNDETERMINED:
+                break
+            name = self.shapes[left[worst]].name
+            where = f"{self.settings[name]:.3g} {self.shapes[left[worst]].unit}"
+            held[name] = f"{name} is not determined by the recordings, and held at {where}: fix it or leave it out"
+        return held
+
+    def _spread(self, left: Sequence[int]) -> FloatArray:
+        """Relative standard deviation of settings, of white noise, infinite where they leave no trace."""
+        theta = np.array(list(self.settings.values()))[left]
+        slope = self.corner[:, left] * theta
+        norms = np.linalg.norm(slope, axis=0)
+        if (norms <= 1e-12 * np.linalg.norm(self.corner[:, -1])).any():
+            return np.where(norms <= 1e-12 * np.linalg.norm(self.corner[:, -1]), np.inf, 0.0)
+        inverse = np.linalg.pinv(slope / norms) / norms[:, None]
+        samples = max(sum(t.samples for t in self.triangles) - len(self.values), 1.0)
+        rows = np.linalg.norm(self.corner[:, -1]) / np.sqrt(samples)
+        return np.asarray(rows * np.linalg.norm(inverse, axis=1))
+
+
+def _least_squares(A: FloatArray, b: FloatArray) -> FloatArray:
+    """Least squares with unit columns, shortest where a column says nothing (friction under a load not yet known)."""
+    scale = np.linalg.norm(A, axis=0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    solution, *_ = np.linalg.lstsq(A / scale, b, rcond=1e-9)
+    return np.asarray(solution / scale)

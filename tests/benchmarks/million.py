@@ -1,0 +1,88 @@
+"""Identify a long recording and say how long it took and how much memory it needed beside the data.
+
+``python tests/benchmarks/million.py 1000000`` prints JSON; run as a process of its own, so that the peak is its own.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+import exoid
+from exoid import Recording
+from exoid.torques import DEFAULT_TERMS, TorqueModel
+
+RATE = 500.0
+LOOPED = 100_000
+"""Samples that the loop is timed over."""
+
+
+def recording(leg: exoid.Leg, samples: int) -> tuple[Recording, np.ndarray]:
+    """Five harmonics a joint, and torques of the model with noise, formed piece by piece."""
+    rng = np.random.default_rng(0)
+    stamps, joints = np.arange(samples) / RATE, len(leg.joint_names)
+    q, tau = np.zeros((2, samples, joints))
+    model = TorqueModel(leg, DEFAULT_TERMS)
+    truth = np.append(leg.parameters, rng.uniform(0.2, 0.8, len(model.names) - len(leg.parameters)))
+    amplitude, phase = rng.uniform(0.05, 0.2, (joints, 5)), rng.uniform(0.0, 6.28, (joints, 5))
+    omega = 2.0 * np.pi * 0.1 * np.arange(1, 6)
+    for start in range(0, samples, 10_000):
+        rows = slice(start, start + 10_000)
+        angle = np.multiply.outer(stamps[rows], omega)[:, None, :] + phase
+        q[rows] = (amplitude * np.sin(angle)).sum(-1)
+        v, a = (amplitude * omega * np.cos(angle)).sum(-1), -(amplitude * omega**2 * np.sin(angle)).sum(-1)
+        tau[rows] = model.regressor(q[rows], v, a) @ truth
+    tau += rng.normal(scale=[1.0, 0.7, 0.3], size=tau.shape)
+    return Recording(stamps, q, tau=tau, joint_names=leg.joint_names), truth
+
+
+def looped(leg: exoid.Leg, samples: int) -> float:
+    """Seconds that a plain Python loop over Pinocchio's regressor takes for so many samples."""
+    data, motion = leg.model.createData(), np.random.default_rng(0).standard_normal((3, LOOPED, len(leg.joint_names)))
+    start = time.process_time()
+    for q, v, a in zip(*motion, strict=True):
+        pin.computeJointTorqueRegressor(leg.model, data, q, v, a)
+    return (time.process_time() - start) * samples / LOOPED
+
+
+def memory(name: str) -> float:
+    """VmRSS or VmHWM of this process [MB]."""
+    line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith(name))
+    return int(line.split()[1]) / 1e3
+
+
+def main(samples: int) -> None:
+    """Print what was measured."""
+    leg = exoid.load_leg("bleex")
+    short, _ = recording(leg, 20_000)
+    exoid.identify(leg, short)  # whatever has to be imported
+    log, truth = recording(leg, samples)
+    before = memory("VmRSS")
+    Path("/proc/self/clear_refs").write_text("5")  # the peak counts from here
+    loops, seconds = [looped(leg, samples)], []
+    for _ in range(2):
+        start = time.process_time()
+        estimate = exoid.identify(leg, log)
+        seconds.append(time.process_time() - start)
+        loops.append(looped(leg, samples))
+    print(
+        json.dumps(
+            {
+                "samples": samples,
+                "megabytes": memory("VmHWM") - before,
+                "data": 1e-6 * sum(x.nbytes for x in (log.time, log.q, log.tau)),
+                "seconds": min(seconds),
+                "loop": min(loops),
+                "worst_z": float(np.abs((estimate.values - truth) / estimate.std).max()),
+            }
+        )
+    )
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))

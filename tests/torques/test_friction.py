@@ -1,0 +1,285 @@
+"""Friction beyond Coulomb and viscous: what it dissipates, what it depends on, and what it remembers."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from planar_chains import random_motion
+
+import exoid
+from exoid import Armature, Coulomb, ExoidError, Offset, Viscous
+from exoid.torques import (
+    Free,
+    JointMotion,
+    LoadFriction,
+    Presliding,
+    Stribeck,
+    TorqueModel,
+    free_shapes,
+    term_from_json,
+    term_to_json,
+    with_shapes,
+)
+from exoid.torques.linearised import linearise
+
+DRY = (
+    Coulomb(),
+    Coulomb(smoothing=0.0),
+    Coulomb(asymmetric=True),
+    Stribeck(velocity=0.3),
+    LoadFriction(),
+    LoadFriction(split=True, smoothing=0.1),
+)
+DELTA = Free(1e-3, 1e-5, 0.1)
+VS = Free(0.1, 0.01, 1.0)
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def motion_of(term, q=0.0, v=0.0, load=0.0):
+    """Motion of one joint, with its hidden state."""
+    q, v, load = (np.array(x, dtype=float) for x in np.broadcast_arrays(np.atleast_1d(q), v, load))
+    memory = None if term.memory is None else term.memory.states(q, v)
+    return JointMotion(q, v, np.zeros_like(q), load, memory)
+
+
+def columns(term, **motion):
+    given_motion = motion_of(term, **motion)
+    out = np.zeros((len(term.symbols), len(given_motion.q)))
+    term.fill(given_motion, out)
+    return out
+
+
+def recurrence(q, v, length):
+    """Dahl's hysteresis sample by sample, as it is written."""
+    z = [float(np.sign(v[0]))]
+    for k in range(1, len(q)):
+        step = 0.0 if v[k] == v[k - 1] == 0.0 else q[k] - q[k - 1]
+        s = np.sign(step)
+        z.append(s + (z[-1] - s) * np.exp(-abs(step) / length))
+    return np.array(z)
+
+
+def wander(seed, samples=400, still=0.2):
+    """Angles that go to and fro in steps of all sizes, and rest at times; velocities to match."""
+    rng = np.random.default_rng(seed)
+    steps = rng.standard_normal(samples) * 10.0 ** rng.uniform(-6, -1, samples)
+    steps = np.where(rng.random(samples) < still, 0.0, steps)
+    if rng.random() < 0.5:
+        steps = np.abs(steps) * np.repeat(rng.choice([-1.0, 1.0], samples), 20)[:samples]
+    return np.cumsum(steps), 100.0 * steps
+
+
+@given(seeds, st.floats(1e-5, 0.1))
+def test_the_closed_form_of_presliding_is_the_recurrence(seed, length):
+    q, v = wander(seed)
+    np.testing.assert_allclose(Presliding(length).states(q, v), recurrence(q, v, length), atol=1e-9)
+
+
+@given(seeds, st.floats(1e-4, 0.1))
+def test_presliding_depends_on_the_way_and_not_on_its_speed(seed, length):
+    """Gone at another pace, with pauses and with points in between, the state at the same points is the same."""
+    rng = np.random.default_rng(seed)
+    q, v = wander(seed, still=0.0)
+    fine = np.interp(np.arange(4 * len(q) - 3) / 4.0, np.arange(len(q)), q)
+    pauses = rng.integers(1, 4, len(fine))
+    slow, arrival = np.repeat(fine, pauses), (np.cumsum(pauses) - pauses)[::4]
+    states = Presliding(length).states(slow, np.full(len(slow), 1e-3 * np.sign(v[0])))
+    np.testing.assert_allclose(states[arrival], Presliding(length).states(q, v), atol=1e-9)
+
+
+def test_after_a_reversal_friction_turns_over_a_way_of_a_few_lengths():
+    """It is 1 − 2 exp(−x / δ) after x beyond a turn from sliding backwards."""
+    x = np.linspace(0.0, 0.01, 200)
+    q = np.concatenate([np.linspace(1.0, 0.0, 50), x[1:]])
+    z = Presliding(1e-3).states(q, np.gradient(q))
+    np.testing.assert_allclose(z[49:], 1.0 - 2.0 * np.exp(-x / 1e-3), atol=1e-9)
+
+
+def test_a_single_sample_is_sliding_the_way_it_moves_and_poses_remember_nothing():
+    memory = Presliding(1e-3)
+    np.testing.assert_array_equal(memory.states(np.array([0.3]), np.array([-2.0])), [-1.0])
+    np.testing.assert_array_equal(memory.states(np.array([0.3, 0.9, -0.4]), np.zeros(3)), np.zeros(3))
+    assert memory.states(np.zeros(0), np.zeros(0)).shape == (0,)
+
+
+@given(seeds)
+def test_presliding_takes_energy_out_over_every_closed_way(seed):
+    """∮ z dq ≥ 0 once the state comes back too; between, a bent contact gives some back."""
+    turns = np.random.default_rng(seed).uniform(-0.01, 0.01, 6)
+    once = np.interp(np.linspace(0.0, 6.0, 6000, endpoint=False), np.arange(7), np.append(turns, turns[0]))
+    q = np.tile(once, 10)
+    z = Presliding(1e-3).states(q, np.gradient(q))
+    power = 0.5 * (z[-6000:] + z[-6001:-1]) * np.diff(q[-6001:])
+    assert power.sum() >= 0.0
+
+
+def test_a_stroke_smaller_than_the_length_is_nearly_a_spring():
+    """From rest it gives back most of what it takes, as no sign of the velocity can."""
+    q = 1e-5 * np.sin(np.linspace(0.0, 20.0 * np.pi, 20_001))
+    v = np.gradient(q)
+    v[0] = 0.0
+    z = Presliding(1e-3).states(q, v)
+    power = z[1:] * np.diff(q)
+    assert 0.0 < power.sum() < 0.1 * power[power > 0.0].sum()
+
+
+@pytest.mark.parametrize("term", [*DRY, Viscous(asymmetric=True)])
+@given(seeds)
+def test_friction_with_positive_parameters_takes_energy_out_at_every_moment(term, seed):
+    rng = np.random.default_rng(seed)
+    v, load = rng.standard_normal((2, 50)) * 10.0 ** rng.uniform(-3, 1, (2, 50))
+    parameters = rng.uniform(0.0, 2.0, len(term.symbols))
+    assert (parameters @ columns(term, v=v, load=load) * v >= 0.0).all()
+
+
+@pytest.mark.parametrize("term", [t for t in DRY if not getattr(t, "asymmetric", False)])
+@pytest.mark.parametrize("presliding", [0.0, 1e-3])
+@given(seeds)
+def test_friction_in_a_mirror_is_friction_with_the_other_sign(term, presliding, seed):
+    term = term_from_json({**term_to_json(term), "presliding": presliding})
+    q, v = wander(seed, 50)
+    load = np.random.default_rng(seed).standard_normal(50)
+    np.testing.assert_allclose(columns(term, q=-q, v=-v, load=-load), -columns(term, q=q, v=v, load=load), atol=1e-15)
+
+
+def test_asymmetric_friction_has_a_size_for_each_direction():
+    v = np.array([-2.0, -0.5, 0.0, 0.5, 2.0])
+    torque = np.array([3.0, 1.0]) @ columns(Coulomb(asymmetric=True, smoothing=0.0), v=v)
+    np.testing.assert_array_equal(torque, [-1.0, -1.0, 0.0, 3.0, 3.0])
+    torque = np.array([3.0, 1.0]) @ columns(Viscous(asymmetric=True), v=v)
+    np.testing.assert_array_equal(torque, [-2.0, -0.5, 0.0, 1.5, 6.0])
+    assert Coulomb(asymmetric=True).symbols == ("c0p", "c0n")
+    assert Viscous(asymmetric=True).symbols == ("dp", "dn")
+
+
+def test_stribeck_friction_is_largest_where_motion_is_slow():
+    size = columns(Stribeck(velocity=0.2, smoothing=0.0), v=[1e-9, 0.2, 2.0])[0]
+    np.testing.assert_allclose(size, [1.0, np.exp(-1.0), 0.0], atol=1e-12)
+
+
+def test_load_friction_is_a_share_of_the_rigid_bodies_torque_against_the_motion():
+    v, load = np.array([1.0, 1.0, -1.0, -1.0]), np.array([5.0, -5.0, 5.0, -5.0])
+    np.testing.assert_array_equal(columns(LoadFriction(smoothing=0.0), v=v, load=load), [[5.0, 5.0, -5.0, -5.0]])
+    split = columns(LoadFriction(split=True, smoothing=0.0), v=v, load=load)
+    np.testing.assert_array_equal(split, [[5.0, 0.0, 0.0, -5.0], [0.0, 5.0, -5.0, 0.0]])
+
+
+def test_the_load_is_the_models_own_rigid_body_torque():
+    leg = exoid.load_leg("cuhk")
+    q, v, a = random_motion(np.random.default_rng(1), 2)
+    model = TorqueModel(leg, (LoadFriction(smoothing=0.0),))
+    expected = np.abs(leg.inverse_dynamics(q, v, a)) * np.sign(v)
+    np.testing.assert_allclose(model.regressor(q, v, a)[:, [0, 1], [-2, -1]], expected, rtol=1e-9)
+    half = model.loaded_by(0.5 * leg.parameters)
+    np.testing.assert_allclose(half.regressor(q, v, a)[:, [0, 1], [-2, -1]], 0.5 * expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("presliding", [0.0, 2e-3])
+def test_columns_of_a_stretch_are_those_of_the_whole(presliding):
+    """Hidden states are of the whole motion, however it is cut."""
+    leg = exoid.load_leg("cuhk")
+    model = TorqueModel(leg, (Coulomb(presliding=presliding), LoadFriction(presliding=presliding), Stribeck()))
+    time = np.arange(20_000) / 500.0
+    q = np.column_stack([np.sin(time), 0.4 * np.cos(3.0 * time)])
+    v, a = np.gradient(q, time, axis=0), -q
+    motion = model.motion(q, v, a)
+    whole = model.columns(motion)
+    for rows in (slice(0, 3), slice(8000, 9001), slice(19_000, None)):
+        np.testing.assert_allclose(model.columns(motion.rows(rows)), whole[:, :, rows], atol=1e-12)
+
+
+# ------------------------------------------------------------------------------------- settings
+
+
+settings = st.one_of(
+    st.floats(0.0, 10.0),
+    st.builds(lambda x: Free(x, 0.1 * x, 10.0 * x), st.floats(1e-6, 1e3)),
+)
+
+
+@given(settings, settings, st.floats(0.0, 1.0), st.booleans())
+def test_friction_survives_a_round_trip_through_json(first, second, band, yes):
+    lean = {"joints": ("knee",), "dead_band": band}
+    terms = [
+        Coulomb(presliding=first, smoothing=second if isinstance(second, float) else 0.1, asymmetric=yes, **lean),
+        LoadFriction(presliding=second, split=yes, **lean),
+        Stribeck(velocity=first if first != 0.0 else 1.0, **lean),
+        Viscous(asymmetric=yes),
+    ]
+    for term in terms:
+        assert term_from_json(json.loads(json.dumps(term_to_json(term), allow_nan=False))) == term
+
+
+@pytest.mark.parametrize(
+    ("make", "what"),
+    [
+        (lambda: Stribeck(velocity=0.0), "a velocity in rad/s, positive"),
+        (lambda: Coulomb(presliding=-1.0), "an angle in rad, zero or positive"),
+        (lambda: Coulomb(presliding=1e-3, smoothing=Free(0.1, 0.01, 1.0)), "leave out one of the two"),
+        (lambda: Free(0.1, 0.2, 1.0), "0 < lower ≤ start ≤ upper"),
+        (lambda: Free(0.1, 0.0, 1.0), "0 < lower ≤ start ≤ upper"),
+        (lambda: Free(0.1, 0.1, np.inf), "0 < lower ≤ start ≤ upper"),
+        (lambda: term_from_json({"term": "stribeck", "velocity": {"start": 1.0}}), "terms are"),
+        (lambda: TorqueModel(exoid.load_leg("cuhk"), (Stribeck(velocity=VS),)), "still to be found: vs_hip, vs_knee"),
+        (lambda: columns(Stribeck(velocity=VS)), "not yet a number"),
+    ],
+)
+def test_a_setting_that_makes_no_sense_is_refused(make, what):
+    with pytest.raises(ExoidError, match=what):
+        make()
+
+
+def test_one_quantity_of_a_joint_is_one_setting():
+    names, labels = ("left_hip", "left_knee"), ("hip", "knee")
+    terms = (Coulomb(presliding=DELTA), Offset(), Stribeck(presliding=DELTA, velocity=VS, joints=("knee",)))
+    assert [shape.name for shape in free_shapes(terms, names, labels)] == ["delta_hip", "delta_knee", "vs_knee"]
+    settled = with_shapes(terms, names, labels, {"delta_hip": 1e-3, "delta_knee": 2e-3, "vs_knee": 0.3})
+    assert settled == (
+        Coulomb(joints=("left_hip",), presliding=1e-3),
+        Coulomb(joints=("left_knee",), presliding=2e-3),
+        Offset(),
+        Stribeck(joints=("left_knee",), presliding=2e-3, velocity=0.3),
+    )
+    with pytest.raises(ExoidError, match=r"delta_hip is .* one quantity"):
+        free_shapes((Coulomb(presliding=DELTA), LoadFriction(presliding=Free(1e-2, 1e-5, 0.1))), names, labels)
+
+
+def test_a_linearised_model_has_the_derivatives_of_the_torque():
+    """∂τ/∂β and ∂τ/∂θ by differences of the whole nonlinear torque; and at the point it gives that torque."""
+    leg = exoid.load_leg("cuhk")
+    terms = (
+        Coulomb(presliding=DELTA),
+        LoadFriction(split=True, presliding=DELTA),
+        Stribeck(presliding=DELTA, velocity=VS, joints=("knee",)),
+        Viscous(),
+        Armature(),
+    )
+    time = np.arange(600) / 200.0
+    q = np.column_stack([np.sin(3.0 * time), 0.4 * np.cos(5.0 * time)])
+    v = np.column_stack([3.0 * np.cos(3.0 * time), -2.0 * np.sin(5.0 * time)])
+    a = np.column_stack([-9.0 * np.sin(3.0 * time), -10.0 * np.cos(5.0 * time)])
+    settings = {"delta_hip": 0.02, "delta_knee": 0.01, "vs_knee": 0.3}
+    beta = np.concatenate([leg.parameters, [0.8, 0.5, 0.1, 0.05, 0.08, 0.03, 0.4, 0.2, 0.1, 0.02]])
+    point = np.append(beta, list(settings.values()))
+
+    def torque(x):
+        found = dict(zip(settings, x[len(beta) :], strict=True))
+        model = TorqueModel(leg, with_shapes(terms, leg.joint_names, leg.joint_labels, found))
+        return model.loaded_by(x[: len(beta)]).regressor(q, v, a) @ x[: len(beta)]
+
+    model = linearise(leg, terms, beta, settings)
+    assert model.names[-3:] == tuple(settings)
+    assert model.units[-3:] == ("rad", "rad", "rad/s")
+    W = model.regressor(q, v, a)
+    np.testing.assert_allclose(W @ np.append(point, 1.0), torque(point), atol=1e-7)
+    for k, x in enumerate(point):
+        step = 1e-5 * max(abs(x), 0.1)
+        change = np.zeros(len(point))
+        change[k] = step
+        slope = (torque(point + change) - torque(point - change)) / (2.0 * step)
+        np.testing.assert_allclose(W[:, :, k], slope, atol=2e-3 * max(1.0, np.abs(slope).max()))
+    for joint in range(2):
+        assert not W[:, joint, :-1][:, ~model.acting[joint]].any()
