@@ -14,9 +14,9 @@ from .export import export
 from .identify import identify
 from .plan import plan
 from .reproduce import reproduce
+from .select import select
 from .stability import stability
 from .study import study
-from .select import select
 from .validate import validate
 from .view import view
 
