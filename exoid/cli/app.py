@@ -10,6 +10,7 @@ import typer
 import exoid
 from exoid.errors import ExoidError
 
+from .compare import compare
 from .export import export
 from .identify import identify
 from .reproduce import reproduce
@@ -29,6 +30,7 @@ app = typer.Typer(
 app.command()(identify)
 app.command()(select)
 app.command()(validate)
+app.command()(compare)
 app.command()(export)
 app.command()(reproduce)
 

@@ -9,13 +9,13 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.torques import Merged, Shape, TorqueModel, free_shapes, with_shapes
+from exoid.torques import Shape, TorqueModel, free_shapes, with_shapes
 from exoid.torques.linearised import linearise
 
 from .estimators import ESTIMATORS
-from .fitting import Fitted, Start, Task
+from .fitting import Fitted, Start, Task, starting_model
 from .problem import Problem
-from .rows import join, refuse_empty_joints
+from .rows import join, make_triangle, refuse_empty_joints
 from .shapes import Shapes
 
 PASSES = 6
@@ -95,11 +95,12 @@ class _Search:
 
     def __init__(self, task: Task, shapes: Sequence[Shape], start: Start | None) -> None:
         self.task, self.shapes = task, tuple(shapes)
-        self.merged: tuple[Merged, ...] | None = None
+        model = starting_model(task.leg, task.terms)
+        self.merged, self.free = model.merged, task.assumed.free(model.names)
         self.weights: Sequence[float] | None
         if start is None:
             self.settings, self.weights = {s.name: s.free.start for s in shapes}, None
-            self.values = self._zeros()
+            self.values = task.assumed.fixed_values(model.names)
             self._settle()
             self._weigh()
         else:
@@ -173,11 +174,15 @@ class _Search:
         """Solve on the present triangles; tells how far predictions moved, as a part of the residual."""
         count, theta = len(self.values), np.array(list(self.settings.values()))
         R = join(self.triangles, self.weights).R
-        rest = R[:, -1] - R[:, count:-1] @ theta
-        before, self.values = self.values, _least_squares(R[:, :count], rest)
-        self.corner = np.column_stack([R[count:, count:-1], rest[count:]])
-        left = max(float(np.linalg.norm(rest - R[:, :count] @ self.values)), TINY * float(np.linalg.norm(R[:, -1])))
-        return float(np.linalg.norm(R[:, :count] @ (self.values - before))) / left if left > 0.0 else 0.0
+        rest = R[:, -1] - R[:, count:-1] @ theta - R[:, :count][:, ~self.free] @ self.values[~self.free]
+        table = np.column_stack([R[:, :count][:, self.free], R[:, count:-1], rest])
+        R, free = make_triangle(table, 0, 0.0).R, int(self.free.sum())
+        before, self.values = self.values, self.values.copy()
+        self.values[self.free] = _least_squares(R[:free, :free], R[:free, -1])
+        self.corner = R[free:, free:]
+        left = max(float(np.linalg.norm(self.corner[:, -1])), TINY * float(np.linalg.norm(R[:, -1])))
+        moved = R[:free, :free] @ (self.values - before)[self.free]
+        return float(np.linalg.norm(moved)) / left if left > 0.0 else 0.0
 
     def _weigh(self) -> None:
         """Weigh each joint's rows by its residual, and solve again."""
@@ -208,13 +213,6 @@ class _Search:
         task = self.task
         model = linearise(task.leg, task.terms, self.values, self.settings, held=held, merged=self.merged)
         return task.problem(model)
-
-    def _zeros(self) -> FloatArray:
-        """Parameters of size zero, as many as there are."""
-        leg = self.task.leg
-        model = TorqueModel(leg, with_shapes(self.task.terms, leg.joint_names, leg.joint_labels, self.settings))
-        self.merged = model.merged
-        return np.zeros(len(model.names))
 
     def _vector(self, names: Sequence[str]) -> FloatArray:
         return np.append(self.values, [self.settings[name] for name in names[len(self.values) :]])

@@ -56,6 +56,11 @@ class Term(ABC):
         """Symbol and unit of each setting that may be :class:`exoid.torques.Free`, by its field."""
         return {}
 
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Symbols of parameters that cannot be negative in nature."""
+        return ()
+
     @abstractmethod
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Write the columns of one joint.
