@@ -155,8 +155,11 @@ def form_rows(model: TorqueModel, prepared: Prepared, stretch: range) -> Rows:
     count, known = len(model.names), len(columns) - len(model.names)
     if prepared.preparation is not None:
         acting = np.vstack([model.acting.T, np.ones((known, columns.shape[1]), dtype=np.bool_)])
-        distinct, places = _distinct(columns[acting])
-        columns[acting] = prepared.preparation.filter_columns(distinct.T, prepared.rate).T[places]
+        signals = [columns[parameter, joint] for parameter, joint in np.argwhere(acting)]
+        distinct, places = _distinct(signals)
+        filtered = prepared.preparation.filter_columns(distinct.T, prepared.rate).T
+        for signal, place in zip(signals, places, strict=True):
+            signal[:] = filtered[place]
     rows = slice(stretch.start, stretch.stop)
     W = columns[:, :, stretch.start - first : stretch.stop - first].transpose(2, 1, 0)
     tau = prepared.tau[rows]
@@ -175,16 +178,16 @@ def form_rows(model: TorqueModel, prepared: Prepared, stretch: range) -> Rows:
     )
 
 
-def _distinct(signals: FloatArray) -> tuple[FloatArray, list[int]]:
+def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
     """Signals that differ, and which of them each one is: filters are slow, and some parameters act on joints alike."""
-    kept: list[int] = []
+    kept: list[FloatArray] = []
     places = []
-    for k, signal in enumerate(signals):
-        twins = (place for place, j in enumerate(kept) if signals[j, 0] == signal[0] and (signals[j] == signal).all())
+    for signal in signals:
+        twins = (k for k, other in enumerate(kept) if other[0] == signal[0] and np.array_equal(other, signal))
         places.append(next(twins, len(kept)))
         if places[-1] == len(kept):
-            kept.append(k)
-    return signals[kept], places
+            kept.append(signal)
+    return np.array(kept), places
 
 
 def make_rows(model: TorqueModel, data: Recording | Poses, preparation: Preparation) -> Rows:
