@@ -13,7 +13,7 @@ from exoid.cli import app
 from exoid.identification import Candidate, select_terms, selection_to_json
 from exoid.identification.selection import estimator_candidates, filter_candidates, friction_candidates
 from exoid.identification.selection.cross_validation import GAP, blocked_folds, evaluation, fast_blocks
-from exoid.signals import MovingAverage, Smoothed, ZeroPhase
+from exoid.signals import MovingAverage, Poses, Smoothed, ZeroPhase
 from exoid.torques import LoadFriction, Presliding
 
 NAMES = ("coulomb", "presliding", "presliding+load")
@@ -150,6 +150,24 @@ def test_a_friction_model_that_does_not_transfer_to_faster_motion_is_warned_of(l
 def test_nothing_to_compare_is_refused(leg, plain, count, folds, candidates):
     with pytest.raises(ExoidError, match="at least 3 folds"):
         select_terms(leg, [plain] * count, candidates, folds=folds, tune=False)
+
+
+def test_recordings_that_cannot_be_compared_are_refused(leg, plain):
+    still = dataclasses.replace(plain, q=plain.q * [0.0, 1.0], v=None, a=None)
+    with pytest.raises(ExoidError, match="left_hip stands still"):
+        select_terms(leg, still, some("coulomb"), tune=False)
+    with pytest.raises(ExoidError, match="no candidate can be fitted"):
+        select_terms(leg, plain.slice(0, 90), some("coulomb"), tune=False)
+    with pytest.raises(ExoidError, match="poses cannot be cut"):
+        select_terms(leg, [Poses(plain.q[:5], plain.tau[:5], plain.joint_names)], some("coulomb"), tune=False)
+
+
+def test_where_seconds_are_too_few_to_extrapolate_it_is_said(leg, plain):
+    candidate = Candidate("fine", (Coulomb(), Viscous()), preparation=ZeroPhase(40.0))
+    chosen = select_terms(leg, plain.between(3.0, 3.98), [candidate], folds=3, cutoff=40.0, tune=False)
+    assert np.isnan(chosen.scores[0].extrapolation).all()
+    assert "do not suffice" in chosen.warnings[0]
+    assert "fine" in str(chosen)
 
 
 def test_torques_are_compared_behind_one_filter_whatever_the_fit_used():
