@@ -1,5 +1,7 @@
 """exoid: a URDF and a log go in; an identified leg you can trust, look at and control with comes out."""
 
+from typing import TYPE_CHECKING, Any
+
 from . import datasets, published, signals, torques
 from .catalog import load_leg
 from .errors import ExoidError
@@ -8,6 +10,9 @@ from .leg import Leg
 from .signals import Recording
 from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
 from .torso import TorsoMotion
+
+if TYPE_CHECKING:
+    from . import control
 
 __version__ = "0.1.0"
 
@@ -25,6 +30,7 @@ __all__ = [
     "Validation",
     "Viscous",
     "compare",
+    "control",
     "datasets",
     "identify",
     "load_leg",
@@ -33,3 +39,12 @@ __all__ = [
     "torques",
     "validate",
 ]
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401 - a module
+    """Import ``exoid.control`` when it is first used: it brings the rig along."""
+    if name == "control":
+        from importlib import import_module  # noqa: PLC0415
+
+        return import_module("exoid.control")
+    raise AttributeError(f"module 'exoid' has no attribute {name!r}")

@@ -32,6 +32,7 @@ NUMBERS = {
     "link/inertial/origin": {"xyz": 3, "rpy": 3},
     "joint/origin": {"xyz": 3, "rpy": 3},
     "joint/axis": {"xyz": 3},
+    "joint/dynamics": {"damping": 1, "friction": 1},
     "joint/limit": {"lower": 1, "upper": 1, "effort": 1, "velocity": 1},
 }
 """How many numbers each attribute holds. Pinocchio's parser drops a whole <inertial> where one is not a number."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -60,6 +61,22 @@ def write_together(contents: Mapping[Path, str]) -> None:
     finally:
         for path in (*parts.values(), *saved.values()):
             path.unlink(missing_ok=True)
+
+
+def refuse_unwritable(path: str | os.PathLike[str]) -> None:
+    """Check that a file can be written, before the work whose result it is to hold.
+
+    Raises:
+        ExoidError: The folder is missing or cannot be written, or the path is a folder.
+    """
+    target = Path(path)
+    with _written(path):
+        if target.is_dir():
+            raise IsADirectoryError(errno.EISDIR, "it is a folder")
+        if not target.parent.is_dir():
+            raise FileNotFoundError(errno.ENOENT, "there is no such folder")
+        if not os.access(target.parent, os.W_OK | os.X_OK):
+            raise PermissionError(errno.EACCES, "no permission to write")
 
 
 def write_bytes(path: str | os.PathLike[str], pieces: Iterable[bytes]) -> None:

@@ -4,12 +4,28 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
 WIDTH = 110
+
+
+@dataclass(frozen=True)
+class DataTable:
+    """A table for terminals and pages alike, whose first column names its rows.
+
+    Attributes:
+        caption: Above it.
+        headers: Of the columns.
+        rows: Cells as text.
+    """
+
+    caption: str
+    headers: Sequence[str]
+    rows: Sequence[Sequence[str]]
 
 
 def make_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
@@ -22,12 +38,16 @@ def make_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
     return table
 
 
-def to_text(*parts: Table | str) -> str:
-    """Render tables and lines as plain text."""
+def to_text(*parts: Table | DataTable | str) -> str:
+    """Render tables, with their captions, and lines as plain text."""
     file = io.StringIO()
     console = Console(file=file, width=WIDTH, color_system=None, highlight=False, markup=False, emoji=False)
     for part in parts:
-        console.print(part)
+        if isinstance(part, DataTable):
+            console.print(part.caption)
+            console.print(make_table(part.headers, part.rows))
+        else:
+            console.print(part)
     return "\n".join(line.rstrip() for line in file.getvalue().splitlines()).strip("\n")
 
 

@@ -1,6 +1,7 @@
 """Settings that every test shares."""
 
 import pytest
+from browser import chromium
 from hypothesis import settings
 
 import exoid
@@ -26,3 +27,10 @@ def built_in_leg(request):
 @pytest.fixture(params=["left", "right"])
 def side(request):
     return request.param
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """A Chromium to open pages in; tests that ask for it are skipped where there is none."""
+    with chromium() as running:
+        yield running

@@ -109,6 +109,7 @@ def test_there_are_examples_to_run():
 
 def test_importing_exoid_is_quick_to_start_with():
     """Neither plotting nor mesh libraries come along; see the changelog on yourdfpy."""
-    code = "import sys, exoid; print([m for m in ('matplotlib', 'trimesh', 'yourdfpy', 'meshcat') if m in sys.modules])"
+    heavy = ("matplotlib", "trimesh", "yourdfpy", "meshcat", "polars", "rosbags")
+    code = f"import sys, exoid; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

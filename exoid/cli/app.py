@@ -13,9 +13,14 @@ from exoid.errors import ExoidError
 from .compare import compare
 from .export import export
 from .identify import identify
+from .plan import plan
 from .reproduce import reproduce
 from .select import select
+from .stability import stability
+from .study import study
+from .track import track
 from .validate import validate
+from .view import view
 
 BAD_INPUT = 2
 """Exit status for bad input or usage."""
@@ -32,7 +37,12 @@ app.command()(select)
 app.command()(validate)
 app.command()(compare)
 app.command()(export)
+app.command()(plan)
 app.command()(reproduce)
+app.command()(view)
+app.command()(stability)
+app.command()(study)
+app.command()(track)
 
 
 def _print_version(wanted: bool) -> None:

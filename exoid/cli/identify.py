@@ -10,13 +10,26 @@ import typer
 from exoid import identification
 from exoid.torques import TERMS
 
-from .inputs import AsJson, Column, Degrees, LogOptions, Start, Stop, find_leg, parse_terms, read_logs, split_names
+from .inputs import (
+    AsJson,
+    Column,
+    Degrees,
+    LogOptions,
+    Received,
+    Start,
+    Stop,
+    Topic,
+    find_leg,
+    parse_terms,
+    read_logs,
+    split_names,
+)
 from .numbers import parse_known, parse_prior
 
 
 def identify(
     leg: Annotated[str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset's name, or a URDF file.")],
-    logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="CSV files, or a dataset's name:train.")],
+    logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="Logs of any kind, or a dataset's name:train.")],
     output: Annotated[
         str | None, typer.Option("--output", "-o", metavar="EST.JSON", help="Write the estimate.")
     ] = None,
@@ -46,10 +59,12 @@ def identify(
     degrees: Degrees = False,
     start: Start = None,
     stop: Stop = None,
+    topic: Topic = None,
+    received: Received = False,
     as_json: AsJson = False,
 ) -> None:
     """Identify the parameters of LEG from the LOGs: columns time, q_<joint>, tau_<joint>, optionally v_ and a_."""
-    recordings = read_logs(logs, LogOptions(column, degrees, start, stop))
+    recordings = read_logs(logs, LogOptions(column, degrees, start, stop, topic, received))
     found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names)
     estimate = identification.identify(
         found,

@@ -29,6 +29,13 @@ Column = Annotated[
 Degrees = Annotated[bool, typer.Option("--degrees", help="Angles in the logs are degrees.")]
 Start = Annotated[float | None, typer.Option(metavar="S", help="Use each log from this time stamp on [s].")]
 Stop = Annotated[float | None, typer.Option(metavar="S", help="Use each log up to before this time stamp [s].")]
+Report = Annotated[
+    str | None, typer.Option(metavar="FILE.HTML", help="Write a report: one HTML page that needs nothing beside it.")
+]
+Topic = Annotated[str | None, typer.Option(metavar="NAME", help="Topic of joint states in a bag of ROS.")]
+Received = Annotated[
+    bool, typer.Option("--received", help="Time at which a bag received its messages, not that in their headers.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 
 
@@ -40,12 +47,16 @@ class LogOptions(NamedTuple):
         degrees: Whether angles are degrees.
         start: First time stamp to use [s].
         stop: First time stamp not to use [s].
+        topic: Of joint states in bags; None for the only one.
+        received: Whether bags count time by when they received messages.
     """
 
     columns: Sequence[str] | None = None
     degrees: bool = False
     start: float | None = None
     stop: float | None = None
+    topic: str | None = None
+    received: bool = False
 
 
 def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] | None = None) -> list[Recording]:
@@ -60,7 +71,7 @@ def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] |
 
 
 def find_leg(
-    name: str, side: str | None, inertias: str | None, joints: Sequence[str] | None, logged: Sequence[str]
+    name: str, side: str | None, inertias: str | None, joints: Sequence[str] | None, logged: Sequence[str] | None
 ) -> Leg:
     """Find the leg that a word means: a built-in one, that of a dataset, or a URDF file.
 
@@ -69,22 +80,24 @@ def find_leg(
         side: "left" or "right" for a built-in leg; None for the side whose joints were logged.
         inertias: Inertia set of a built-in leg.
         joints: Joints of a URDF that move; None for those that were logged.
-        logged: Joints in the log.
+        logged: Joints in the log; None if there is none: all joints of a URDF move.
     """
     if name in SEGMENTS:
-        _refuse({"--joints": joints}, f"the joints of {name} are known")
-        return load_leg(name, side or _side(logged), inertias)
-    _refuse({"--side": side, "--inertias": inertias}, f"{name!r} is no built-in leg")
+        refuse({"--joints": joints}, f"the joints of {name} are known")
+        return load_leg(name, side or _side(logged or ()), inertias)
+    refuse({"--side": side, "--inertias": inertias}, f"{name!r} is no built-in leg")
     if name in DATASETS:
-        _refuse({"--joints": joints}, f"the joints of {name} are known")
+        refuse({"--joints": joints}, f"the joints of {name} are known")
         return DATASETS[name]().leg
     if not Path(name).is_file():
         known = ", ".join([*SEGMENTS, *DATASETS])
         raise ExoidError(f"no leg or URDF file {name!r}", remedy=f"name a built-in leg ({known}) or a URDF file")
-    return Leg.from_urdf(name, joints if joints is not None else _moving_joints(Path(name), logged))
+    if joints is None and logged is not None:
+        joints = _moving_joints(Path(name), logged)
+    return Leg.from_urdf(name, joints)
 
 
-def _refuse(options: Mapping[str, object], why: str) -> None:
+def refuse(options: Mapping[str, object], why: str) -> None:
     """Refuse options that would have no effect."""
     for option, value in options.items():
         if value is not None:
@@ -132,6 +145,20 @@ def split_names(text: str | None) -> tuple[str, ...] | None:
     return None if text is None else tuple(name.strip() for name in text.split(","))
 
 
+def parse_numbers(text: str | None, option: str) -> tuple[float, ...] | None:
+    """Turn "0.3,0.2" into numbers; one number alone stands for all joints.
+
+    Raises:
+        ExoidError: A part is no number.
+    """
+    if text is None:
+        return None
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise ExoidError(f"{option} {text}", remedy="write numbers, separated by commas, e.g. 0.3,0.2,0.1") from None
+
+
 def _read_log(name: str, options: LogOptions, joints: Sequence[str] | None) -> Recording:
     dataset, _, part = name.partition(":")
     if dataset in DATASETS and part in ("train", "test") and not Path(name).exists():
@@ -141,7 +168,10 @@ def _read_log(name: str, options: LogOptions, joints: Sequence[str] | None) -> R
         raise ExoidError(f"no log {name!r}", remedy=f"name {dataset}:train or {dataset}:test")
     else:
         unit: Literal["deg", "rad"] = "deg" if options.degrees else "rad"
-        recording = Recording.from_csv(name, joints, _columns(options.columns), angle_unit=unit)
+        stamps: Literal["header", "received"] = "received" if options.received else "header"
+        recording = Recording.from_file(
+            name, joints, _columns(options.columns), angle_unit=unit, topic=options.topic, stamps=stamps
+        )
     if options.start is None and options.stop is None:
         return recording
     start = recording.time[0] if options.start is None else options.start

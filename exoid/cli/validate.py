@@ -9,21 +9,23 @@ import typer
 
 from exoid import identification
 
-from .inputs import AsJson, Column, Degrees, LogOptions, Start, Stop, read_logs
+from .inputs import AsJson, Column, Degrees, LogOptions, Received, Start, Stop, Topic, read_logs
 
 
 def validate(
     estimate: Annotated[str, typer.Argument(metavar="EST.JSON", help="What exoid identify -o wrote.")],
-    log: Annotated[str, typer.Argument(metavar="LOG", help="A CSV file, or a dataset's name:test.")],
+    log: Annotated[str, typer.Argument(metavar="LOG", help="A log of any kind, or a dataset's name:test.")],
     column: Column = None,
     degrees: Degrees = False,
     start: Start = None,
     stop: Stop = None,
+    topic: Topic = None,
+    received: Received = False,
     as_json: AsJson = False,
 ) -> None:
     """Predict the torque of LOG from its motion and compare with what was measured."""
     loaded = identification.Estimate.load(estimate)
-    recording = read_logs([log], LogOptions(column, degrees, start, stop))[0]
+    recording = read_logs([log], LogOptions(column, degrees, start, stop, topic, received))[0]
     result = identification.validate(loaded, recording)
     if as_json:
         typer.echo(json.dumps(identification.validation_to_json(result), indent=1))

@@ -3,5 +3,6 @@
 from .bleex_swing import bleex_swing
 from .dataset import Dataset
 from .dfki import dfki_double_pendulum
+from .gait_norms import GaitNorm, gait_norm
 
-__all__ = ["Dataset", "bleex_swing", "dfki_double_pendulum"]
+__all__ = ["Dataset", "GaitNorm", "bleex_swing", "dfki_double_pendulum", "gait_norm"]

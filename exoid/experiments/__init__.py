@@ -3,7 +3,8 @@
 from . import bleex, cuhk
 from .bench import Bench
 from .dynamic import run_motion
-from .gait import healthy_gait
+from .fourier import fit_harmonics
+from .gait import healthy_gait, norm_gait, on_leg
 from .limits import refuse_motion_beyond_limits, refuse_poses_beyond_limits
 from .protocol_files import read_static_log, write_motion, write_static_log, write_static_protocol
 from .references import Approach, Harmonics, Hold
@@ -17,7 +18,10 @@ __all__ = [
     "StaticProtocol",
     "bleex",
     "cuhk",
+    "fit_harmonics",
     "healthy_gait",
+    "norm_gait",
+    "on_leg",
     "read_static_log",
     "refuse_motion_beyond_limits",
     "refuse_poses_beyond_limits",

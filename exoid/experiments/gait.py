@@ -1,10 +1,21 @@
-"""A healthy stride, which document 2's swing leg follows (its Fig. 6)."""
+"""Healthy strides: the one that document 2's swing leg follows (its Fig. 6), norms by speed, and any on a given leg."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from exoid.datasets import gait_norm
+from exoid.datasets.gait_norms import JOINTS
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+
+from .fourier import fit_harmonics, from_coefficients
 from .references import Harmonics
+
+NORM_HARMONICS = 6
+"""Of a norm: they leave 0.1° rms at hip and knee, 0.5° at the ankle."""
 
 MEAN_DEG = np.array([7.4377, 22.5942])
 """a0 of hip and knee flexion [deg]."""
@@ -38,7 +49,54 @@ def healthy_gait(scale: float = 1.2, period: float = 10.0) -> Harmonics:
     Returns:
         The motion of one CUHK-EXO leg; both angles positive in flexion.
     """
-    size = scale * np.deg2rad(np.hypot(COSINE_DEG, SINE_DEG))
-    frequency = 2.0 * np.pi / period * np.arange(1.0, 7.0)[:, None, None]
-    phase = np.arctan2(COSINE_DEG, SINE_DEG)  # a cos x + b sin x = c sin(x + phase)
-    return Harmonics(np.deg2rad(MEAN_DEG)[:, None], size.T[..., None], frequency, phase.T[..., None])
+    mean, cosine, sine = (np.deg2rad(x) for x in (MEAN_DEG, COSINE_DEG, SINE_DEG))
+    return from_coefficients(mean, scale * cosine, scale * sine, period)
+
+
+def norm_gait(speed: str = "Free", scale: float = 1.0, period: float = 10.0) -> Harmonics:
+    """Flexion of hip, knee and ankle in the norm of a walking speed; see :func:`exoid.datasets.gait_norm`.
+
+    Args:
+        speed: "VerySlow", "Slow", "Free" or "Fast": which shape; the period is independent of it.
+        scale: Of the amplitudes about the mean.
+        period: Of the stride [s].
+
+    Raises:
+        ExoidError: There is no such norm, or its file is missing.
+    """
+    norm = gait_norm(speed)
+    whole = slice(0, -1)  # the last sample is the first of the next stride
+    motion = fit_harmonics(period * norm.phase[whole], np.deg2rad(norm.mean_deg[whole]), period, NORM_HARMONICS)
+    return replace(motion, amplitude=scale * motion.amplitude)
+
+
+def on_leg(leg: Leg, flexion: Harmonics) -> Harmonics:
+    """Turn flexion of hip, knee (and ankle) into the angles of a leg, whose joints may count the other way.
+
+    In a planar leg the hip bends forwards and the knee backwards, whatever the axes of its URDF; an ankle that the
+    motion does not know stays at zero.
+
+    Args:
+        leg: With joints hip, knee and ankle, or some of them.
+        flexion: Of hip and knee, or of hip, knee and ankle.
+
+    Raises:
+        ExoidError: The leg is not planar, or has other joints.
+    """
+    labels, chain = leg.joint_labels, leg.chain
+    if chain is None or any(label not in JOINTS for label in labels):
+        raise ExoidError(
+            f"no gait for the joints {', '.join(labels)}",
+            where=leg.description.name,
+            remedy=f"it needs a planar leg with {', '.join(JOINTS)}: give a reference of your own",
+        )
+    signs = [-sign if label == "knee" else sign for label, sign in zip(labels, chain.signs.tolist(), strict=True)]
+    rows = [JOINTS.index(label) for label in labels]
+    known = flexion.amplitude.shape[1]
+    shape = (len(flexion.amplitude), len(labels), flexion.amplitude.shape[2])
+    centre, amplitude, phase = np.zeros(shape[1:]), np.zeros(shape), np.zeros(shape)
+    for k, (row, sign) in enumerate(zip(rows, signs, strict=True)):
+        if row < known:
+            centre[k], amplitude[:, k] = sign * flexion.centre[row], sign * flexion.amplitude[:, row]
+            phase[:, k] = flexion.phase[:, row]
+    return Harmonics(centre, amplitude, flexion.frequency, phase)

@@ -76,7 +76,7 @@ def write_motion(path: Name, leg: Leg, reference: Reference, rate: float, durati
     refuse_motion_beyond_limits(leg, reference, duration)
     time = np.arange(round(duration * rate) + 1) / rate
     targets = [reference.at(float(t)) for t in time]
-    q, v = (np.array([target[k][:, 0] for target in targets]) for k in (0, 1))
+    q, v = np.array([(target.q[:, 0], target.v[:, 0]) for target in targets]).swapaxes(0, 1)
     header = ["time", *_columns("q", leg.joint_names), *_columns("v", leg.joint_names)]
     write_csv(path, header, np.column_stack([time, q, v]))
 

@@ -23,7 +23,8 @@ class Hold:
 
     def at(self, time: float) -> Target:
         """See :class:`exoid.rig.Reference`."""
-        return Target(self.pose, np.zeros_like(self.pose))
+        still = np.zeros_like(self.pose)
+        return Target(self.pose, still, still)
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,8 @@ class Approach:
         way = self.pose - self.start
         share = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
         rate = 30.0 * s * s * (1.0 - s) ** 2 / self.duration
-        return Target(self.start + share * way, rate * way)
+        change = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / self.duration**2
+        return Target(self.start + share * way, rate * way, change * way)
 
 
 @dataclass(frozen=True)
@@ -94,9 +96,11 @@ class Harmonics:
     def at(self, time: float) -> Target:
         """See :class:`exoid.rig.Reference`."""
         argument = self.frequency * time + self.phase
+        sine = self.amplitude * np.sin(argument)
         return Target(
-            self.centre + (self.amplitude * np.sin(argument)).sum(axis=0),
+            self.centre + sine.sum(axis=0),
             (self.amplitude * self.frequency * np.cos(argument)).sum(axis=0),
+            -(self.frequency**2 * sine).sum(axis=0),
         )
 
     def acceleration(self, time: float) -> FloatArray:

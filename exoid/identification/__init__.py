@@ -10,6 +10,7 @@ from .estimators import ESTIMATORS
 from .export import Export, export_to_json
 from .identify import identify
 from .influence import Influence
+from .prediction import predict_motion
 from .selection import Candidate, Selection, select_terms, selection_to_json
 from .shapes import Shapes
 from .trends import Trend
@@ -37,6 +38,7 @@ __all__ = [
     "estimate_to_json",
     "export_to_json",
     "identify",
+    "predict_motion",
     "select_terms",
     "selection_to_json",
     "validate",

@@ -27,14 +27,11 @@ class TorqueBand(NamedTuple):
     upper: FloatArray
 
 
-def torque_and_std(
-    model: TorqueModel, values: FloatArray, covariance: FloatArray, motion: Motion
-) -> tuple[FloatArray, FloatArray]:
-    """Torque W β and the standard deviation √(W C Wᵀ) that the parameters' errors give it [N·m], (N, n) each."""
-    torque, std = np.empty((2, *motion.q.shape))
+def torque_std(model: TorqueModel, covariance: FloatArray, motion: Motion) -> FloatArray:
+    """Standard deviation √(W C Wᵀ) that the parameters' errors give a torque [N·m], (N, n)."""
+    std = np.empty(motion.q.shape)
     for start in range(0, len(motion.q), BLOCK):
         rows = slice(start, start + BLOCK)
         W = model.columns(motion.rows(rows)).transpose(2, 1, 0)
-        torque[rows] = W @ values
         std[rows] = np.sqrt(np.clip(((W @ covariance) * W).sum(axis=-1), 0.0, None))
-    return torque, std
+    return std

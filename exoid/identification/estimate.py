@@ -18,13 +18,15 @@ from exoid.torques import Merged, TorqueModel
 from exoid.torso import TorsoMotion
 
 from .assumed import NOTHING, Assumed
-from .bands import TorqueBand, torque_and_std
+from .bands import TorqueBand, torque_std
 from .diagnostics import JointNoise, verdict, verdict_beside
 from .influence import Influence
 from .shapes import Shapes
 from .trends import Trend
 
 if TYPE_CHECKING:
+    from exoid.codegen import CSource
+
     from .export import Export
 
 
@@ -214,7 +216,7 @@ class Estimate:
     def torque_std(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None, *, measured: bool = False
     ) -> FloatArray:
-        """Standard deviation of :meth:`torque` [N·m], (N, n).
+        """Standard deviation of :meth:`torque` [N·m], (N, n), as if loads of friction and fitted settings were exact.
 
         Args:
             q: Joint angles [rad], (N, n).
@@ -224,7 +226,8 @@ class Estimate:
             measured: Whether to add the noise of a new measurement, which has passed the same filter as those that the
                 estimate was made from.
         """
-        _, std = torque_and_std(self.model, self.values, self.covariance, self.model.motion(q, v, a, torso))
+        model = self.model.loaded_by(self.values)
+        std = torque_std(model, self.covariance, model.motion(q, v, a, torso))
         if not measured:
             return std
         lost = (self.dof + len(self.values)) / self.dof  # residuals are smaller than noise, as they were fitted
@@ -298,6 +301,28 @@ class Estimate:
         from .export import export_urdf  # noqa: PLC0415 - it needs this class
 
         return export_urdf(self, path)
+
+    def to_c(self, path: str | os.PathLike[str], *, precision: str = "double", name: str | None = None) -> CSource:
+        """Write the torques of a planar leg as one C99 file that needs nothing but ``<math.h>``.
+
+        Gravity, friction, springs and offsets, mass matrix, rigid bodies, and all together (:meth:`torque`) are
+        functions ``<name>_gravity(q, tau)`` and so on, without state or allocation, for a microcontroller. The comment
+        at the top says where the numbers come from.
+
+        Args:
+            path: The file to write, whole or not at all.
+            precision: "double" or "float".
+            name: Prefix of every name in it; None for the file's.
+
+        Returns:
+            What was written, which prints itself.
+
+        Raises:
+            ExoidError: The leg is not a planar chain, a term has no form in C, or the file cannot be written.
+        """
+        from exoid.codegen import write_c  # noqa: PLC0415 - few need it
+
+        return write_c(self, path, precision=precision, name=name)
 
     def __repr__(self) -> str:
         """Name the parameters."""

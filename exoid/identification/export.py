@@ -14,6 +14,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.exported import IN_URDF, SCHEMA, sidecar_of
 from exoid.files import write_together
 from exoid.leg import Leg
 from exoid.reduction import Lift, lift
@@ -25,11 +26,6 @@ from .lumping import share_out
 
 if TYPE_CHECKING:
     from .estimate import Estimate
-
-SCHEMA = "exoid-sidecar-1"
-
-IN_URDF = {"c0": "friction", "d": "damping"}
-"""Terms that a URDF has a place for: attributes of ``<dynamics>``."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -95,8 +91,8 @@ class Export:
 def export_urdf(estimate: Estimate, path: str | os.PathLike[str]) -> Export:
     """Write an estimate as a URDF with a sidecar; see :meth:`Estimate.to_urdf`."""
     urdf = Path(path)
-    sidecar = urdf.with_name(f"{urdf.name.removesuffix('.urdf')}.exoid.json")
-    if not urdf.name or sidecar == urdf:
+    sidecar = sidecar_of(urdf) if urdf.name else urdf
+    if sidecar == urdf:
         raise ExoidError(f"{str(path)!r} is no name for a URDF", remedy="give a file such as leg.urdf")
     leg = estimate.model.leg
     p = len(leg.parameter_names)

@@ -31,8 +31,8 @@ class Task(NamedTuple):
         data: Recordings and poses.
         preparation: How they become rows.
         estimator: Name of the estimator.
-        assumed: What is known beside them.
         keep: Which rows to use; None for all.
+        assumed: What is known beside them.
     """
 
     leg: Leg
@@ -40,12 +40,12 @@ class Task(NamedTuple):
     data: Sequence[Recording | Poses]
     preparation: Preparation
     estimator: str
-    assumed: Assumed = NOTHING
     keep: Keep | None = None
+    assumed: Assumed = NOTHING
 
     def problem(self, model: TorqueModel) -> Problem:
         """Rows of a model."""
-        return Problem(model, self.data, self.preparation, self.assumed, self.keep)
+        return Problem(model, self.data, self.preparation, self.keep, self.assumed)
 
 
 class Fitted(NamedTuple):

@@ -80,7 +80,8 @@ def identify(
         raise ExoidError(f"no estimator {estimator!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
     if noise not in NOISES:
         raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
-    model = starting_model(leg, _terms(terms))
+    terms = _terms(terms)
+    model = starting_model(leg, terms)
     assumed = Assumed(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
     assumed.check(model)
     refuse_still_joints(model, recordings, assumed.names)
@@ -88,7 +89,7 @@ def identify(
         preparation = preparation_by_name(preparation)
     preparation = ZeroPhase(cutoff) if preparation is None else preparation
     refuse_dead_torques(model, recordings)
-    fitted = fit_model(Task(leg, _terms(terms), recordings, preparation, estimator, assumed))
+    fitted = fit_model(Task(leg, terms, recordings, preparation, estimator, assumed=assumed))
     problem, fit = fitted.problem, fitted.fit
     solution, count = fit.solution, len(fitted.values)
     covariance, noises = solution.covariance, fit.noises
@@ -97,36 +98,33 @@ def identify(
     judged = judge_noise(problem, fit.point, noises)
     independent = sum(of_joint.effective_samples for of_joint in judged)
     residuals = [rms_residual(of_joint, solution.values) for of_joint in zip(*problem.groups, strict=True)]
-    white = noise == "white"
-    covariance = solution.covariance if white else covariance
+    if noise == "white":
+        covariance, dof = solution.covariance, solution.dof
+    else:
+        dof = max(1.0, independent - int(assumed.free(problem.names).sum()))
     inputs = tuple(_evidence(recording) for recording in recordings)
-    std = np.sqrt(np.diag(covariance))
     trends = residual_trends(problem, fit.point, noises, solution, covariance, whitened=fit.noises is not None)
-    moved = influence(problem, [source.name for source in inputs], fit.weights, solution.inverse, std)
+    std = np.sqrt(np.diag(covariance))
     shapes = fitted.shapes.with_covariance(problem.names[count:], covariance[count:, count:])
+    doubts = (*shapes.doubts, *negative(fitted.model, fitted.values, std[:count]), *remarks(trends))
     return Estimate(
         model=fitted.model,
         values=fitted.values,
         covariance=covariance[:count, :count],
         condition_number=solution.condition_number,
-        dof=solution.dof if white else max(1.0, independent - int(assumed.free(problem.names).sum())),
+        dof=dof,
         residual_rms=np.array(residuals),
         estimator=estimator,
         preparation=preparation,
         inputs=inputs,
         noise=judged,
         sizes=judge_sizes(problem.triangles)[:count],
-        warnings=(
-            *fitted.remarks,
-            *shapes.doubts,
-            *negative(problem.model, solution.values, std),
-            *remarks(trends),
-        ),
+        warnings=(*fitted.remarks, *doubts),
+        shapes=shapes,
         assumed=assumed,
         bounded=tuple(problem.names[k] for k in solution.bounded),
-        influence=moved and moved.of(count),
+        influence=influence(problem, [source.name for source in inputs], fit, std, count),
         trends=trends,
-        shapes=shapes,
     )
 
 

@@ -11,6 +11,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
+from .estimators import Fit
 from .problem import Problem
 from .rows import Triangle, join
 
@@ -60,35 +61,33 @@ class Influence(NamedTuple):
         return [(name, np.flatnonzero(row).tolist()) for name, row in found if row.any()]
 
 
-def influence(
-    problem: Problem, names: Sequence[str], weights: Sequence[float], inverse: FloatArray, std: FloatArray
-) -> Influence | None:
+def influence(problem: Problem, names: Sequence[str], fit: Fit, std: FloatArray, count: int) -> Influence | None:
     """Leave out one recording after the other, with the weights of the whole.
 
     Args:
         problem: The problem.
         names: Of its recordings.
-        weights: Of the rows of each of its triangles.
-        inverse: (WᵀW)⁻¹ of the weighted rows.
+        fit: Its solution.
         std: Of the parameters.
+        count: How many of them are wanted, P.
 
     Returns:
         Nothing for one recording.
     """
     if len(problem.data) < 2:
         return None
-    each = [_weighted(problem, index, weights) for index in range(len(problem.data))]
+    each = [_weighted(problem, index, fit.weights) for index in range(len(problem.data))]
     whole = problem.solve(join(each)).values
-    count, change, share = len(std), [], []
+    change, share = [], []
     for index, of_one in enumerate(each):
-        W = of_one.R[:, :count]
-        share.append(np.einsum("ij,ji->i", inverse, W.T @ W))
+        W = of_one.R[:, : len(std)]
+        share.append(np.einsum("ij,ji->i", fit.solution.inverse, W.T @ W)[:count])
         try:
             without = problem.solve(join(each[:index] + each[index + 1 :])).values
         except ExoidError:
             change.append(np.full(count, NO_ESTIMATE))
             continue
-        change.append(np.divide(without - whole, std, out=np.zeros(count), where=std > 0.0))
+        change.append(np.divide(without - whole, std, out=np.zeros(len(std)), where=std > 0.0)[:count])
     return Influence(tuple(names), np.array(change), np.array(share))
 
 

@@ -66,15 +66,15 @@ class Problem:
         model: What is to be identified.
         data: Recordings and poses.
         preparation: How they become rows.
-        keep: Which rows to use, given the index of the recording and their times [s], (N,); None for all.
         assumed: What is known beside them.
+        keep: Which rows to use, given the index of the recording and their times [s], (N,); None for all.
     """
 
     model: TorqueModel
     data: Sequence[Recording | Poses]
     preparation: Preparation
-    assumed: Assumed = NOTHING
     keep: Callable[[int, FloatArray], NDArray[np.bool_]] | None = None
+    assumed: Assumed = NOTHING
     _kept: dict[tuple[int, bool], list[Rows]] = field(default_factory=dict, init=False, repr=False)
     _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)
 

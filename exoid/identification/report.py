@@ -41,11 +41,16 @@ def report(estimate: Estimate) -> str:
 def _shapes(estimate: Estimate) -> list[tuple[str, ...]]:
     """Settings as rows of the table; those that are held have no uncertainty."""
     shapes = estimate.shapes
-    intervals = shapes.interval(estimate.dof)
     return [
         (name, *(with_error(value, std, *interval) if std > 0.0 else (f"{value:.4g}", "", "", "")), unit, judged)
         for name, value, std, interval, unit, judged in zip(
-            shapes.names, shapes.values, shapes.std, intervals, shapes.units, shapes.verdicts, strict=True
+            shapes.names,
+            shapes.values,
+            shapes.std,
+            shapes.interval(estimate.dof),
+            shapes.units,
+            shapes.verdicts,
+            strict=True,
         )
     ]
 

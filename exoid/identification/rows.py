@@ -162,20 +162,11 @@ def form_rows(model: TorqueModel, prepared: Prepared, stretch: range) -> Rows:
             signal[:] = filtered[place]
     rows = slice(stretch.start, stretch.stop)
     W = columns[:, :, stretch.start - first : stretch.stop - first].transpose(2, 1, 0)
-    tau = prepared.tau[rows]
+    tau, motion = prepared.tau[rows], prepared.motion.rows(rows)
     if known:
         W, tau = W[..., :count], tau - W[..., count:].sum(axis=2)
-    motion = prepared.motion.rows(rows)
-    return Rows(
-        prepared.time[rows],
-        W,
-        tau,
-        motion.q,
-        motion.v,
-        prepared.usable[rows],
-        model.acting,
-        prepared.independence,
-    )
+    time, usable = prepared.time[rows], prepared.usable[rows]
+    return Rows(time, W, tau, motion.q, motion.v, usable, model.acting, prepared.independence)
 
 
 def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:

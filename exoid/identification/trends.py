@@ -25,7 +25,7 @@ ENOUGH = 10
 SIGNIFICANT = 1e-3
 """A smaller probability is called a dependence,"""
 
-TRIFLE = 0.005
+TRIFLE = 0.01
 """unless its size is below this part of the joint's torque."""
 
 RANK = 1e-8

@@ -2,18 +2,10 @@
 
 from __future__ import annotations
 
-import io
-import os
-from collections.abc import Callable, Mapping
-from functools import partial
-from pathlib import Path
-
 import numpy as np
 from matplotlib.figure import Figure
 
-from exoid.errors import ExoidError
 from exoid.experiments import healthy_gait
-from exoid.files import write_bytes
 from exoid.identification.sequential.bleex import FASTER_THAN, document_model
 from exoid.identification.sequential.rows import rows_in_motion
 from exoid.signals import Approaches, FiniteDifference
@@ -39,49 +31,22 @@ SHOWN = 8.0
 """Of a motion [s], at most."""
 
 
-def make_folder(folder: str | Path) -> Path:
-    """Make the folder that figures are to be written to, before anything takes time.
-
-    Raises:
-        ExoidError: It cannot be made, or cannot be written into.
-    """
-    path = Path(folder)
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-        if not os.access(path, os.W_OK | os.X_OK):
-            raise PermissionError("no permission to write")
-    except OSError as error:
-        raise ExoidError(
-            f"is no folder to write figures into ({error.strerror or error})",
-            where=str(folder),
-            remedy="name a new folder, or one that is yours",
-        ) from None
-    return path
+def bleex_figures(side: SideReplay) -> dict[str, Figure]:
+    """Draw figures 3 to 7 of document 1, by name."""
+    with paper():
+        return {
+            "doc1_fig3_static_friction": _static_friction(side),
+            "doc1_fig4_stiffness": _stiffness(side),
+            "doc1_fig5_inertia": _inertia(side),
+            "doc1_fig6_kinetic_friction": _kinetic_friction(side),
+            "doc1_fig7_validation": _validation(side),
+        }
 
 
-def write_bleex_figures(side: SideReplay, folder: str | Path) -> list[Path]:
-    """Write figures 3 to 7 of document 1 as PNG files.
-
-    Raises:
-        ExoidError: The folder cannot be made or written.
-    """
-    figures = {
-        "doc1_fig3_static_friction": _static_friction,
-        "doc1_fig4_stiffness": _stiffness,
-        "doc1_fig5_inertia": _inertia,
-        "doc1_fig6_kinetic_friction": _kinetic_friction,
-        "doc1_fig7_validation": _validation,
-    }
-    return _write({name: partial(draw, side) for name, draw in figures.items()}, folder)
-
-
-def write_cuhk_figures(replay: CuhkReplay, folder: str | Path) -> list[Path]:
-    """Write figures 3 and 6 of document 2 as PNG files.
-
-    Raises:
-        ExoidError: The folder cannot be made or written.
-    """
-    return _write({"doc2_fig3_validation": partial(_cuhk_validation, replay), "doc2_fig6_reference": _gait}, folder)
+def cuhk_figures(replay: CuhkReplay) -> dict[str, Figure]:
+    """Draw figures 3 and 6 of document 2, by name."""
+    with paper():
+        return {"doc2_fig3_validation": _cuhk_validation(replay), "doc2_fig6_reference": _gait()}
 
 
 def _static_friction(side: SideReplay) -> Figure:
@@ -164,16 +129,3 @@ def _gait() -> Figure:
 
 def _figure(aspect: float) -> Figure:
     return Figure(figsize=(COLUMN, aspect * COLUMN))
-
-
-def _write(draw: Mapping[str, Callable[[], Figure]], folder: str | Path) -> list[Path]:
-    """Draw everything, then write it."""
-    path, images = make_folder(folder), {}
-    for name, make in draw.items():
-        image = io.BytesIO()
-        with paper():
-            make().savefig(image, format="png")
-        images[path / f"{name}.png"] = image.getvalue()
-    for file, content in images.items():
-        write_bytes(file, [content])
-    return list(images)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.identification import Estimate
 from exoid.identification.sequential import Known
-from exoid.tables import make_table, to_text, with_error
+from exoid.tables import DataTable, to_text, with_error
 
 from .bleex import BleexReplay, SideReplay
 from .cuhk import FIVEFOLD, CuhkReplay
@@ -22,7 +22,10 @@ CUHK_JOINTS = ("hip", "knee")
 
 def bleex_text(replay: BleexReplay) -> str:
     """Every table of document 1, side by side, and what the figures mean."""
-    return "\n\n".join(_side_text(name, side) for name, side in (("Left", replay.left), ("Right", replay.right)))
+    return "\n\n".join(
+        to_text(bleex_parameters(name, side), bleex_errors(side), *bleex_notes(side))
+        for name, side in (("Left", replay.left), ("Right", replay.right))
+    )
 
 
 def bleex_json(replay: BleexReplay) -> dict[str, Any]:
@@ -32,6 +35,11 @@ def bleex_json(replay: BleexReplay) -> dict[str, Any]:
 
 def cuhk_text(replay: CuhkReplay) -> str:
     """Table III and the validation of document 2, and what the figures mean."""
+    return to_text(cuhk_parameters(replay), cuhk_errors(replay), *cuhk_notes(replay))
+
+
+def cuhk_parameters(replay: CuhkReplay) -> DataTable:
+    """Table III of document 2 beside the rig's truth."""
     ema, plain = replay.table_ii.as_dict(), replay.table_ii_zero_phase.as_dict()
     rows = [
         (
@@ -46,9 +54,19 @@ def cuhk_text(replay: CuhkReplay) -> str:
         for name, true in replay.truth.items()
     ]
     headers = ("parameter", "truth", "Table II", "error", "no lag", "multisine", "± std", "error")
-    table = make_table(headers, rows)
+    return DataTable("CUHK-EXO, Tables II and III: truth of the rig and what was identified", headers, rows)
+
+
+def cuhk_errors(replay: CuhkReplay) -> DataTable:
+    """How well each model predicts the torque of a motion that document 2 does not have."""
+    return _errors("an independent motion", replay.nrmse, CUHK_JOINTS)
+
+
+def cuhk_notes(replay: CuhkReplay) -> list[str]:
+    """What the figures of document 2 mean."""
+    ema = replay.table_ii.as_dict()
     wrong = 100.0 * (ema["J1"] / replay.truth["J1"] - 1.0)
-    notes = [
+    return [
         f"Table II's J1 is {wrong:+.0f} % off: at 0.05 Hz, J1 makes {_inertial_torque(replay):.2f} N·m beside "
         f"{9.81 * replay.truth['X1']:.0f} N·m of gravity, and the moving average is late.",
         f"Leaving the rotor out raises the knee's error from {100 * replay.nrmse['multisine'][1]:.1f} to "
@@ -58,13 +76,6 @@ def cuhk_text(replay: CuhkReplay) -> str:
         f"{replay.blindness['multisine'].min():.0f} ×: the former is blind to J2.",
         "J1 contains the hip's rotor, which no motion can tell from it.",
     ]
-    return to_text(
-        "CUHK-EXO, Tables II and III: truth of the rig and what was identified",
-        table,
-        "Torque error on an independent motion, NRMSE in %",
-        _nrmse_table(replay.nrmse, CUHK_JOINTS),
-        *notes,
-    )
 
 
 def cuhk_json(replay: CuhkReplay) -> dict[str, Any]:
@@ -81,7 +92,8 @@ def cuhk_json(replay: CuhkReplay) -> dict[str, Any]:
     }
 
 
-def _side_text(title: str, side: SideReplay) -> str:
+def bleex_parameters(title: str, side: SideReplay) -> DataTable:
+    """Tables II to IV of document 1 beside the rig's truth."""
     sequential, std = side.sequential.as_dict(), side.sequential.std_as_dict()
     rows = [
         (
@@ -96,16 +108,17 @@ def _side_text(title: str, side: SideReplay) -> str:
         for name, true in side.truth.items()
     ]
     headers = ("parameter", "truth", "document's", "± std", "error", "joint", "± std", "error", "CAD")
-    return to_text(
-        f"{title} leg, Tables I to V: truth of the rig, the document's sequential estimate, one joint estimate",
-        make_table(headers, rows),
-        "Torque error on the validation motion (Fig. 7), NRMSE in %",
-        _nrmse_table(side.nrmse, BLEEX_JOINTS),
-        *_causes(side),
-    )
+    caption = f"{title} leg, Tables I to V: truth of the rig, the document's sequential estimate, one joint estimate"
+    return DataTable(caption, headers, rows)
 
 
-def _causes(side: SideReplay) -> list[str]:
+def bleex_errors(side: SideReplay) -> DataTable:
+    """How well each model predicts the torque of document 1's validation motion."""
+    return _errors("the validation motion (Fig. 7)", side.nrmse, BLEEX_JOINTS)
+
+
+def bleex_notes(side: SideReplay) -> list[str]:
+    """Where the document's procedure goes wrong, and why."""
     truth, sequential = side.truth, side.sequential.as_dict()
     one_sided, coarse = side.one_sided.as_dict(), side.coarse.as_dict()
     moved = {name: one_sided[name] - sequential[name] for name in ("b0_knee", "b0_ankle")}
@@ -153,11 +166,9 @@ def _lists(arrays: Mapping[str, FloatArray]) -> dict[str, list[float]]:
     return {name: np.asarray(array).tolist() for name, array in arrays.items()}
 
 
-def _nrmse_table(nrmse: Mapping[str, FloatArray], joints: Sequence[str]) -> Any:  # noqa: ANN401 - a rich table
-    rows: Iterable[Sequence[str]] = (
-        (name.replace("_", " "), *(f"{100.0 * error:.1f}" for error in errors)) for name, errors in nrmse.items()
-    )
-    return make_table(("model", *joints), rows)
+def _errors(motion: str, nrmse: Mapping[str, FloatArray], joints: Sequence[str]) -> DataTable:
+    rows = [(name.replace("_", " "), *(f"{100.0 * error:.1f}" for error in errors)) for name, errors in nrmse.items()]
+    return DataTable(f"Torque error on {motion}, NRMSE in %", ("model", *joints), rows)
 
 
 def _value(estimate: Estimate, name: str) -> float | None:

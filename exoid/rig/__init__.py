@@ -2,6 +2,7 @@
 
 from .actuators import Actuator, DcMotor, Drive, HydraulicServo, IdealTorque
 from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
+from .payload import Payload, load_leg_with, load_plant, sandbags
 from .pinocchio_stepper import PinocchioStepper
 from .plant import Plant
 from .sensors import Sensors
@@ -16,6 +17,7 @@ __all__ = [
     "Energy",
     "HydraulicServo",
     "IdealTorque",
+    "Payload",
     "PinocchioStepper",
     "PlanarStepper",
     "Plant",
@@ -28,5 +30,8 @@ __all__ = [
     "Step",
     "Stepper",
     "Target",
+    "load_leg_with",
+    "load_plant",
+    "sandbags",
     "simulate",
 ]

@@ -16,10 +16,12 @@ class Target(NamedTuple):
     Attributes:
         q: Angles [rad].
         v: Velocities [rad/s].
+        a: Accelerations [rad/s²]; None where they are not known.
     """
 
     q: FloatArray
     v: FloatArray
+    a: FloatArray | None = None
 
 
 class Reference(Protocol):

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from pathlib import Path
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
+from exoid.exported import read_exported
 from exoid.leg import Leg
 
 STIFFNESS_DEGREE = 2
@@ -131,6 +133,34 @@ class Plant:
             lower=np.tile(lower[:, None], (1, shape[1])),
             upper=np.tile(upper[:, None], (1, shape[1])),
         )
+
+    @classmethod
+    def from_urdf(
+        cls,
+        path: str | Path,
+        joints: Sequence[str] | None = None,
+        *,
+        pitch: ArrayLike = 0.0,
+        end_stops: bool = True,
+    ) -> Plant:
+        """Build the truth from an exported leg, or from any URDF with ``<dynamics friction damping>``.
+
+        Offsets are not of the plant but of its sensors: ``Sensors(torque_offset=read_exported(path).offsets)``.
+
+        Args:
+            path: The URDF; its sidecar is read too, see :func:`exoid.exported.read_exported`.
+            joints: Joints that move, where there is no sidecar.
+            pitch: See :meth:`build`.
+            end_stops: See :meth:`build`.
+
+        Raises:
+            ExoidError: The files cannot be read, or say what no plant can have.
+
+        Example:
+            >>> plant = Plant.from_urdf("leg.urdf")  # doctest: +SKIP
+        """
+        leg, resistances, _ = read_exported(path, joints)
+        return cls.build(leg, resistances, pitch=pitch, end_stops=end_stops)
 
     @property
     def count(self) -> int:

@@ -38,8 +38,16 @@ class Stepper(Protocol):
 
     plant: Plant
     dt: float
-    q: FloatArray
-    v: FloatArray
+
+    @property
+    def q(self) -> FloatArray:
+        """Angles [rad], (n, B)."""
+        ...
+
+    @property
+    def v(self) -> FloatArray:
+        """Velocities [rad/s], (n, B)."""
+        ...
 
     def step(self, torque: FloatArray, damping: FloatArray) -> Step:
         """Go on by dt under the actuator torque τ₀ − damping · v̄ [N·m], (n, B)."""

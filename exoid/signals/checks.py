@@ -176,7 +176,7 @@ def refuse_degrees(q: FloatArray, columns: tuple[str, ...], largest: float, wher
         raise ExoidError(
             f"an angle of {q[row, column]:.6g} rad (limit {largest:.4g} rad) looks like degrees",
             where=where.cell(int(row), columns[column]),
-            remedy='pass angle_unit="deg" to Recording.from_csv or np.deg2rad(q) to Recording; '
+            remedy='pass angle_unit="deg" where the file is read (--degrees) or np.deg2rad(q) to Recording; '
             "if the joint really turns that far, largest_angle=math.inf",
         )
 

@@ -14,8 +14,9 @@ from exoid.errors import ExoidError
 from exoid.torso import TorsoMotion
 
 from . import checks, timebase
-from .csv_reader import read_log
 from .csv_writer import write_csv
+from .formats import Table, Wanted, open_table, read_text_table
+from .log import read_log
 from .source import Source
 from .whereabouts import Whereabouts
 
@@ -236,7 +237,64 @@ class Recording:
         Raises:
             ExoidError: The file cannot be trusted; names file, line, column and remedy.
         """
-        log = read_log(path, joint_names, columns, angle_unit, largest_angle)
+        table = read_text_table(path)
+        return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample)
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | os.PathLike[str],
+        joint_names: Sequence[str] | None = None,
+        columns: Mapping[str, str] | None = None,
+        *,
+        angle_unit: Literal["rad", "deg"] = "rad",
+        largest_angle: float = checks.LARGEST_ANGLE,
+        resample: bool = True,
+        topic: str | None = None,
+        stamps: Literal["header", "received"] = "header",
+    ) -> Recording:
+        """Read a log of any kind: its first bytes say which.
+
+        * CSV, as :meth:`from_csv`.
+        * Parquet, columns named as in CSV (needs ``exoid[io]``).
+        * NumPy ``.npz`` and MATLAB ``.mat`` (up to version 7; variables, or the fields of one struct): arrays ``time``,
+          ``q``, ``v``, ``a``, ``tau`` of (samples, joints) and text ``joint_names``, or one array a column. Where the
+          joints are not in the file, ``joint_names`` names the columns of the matrices, all of them. Columns of other
+          matrices are called ``pos[0]``, ``pos[1]``, …; fields in structs ``log.pos[0]``.
+        * ``sensor_msgs/JointState`` in a rosbag2 (folder, ``.mcap`` or ``.db3``) or a bag of ROS 1 (needs
+          ``exoid[io]``), joints in any order; effort is torque. Time counts from the first message.
+
+        Args:
+            path: The file, or the folder of a rosbag2.
+            joint_names: See :meth:`from_csv`.
+            columns: See :meth:`from_csv`.
+            angle_unit: See :meth:`from_csv`.
+            largest_angle: See :meth:`from_csv`.
+            resample: See :meth:`from_csv`.
+            topic: Of a bag with several topics of joint states.
+            stamps: Of a bag: "header", when the joints were measured, or "received", when the bag got the message.
+
+        Raises:
+            ExoidError: The file cannot be trusted; names file, row, column and remedy.
+
+        Example:
+            >>> Recording.from_file("walk.mcap", columns={"q_hip": "q_left_hip_joint"})  # doctest: +SKIP
+        """
+        table = open_table(path, Wanted(joint_names, dict(columns or {}), topic, stamps))
+        return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample)
+
+    @classmethod
+    def _from_table(
+        cls,
+        table: Table,
+        joint_names: Sequence[str] | None,
+        columns: Mapping[str, str] | None,
+        angle_unit: Literal["rad", "deg"],
+        largest_angle: float,
+        resample: bool,
+    ) -> Recording:
+        """Check a table and make a recording of it."""
+        log = read_log(table, joint_names, columns, angle_unit, largest_angle)
         if resample and not timebase.is_uniform(log.time):
             timebase.refuse_gaps(log.time, log.where)
         arrays: dict[str, Any] = dict(log.arrays)

@@ -15,8 +15,9 @@ class Whereabouts:
 
     Attributes:
         file: Path of the file the rows came from; empty for arrays made in memory.
-        lines: (N,) line number of each row in that file, counted from 1; None for arrays.
+        lines: (N,) number of each row in that file; None where rows count from 0, as in arrays.
         headers: The file's own header of a column, where it is not called as exoid calls it.
+        counted: What a row of the file is called: "line", "row" or "message".
 
     Example:
         >>> Whereabouts().cell(17, "q_knee")
@@ -28,12 +29,13 @@ class Whereabouts:
     file: str = ""
     lines: NDArray[np.int64] | None = None
     headers: Mapping[str, str] = field(default_factory=dict)
+    counted: str = "line"
 
     def row(self, row: int) -> str:
         """Name a row: "row 17" (counted from 0) of an array, "log.csv, line 19" of a file."""
-        if self.lines is None:
-            return f"row {row}"
-        return f"{self.file}, line {self.lines[row]}"
+        if self.lines is not None:
+            return f"{self.file}, {self.counted} {self.lines[row]}"
+        return f"{self.file}, row {row}" if self.file else f"row {row}"
 
     def column(self, column: str) -> str:
         """Name a column by the file's header and, if that differs, by exoid's name too."""

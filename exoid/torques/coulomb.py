@@ -35,7 +35,7 @@ class Coulomb(DryFriction):
 
     @property
     def nonnegative(self) -> tuple[str, ...]:
-        """Return c0."""
+        """Return all of them."""
         return self.symbols
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:

@@ -141,7 +141,8 @@ class TorqueModel:
         motion = self.motion(*_some_motion(10 * len(every), len(self.leg.joint_names)))
         W = self._fill(motion, every).transpose(2, 1, 0).reshape(-1, len(every))
         scale = np.linalg.norm(W, axis=0)
-        W, scale = W / np.where(scale > 0.0, scale, 1.0), np.where(scale > 0.0, scale, 1.0)
+        scale = np.where(scale > 0.0, scale, 1.0)
+        W = np.asarray(np.linalg.qr(W / scale, mode="r"))  # as small as can be: a seven-joint arm has 80 columns
         kept, merged = list(range(count)), []
         for k in (k for k in range(count, len(every)) if every[k] not in loaded):
             share, *_ = np.linalg.lstsq(W[:, kept], W[:, k])
@@ -186,8 +187,8 @@ class TorqueModel:
             return ()
         parameters = [*self.leg.parameter_names[3 * joint : 3 * joint + 3]]
         for block in self.blocks:
-            columns, still = np.zeros((len(block.names), 2)), np.zeros(2)
-            block.term.fill(JointMotion(still, still, still, still, still if block.term.memory else None), columns)
+            columns = np.zeros((len(block.names), 2))
+            block.term.fill(JointMotion(*np.zeros((5, 2))), columns)
             if block.joint == joint:
                 parameters += [name for name, column in zip(block.names, columns, strict=True) if not column.any()]
         return tuple(name for name in parameters if name in self.names)

@@ -42,6 +42,11 @@ class Term(ABC):
         """Unit of each parameter."""
 
     @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Symbols of parameters that cannot be negative in nature."""
+        return ()
+
+    @property
     def loaded(self) -> bool:
         """Whether it depends on the rigid-body torque of its joint, so that the model is no longer linear."""
         return False
@@ -55,11 +60,6 @@ class Term(ABC):
     def shape_symbols(self) -> Mapping[str, tuple[str, str]]:
         """Symbol and unit of each setting that may be :class:`exoid.torques.Free`, by its field."""
         return {}
-
-    @property
-    def nonnegative(self) -> tuple[str, ...]:
-        """Symbols of parameters that cannot be negative in nature."""
-        return ()
 
     @abstractmethod
     def fill(self, motion: JointMotion, out: FloatArray) -> None:

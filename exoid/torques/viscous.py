@@ -34,7 +34,7 @@ class Viscous(Term):
 
     @property
     def nonnegative(self) -> tuple[str, ...]:
-        """Return d."""
+        """Return all of them."""
         return self.symbols
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:

@@ -10,6 +10,7 @@ import pytest
 import exoid
 from exoid import Leg
 from exoid.cli import main
+from exoid.codegen import c_source_to_json
 from exoid.identification import export_to_json
 
 
@@ -66,3 +67,37 @@ def test_bad_input_ends_in_one_line(saved, monkeypatch, capsys, arguments, words
 
 def test_the_output_must_be_named(saved, monkeypatch, capsys):
     assert run(monkeypatch, capsys, "export", "est.json")[0] == 2
+
+
+def test_export_writes_c_and_says_so(saved, tmp_path, monkeypatch, capsys):
+    code, out, err = run(monkeypatch, capsys, "export", "est.json", "--c", "leg.c")
+    assert (code, err) == (0, "")
+    text = (tmp_path / "leg.c").read_text()
+    expected = saved.to_c("leg.c")
+    assert (text, out) == (expected.text, f"{expected}\n")
+    assert "double leg_real" in text
+    assert not (tmp_path / "leg.urdf").exists()
+
+
+def test_export_of_c_in_single_precision_as_json(saved, tmp_path, monkeypatch, capsys):
+    code, out, err = run(monkeypatch, capsys, "export", "est.json", "--c", "leg.c", "--precision", "float", "--json")
+    assert (code, err) == (0, "")
+    assert json.loads(out) == json.loads(json.dumps(c_source_to_json(saved.to_c("leg.c", precision="float"))))
+    assert "float leg_real" in (tmp_path / "leg.c").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("-o", "leg.urdf", "--c", "leg.c"), ("one file", "-o LEG.URDF or --c LEG.C")),
+        (("-o", "leg.urdf", "--precision", "float"), ("--precision has no effect",)),
+        (("--c", "leg.c", "--precision", "half"), ("no precision 'half'", "double or float")),
+        (("--c", "nowhere/leg.c"), ("nowhere/leg.c", "cannot be written")),
+    ],
+)
+def test_options_that_make_no_sense_together_write_nothing(saved, tmp_path, monkeypatch, capsys, arguments, words):
+    code, out, err = run(monkeypatch, capsys, "export", "est.json", *arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    for word in words:
+        assert word in err
+    assert [path.name for path in tmp_path.iterdir()] == ["est.json"]

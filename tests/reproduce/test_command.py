@@ -45,6 +45,22 @@ def test_the_second_document_prints_its_report(command):
     assert out.startswith("CUHK-EXO, Tables II and III")
 
 
+def test_a_report_is_written_beside_the_tables(command, tmp_path):
+    code, out, _ = command("cuhk", "--report", "cuhk.html")
+    assert code == 0
+    assert out.startswith("CUHK-EXO")
+    assert "document 2 replayed" in (tmp_path / "cuhk.html").read_text()
+
+
+@pytest.mark.parametrize("report", ["missing/report.html", "."])
+def test_a_report_that_cannot_be_written_is_refused_before_anything_runs(report, command, monkeypatch):
+    monkeypatch.setattr(reproduce, "reproduce_bleex", lambda *_, **__: pytest.fail("it ran"))
+    code, out, err = command("bleex", "--report", report)
+    assert (code, out) == (2, "")
+    assert "cannot be written" in err
+    assert err.count("\n") == 1
+
+
 @pytest.mark.parametrize("document", ["bleex", "cuhk"])
 def test_a_bad_folder_is_refused_before_anything_runs(document, command, tmp_path, monkeypatch):
     monkeypatch.setattr(reproduce, f"reproduce_{document}", lambda *_, **__: pytest.fail("it ran"))

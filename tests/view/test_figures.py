@@ -5,17 +5,33 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from exoid.signals import Approaches, Poses
+import exoid
+from exoid.control import Tracking
+from exoid.control.stability import GainMargins, Lyapunov
+from exoid.rig import Energy
+from exoid.signals import Approaches, Poses, Recording
 from exoid.view import (
     paper,
     plot_approaches,
+    plot_correlation,
+    plot_coverage,
+    plot_excitation,
     plot_friction,
+    plot_gain_margins,
     plot_inertial_torque,
+    plot_law_torques,
+    plot_lyapunov,
+    plot_parameters,
+    plot_peak_errors,
+    plot_prediction,
     plot_reference,
+    plot_residual_along,
     plot_stiffness,
     plot_torques,
+    plot_tracking_errors,
 )
-from exoid.view.style import COLUMN
+from exoid.view.stability import RESTLESS
+from exoid.view.style import COLUMN, MEASURED
 
 NAMES = ("hip", "knee", "ankle")
 TIME = np.linspace(0.0, 4.0, 50)
@@ -29,7 +45,7 @@ def drawn(plot, rows=1):
         figure = Figure(figsize=(COLUMN, 0.7 * COLUMN * rows))
         axes = figure.subplots(rows, 1)
         returned = plot(axes)
-        figure.canvas.draw()
+        figure.draw_without_rendering()
     assert returned is axes
     return figure, axes
 
@@ -40,6 +56,9 @@ def inside(figure, ax):
     return box.x1 <= figure.bbox.x1 + 1.0 and box.y1 <= figure.bbox.y1 + 1.0 and box.y0 >= axes.y1 - 1.0
 
 
+FALLING = Lyapunov("a law", 10.0, TIME, np.exp(-TIME), -np.exp(-TIME), -np.exp(-TIME))
+RISING = Lyapunov("another", 10.0, TIME, 1.0 + 0.1 * np.sin(9.0 * TIME), np.zeros(50), np.zeros(50))
+
 PLOTS = {
     "approaches": lambda ax: plot_approaches(ax, Approaches(POSES, POSES), 2, "ankle"),
     "stiffness": lambda ax: plot_stiffness(
@@ -47,6 +66,7 @@ PLOTS = {
     ),
     "inertia": lambda ax: plot_inertial_torque(ax, TIME, np.sin(TIME), np.sin(TIME), "ankle"),
     "friction": lambda ax: plot_friction(ax, np.cos(TIME), np.sign(np.cos(TIME)), 0.2646, "ankle"),
+    "energy": lambda ax: plot_lyapunov(ax, [FALLING, RISING], ["exact", "too much"]),
     "reference": lambda ax: plot_reference(ax, TIME, np.column_stack([TIME, -TIME]), ("hip", "knee")),
 }
 
@@ -69,6 +89,20 @@ def test_the_reference_is_drawn_in_degrees():
     np.testing.assert_allclose(ax.lines[0].get_ydata(), np.rad2deg(TIME))
 
 
+def test_gain_margins_are_drawn_over_the_rate_with_a_line_for_each_delay():
+    margins = GainMargins((30.0, 100.0), (0, 1), np.array([[2.2, 0.9], [7.3, 3.5]]))
+    figure, ax = drawn(lambda ax: plot_gain_margins(ax, margins))
+    np.testing.assert_array_equal(ax.lines[1].get_ydata(), [0.9, 3.5])
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["no delay", "delay of 1 period"]
+    assert inside(figure, ax)
+
+
+def test_runs_whose_energy_rises_again_and_again_have_colours_of_their_own():
+    _, ax = drawn(PLOTS["energy"])
+    assert ax.lines[0].get_color() == MEASURED
+    assert ax.lines[1].get_color() == RESTLESS[0]
+
+
 def test_torques_of_each_joint_have_axes_of_their_own():
     measured = np.column_stack([np.sin(TIME), np.cos(TIME), TIME])
     models = [("CAD", 1.2 * measured, "red"), ("identified", measured, "blue")]
@@ -85,3 +119,107 @@ def test_the_style_lasts_no_longer_than_its_block():
     with paper():
         assert mpl.rcParams["font.size"] == 8
     assert mpl.rcParams["font.size"] == before
+
+
+@pytest.fixture(scope="module")
+def estimate():
+    data = exoid.datasets.bleex_swing()
+    return exoid.identify(data.leg, data.train)
+
+
+def test_parameters_are_drawn_at_their_values_beside_cad(estimate):
+    names = ["X1", "X2", "X3"]
+    cad = dict(zip(estimate.names, 1.1 * estimate.values, strict=True))
+    figure, ax = drawn(lambda ax: plot_parameters(ax, estimate, names, {"CAD": cad, "nothing": {}}))
+    dots = {line.get_label(): line.get_xdata() for line in ax.lines}
+    values = [estimate.value(name) for name in names]
+    np.testing.assert_array_equal(ax.containers[0].lines[0].get_xdata(), values)
+    np.testing.assert_allclose(dots["CAD"], 1.1 * np.array(values))
+    ends = ax.containers[0].lines[2][0].get_segments()
+    np.testing.assert_allclose(np.array(ends)[:, :, 0], estimate.interval()[[0, 3, 6]])
+    assert [text.get_text() for text in ax.get_yticklabels()] == names
+    assert inside(figure, ax)
+
+
+def test_parameters_of_several_units_are_refused(estimate):
+    with pytest.raises(exoid.ExoidError, match="several units"):
+        plot_parameters(Figure().add_subplot(), estimate, ["X1", "J1"])
+    with pytest.raises(exoid.ExoidError, match="no parameter 'Z1'"):
+        plot_parameters(Figure().add_subplot(), estimate, ["Z1"])
+
+
+def test_the_correlation_is_drawn_from_minus_one_to_one(estimate):
+    _, ax = drawn(lambda ax: plot_correlation(ax, estimate))
+    image = ax.images[0]
+    np.testing.assert_array_equal(image.get_array(), estimate.correlation)
+    assert image.get_clim() == (-1.0, 1.0)
+
+
+def test_a_prediction_has_its_residual_and_band():
+    measured, predicted = np.sin(TIME), np.sin(TIME) + 0.1
+    band = np.column_stack([predicted - 0.2, predicted + 0.2])
+    figure, ax = drawn(lambda ax: plot_prediction(ax, TIME, measured, predicted, "knee", band))
+    lines = {line.get_label(): line.get_ydata() for line in ax.lines}
+    np.testing.assert_allclose(lines["residual"], -0.1)
+    edge = ax.collections[0].get_paths()[0].vertices[:, 1]
+    np.testing.assert_allclose([edge.min(), edge.max()], [band.min(), band.max()])
+    assert inside(figure, ax)
+
+
+def test_the_mean_residual_shows_what_the_dots_hide():
+    rng = np.random.default_rng(1)
+    velocity = rng.uniform(-1.0, 1.0, 20_000)
+    residual = 0.3 * velocity + rng.normal(0.0, 1.0, len(velocity))
+    _, ax = drawn(lambda ax: plot_residual_along(ax, velocity, residual, 0, "velocity [rad/s]", "hip"))
+    centre, mean = ax.containers[0].lines[0].get_xydata().T
+    np.testing.assert_allclose(mean, 0.3 * centre, atol=0.15)
+    assert len(ax.lines[0].get_xdata()) <= 5000, "not every sample is drawn"
+
+
+def test_few_samples_have_dots_but_no_mean():
+    _, ax = drawn(lambda ax: plot_residual_along(ax, TIME[:5], TIME[:5], 0, "velocity [rad/s]", "hip"))
+    assert not ax.containers
+
+
+def test_excitation_and_coverage_are_drawn_in_degrees_and_infinite_limits_not_at_all():
+    _, ax = drawn(lambda ax: plot_excitation(ax, TIME, 2.0 * TIME, 0, "hip"))
+    np.testing.assert_allclose(ax.lines[0].get_xdata(), np.rad2deg(TIME))
+    q, limits = np.column_stack([TIME, -TIME]), (np.array([-1.0, -5.0]), np.array([5.0, 1.0]))
+    _, ax = drawn(lambda ax: plot_coverage(ax, q, ("hip", "knee"), limits))
+    np.testing.assert_allclose(ax.lines[1].get_xdata(), np.rad2deg([-1.0, 5.0, 5.0, -1.0, -1.0]))
+    _, ax = drawn(lambda ax: plot_coverage(ax, q, ("hip", "knee"), (limits[0], np.array([np.inf, 1.0]))))
+    assert len(ax.lines) == 1
+
+
+def law_run(law, size):
+    """A closed loop with errors of a given size [rad]."""
+    error = size * np.column_stack([np.sin(TIME), np.cos(TIME)])
+    log = Recording(TIME, error, joint_names=NAMES[:2])
+    return Tracking(
+        law, 100.0, NAMES[:2], TIME, 0.0 * error, error, error, 5.0 * error, log, Energy(*np.ones((4, 1))), 1.0
+    )
+
+
+RUNS = {"PD": law_run("pd", 0.2), "LQR": law_run("lqr", 0.002)}
+
+
+@pytest.mark.parametrize("plot", [plot_tracking_errors, plot_law_torques])
+def test_laws_are_drawn_over_the_counted_part_of_the_run(plot):
+    figure, axes = drawn(lambda ax: plot(ax, RUNS, names=NAMES[:2], colours=("red", "blue")), rows=2)
+    lines = [line for line in axes[1].get_lines() if len(line.get_xdata()) > 2]
+    assert [line.get_color() for line in lines] == ["red", "blue"]
+    late = TIME[TIME >= 1.0] - 1.0
+    np.testing.assert_allclose(lines[0].get_xdata(), late)
+    run = RUNS["PD"]
+    drawn_y = np.rad2deg(run.error[:, 1]) if plot is plot_tracking_errors else run.tau[:, 1]
+    np.testing.assert_allclose(lines[0].get_ydata(), drawn_y[TIME >= 1.0])
+    assert inside(figure, axes[0])
+
+
+def test_peak_errors_are_bars():
+    figure, ax = drawn(lambda ax: plot_peak_errors(ax, RUNS, names=NAMES[:2]))
+    widths = [patch.get_width() for patch in ax.patches]
+    expected = [run.peak_deg[joint] for joint in (0, 1) for run in RUNS.values()]
+    np.testing.assert_allclose(widths, expected)
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["PD", "LQR"]
+    assert inside(figure, ax)

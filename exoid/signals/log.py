@@ -1,8 +1,7 @@
-"""Which columns of a CSV log are time, angle, velocity, acceleration and torque of which joint."""
+"""Which columns of a log are time, angle, velocity, acceleration and torque of which joint, and can they be trusted."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from typing import Literal, NamedTuple
@@ -13,12 +12,9 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from . import checks
+from .formats import QUANTITIES, Table
 from .source import Source
-from .text_table import TextTable, read_text_table
 from .whereabouts import Whereabouts
-
-QUANTITIES = ("q", "v", "a", "tau")
-"""Prefixes of column names: ``q_<joint>`` [rad], ``v_`` [rad/s], ``a_`` [rad/s²], ``tau_`` [N·m]."""
 
 
 class Log(NamedTuple):
@@ -29,7 +25,7 @@ class Log(NamedTuple):
         arrays: By quantity: "q", and those of "v", "a" and "tau" that the file has, each (N, n).
         joint_names: Names of the n columns.
         source: The file and its SHA-256.
-        where: Translates rows into line numbers.
+        where: Translates rows into places in the file.
     """
 
     time: FloatArray
@@ -40,26 +36,25 @@ class Log(NamedTuple):
 
 
 def read_log(
-    path: str | os.PathLike[str],
+    table: Table,
     joint_names: Sequence[str] | None = None,
     columns: Mapping[str, str] | None = None,
     angle_unit: Literal["rad", "deg"] = "rad",
     largest_angle: float = checks.LARGEST_ANGLE,
 ) -> Log:
-    """Read ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>`` from a CSV file; see `Recording.from_csv`.
+    """Take ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>`` from a table; see `Recording.from_file`.
 
     Raises:
-        ExoidError: The file cannot be trusted; names file, line, column and remedy.
+        ExoidError: The file cannot be trusted; names file, row, column and remedy.
     """
     if angle_unit not in ("rad", "deg"):
         raise ExoidError(f"angle_unit is {angle_unit!r}", remedy='pass angle_unit="rad" or angle_unit="deg"')
-    table = read_text_table(path)
     headers = _own_names(table, dict(columns or {}))
     joints = _joints(table, headers) if joint_names is None else _named(joint_names)
     present = _present(table, headers, joints)
     names = ("time", *(f"{quantity}_{joint}" for quantity in present for joint in joints))
-    where = Whereabouts(table.file, table.lines, headers)
-    checks.refuse_too_few(len(table.rows), where)
+    where = Whereabouts(table.file, table.lines, headers, table.counted)
+    checks.refuse_too_few(len(table), where)
     numbers = table.numbers([headers[name] for name in names])
     checks.refuse_not_finite(numbers, names, where)
     time = numbers[:, 0]
@@ -76,7 +71,7 @@ def read_log(
     return Log(time, arrays, joints, table.source, where)
 
 
-def _own_names(table: TextTable, columns: Mapping[str, str]) -> dict[str, str]:
+def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
     """Map exoid's column names to the headers of the file: those in ``columns``, else by equal name."""
     for name, header in columns.items():
         if name != "time" and not (name.startswith(tuple(f"{quantity}_" for quantity in QUANTITIES))):
@@ -98,7 +93,7 @@ def _own_names(table: TextTable, columns: Mapping[str, str]) -> dict[str, str]:
     return {**{header: header for header in table.header if header and header not in taken}, **columns}
 
 
-def _joints(table: TextTable, headers: Mapping[str, str]) -> tuple[str, ...]:
+def _joints(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
     """Take the joints from the q_ columns, in the order of the file."""
     angles = [name for name in headers if name.startswith("q_")]
     if not angles:
@@ -124,7 +119,7 @@ def _named(joint_names: Sequence[str]) -> tuple[str, ...]:
     return names
 
 
-def _present(table: TextTable, headers: Mapping[str, str], joints: Sequence[str]) -> list[str]:
+def _present(table: Table, headers: Mapping[str, str], joints: Sequence[str]) -> list[str]:
     """Tell which quantities the file has for these joints: q must be there, the others for all or none."""
     if "time" not in headers:
         raise _missing("time", "no time stamps", table)
@@ -140,7 +135,7 @@ def _present(table: TextTable, headers: Mapping[str, str], joints: Sequence[str]
     return present
 
 
-def _missing(column: str, why: str, table: TextTable) -> ExoidError:
+def _missing(column: str, why: str, table: Table) -> ExoidError:
     """Make the error about a column that is not there: the closest ones, and what exists."""
     close = get_close_matches(column, table.header, n=3, cutoff=0.4)
     nearest = f"; closest: {', '.join(close)}" if close else ""

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-
-from .source import Source
+from exoid.signals.source import Source
 
 DELIMITERS = (",", ";", "\t")
 
@@ -40,6 +39,14 @@ class TextTable:
     rows: Sequence[str]
     lines: NDArray[np.int64]
     delimiter: str
+
+    @property
+    def counted(self) -> str:
+        """What rows are called in messages."""
+        return "line"
+
+    def __len__(self) -> int:
+        return len(self.rows)
 
     def numbers(self, columns: Sequence[str]) -> FloatArray:
         """Parse some columns; text in the others does not matter.

@@ -1,0 +1,207 @@
+"""``exoid plan``: the motion to record, or what a recording can tell."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.progress import Progress, TaskID
+
+from exoid.errors import ExoidError
+from exoid.files import write_bytes
+
+from .inputs import (
+    AsJson,
+    Column,
+    Degrees,
+    LogOptions,
+    Start,
+    Stop,
+    find_leg,
+    parse_numbers,
+    parse_terms,
+    read_logs,
+    split_names,
+)
+
+if TYPE_CHECKING:
+    from exoid.experiments.excitation import Assessment, Clearance, Plan
+
+FIGURE_INCHES = (7.2, 4.6)
+
+
+def plan(
+    leg: Annotated[str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset's name, or a URDF file.")],
+    output: Annotated[
+        str | None, typer.Option("--output", "-o", metavar="PLAN.CSV", help="Write the motion (and poses).")
+    ] = None,
+    assess: Annotated[
+        list[str] | None,
+        typer.Option("--assess", metavar="LOG", help="Plan nothing; say what this log can tell. Repeatable."),
+    ] = None,
+    side: Annotated[str | None, typer.Option(help="left or right, of a built-in leg.")] = None,
+    inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
+    joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF; default: all.")] = None,
+    terms: Annotated[
+        str | None, typer.Option(metavar="A,B", help="armature, coulomb, offset, stiffness, viscous; none for none.")
+    ] = None,
+    duration: Annotated[float, typer.Option(metavar="S", help="Of all motions together.")] = 60.0,
+    rate: Annotated[float, typer.Option(metavar="HZ", help="Of controller and log.")] = 100.0,
+    noise: Annotated[
+        str | None,
+        typer.Option(metavar="N·M", help="Torque noise, one number or one a joint; default: 2 % of typical torques."),
+    ] = None,
+    noise_bandwidth: Annotated[
+        float, typer.Option(metavar="HZ", help="Up to where the noise reaches; default: white.")
+    ] = float("inf"),
+    highest: Annotated[float, typer.Option(metavar="HZ", help="Highest frequency of the motion.")] = 1.0,
+    angles: Annotated[
+        list[str] | None, typer.Option(metavar="JOINT=LOW:HIGH", help="Narrower range [deg]. Repeatable.")
+    ] = None,
+    margin: Annotated[float, typer.Option(metavar="DEG", help="Kept to the URDF's joint limits.")] = 3.0,
+    velocity: Annotated[str | None, typer.Option(metavar="RAD/S", help="Limits below the URDF's.")] = None,
+    acceleration: Annotated[str | None, typer.Option(metavar="RAD/S²", help="Limits.")] = None,
+    torque: Annotated[str | None, typer.Option(metavar="N·M", help="Limits below the URDF's.")] = None,
+    ground: Annotated[
+        float | None, typer.Option(metavar="M", help="Depth of the ground below the first joint; needs --foot.")
+    ] = None,
+    foot: Annotated[
+        list[str] | None,
+        typer.Option(metavar="X,Z", help="Point of the foot, forward and up of the last joint [m]. Repeatable."),
+    ] = None,
+    clearance: Annotated[float, typer.Option(metavar="M", help="Distance that --foot keeps.")] = 0.05,
+    tilts: Annotated[str, typer.Option(metavar="DEG,DEG", help="Torso tilts at which to move.")] = "0",
+    poses: Annotated[int, typer.Option(min=0, help="Static poses besides, at each tilt.")] = 0,
+    criterion: Annotated[Literal["worst", "a", "d"], typer.Option(help="What is made small.")] = "worst",
+    starts: Annotated[int, typer.Option(min=1, help="Of the search.")] = 16,
+    seed: Annotated[int, typer.Option(min=0, help="Of the search.")] = 0,
+    figure: Annotated[str | None, typer.Option(metavar="PNG", help="Draw motion and precision.")] = None,
+    column: Column = None,
+    degrees: Degrees = False,
+    start: Start = None,
+    stop: Stop = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find the motion after which the parameters of LEG will be known best, and say how well; or --assess a log."""
+    from exoid.experiments import excitation  # noqa: PLC0415 - its optimiser would slow down every command
+
+    recordings = read_logs(assess, LogOptions(column, degrees, start, stop)) if assess else None
+    found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names if recordings else None)
+    limits = excitation.MotionLimits.of(
+        found,
+        margin=math.radians(margin),
+        angles_deg=_ranges(angles),
+        velocity=parse_numbers(velocity, "--velocity"),
+        acceleration=parse_numbers(acceleration, "--acceleration"),
+        torque=parse_numbers(torque, "--torque"),
+        clearance=_clearance(foot, ground, clearance),
+    )
+    stds = parse_numbers(noise, "--noise")
+    if recordings is not None:
+        if output is not None:
+            raise ExoidError("-o has no effect with --assess", remedy="leave it out: nothing is planned")
+        result: Assessment | Plan = excitation.assess(
+            found, recordings, parse_terms(terms), noise=stds, noise_bandwidth=noise_bandwidth, limits=limits
+        )
+    else:
+        if output is not None:
+            excitation.refuse_plan_name(output)  # before the minute that the search may take
+        console = Console(stderr=True)
+        with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+            result = excitation.plan_excitation(
+                found,
+                parse_terms(terms),
+                duration=duration,
+                rate=rate,
+                limits=limits,
+                noise=stds,
+                noise_bandwidth=noise_bandwidth,
+                tilts_deg=parse_numbers(tilts, "--tilts") or (),
+                poses=poses,
+                highest=highest,
+                criterion=criterion,
+                starts=starts,
+                seed=seed,
+                progress=partial(_tell, bar, bar.add_task("searching", total=1.0)),
+            )
+    _write(result, output, figure)
+    typer.echo(json.dumps(_to_json(result), indent=1, ensure_ascii=False) if as_json else str(result))
+
+
+def _write(result: Assessment | Plan, output: str | None, figure: str | None) -> None:
+    """Write what was asked for."""
+    from exoid.experiments import excitation  # noqa: PLC0415 - see above
+
+    if output is not None and isinstance(result, excitation.Plan):
+        for path in excitation.write_plan(output, result):
+            typer.echo(f"wrote {path}", err=True)
+    if figure is not None:
+        _draw(result, figure)
+        typer.echo(f"wrote {figure}", err=True)
+
+
+def _draw(result: Assessment | Plan, path: str) -> None:
+    from matplotlib.figure import Figure  # noqa: PLC0415 - matplotlib would slow down every command
+
+    from exoid import view  # noqa: PLC0415
+    from exoid.experiments import excitation  # noqa: PLC0415
+
+    with view.paper():
+        sheet = Figure(figsize=FIGURE_INCHES)
+        if isinstance(result, excitation.Plan):
+            left, right = sheet.subfigures(1, 2, squeeze=False, width_ratios=(1.25, 1.0))[0]
+            view.plot_planned_motion(left.subplots(3, 1, sharex=True), result)
+            view.plot_precision(right.subplots(), result.precision)
+        else:
+            view.plot_precision(sheet.subplots(), result.precision)
+        content = io.BytesIO()
+        sheet.savefig(content, format=Path(path).suffix.lstrip(".") or "png")
+    write_bytes(path, [content.getvalue()])
+
+
+def _to_json(result: Assessment | Plan) -> dict[str, Any]:
+    from exoid.experiments import excitation  # noqa: PLC0415 - see above
+
+    data = excitation.precision_to_json(result.precision) | {"noise": list(result.noise.std)}
+    if isinstance(result, excitation.Assessment):
+        return data | {"advice": [advice._asdict() for advice in result.advice]}
+    peaks = {name: values.tolist() for name, values in result.peaks._asdict().items()}
+    return data | {"peaks": peaks, "criterion": result.criterion, "seed": result.seed, "costs": list(result.costs)}
+
+
+def _ranges(texts: Sequence[str] | None) -> dict[str, tuple[float, float]]:
+    """Turn "knee=-90:-5" into a range of degrees by joint."""
+    ranges = {}
+    for text in texts or ():
+        joint, _, bounds = text.partition("=")
+        low, _, high = bounds.partition(":")
+        try:
+            ranges[joint.strip()] = float(low), float(high)
+        except ValueError:
+            raise ExoidError(f"--angles {text}", remedy="write JOINT=LOW:HIGH in degrees, e.g. knee=-90:-5") from None
+    return ranges
+
+
+def _clearance(foot: Sequence[str] | None, ground: float | None, distance: float) -> Clearance | None:
+    from exoid.experiments import excitation  # noqa: PLC0415 - see above
+
+    if not foot:
+        if ground is not None:
+            raise ExoidError("--ground has no effect without --foot", remedy="name points, e.g. --foot 0.18,-0.09")
+        return None
+    points = [parse_numbers(point, "--foot") or () for point in foot]
+    if any(len(point) != 2 for point in points):
+        raise ExoidError(f"--foot {', '.join(foot)}", remedy="write X,Z in metres, e.g. --foot 0.18,-0.09")
+    return excitation.Clearance(np.array(points), -math.inf if ground is None else -abs(ground), distance)
+
+
+def _tell(bar: Progress, task: TaskID, share: float) -> None:
+    bar.update(task, completed=share)

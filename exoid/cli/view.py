@@ -1,0 +1,133 @@
+"""``exoid view``: the leg in three dimensions, in a browser."""
+
+from __future__ import annotations
+
+import json
+import math
+import webbrowser
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+
+import typer
+from rich.console import Console
+
+from exoid import identification
+from exoid.catalog import SEGMENTS
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+
+from .inputs import AsJson, Column, Degrees, LogOptions, Start, Stop, find_leg, read_logs, refuse, split_names
+
+if TYPE_CHECKING:
+    from exoid.view import Scene
+
+
+def view(
+    leg: Annotated[str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset's name, a URDF, or EST.JSON.")],
+    log: Annotated[str | None, typer.Option(metavar="LOG", help="Replay it: a CSV file, or name:test.")] = None,
+    reference: Annotated[
+        str | None, typer.Option(metavar="LOG", help="A second, translucent leg moves as this log does.")
+    ] = None,
+    horizon: Annotated[
+        float, typer.Option(metavar="S", help="EST.JSON predicts the motion of LOG over this time, again and again.")
+    ] = 0.5,
+    html: Annotated[str | None, typer.Option(metavar="FILE", help="Write one self-contained page instead.")] = None,
+    side: Annotated[str | None, typer.Option(help="left, right or both, of a built-in leg.")] = None,
+    inertias: Annotated[
+        str | None, typer.Option(help="Inertia set of a built-in leg, shown beside the one it has by default.")
+    ] = None,
+    joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF.")] = None,
+    pose_deg: Annotated[
+        list[str] | None, typer.Option("--pose", metavar="JOINT=DEG", help="Angle of a joint. Repeatable.")
+    ] = None,
+    meshes: Annotated[str | None, typer.Option(metavar="DIR", help="Where the URDF's meshes are.")] = None,
+    port: Annotated[int | None, typer.Option(metavar="N", help="To listen on; 0 for any that is free.")] = None,
+    browser: Annotated[bool, typer.Option("--open/--no-browser", help="Open a browser.")] = True,
+    column: Column = None,
+    degrees: Degrees = False,
+    start: Start = None,
+    stop: Stop = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show LEG in a browser until Ctrl-C, on 127.0.0.1 only; or write it as a page that needs no network."""
+    from exoid import view as views  # noqa: PLC0415 - it draws, and matplotlib would slow down every command
+
+    if html is not None and port is not None:
+        raise ExoidError("--port has no effect: --html serves nothing", remedy="leave out one of the two")
+    if reference is not None and log is None:
+        raise ExoidError("--reference without --log", remedy="name the log to replay beside it with --log")
+    options = LogOptions(column, degrees, start, stop)
+    recording = None if log is None else read_logs([log], options)[0]
+    shown = _shown(leg, side, inertias, split_names(joints), () if recording is None else recording.joint_names)
+    ghost, label = None if reference is None else read_logs([reference], options)[0], "reference"
+    with Console(stderr=True).status("drawing"):
+        estimate = shown.legs[0]
+        if ghost is None and recording is not None and recording.tau is not None and not isinstance(estimate, Leg):
+            ghost, label = identification.predict_motion(estimate, recording, horizon), "predicted"
+        drawn = views.scene(
+            *shown.legs,
+            pose=_pose(pose_deg or []),
+            recording=recording,
+            ghost=ghost,
+            ghost_label=label,
+            identified=shown.identified,
+            meshes=Path(leg).parent if meshes is None else meshes,
+        )
+    for note in drawn.notes:
+        typer.echo(f"note: {note}", err=True)
+    if html is not None:
+        drawn.save(html)
+        size = Path(html).stat().st_size
+        typer.echo(json.dumps({"html": html, "bytes": size}) if as_json else f"wrote {html} ({size / 1e6:.2f} MB)")
+    else:
+        _serve(drawn, port, browser, as_json)
+
+
+class _Shown(NamedTuple):
+    """Legs to draw, and others whose inertias stand beside theirs."""
+
+    legs: Sequence[Leg | identification.Estimate]
+    identified: Sequence[Leg] = ()
+
+
+def _shown(
+    name: str, side: str | None, inertias: str | None, joints: Sequence[str] | None, logged: Sequence[str]
+) -> _Shown:
+    if name.endswith(".json"):
+        refuse({"--side": side, "--inertias": inertias, "--joints": joints}, "an estimate has its leg in it")
+        return _Shown([identification.Estimate.load(name)])
+    if name in SEGMENTS:
+        sides = ("left", "right") if side == "both" else (side,)
+        legs = [find_leg(name, each, None, joints, logged) for each in sides]
+        if inertias is None:
+            return _Shown(legs)
+        return _Shown(legs, [find_leg(name, each, inertias, joints, logged) for each in sides])
+    if Path(name).is_file() and joints is None and not logged:
+        refuse({"--side": side, "--inertias": inertias}, f"{name!r} is no built-in leg")
+        return _Shown([Leg.from_urdf(name)])
+    return _Shown([find_leg(name, side, inertias, joints, logged)])
+
+
+def _pose(pairs: Sequence[str]) -> dict[str, float]:
+    pose = {}
+    for pair in pairs:
+        name, _, angle = pair.partition("=")
+        try:
+            pose[name.strip()] = math.radians(float(angle))
+        except ValueError:
+            raise ExoidError(f"--pose {pair}", remedy="write JOINT=DEGREES, e.g. --pose left_knee=-40") from None
+    return pose
+
+
+def _serve(drawn: Scene, port: int | None, browser: bool, as_json: bool) -> None:
+    """Serve until Ctrl-C."""
+    with drawn.serve(port) as server:
+        if as_json:
+            typer.echo(json.dumps({"url": server.url, "port": server.port}))
+        else:
+            typer.echo(f"{drawn.title}: {server.url} (this machine only; Ctrl-C ends it)")
+        if browser:
+            webbrowser.open(server.url)
+        server.wait()
+    typer.echo("ended", err=True)

@@ -1,0 +1,92 @@
+"""How numbers, functions and names are written in C."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from exoid.errors import ExoidError
+
+PRECISIONS = ("double", "float")
+"""Types of number that a leg can be written in."""
+
+IN_C = str.maketrans({"·": " ", "²": "^2", "³": "^3", "±": "+-", "×": "x", "−": "-", "–": "-", "°": " deg"})
+"""What exoid's texts contain that is not ASCII."""
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """C99 in one precision.
+
+    Attributes:
+        real: "double" or "float".
+
+    Raises:
+        ExoidError: It is neither.
+
+    Example:
+        >>> Dialect("float").number(0.1), Dialect("double").number(2)
+        ('0.1f', '2.0')
+    """
+
+    real: str = "double"
+
+    def __post_init__(self) -> None:
+        """Check the precision."""
+        if self.real not in PRECISIONS:
+            raise ExoidError(f"no precision {self.real!r}", remedy=f"use {' or '.join(PRECISIONS)}")
+
+    def number(self, value: float) -> str:
+        """Write a constant so that the compiler reads the same bits.
+
+        Raises:
+            ExoidError: It is too large for this precision.
+        """
+        if self.real == "double":
+            return repr(float(value))
+        with np.errstate(over="ignore"):
+            narrow = np.float32(value)
+        if not np.isfinite(narrow):
+            raise ExoidError(f"{value:g} is too large for a float", remedy="write the leg in double precision")
+        text = str(narrow)
+        return f"{text if '.' in text or 'e' in text else f'{text}.0'}f"
+
+    def function(self, name: str) -> str:
+        """Name a function of <math.h> in this precision: sin, or sinf."""
+        return name if self.real == "double" else f"{name}f"
+
+
+def identifier(path: str | Path) -> str:
+    """Turn a file's name into the prefix of the names in it.
+
+    Raises:
+        ExoidError: Nothing in the name can stand in C.
+
+    Example:
+        >>> identifier("build/left-leg.2.c"), identifier("2nd.c")
+        ('left_leg_2', 'leg_2nd')
+    """
+    stem = re.sub(r"[^A-Za-z0-9]+", "_", Path(path).name.removesuffix(".c")).strip("_")
+    if not stem:
+        raise ExoidError(f"{str(path)!r} is no name for C", remedy="give a file such as leg.c, or a name of letters")
+    return f"leg_{stem}" if stem[0].isdigit() else stem
+
+
+def comment(text: str) -> str:
+    """Make a text fit for a comment, whatever it contains: one line of ASCII that ends no comment and starts none.
+
+    Its indentation stays.
+
+    Example:
+        >>> comment("X1 [kg·m²] */ int main")
+        'X1 [kg m^2] * / int main'
+    """
+    plain = " ".join(text.translate(IN_C).encode("ascii", "replace").decode().split())
+    plain = " " * (len(text) - len(text.lstrip(" "))) + "".join(letter for letter in plain if letter.isprintable())
+    for forbidden, harmless in (("*/", "* /"), ("/*", "/ *"), ("??", "? ?"), ("\\", "|")):
+        while forbidden in plain:
+            plain = plain.replace(forbidden, harmless)
+    return plain

@@ -1,0 +1,201 @@
+"""A law against the virtual rig: continuous plant with true stiction, sampled law, sensors that are not exact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from math import gcd
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+from exoid.experiments import refuse_motion_beyond_limits
+from exoid.rig import (
+    Actuator,
+    IdealTorque,
+    PinocchioStepper,
+    PlanarStepper,
+    Plant,
+    Rates,
+    Reference,
+    Sensors,
+    Target,
+)
+from exoid.rig import simulate as simulate_rig
+
+from .law import Law, State
+from .tracking import Tracking, tracking_of
+
+LONGEST_STEP = 5e-4
+"""Of the plant [s]."""
+
+SHORTEST_STEP = 2e-5
+"""Of the plant [s]; rates that need a shorter one have nothing in common."""
+
+LOG_RATE = 100.0
+"""Of the log [Hz], where the law is not faster."""
+
+
+def simulate(
+    plant: Plant,
+    law: Law,
+    reference: Reference,
+    duration: float,
+    *,
+    sensors: Sensors | None = None,
+    actuator: Actuator | None = None,
+    start: ArrayLike | None = None,
+    settle: float = 0.0,
+    log_rate: float | None = None,
+    seed: int | np.random.Generator = 0,
+    name: str | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Tracking:
+    """Let one rig follow a reference under a law.
+
+    Args:
+        plant: The truth, of one rig.
+        law: Sampled at its rate, its torque held in between.
+        reference: What to follow.
+        duration: [s].
+        sensors: Noise, quantisation and delay (in periods of the law) of what the law is told; None for exact ones.
+        actuator: Between the law's torque and the joint's; None for one that follows at once.
+        start: Angles at the beginning, at rest [rad], (n,); None to begin on the reference, with its velocity.
+        settle: What the metrics leave out at the beginning [s].
+        log_rate: [Hz]; None for 100, or the law's rate if that is higher.
+        seed: Of the sensor noise.
+        name: Of the law in tables; None for its class.
+        progress: Told the share that is done.
+
+    Returns:
+        What happened, with its metrics.
+
+    Raises:
+        ExoidError: The plant is of several rigs, the reference leaves the limits of a plant with end stops, rates do
+            not fit, or the run diverges.
+    """
+    if plant.count != 1:
+        raise ExoidError(f"a plant of {plant.count} rigs", remedy="use simulate_many, or plant.take([k])")
+    beginning = None if start is None else np.asarray(start, dtype=np.float64).reshape(-1, 1)
+    return simulate_many(
+        plant,
+        law,
+        reference,
+        duration,
+        sensors=sensors,
+        actuator=actuator,
+        start=beginning,
+        settle=settle,
+        log_rate=log_rate,
+        seed=seed,
+        names=None if name is None else (name,),
+        progress=progress,
+    )[0]
+
+
+def simulate_many(
+    plant: Plant,
+    law: Law,
+    reference: Reference,
+    duration: float,
+    *,
+    sensors: Sensors | None = None,
+    actuator: Actuator | None = None,
+    start: ArrayLike | None = None,
+    settle: float = 0.0,
+    log_rate: float | None = None,
+    seed: int | np.random.Generator = 0,
+    names: tuple[str, ...] | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> tuple[Tracking, ...]:
+    """Let B rigs follow a reference, all at once; arguments as for :func:`simulate`.
+
+    Args:
+        plant: B rigs.
+        law: Of all of them; :class:`SideBySide` where each has its own.
+        reference: Of B rigs, or of one that all follow.
+        duration: [s].
+        sensors: See :func:`simulate`.
+        actuator: See :func:`simulate`.
+        start: [rad], (n, B) or (n, 1).
+        settle: [s].
+        log_rate: [Hz].
+        seed: Of the sensor noise.
+        names: Of the laws, one a rig.
+        progress: Told the share that is done.
+
+    Returns:
+        One result a rig.
+
+    Raises:
+        ExoidError: See :func:`simulate`; or the names are not one a rig.
+    """
+    if names is not None and len(names) != plant.count:
+        raise ExoidError(f"{len(names)} names for {plant.count} rigs", remedy="give one a rig")
+    if not 0.0 <= settle < duration:
+        raise ExoidError(f"{settle:g} s to settle in a run of {duration:g} s", remedy="leave some of the run over")
+    if np.isfinite(plant.lower).any() or np.isfinite(plant.upper).any():
+        refuse_motion_beyond_limits(plant.leg, reference, duration)
+    log = max(LOG_RATE, law.rate) if log_rate is None else log_rate
+    run = simulate_rig(
+        plant,
+        reference,
+        _Sampled(law),
+        actuator or IdealTorque(),
+        duration,
+        start=start,
+        sensors=sensors,
+        rates=Rates(law.rate, log, plant_step(law.rate, log)),
+        seed=seed,
+        stepper=PinocchioStepper if plant.count == 1 or plant.leg.chain is None else PlanarStepper,
+        progress=progress,
+    )
+    labels = names or (type(law).__name__,) * plant.count
+    return tuple(tracking_of(run, k, label, law.rate, settle) for k, label in enumerate(labels))
+
+
+def plant_step(control: float, log: float) -> float:
+    """Longest step of the plant, of at most 0.5 ms, of which the periods of law and log are multiples [s].
+
+    Args:
+        control: Rate of the law [Hz].
+        log: Rate of the log [Hz].
+
+    Raises:
+        ExoidError: A rate is not positive, or the two have no common step that is not too short.
+
+    Example:
+        >>> round(1.0 / plant_step(30.0, 100.0))
+        2100
+    """
+    if not (0.0 < control < np.inf and 0.0 < log < np.inf):
+        raise ExoidError(f"rates of {control:g} and {log:g} Hz", remedy="give positive rates in Hz")
+    periods = [1 / Fraction(rate).limit_denominator(1000) for rate in (control, log)]
+    scale = periods[0].denominator * periods[1].denominator // gcd(periods[0].denominator, periods[1].denominator)
+    common = Fraction(gcd(*(int(period * scale) for period in periods)), scale)
+    step = float(common / -(-common // Fraction(LONGEST_STEP).limit_denominator(100_000)))
+    if step < SHORTEST_STEP:
+        raise ExoidError(
+            f"rates of {control:g} and {log:g} Hz have no common step above {SHORTEST_STEP:g} s",
+            remedy="choose a log rate that is a multiple of the law's",
+        )
+    return step
+
+
+class _Sampled:
+    """A law as the rig's controller: keeps the time and the torque of the last sample, for this run only."""
+
+    def __init__(self, law: Law) -> None:
+        self._law, self._count = law, 0
+        self._last: FloatArray | None = None
+
+    def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
+        single = q.shape[1] == 1
+        if single:  # vectors are quicker than columns
+            q, v = q[:, 0], v[:, 0]
+            target = Target(*(None if x is None else x[:, 0] for x in target))  # type: ignore[arg-type]
+        torque = self._law.torque(State(q, v, self._count / self._law.rate, self._last), target)
+        self._count += 1
+        self._last = torque
+        return torque[:, None] if single else torque

@@ -1,0 +1,68 @@
+"""Proportional and proportional-derivative control."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.rig import Target
+
+from .law import RATE, State, gains, refuse_rate, spread
+
+
+@dataclass(frozen=True, eq=False)
+class PD:
+    """τ = Kp (θ_d − θ) + Kd (θ̇_d − θ̇) (doc. 2, eq. (24)).
+
+    Attributes:
+        kp: Kp [N·m/rad], a number, (n,) or (n, B).
+        kd: Kd [N·m·s/rad], likewise.
+        rate: [Hz].
+
+    Raises:
+        ExoidError: A gain is negative or not finite, or the rate is not positive.
+    """
+
+    kp: FloatArray
+    kd: FloatArray
+    rate: float = RATE
+
+    def __post_init__(self) -> None:
+        """Check gains and rate."""
+        refuse_rate(self.rate)
+        object.__setattr__(self, "kp", gains(self.kp, "kp"))
+        object.__setattr__(self, "kd", gains(self.kd, "kd"))
+
+    def torque(self, state: State, target: Target) -> FloatArray:
+        """See the class."""
+        q, v = state.q, state.v
+        return spread(self.kp, q) * (target.q - q) + spread(self.kd, v) * (target.v - v)
+
+
+def pd(kp: ArrayLike, kd: ArrayLike, *, rate: float = RATE) -> PD:
+    """Make a :class:`PD` law, document 2's first controller, which needs no model.
+
+    Args:
+        kp: Kp [N·m/rad], a number or one for each joint.
+        kd: Kd [N·m·s/rad].
+        rate: At which it is sampled [Hz]; document 2 ran it at 30.
+
+    Example:
+        >>> import numpy as np
+        >>> from exoid.control import State, pd
+        >>> from exoid.rig import Target
+        >>> law = pd(kp=(22.0, 56.0), kd=(2.2, 5.6))
+        >>> law.torque(State(np.zeros(2), np.zeros(2)), Target(np.array([0.1, 0.2]), np.zeros(2)))
+        array([ 2.2, 11.2])
+    """
+    return PD(gains(kp, "kp"), gains(kd, "kd"), rate)
+
+
+def p(kp: ArrayLike, *, rate: float = RATE) -> PD:
+    """Make a :class:`PD` law without damping, τ = Kp (θ_d − θ), as document 2 identifies (sec. III, sign corrected).
+
+    Args:
+        kp: Kp [N·m/rad], a number or one for each joint.
+        rate: At which it is sampled [Hz].
+    """
+    return pd(kp, 0.0, rate=rate)

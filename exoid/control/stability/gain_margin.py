@@ -1,0 +1,180 @@
+"""How far the gains of a sampled law may be raised: eigenvalues of the linearised leg with a hold and a delay."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.control.law import Law, State, refuse_rate
+from exoid.control.linearise import Linear, discretise, linearise
+from exoid.control.model import ControlModel
+from exoid.errors import ExoidError
+from exoid.rig import Plant, Target
+from exoid.tables import make_table, to_text
+
+RATES = (10.0, 20.0, 30.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
+"""Of a law [Hz]."""
+
+DELAYS = (0, 1)
+"""In periods of the law."""
+
+SCALES = np.geomspace(1e-2, 1e4, 121)
+"""Of the gains, between which the first unstable one is looked for."""
+
+STEP = 1e-6
+"""Of numerical derivatives [rad, rad/s]."""
+
+SMOOTH = 1e-3
+"""Relative difference of derivatives over two steps above which a law has none."""
+
+LawOf = Callable[[float, float], Law]
+"""From a scale of the gains and a rate [Hz] to a law."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GainMargins:
+    """Factor by which the gains may be raised before the sampled loop oscillates without end; prints itself.
+
+    Attributes:
+        rates: Of the law [Hz], (R,).
+        delays: In periods of the law, (D,).
+        margins: Largest stable scale of the gains, (R, D); 0 where none is stable, inf where all that were tried are.
+    """
+
+    rates: tuple[float, ...]
+    delays: tuple[int, ...]
+    margins: FloatArray
+
+    def __repr__(self) -> str:
+        """Name the rates."""
+        return f"GainMargins({self.rates[0]:g} to {self.rates[-1]:g} Hz)"
+
+    def __str__(self) -> str:
+        """Print as a table."""
+        headers = ("rate [Hz]", *(f"gains × (delay {delay})" for delay in self.delays))
+        rows = [(f"{r:g}", *(f"{m:.3g}" for m in row)) for r, row in zip(self.rates, self.margins, strict=True)]
+        return to_text(make_table(headers, rows), "Linearised without Coulomb friction; delay in periods of the law.")
+
+    def to_json(self) -> dict[str, Any]:
+        """Turn into what JSON can hold; null stands for a margin without bound."""
+        finite = [[float(m) if np.isfinite(m) else None for m in row] for row in self.margins]
+        return {"rates_hz": list(self.rates), "delays": list(self.delays), "margins": finite}
+
+
+def gain_margins(
+    plant: Plant,
+    law: LawOf,
+    q: ArrayLike,
+    *,
+    rates: Sequence[float] = RATES,
+    delays: Sequence[int] = DELAYS,
+) -> GainMargins:
+    """Find the largest gains at which a leg is stable about a pose, for each rate and delay.
+
+    Args:
+        plant: The truth, of one rig. Its Coulomb friction is left out: it hides small oscillations and stops no large
+            ones.
+        law: Makes the law with its gains scaled, at a rate.
+        q: The pose, which is also the target [rad], (n,).
+        rates: [Hz].
+        delays: Of what the law is told, in its periods.
+
+    Raises:
+        ExoidError: A rate or delay makes no sense, or the law has no derivatives at rest.
+
+    Example:
+        >>> from exoid.control import pd
+        >>> from exoid.rig import Plant
+        >>> plant = Plant.build(exoid.load_leg("cuhk"))
+        >>> def law(scale, rate):
+        ...     return pd(22.0 * scale, 2.2 * scale, rate=rate)
+        >>> found = gain_margins(plant, law, [0.2, 0.7], rates=[30.0, 100.0])
+        >>> bool(found.margins[1, 0] > found.margins[0, 0])
+        True
+    """
+    pose = np.array(q, dtype=np.float64).reshape(-1)
+    margins = [[_margin(plant, law, pose, rate, delay) for delay in delays] for rate in rates]
+    return GainMargins(tuple(map(float, rates)), tuple(delays), np.array(margins))
+
+
+def spectral_radius(plant: Plant, law: Law, q: ArrayLike, delay: int = 0) -> float:
+    """Largest eigenvalue, in modulus, of one period of the linearised closed loop; stable below 1.
+
+    Args:
+        plant: The truth, of one rig, taken without Coulomb friction.
+        law: Sampled at its rate, its torque held.
+        q: Pose and target [rad], (n,).
+        delay: In periods of the law.
+
+    Raises:
+        ExoidError: The law has no derivatives at rest, or the delay is negative.
+    """
+    pose = np.array(q, dtype=np.float64).reshape(-1)
+    return _radius(_hold(plant, pose, law.rate), _feedback(law, pose), delay)
+
+
+def _margin(plant: Plant, law: LawOf, q: FloatArray, rate: float, delay: int) -> float:
+    """First stable scale upwards, then the first unstable one, then bisection between the two."""
+    held = _hold(plant, q, rate)
+
+    def stable(scale: float) -> bool:
+        return _radius(held, _feedback(law(scale, rate), q), delay) < 1.0
+
+    below = 0.0
+    for scale in SCALES:
+        if stable(scale):
+            below = scale
+        elif below > 0.0:
+            break
+    else:
+        return float("inf") if below > 0.0 else 0.0
+    above = scale
+    while above - below > 1e-6 * below:
+        middle = float(np.sqrt(below * above))
+        below, above = (middle, above) if stable(middle) else (below, middle)
+    return float(below)
+
+
+def _hold(plant: Plant, q: FloatArray, rate: float) -> Linear:
+    """Linearise the leg at rest, and integrate it exactly over one period of constant torque."""
+    refuse_rate(rate)
+    still = np.zeros_like(q)
+    return discretise(linearise(ControlModel.of(plant), q, still, still), 1.0 / rate)
+
+
+def _feedback(law: Law, q: FloatArray) -> FloatArray:
+    """Derivatives of a law's torque by angle and velocity at rest on the target, (n, 2 n)."""
+    first, second = (_derivatives(law, q, step) for step in (STEP, 2.0 * STEP))
+    if np.abs(first - second).max() > SMOOTH * np.abs(first).max():
+        raise ExoidError(
+            f"{type(law).__name__} has no derivatives at rest: its friction compensation is too sharp",
+            remedy="look at it without friction compensation, or with a smooth one",
+        )
+    return first
+
+
+def _derivatives(law: Law, q: FloatArray, step: float) -> FloatArray:
+    still = np.zeros_like(q)
+    target = Target(q, still, still)
+    columns = []
+    for unit in step * np.eye(len(q)):
+        columns.append(law.torque(State(q + unit, still), target) - law.torque(State(q - unit, still), target))
+    for unit in step * np.eye(len(q)):
+        columns.append(law.torque(State(q, unit), target) - law.torque(State(q, -unit), target))
+    return np.array(columns).T / (2.0 * step)
+
+
+def _radius(held: Linear, feedback: FloatArray, delay: int) -> float:
+    """Of the state with its past, (x_k, x_{k−1}, …, x_{k−d})."""
+    if delay < 0 or delay != int(delay):
+        raise ExoidError(f"a delay of {delay} periods", remedy="give a whole number")
+    size = len(held.A)
+    loop = np.zeros(((delay + 1) * size,) * 2)
+    loop[:size, :size] = held.A
+    loop[:size, delay * size :] += held.B @ feedback
+    loop[size:, :-size] = np.eye(delay * size)
+    return float(np.abs(np.linalg.eigvals(loop)).max())

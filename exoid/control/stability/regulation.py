@@ -1,0 +1,259 @@
+"""Document 2's regulation problem with friction that is compensated in part, exactly, or too much."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.control.closed_loop import simulate, simulate_many
+from exoid.control.friction import FrictionCompensation
+from exoid.control.gravity_friction_pd import gravity_friction_pd
+from exoid.control.law import RATE, Law, gains
+from exoid.control.side_by_side import SideBySide
+from exoid.control.tracking import Tracking
+from exoid.errors import ExoidError
+from exoid.experiments import Hold
+from exoid.rig import Plant
+from exoid.tables import make_table, to_text
+
+from .equilibrium import Equilibrium, find_equilibrium
+from .limit_cycle import LimitCycle, find_limit_cycle
+from .lyapunov import TOLERANCE, Lyapunov, lyapunov
+
+SHARES = (0.0, 0.5, 0.8, 1.0, 1.2, 1.5)
+"""Of the leg's friction that are compensated."""
+
+DURATION = 20.0
+"""[s]."""
+
+STILL = 1e-6
+"""Slower than this is rest [rad/s]."""
+
+RESTING = 0.1
+"""Share of the run at the end through which a leg that stopped rests."""
+
+LAST = 0.25
+"""Share of the run that is searched for oscillations."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Regulation:
+    """One run from rest towards a constant target.
+
+    Attributes:
+        name: What was different in this run.
+        run: What happened.
+        lyapunov: V along it, at every moment of the log.
+        equilibrium: Where the leg was to come to rest.
+        cycle: What it did in the end.
+    """
+
+    name: str
+    run: Tracking
+    lyapunov: Lyapunov
+    equilibrium: Equilibrium
+    cycle: LimitCycle
+
+    @property
+    def final_error_deg(self) -> FloatArray:
+        """Distance from the target at the end [deg], (n,)."""
+        return np.asarray(np.rad2deg(self.run.error[-1]))
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the leg rests throughout the end; one that turns round rests for a moment too."""
+        begin = int((1.0 - RESTING) * len(self.run.time))
+        return bool((np.abs(self.run.v[begin:]) < STILL).all())
+
+    @property
+    def outcome(self) -> str:
+        """In two or three words."""
+        if self.stopped:
+            return "stops" if self.equilibrium.holds(self.run.q[-1]) else "stops elsewhere"
+        return "limit cycle" if self.cycle.exists else "still settling"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Regulations:
+    """Several of them beside each other; prints itself as a table.
+
+    Attributes:
+        runs: The first without any friction, then one for each share that is compensated.
+        kp: [N·m/rad], (n,).
+        kd: [N·m·s/rad], (n,).
+        rate: Of the law [Hz].
+    """
+
+    runs: tuple[Regulation, ...]
+    kp: FloatArray
+    kd: FloatArray
+    rate: float
+
+    def __getitem__(self, name: str) -> Regulation:
+        """Look a run up by its name.
+
+        Raises:
+            ExoidError: There is none.
+        """
+        for run in self.runs:
+            if run.name == name:
+                return run
+        raise ExoidError(f"no run {name!r}", remedy=f"there are {', '.join(run.name for run in self.runs)}")
+
+    def __repr__(self) -> str:
+        """Name outcomes."""
+        return f"Regulations({', '.join(f'{run.name}: {run.outcome}' for run in self.runs)})"
+
+    def __str__(self) -> str:
+        """Print as a table."""
+        rows = [
+            (
+                run.name,
+                f"{run.lyapunov.sampled().largest_increase:.1e}",
+                f"{100.0 * run.lyapunov.sampled().share_increasing:.1f}",
+                run.outcome,
+                " / ".join(f"{x:.2f}" for x in run.final_error_deg),
+                " / ".join(f"{x:.2f}" for x in np.rad2deg(run.equilibrium.band)),
+                " / ".join(f"{x:.1f}" for x in run.cycle.peak_to_peak_deg),
+            )
+            for run in self.runs
+        ]
+        headers = (
+            *("friction", "V rises ≤ [V₀]", "at [%]", "outcome"),
+            *("last error [deg]", "band [deg]", "swing [deg p-p]"),
+        )
+        first = self.runs[0]
+        away = " / ".join(f"{x:.0f}°" for x in np.rad2deg(-first.run.error[0]))
+        kp, kd = (" / ".join(f"{x:g}" for x in values) for values in (self.kp, self.kd))
+        return to_text(
+            f"{' / '.join(first.run.joint_names)}: from {away} off the target in {first.run.time[-1]:g} s",
+            f"PD with exact gravity and × friction compensation: Kp {kp} N·m/rad, Kd {kd} N·m·s/rad, {self.rate:g} Hz",
+            make_table(headers, rows),
+            f"V of doc. 2, eq. (29), at the law's samples, V₀ = {first.lyapunov.value[0]:.4g} J; band: c0 / Kp",
+        )
+
+
+def regulate(
+    plant: Plant,
+    kp: ArrayLike,
+    kd: ArrayLike,
+    target: ArrayLike,
+    away: ArrayLike,
+    *,
+    shares: Sequence[float] = SHARES,
+    rate: float = RATE,
+    duration: float = DURATION,
+    log_rate: float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Regulations:
+    """Regulate a leg to a target under PD with exact gravity compensation and any share of its friction.
+
+    Friction is compensated with the sign function of the measured velocity, as doc. 2, eq. (25), prints it. Doc. 2
+    proves stability for exact compensation of everything, in continuous time. What a leg with stiction does:
+    compensated exactly or less, V falls and the leg stops within c0 / Kp of the target, not on it; compensated too
+    much, it never stops.
+
+    Args:
+        plant: The truth, of one rig with friction.
+        kp: Kp [N·m/rad], a number or one for each joint.
+        kd: Kd [N·m·s/rad].
+        target: Constant θ_d [rad], (n,).
+        away: Start less target [rad], (n,).
+        shares: Of the friction that are compensated.
+        rate: Of the law [Hz].
+        duration: [s].
+        log_rate: Of the log [Hz], a multiple of the rate; None for at least 100.
+        progress: Told the share that is done.
+
+    Returns:
+        Each run; the first one is that of the leg without friction, called "no friction".
+
+    Raises:
+        ExoidError: The plant is of several rigs, or settings make no sense.
+    """
+    stiffness, damping = (np.broadcast_to(gains(x, name), plant.n) for x, name in ((kp, "kp"), (kd, "kd")))
+    aim = np.array(target, dtype=np.float64).reshape(-1)
+    start = aim + np.asarray(away, dtype=np.float64).reshape(-1)
+    zero = np.zeros_like(plant.coulomb)
+    smooth = replace(plant, coulomb=zero, static=zero, viscous=zero)
+    names = ("no friction", *(f"× {share:g}" for share in shares))
+    plants = (smooth, *(plant for _ in shares))
+    laws: list[Law] = [gravity_friction_pd(smooth, stiffness, damping, friction=None, rate=rate)]
+    laws += [
+        gravity_friction_pd(plant, stiffness, damping, friction=FrictionCompensation(width=0.0, scale=share), rate=rate)
+        for share in shares
+    ]
+    log = rate * ceil(100.0 / rate) if log_rate is None else log_rate
+    runs = _simulate(plants, laws, aim, start, duration, log, names, progress)
+    return Regulations(
+        tuple(
+            Regulation(
+                name,
+                run,
+                lyapunov(run, each, stiffness, damping),
+                find_equilibrium(each, law, aim),
+                find_limit_cycle(run, LAST),
+            )
+            for name, run, each, law in zip(names, runs, plants, laws, strict=True)
+        ),
+        stiffness,
+        damping,
+        rate,
+    )
+
+
+def _simulate(
+    plants: Sequence[Plant],
+    laws: Sequence[Law],
+    target: FloatArray,
+    start: FloatArray,
+    duration: float,
+    log_rate: float,
+    names: Sequence[str],
+    progress: Callable[[float], None] | None,
+) -> tuple[Tracking, ...]:
+    """Planar legs all at once, others one by one."""
+    reference = Hold(target[:, None])
+    if plants[0].leg.chain is not None:
+        together, side_by_side = Plant.join(plants), SideBySide(tuple(laws))
+        return simulate_many(
+            together,
+            side_by_side,
+            reference,
+            duration,
+            start=start[:, None],
+            log_rate=log_rate,
+            names=tuple(names),
+            progress=progress,
+        )
+    return tuple(
+        simulate(plant, law, reference, duration, start=start, log_rate=log_rate, name=name)
+        for plant, law, name in zip(plants, laws, names, strict=True)
+    )
+
+
+def regulations_to_json(regulations: Regulations) -> dict[str, Any]:
+    """Turn the table into what JSON can hold."""
+    return {
+        "kp": regulations.kp.tolist(),
+        "kd": regulations.kd.tolist(),
+        "rate_hz": regulations.rate,
+        "tolerance": TOLERANCE,
+        "runs": {
+            run.name: {
+                "never_increases": run.lyapunov.sampled().never_increases(),
+                "largest_increase": run.lyapunov.sampled().largest_increase,
+                "share_increasing": run.lyapunov.sampled().share_increasing,
+                "outcome": run.outcome,
+                "final_error_deg": run.final_error_deg.tolist(),
+                "band_deg": np.rad2deg(run.equilibrium.band).tolist(),
+                "peak_to_peak_deg": run.cycle.peak_to_peak_deg.tolist(),
+            }
+            for run in regulations.runs
+        },
+    }

@@ -1,0 +1,87 @@
+"""The laws of this room at one set of gains and one rate, ready to be compared."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.identification import Estimate
+from exoid.leg import Leg
+from exoid.rig import Plant, Reference
+
+from .computed_torque import computed_torque
+from .feedforward_pd import feedforward_pd
+from .gravity_friction_pd import gravity_friction_pd
+from .law import RATE, Law
+from .lqr import lqr
+from .model import ControlModel
+from .pd import pd
+
+BANDWIDTH = 5.0
+"""Natural frequency of the default gains [rad/s], as soft as those that document 2's errors suggest."""
+
+DAMPING = 0.1
+"""Kd over Kp [s]."""
+
+INSTANTS = 64
+"""Of the reference, to take the mean pose from."""
+
+
+def standard_laws(
+    source: Estimate | Leg | Plant | ControlModel,
+    kp: ArrayLike,
+    kd: ArrayLike,
+    reference: Reference,
+    period: float,
+    *,
+    rate: float = RATE,
+) -> dict[str, Law]:
+    """Make PD, PD with gravity and friction, PD with feed-forward, computed torque, and LQR along the reference.
+
+    Computed torque gets the same stiffness as the others: Kp and Kd over the diagonal of the mass matrix at the mean
+    pose of the reference. LQR has gains of its own, by :class:`exoid.control.Weights`.
+
+    Args:
+        source: What the laws know of the leg.
+        kp: Kp [N·m/rad], a number or one for each joint.
+        kd: Kd [N·m·s/rad].
+        reference: Of one leg, periodic.
+        period: [s].
+        rate: Of all laws [Hz].
+
+    Returns:
+        Laws by name: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr.
+
+    Raises:
+        ExoidError: Gains, rate or period make no sense.
+    """
+    model = ControlModel.of(source)
+    inertia = np.diagonal(model.mass_matrix(mean_pose(reference, period)))
+    soft = (np.asarray(gain, dtype=np.float64) / inertia for gain in (kp, kd))
+    return {
+        "pd": pd(kp, kd, rate=rate),
+        "pd_gravity_friction": gravity_friction_pd(model, kp, kd, rate=rate),
+        "pd_feedforward": feedforward_pd(model, kp, kd, rate=rate),
+        "computed_torque": computed_torque(model, *soft, rate=rate),
+        "lqr": lqr(model, reference, period, rate=rate),
+    }
+
+
+def default_gains(source: Estimate | Leg | Plant | ControlModel, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Kp = ω² M_ii and Kd = 0.1 s · Kp for a natural frequency ω of 5 rad/s at a pose.
+
+    Args:
+        source: What is known of the leg.
+        pose: [rad], (n,).
+
+    Returns:
+        Kp [N·m/rad] and Kd [N·m·s/rad], (n,) each.
+    """
+    kp = BANDWIDTH**2 * np.diagonal(ControlModel.of(source).mass_matrix(pose))
+    return kp, DAMPING * kp
+
+
+def mean_pose(reference: Reference, period: float) -> FloatArray:
+    """Mean angles of one leg's reference over a period [rad], (n,)."""
+    angles = [reference.at(period * k / INSTANTS).q[:, 0] for k in range(INSTANTS)]
+    return np.asarray(np.mean(angles, axis=0))

@@ -1,0 +1,159 @@
+"""How well a law followed its reference, and at what cost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.rig import Energy, Run
+from exoid.signals import Recording
+from exoid.tables import DataTable, to_text
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Tracking:
+    """One leg under one law; prints itself as a table.
+
+    Metrics are of the true motion and torque from ``settle`` on, (n,) each.
+
+    Attributes:
+        law: Its name.
+        rate: Of the law [Hz].
+        joint_names: Joints, (n,).
+        time: [s], (N,).
+        target: Angles to be followed [rad], (N, n).
+        q: True angles [rad], (N, n).
+        v: True velocities [rad/s], (N, n).
+        tau: True torques, each the one held until that moment [N·m], (N, n).
+        recording: What the sensors said.
+        audit: Where energy went over the whole run, summed over joints.
+        settle: What the metrics leave out at the beginning [s].
+    """
+
+    law: str
+    rate: float
+    joint_names: tuple[str, ...]
+    time: FloatArray
+    target: FloatArray
+    q: FloatArray
+    v: FloatArray
+    tau: FloatArray
+    recording: Recording
+    audit: Energy
+    settle: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Forbid changes."""
+        for name in ("time", "target", "q", "v", "tau"):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+    @property
+    def error(self) -> FloatArray:
+        """Target less true angle [rad], (N, n)."""
+        return self.target - self.q
+
+    @property
+    def peak_deg(self) -> FloatArray:
+        """Largest tracking error [deg]."""
+        return np.asarray(np.rad2deg(np.abs(self._settled(self.error)).max(axis=0)))
+
+    @property
+    def rms_deg(self) -> FloatArray:
+        """Root of the mean squared tracking error [deg]."""
+        return np.asarray(np.rad2deg(_rms(self._settled(self.error))))
+
+    @property
+    def rms_torque(self) -> FloatArray:
+        """Root of the mean squared torque [N·m], of which the square is what a motor turns into heat."""
+        return _rms(self._settled(self.tau))
+
+    @property
+    def energy(self) -> FloatArray:
+        """∫ |τ θ̇| dt: what actuators without recuperation take [J]."""
+        power = np.abs(self._settled(self.tau) * self._settled(self.v))
+        return np.asarray(np.trapezoid(power, self._settled(self.time), axis=0))
+
+    @property
+    def torque_variation(self) -> FloatArray:
+        """Σ |Δτ| over the time it took: total variation, which grows with chatter [N·m/s]."""
+        time = self._settled(self.time)
+        return np.asarray(np.abs(np.diff(self._settled(self.tau), axis=0)).sum(axis=0) / (time[-1] - time[0]))
+
+    def _settled(self, values: FloatArray) -> FloatArray:
+        first = int(np.searchsorted(self.time, self.settle - 1e-9))
+        return values[max(1, first) :]  # no torque was held before the first sample
+
+    def __repr__(self) -> str:
+        """Name law and errors."""
+        peaks = ", ".join(f"{n} {e:.3g}°" for n, e in zip(self.joint_names, self.peak_deg, strict=True))
+        return f"Tracking({self.law} at {self.rate:g} Hz: peak {peaks})"
+
+    def __str__(self) -> str:
+        """Print as a table, one line a joint."""
+        columns = zip(
+            self.joint_names,
+            self.peak_deg,
+            self.rms_deg,
+            self.rms_torque,
+            self.energy,
+            self.torque_variation,
+            strict=True,
+        )
+        rows = [(name, *(f"{value:.3g}" for value in values)) for name, *values in columns]
+        headers = ("joint", "peak error [deg]", "rms [deg]", "rms torque [N·m]", "energy [J]", "variation [N·m/s]")
+        span = f"{self.settle:g} to {self.time[-1]:g} s"
+        return to_text(DataTable(f"{self.law} at {self.rate:g} Hz, {span}", headers, rows))
+
+
+def tracking_to_json(tracking: Tracking) -> dict[str, Any]:
+    """Turn the metrics into what JSON can hold."""
+    names = ("peak_deg", "rms_deg", "rms_torque", "torque_variation")
+    return {name: getattr(tracking, name).tolist() for name in names}
+
+
+def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:
+    """Put several laws one below the other, one line a joint; TV is the torque's total variation over the time."""
+    rows = [
+        (
+            one.law if joint == 0 else "",
+            f"{one.rate:g}" if joint == 0 else "",
+            name.removeprefix("left_").removeprefix("right_"),
+            f"{one.peak_deg[joint]:.2f}",
+            f"{one.rms_deg[joint]:.2f}",
+            f"{one.rms_torque[joint]:.1f}",
+            f"{one.energy[joint]:.1f}",
+            f"{one.torque_variation[joint]:.1f}",
+        )
+        for one in trackings
+        for joint, name in enumerate(one.joint_names)
+    ]
+    headers = ("law", "[Hz]", "joint", "peak [deg]", "rms [deg]", "rms [N·m]", "energy [J]", "TV [N·m/s]")
+    return DataTable(caption, headers, rows)
+
+
+def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tracking:
+    """Take one rig out of a run."""
+    energy = run.energy
+    return Tracking(
+        law=law,
+        rate=rate,
+        joint_names=run.plant.leg.joint_names,
+        time=run.time,
+        target=run.target[..., rig],
+        q=run.q[..., rig],
+        v=run.v[..., rig],
+        tau=run.tau[..., rig],
+        recording=run.recording(rig, velocity=True),
+        audit=Energy(*(each[rig] for each in energy)),
+        settle=settle,
+    )
+
+
+def _rms(values: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt(np.mean(values**2, axis=0)))

@@ -1,0 +1,32 @@
+"""Optimal excitation: the motion after which the parameters of a leg will be known best, within given limits."""
+
+from .advice import Advice
+from .assess import Assessment, assess
+from .clearance import Clearance
+from .fourier import FourierMotion
+from .limits import MotionLimits
+from .noise import TorqueNoise
+from .plan import Plan, plan_excitation
+from .plan_files import refuse_plan_name, write_plan
+from .precision import Precision, StaticRows, predict
+from .scales import Scales
+from .words import precision_to_json
+
+__all__ = [
+    "Advice",
+    "Assessment",
+    "Clearance",
+    "FourierMotion",
+    "MotionLimits",
+    "Plan",
+    "Precision",
+    "Scales",
+    "StaticRows",
+    "TorqueNoise",
+    "assess",
+    "plan_excitation",
+    "precision_to_json",
+    "predict",
+    "refuse_plan_name",
+    "write_plan",
+]

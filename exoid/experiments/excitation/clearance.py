@@ -1,0 +1,91 @@
+"""Keeping the foot off the ground and off the leg itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+from exoid.torso import TorsoMotion
+
+STEP = 1e-6
+"""Of the central difference of a distance [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Clearance:
+    """Points of the last segment that must not come near the ground or the leg's own segments.
+
+    Attributes:
+        points: Forward and upward of the last joint in the zero pose [m], (k, 2): heel, toe …
+        ground: Height of the ground above the first joint [m], negative; −inf for none.
+        distance: Kept to the ground, and to the lines between joints further up the leg [m].
+    """
+
+    points: FloatArray
+    ground: float = -np.inf
+    distance: float = 0.05
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        if np.ndim(self.points) != 2 or np.shape(self.points)[1] != 2 or not np.isfinite(self.points).all():
+            raise ExoidError(f"points of shape {np.shape(self.points)}", remedy="give (forward, up) of each in metres")
+        if not (self.ground < 0.0 and 0.0 <= self.distance < np.inf):
+            raise ExoidError(
+                f"ground at {self.ground:g} m, distance {self.distance:g} m",
+                remedy="the ground is below the first joint (negative), the distance not negative",
+            )
+
+    def room(self, leg: Leg, q: FloatArray, pitch: float = 0.0) -> FloatArray:
+        """Distances beyond what must be kept [m], (N, c); negative where a point is too near.
+
+        Args:
+            leg: The leg; the ground is there for a leg that is not planar, too.
+            q: Angles [rad], (N, n).
+            pitch: Tilt of the torso [rad].
+        """
+        joints, points = _positions(leg, q, pitch, self.points)
+        parts = []
+        if np.isfinite(self.ground):
+            parts.append(points[..., 1] - self.ground)
+        for k in range(joints.shape[1] - 2):
+            parts.append(_distance(points, joints[:, k, None], joints[:, k + 1, None]))
+        return np.hstack(parts) - self.distance if parts else np.empty((len(q), 0))
+
+    def room_derivative(self, leg: Leg, q: FloatArray, pitch: float = 0.0) -> FloatArray:
+        """∂ room / ∂q by central differences, (n, N, c)."""
+        steps = STEP * np.eye(q.shape[1])
+        moved = np.concatenate([q + sign * step for sign in (1.0, -1.0) for step in steps])
+        forward, backward = self.room(leg, moved, pitch).reshape(2, q.shape[1], len(q), -1)
+        return (forward - backward) / (2.0 * STEP)
+
+
+def _positions(leg: Leg, q: FloatArray, pitch: float, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Joints, (N, n, 2), and points of the last segment, (N, k, 2), forward and up of the first joint [m]."""
+    if leg.chain is not None:
+        turn = np.exp(1j * (np.cumsum(leg.chain.signs * q, axis=1) + pitch))
+        steps = turn[:, :-1] * (leg.chain.offsets @ [1.0, 1j])
+        joints = np.hstack([np.zeros((len(q), 1)), np.cumsum(steps, axis=1)])
+        foot = joints[:, -1:] + turn[:, -1:] * (points @ np.array([1.0, 1j]))
+        return _plane(joints), _plane(foot)
+    placed = leg.forward_kinematics(q, TorsoMotion(pitch=pitch) if pitch else None)
+    zero = leg.forward_kinematics(np.zeros((1, q.shape[1]))).rotation[0, -1]
+    space = np.column_stack([points[:, 0], np.zeros(len(points)), points[:, 1]]) @ zero  # in the last joint's frame
+    foot = placed.translation[:, -1:] + np.einsum("tij,kj->tki", placed.rotation[:, -1], space)
+    origin = placed.translation[:, :1]
+    return (placed.translation - origin)[..., [0, 2]], (foot - origin)[..., [0, 2]]
+
+
+def _plane(x: FloatArray) -> FloatArray:
+    return np.stack([x.real, x.imag], axis=-1)
+
+
+def _distance(points: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
+    """From points to the line between two joints [m], (N, k)."""
+    along, way = end - start, points - start
+    length = np.maximum((along**2).sum(axis=-1), 1e-12)
+    share = np.clip((along * way).sum(axis=-1) / length, 0.0, 1.0)
+    return np.asarray(np.linalg.norm(way - share[..., None] * along, axis=-1))

@@ -1,0 +1,195 @@
+"""What the search minimises: how badly parameters will be known, plus a penalty beyond the limits; with gradient."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.torques import TorqueModel
+from exoid.torso import TorsoMotion
+
+from .fourier import Basis, States
+from .limits import MotionLimits
+from .noise import TorqueNoise
+from .scales import Scales
+
+Criterion = Literal["worst", "a", "d"]
+
+STEPS = (1e-5, 1e-5, 1e-3)
+"""Of the central differences of the regressor by q, v and a."""
+
+RIDGE = 1e-12
+"""Added to the information about scaled parameters, so that motions that miss some can be compared."""
+
+
+EXCESSES = ("angle", "velocity", "acceleration", "torque", "clearance")
+"""What can be beyond a limit."""
+
+NEAR = 0.1
+"""Distance [m] that counts like a limit."""
+
+
+class Stage(NamedTuple):
+    """How a stage of the search sees the criterion.
+
+    Attributes:
+        power: Of the mean over the parameters' relative variances r_i: (Σ r_i^p)^(1/p); 1 is A-optimality, large powers
+            see only the worst; 0 for D-optimality, the mean of the logarithms of the eigenvalues.
+        penalty: Weight of what is beyond the limits.
+    """
+
+    power: float
+    penalty: float
+
+
+@dataclass(frozen=True, eq=False)
+class Objective:
+    """J(x) = ½ ln (Σ_i (cov_ii / scale_i²)^p)^(1/p) + penalty · mean of squared excesses.
+
+    ½ ln, so that a change of J is the relative change of standard deviations. x are the coefficients of one motion for
+    each torso tilt, (T, m, n).
+
+    Attributes:
+        model: Leg and terms.
+        basis: Functions that the motions are made of.
+        pitches: Tilt of the torso in each motion [rad], (T,).
+        limits: What must not be exceeded.
+        noise: Of the torque.
+        scales: What standard deviations are compared with.
+        seconds: Of each motion [s].
+        rate: Of the log [Hz].
+        known: Information from elsewhere (poses) about scaled parameters, (P, P).
+    """
+
+    model: TorqueModel
+    basis: Basis
+    pitches: FloatArray
+    limits: MotionLimits
+    noise: TorqueNoise
+    scales: Scales
+    seconds: float
+    rate: float
+    known: FloatArray
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Of x."""
+        return len(self.pitches), self.basis.count, len(self.limits.lower)
+
+    def __call__(self, x: FloatArray, stage: Stage) -> tuple[float, FloatArray]:
+        """Value and gradient at flattened coefficients."""
+        coefficients = x.reshape(self.shape)
+        motions = [self.basis.states(each) for each in coefficients]
+        columns = [self._columns(states, pitch) for states, pitch in zip(motions, self.pitches, strict=True)]
+        weight = self._row_weight()
+        information = self.known + sum(np.einsum("pjt,qjt->pq", W * weight[:, None], W, optimize=True) for W in columns)
+        value, by_information = _criterion(information, stage.power)
+        gradient = np.empty(self.shape)
+        for k, (states, W, pitch) in enumerate(zip(motions, columns, self.pitches, strict=True)):
+            adjoint = 2.0 * weight[:, None] * np.einsum("pq,qjt->pjt", by_information, W, optimize=True)
+            excess, by_states, by_columns = self._penalty(states, W, float(pitch))
+            value += stage.penalty * excess
+            slopes = self._through_regressor(states, adjoint + stage.penalty * by_columns, float(pitch))
+            whole = States(*(s + stage.penalty * e for s, e in zip(slopes, by_states, strict=True)))
+            gradient[k] = self.basis.pulled_back(whole)
+        return value, gradient.ravel()
+
+    def _row_weight(self) -> FloatArray:
+        """Information of one sample of the basis about each joint, (n,)."""
+        return self.rate * self.seconds / len(self.basis.position) / self.noise.per_sample(self.rate) ** 2
+
+    def _columns(self, states: States, pitch: float) -> FloatArray:
+        """Regressor of scaled parameters, (P, n, N); rows that cannot be used are zero."""
+        W = self._regressor(states, pitch)
+        W *= self.scales.scale[:, None, None]
+        return np.asarray(W * self.model.usable(states.v).T)
+
+    def _regressor(self, states: States, pitch: float) -> FloatArray:
+        return self.model.regressor(*states, TorsoMotion(pitch=pitch) if pitch else None).transpose(2, 1, 0)
+
+    def _through_regressor(self, states: States, adjoint: FloatArray, pitch: float) -> States:
+        """Gradient by samples, given that by columns: Σ_pj adjoint_pjt ∂W_pjt / ∂(q, v, a)_t, in one batch."""
+        count, n = states.q.shape
+        shape = (len(STEPS), n, 2, count, n)  # what is moved, at which joint, up or down
+        moved = States(*(np.broadcast_to(x, shape).copy() for x in states))
+        for part, step in enumerate(STEPS):
+            for joint in range(n):
+                moved[part][part, joint, :, :, joint] += np.array([step, -step])[:, None]
+        W = self._regressor(States(*(x.reshape(-1, n) for x in moved)), pitch)
+        raw = adjoint * self.scales.scale[:, None, None] * self.model.usable(states.v).T
+        slopes = np.einsum("pjxist,pjt->xsti", W.reshape(*W.shape[:2], *shape[:4]), raw, optimize=True)
+        return States(*((up - down) / (2.0 * step) for (up, down), step in zip(slopes, STEPS, strict=True)))
+
+    def excesses(self, states: States, pitch: float) -> FloatArray:
+        """Mean squared excess over each of the limits :data:`EXCESSES`, (5,)."""
+        tau = np.einsum("pjt,p->tj", self._columns(states, pitch), self._beta)
+        return np.array([part.mean for part in self._parts(states, tau, pitch)])
+
+    def excess(self, states: States, pitch: float) -> float:
+        """Mean squared excess over all limits; zero where they are kept."""
+        return float(self.excesses(states, pitch).sum())
+
+    @property
+    def _beta(self) -> FloatArray:
+        """Expected parameters, scaled like the columns."""
+        return self.scales.values / self.scales.scale
+
+    def _penalty(self, states: States, W: FloatArray, pitch: float) -> tuple[float, States, FloatArray]:
+        """Mean squared excess, and its gradient by samples and by columns of the regressor."""
+        parts = self._parts(states, np.einsum("pjt,p->tj", W, self._beta), pitch)
+        angle, speed, acceleration, torque, clearance = parts
+        by_states = States(angle.slope + clearance.slope, speed.slope, acceleration.slope)
+        return sum(part.mean for part in parts), by_states, self._beta[:, None, None] * torque.slope.T
+
+    def _parts(self, states: States, tau: FloatArray, pitch: float) -> tuple[_Excess, ...]:
+        limits, (q, v, a) = self.limits, states
+        middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * limits.span
+        return (
+            _beyond(q - middle, half),
+            _beyond(v, limits.velocity),
+            _beyond(a, limits.acceleration),
+            _beyond(tau, limits.torque),
+            self._too_near(q, pitch),
+        )
+
+    def _too_near(self, q: FloatArray, pitch: float) -> _Excess:
+        """How far points of the foot are too near to something, in units of :data:`NEAR`."""
+        clearance, leg, slope = self.limits.clearance, self.model.leg, np.zeros_like(q)
+        if clearance is None:
+            return _Excess(0.0, slope)
+        short = np.minimum(clearance.room(leg, q, pitch), 0.0) / NEAR
+        if short.any():
+            by_angle = clearance.room_derivative(leg, q, pitch) / NEAR
+            slope = 2.0 * np.einsum("tc,jtc->tj", short, by_angle) / len(q)
+        return _Excess(float((short**2).sum() / len(q)), slope)
+
+
+class _Excess(NamedTuple):
+    """Mean squared excess over a limit, and its derivative by what is limited, (N, n)."""
+
+    mean: float
+    slope: FloatArray
+
+
+def _beyond(x: FloatArray, limit: FloatArray) -> _Excess:
+    part = np.maximum(np.abs(x) / limit - 1.0, 0.0)
+    return _Excess(float((part**2).sum() / len(x)), 2.0 * part * np.sign(x) / limit / len(x))
+
+
+def _criterion(information: FloatArray, power: float) -> tuple[float, FloatArray]:
+    """Value, and gradient by the information matrix."""
+    count = len(information)
+    sizes, vectors = np.linalg.eigh(information)
+    sizes = np.maximum(sizes, RIDGE * sizes[-1])
+    covariance = (vectors / sizes) @ vectors.T
+    if power == 0.0:
+        return float(-0.5 * np.log(sizes).sum() / count), -0.5 * covariance / count
+    r = np.diag(covariance)
+    largest = r.max()
+    total = ((r / largest) ** power).sum()
+    value = 0.5 * (np.log(largest) + np.log(total) / power)
+    share = (r / largest) ** power / total / r
+    return float(value), -0.5 * (covariance * share) @ covariance

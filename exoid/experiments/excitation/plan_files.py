@@ -1,0 +1,59 @@
+"""Plans as files: what a rig's controller replays, and poses to hold."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from exoid.errors import ExoidError
+from exoid.experiments.protocol_files import write_static_protocol
+from exoid.experiments.static import StaticProtocol
+
+from .plan import Plan
+
+
+def write_plan(path: str | os.PathLike[str], plan: Plan) -> tuple[Path, ...]:
+    """Write each motion as ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>`` at the plan's rate, and its poses.
+
+    With several torso tilts each motion has a file of its own, ``plan_tilt+20.csv``; poses go to ``plan_poses.csv``
+    as :func:`exoid.experiments.write_static_protocol` writes them. tau is the torque to expect.
+
+    Args:
+        path: Name of the motion's file; each file is written whole or not at all.
+        plan: The plan.
+
+    Returns:
+        The files that were written.
+
+    Raises:
+        ExoidError: A file cannot be written.
+    """
+    path, written = refuse_plan_name(path), []
+    for motion, recording in zip(plan.motions, plan.recordings, strict=True):
+        written.append(_named(path, "", motion.pitch, len(plan.motions)))
+        recording.to_csv(written[-1])
+    for motion, poses in zip(plan.motions, plan.poses, strict=False):
+        written.append(_named(path, "_poses", motion.pitch, len(plan.motions)))
+        write_static_protocol(written[-1], plan.model.leg, poses.q, StaticProtocol().distance)
+    return tuple(written)
+
+
+def refuse_plan_name(path: str | os.PathLike[str]) -> Path:
+    """Refuse a name under which no plan can be written.
+
+    Raises:
+        ExoidError: The suffix is not .csv, or there is no such folder.
+    """
+    path = Path(path)
+    if path.suffix != ".csv":
+        raise ExoidError(f"a plan in {path.name}", remedy="name the file .csv")
+    if not path.parent.is_dir():
+        raise ExoidError(f"there is no folder {path.parent}", where=str(path), remedy="make it, or name another")
+    return path
+
+
+def _named(path: Path, what: str, pitch: float, count: int) -> Path:
+    tilt = f"_tilt{np.rad2deg(pitch):+g}" if count > 1 else ""
+    return path.with_name(f"{path.stem}{what}{tilt}.csv")

@@ -1,0 +1,142 @@
+"""Reading an exported leg back: the URDF, and the file beside it with what a URDF has no place for."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ._typing import FloatArray
+from .description import Description, read_description
+from .errors import ExoidError
+from .leg import Leg
+
+SCHEMA = "exoid-sidecar-1"
+
+IN_URDF = {"c0": "friction", "d": "damping"}
+"""Terms that a URDF has a place for: attributes of ``<dynamics>``."""
+
+OFFSET = "offset"
+"""Symbol of what is not of the leg but of its torque sensors."""
+
+REMEDY = "export the estimate again, or remove the file to have what the URDF says alone"
+
+
+class Exported(NamedTuple):
+    """What a URDF and its sidecar say.
+
+    Attributes:
+        leg: The rigid bodies.
+        resistances: What acts on the joints besides: ``c0_hip``, ``d_hip``, ``Ia_hip``, … Friction below zero, which
+            was not dissipative, is zero as in the URDF; so is rotor inertia below zero, which was noise.
+        offsets: Zero of each joint's torque sensor [N·m], (n,).
+    """
+
+    leg: Leg
+    resistances: Mapping[str, float]
+    offsets: FloatArray
+
+
+def sidecar_of(urdf: Path) -> Path:
+    """Name the file beside a URDF: ``leg.urdf`` has ``leg.exoid.json``."""
+    return urdf.with_name(f"{urdf.name.removesuffix('.urdf')}.exoid.json")
+
+
+def read_exported(path: str | Path, joints: Sequence[str] | None = None) -> Exported:
+    """Read a leg that :meth:`exoid.Estimate.to_urdf` wrote, or any URDF with ``<dynamics friction damping>``.
+
+    Args:
+        path: The URDF. Its sidecar, where there is one, says which joints move, and where the others are locked.
+        joints: Joints that move, where there is no sidecar; None for all of one degree of freedom.
+
+    Raises:
+        ExoidError: The URDF or the sidecar cannot be read, the sidecar is of another URDF, or of other joints.
+
+    Example:
+        >>> leg, resistances, offsets = read_exported("leg.urdf")  # doctest: +SKIP
+    """
+    urdf = Path(path)
+    description = read_description(urdf)
+    sidecar = sidecar_of(urdf)
+    if not sidecar.is_file():
+        leg = Leg.from_description(description, joints)
+        return Exported(leg, _dynamics(description, leg), np.zeros(len(leg.joint_names)))
+    data = _read(sidecar, description)
+    if joints is not None and list(joints) != data["joints"]:
+        raise ExoidError(
+            f"the sidecar is of {', '.join(data['joints'])}, not of {', '.join(joints)}",
+            where=str(sidecar),
+            remedy="leave joints out",
+        )
+    leg = Leg.from_description(description, data["joints"], locked=data["locked"], cumulative=data["cumulative"])
+    beside = {name: value for name, value in data["values"].items() if name not in leg.parameter_names}
+    beside |= dict.fromkeys(data["not_dissipative"], 0.0)
+    beside |= {name: 0.0 for name, value in beside.items() if name.startswith("Ia_") and value < 0.0}
+    offsets = np.array([beside.pop(f"{OFFSET}_{label}", 0.0) for label in leg.joint_labels])
+    return Exported(leg, beside, offsets)
+
+
+def _dynamics(description: Description, leg: Leg) -> dict[str, float]:
+    """Friction and damping of the moving joints, as the URDF has them."""
+    root = description.parse()
+    found = {}
+    for name, label in zip(leg.joint_names, leg.joint_labels, strict=True):
+        element = next((joint.find("dynamics") for joint in root.findall("joint") if joint.get("name") == name), None)
+        for symbol, attribute in IN_URDF.items():
+            text = "0" if element is None else element.get(attribute, "0")
+            if not _is_number(text):
+                raise ExoidError(
+                    f"<dynamics {attribute}={text!r}> is not a finite number ≥ 0",
+                    where=f"{description.name}, joint {name!r}",
+                    remedy="write a decimal number",
+                )
+            found[f"{symbol}_{label}"] = float(text)
+    return found
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return 0.0 <= float(text) < math.inf
+    except ValueError:
+        return False
+
+
+def _read(sidecar: Path, description: Description) -> dict[str, Any]:
+    """Read a sidecar and check that it is what it claims to be."""
+    try:
+        data = json.loads(sidecar.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ExoidError(f"cannot be read ({error.strerror or error})", where=str(sidecar), remedy=REMEDY) from error
+    except (ValueError, RecursionError) as error:  # not UTF-8, not JSON, a number of ten thousand digits
+        raise ExoidError(f"not JSON ({error})", where=str(sidecar), remedy=REMEDY) from error
+    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
+        raise ExoidError(f"not a sidecar of schema {SCHEMA!r}", where=str(sidecar), remedy=REMEDY)
+    if not _is_complete(data):
+        raise ExoidError("lacks what a sidecar has, or has it in another form", where=str(sidecar), remedy=REMEDY)
+    if data["urdf"]["sha256"] != description.sha256:
+        raise ExoidError(
+            f"is of another {description.name}: the URDF has changed since it was exported",
+            where=str(sidecar),
+            remedy=REMEDY,
+        )
+    return data
+
+
+def _is_complete(data: Mapping[str, Any]) -> bool:
+    """Tell whether everything that is read is there and of its kind."""
+    names, numbers = (data.get(key) for key in ("joints", "not_dissipative")), [data.get("locked"), data.get("values")]
+    return (
+        isinstance(data.get("urdf"), dict)
+        and isinstance(data["urdf"].get("sha256"), str)
+        and isinstance(data.get("cumulative"), bool)
+        and all(isinstance(x, list) and all(isinstance(name, str) for name in x) for x in names)
+        and all(isinstance(x, dict) and all(_is_finite(value) for value in x.values()) for x in numbers)
+    )
+
+
+def _is_finite(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and -1e300 < value < 1e300

@@ -1,0 +1,80 @@
+"""MATLAB files up to version 7, through scipy: variables, or the fields of one struct."""
+
+from __future__ import annotations
+
+import struct
+import warnings
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid.errors import ExoidError
+from exoid.signals.source import Source
+
+from .table import ArrayTable, Wanted, reading, refuse_expansion, to_columns
+
+REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_names', '-v7')"
+
+DEEPEST = 20
+"""Structs in structs, at most."""
+
+COMPRESSED = 15
+"""Type of an element of a version 7 file that is compressed."""
+
+HEADER = 128
+"""Bytes before the first element."""
+
+
+def read_mat(path: Path, file: str, wanted: Wanted) -> ArrayTable:
+    """Read numbers and text; other variables are passed over. Rows count from 1, as in MATLAB.
+
+    Raises:
+        ExoidError: The file is damaged, of version 7.3, or has no time.
+    """
+    with reading(file, "a MATLAB file", REMEDY), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        refuse_expansion(_expanded(path.read_bytes()), path, file)
+        content = scipy.io.loadmat(path, simplify_cells=True, chars_as_strings=True)
+        variables = {name: value for name, value in content.items() if not name.startswith("__")}
+        if len(variables) == 1 and isinstance(only := next(iter(variables.values())), dict):
+            variables = only
+        columns = to_columns(_flat(variables, file), file, wanted)
+        rows = len(next(iter(columns.values())))
+        return ArrayTable(file, Source.of(path), columns, np.arange(1, rows + 1))
+
+
+def _flat(variables: Mapping[str, Any], file: str, depth: int = 0) -> dict[str, NDArray[Any]]:
+    """Name the fields of structs ``struct.field``; cells of text become arrays of text."""
+    if depth > DEEPEST:
+        raise ExoidError(f"structs lie more than {DEEPEST} deep in each other", where=file, remedy=REMEDY)
+    found: dict[str, NDArray[Any]] = {}
+    for name, value in variables.items():
+        if isinstance(value, dict):
+            inner = _flat(value, file, depth + 1)
+            found.update({f"{name}.{field}": array for field, array in inner.items()})
+            continue
+        array = np.asarray(value) if not isinstance(value, list) else np.array(value, dtype=object)
+        if array.dtype.kind == "O" and array.size and all(isinstance(item, str) for item in array.flat):
+            array = np.array([str(item) for item in array.flat])
+        if array.dtype.kind in "iufU":
+            found[name] = array
+    return found
+
+
+def _expanded(data: bytes) -> int:
+    """Bytes that compressed elements say they will become."""
+    place, total = HEADER, 0
+    order = ">" if data[126:128] == b"MI" else "<"
+    while place + 8 <= len(data):
+        kind, size = struct.unpack_from(f"{order}II", data, place)
+        if kind != COMPRESSED:
+            return total
+        tag = zlib.decompressobj().decompress(data[place + 8 : place + 8 + min(size, 4096)], 8)
+        total += struct.unpack_from(f"{order}II", tag)[1] if len(tag) == 8 else 0
+        place += 8 + size
+    return total

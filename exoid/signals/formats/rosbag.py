@@ -1,0 +1,165 @@
+"""``sensor_msgs/JointState`` in bags of ROS: rosbag2 folders, MCAP and sqlite3 files, and bags of ROS 1."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.signals.source import Source
+
+from .table import ArrayTable, Wanted, needs, reading
+
+JOINT_STATE = "sensor_msgs/msg/JointState"
+
+FIELDS = {"q": "position", "v": "velocity", "tau": "effort"}
+
+REMEDY = "check that the recorder closed the bag (ros2 bag reindex), and that folder and metadata.yaml belong together"
+
+
+class _Message(NamedTuple):
+    """One JointState."""
+
+    number: int
+    stamp: int
+    joints: tuple[str, ...]
+    position: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+    effort: NDArray[np.float64]
+
+
+def read_rosbag(path: Path, file: str, wanted: Wanted) -> ArrayTable:
+    """Read the joint states of one topic: ``time``, ``q_<joint>`` and, where messages have them, ``v_`` and ``tau_``.
+
+    Time counts from the first message. Messages may name their joints in any order; those of none of the wanted joints
+    are passed over. A field that is empty, or NaN throughout, in all messages was not measured. Of what the bag itself
+    says about message types nothing is used.
+
+    Raises:
+        ExoidError: rosbags is missing, the bag is damaged, no topic or several fit, or messages disagree on joints.
+    """
+    with reading(file, "a bag", REMEDY):
+        messages = list(_messages(path, file, wanted))
+        if not messages:
+            raise ExoidError("no joint states in the topic", where=file, remedy="choose another topic")
+        joints, messages = _common_joints(messages, file, wanted)
+        columns: dict[str, NDArray[Any]] = {"time": _seconds(messages, file, wanted)}
+        for symbol, field in FIELDS.items():
+            values = _matrix(messages, joints, field, file)
+            if values is not None:
+                columns.update({f"{symbol}_{joint}": column for joint, column in zip(joints, values.T, strict=True)})
+        numbers = np.array([message.number for message in messages])
+        return ArrayTable(file, Source.of(path), columns, numbers, "message")
+
+
+def _messages(path: Path, file: str, wanted: Wanted) -> Iterator[_Message]:
+    """Go over the joint states of the topic, numbered from 0 within it."""
+    try:
+        from rosbags import rosbag1, rosbag2  # noqa: PLC0415 - an extra
+        from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
+    except ImportError:
+        raise needs("rosbags", "bags", file) from None
+    first = path.suffix == ".bag"
+    store = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)
+    decode = store.deserialize_ros1 if first else store.deserialize_cdr
+    with (rosbag1.Reader if first else rosbag2.Reader)(path) as bag:
+        topic = _topic({connection.topic: connection.msgtype for connection in bag.connections}, file, wanted.topic)
+        chosen = [connection for connection in bag.connections if connection.topic == topic]
+        for number, (_, received, raw) in enumerate(bag.messages(connections=chosen)):
+            state: Any = decode(raw, JOINT_STATE)
+            stamp = state.header.stamp
+            since = received if wanted.stamps == "received" else int(stamp.sec) * 10**9 + int(stamp.nanosec)
+            fields = (np.array(getattr(state, field), dtype=np.float64) for field in FIELDS.values())
+            yield _Message(number, since, tuple(state.name), *fields)
+
+
+def _topic(kinds: Mapping[str, str], file: str, asked: str | None) -> str:
+    """Choose the topic asked for, or the only one of joint states."""
+    fit = [topic for topic, kind in kinds.items() if kind == JOINT_STATE]
+    listed = ", ".join(f"{topic} ({kind})" for topic, kind in sorted(kinds.items())[:20]) or "no topics"
+    if asked is not None and asked not in fit:
+        raise ExoidError(
+            f"no topic {asked!r} of {JOINT_STATE}; the bag has: {listed}", where=file, remedy="name one of those"
+        )
+    if asked is None and len(fit) != 1:
+        what = f"{len(fit)} topics of joint states: {', '.join(fit)}" if fit else f"no joint states, but: {listed}"
+        remedy = 'choose with topic="..." (--topic)' if fit else f"record a topic of {JOINT_STATE}"
+        raise ExoidError(what, where=file, remedy=remedy)
+    return asked if asked is not None else fit[0]
+
+
+def _common_joints(messages: list[_Message], file: str, wanted: Wanted) -> tuple[tuple[str, ...], list[_Message]]:
+    """Joints to read, and the messages that have them."""
+    layouts = {message.joints: message.number for message in messages}
+    for joints, number in layouts.items():
+        if len(set(joints)) < len(joints):
+            raise ExoidError(
+                f"a joint is named twice: {', '.join(joints)}",
+                where=f"{file}, message {number}",
+                remedy="mend the publisher",
+            )
+    if wanted.joint_names is None:
+        if len({frozenset(joints) for joints in layouts}) > 1:
+            found = "; ".join(", ".join(joints) for joints in layouts)
+            raise ExoidError(
+                f"messages hold different joints: {found[:300]}", where=file, remedy="choose some with joint_names"
+            )
+        return messages[0].joints, messages
+    every = dict.fromkeys(joint for joints in layouts for joint in joints)
+    asked = {wanted.columns.get(f"q_{joint}", f"q_{joint}")[2:] for joint in wanted.joint_names}
+    joints = tuple(joint for joint in every if joint in asked) or tuple(every)
+    kept = [message for message in messages if not set(joints).isdisjoint(message.joints)]
+    for message in kept:
+        missing = [joint for joint in joints if joint not in message.joints]
+        if missing:
+            raise ExoidError(
+                f"no {', '.join(missing)} beside {', '.join(message.joints)}",
+                where=f"{file}, message {message.number}",
+                remedy="choose joints that one publisher sends together",
+            )
+    return joints, kept
+
+
+def _seconds(messages: Sequence[_Message], file: str, wanted: Wanted) -> FloatArray:
+    """Time since the first message [s]."""
+    stamps = np.array([message.stamp for message in messages], dtype=np.int64)
+    if wanted.stamps == "header" and not stamps.any():
+        raise ExoidError(
+            "the headers have no time stamps",
+            where=file,
+            remedy='pass stamps="received" (--received) to take the time at which the bag received each message',
+        )
+    return np.asarray((stamps - stamps[0]) / 1e9)
+
+
+def _matrix(messages: Sequence[_Message], joints: Sequence[str], field: str, file: str) -> FloatArray | None:
+    """One field of all messages, (N, n), joints in one order; None where no message has it."""
+    given = np.array([len(getattr(message, field)) > 0 for message in messages])
+    if not given.any():
+        return None
+    if not given.all():
+        number = messages[int((~given).argmax())].number
+        raise ExoidError(
+            f"{field} is empty, but not in all messages",
+            where=f"{file}, message {number}",
+            remedy="choose a topic that always has it",
+        )
+    out = np.empty((len(messages), len(joints)))
+    columns: dict[tuple[str, ...], list[int]] = {}
+    for row, message in enumerate(messages):
+        values = getattr(message, field)
+        if len(values) != len(message.joints):
+            raise ExoidError(
+                f"{len(values)} values of {field} for {len(message.joints)} joints",
+                where=f"{file}, message {message.number}",
+                remedy="mend the publisher",
+            )
+        if message.joints not in columns:
+            columns[message.joints] = [message.joints.index(joint) for joint in joints]
+        out[row] = values[columns[message.joints]]
+    return None if np.isnan(out).all() else out

@@ -1,0 +1,233 @@
+"""What a log file is to the rest: named columns of numbers, and words for the place of each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.signals.source import Source
+
+QUANTITIES = ("q", "v", "a", "tau")
+"""Prefixes of column names: ``q_<joint>`` [rad], ``v_`` [rad/s], ``a_`` [rad/s²], ``tau_`` [N·m]."""
+
+MOST_MEMORY = 2**29
+"""Files that would take more than these bytes in memory,"""
+MOST_EXPANSION = 200
+"""and more than so many times their own size, hold no measurements: noise does not compress that well."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What the caller asks of a file, where its format needs to know before it can be read.
+
+    Attributes:
+        joint_names: Joints wanted, or None for those in the file.
+        columns: The file's name for exoid's column name, where they differ.
+        topic: Topic of a bag; None for the only one that fits.
+        stamps: Which time a message of a bag counts at: that in its header, or when the bag received it.
+    """
+
+    joint_names: Sequence[str] | None = None
+    columns: Mapping[str, str] = field(default_factory=dict)
+    topic: str | None = None
+    stamps: Literal["header", "received"] = "header"
+
+
+class Table(Protocol):
+    """Columns of a log file, not yet checked."""
+
+    @property
+    def file(self) -> str:
+        """Path as the caller gave it, for messages."""
+        ...
+
+    @property
+    def source(self) -> Source:
+        """Name and SHA-256 of the file."""
+        ...
+
+    @property
+    def header(self) -> tuple[str, ...]:
+        """Column names in the order of the file."""
+        ...
+
+    @property
+    def lines(self) -> NDArray[np.int64] | None:
+        """Number of each row in the file, (N,); None where rows count from 0."""
+        ...
+
+    @property
+    def counted(self) -> str:
+        """What a row is called: "line", "row" or "message"."""
+        ...
+
+    def __len__(self) -> int: ...
+
+    def numbers(self, columns: Sequence[str]) -> FloatArray:
+        """Return some columns, (N, k); NaN and infinity pass.
+
+        Raises:
+            ExoidError: A column does not hold numbers.
+        """
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class ArrayTable:
+    """A table whose columns are in memory; attributes as those of :class:`Table`.
+
+    Attributes:
+        columns: The columns by name, all of one length.
+    """
+
+    file: str
+    source: Source
+    columns: Mapping[str, NDArray[Any]]
+    lines: NDArray[np.int64] | None = None
+    counted: str = "row"
+
+    @property
+    def header(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return tuple(self.columns)
+
+    def __len__(self) -> int:
+        return len(next(iter(self.columns.values()), ()))
+
+    def numbers(self, columns: Sequence[str]) -> FloatArray:
+        """Return some columns as they are; calendar stamps as seconds since the first one."""
+        return np.column_stack([self._column(name) for name in columns])
+
+    def _column(self, name: str) -> FloatArray:
+        return as_column(self.columns[name], f"{self.file}, column {name}")
+
+
+def as_column(values: NDArray[Any], where: str) -> FloatArray:
+    """Turn an array of any real type, or of dates or durations, into float64; dates become seconds since the first.
+
+    Raises:
+        ExoidError: The elements are something else.
+    """
+    if values.dtype.kind in "mM":
+        ticks, missing = values.astype(f"{values.dtype.kind}8[ns]").astype(np.int64), np.isnat(values)
+        first = ticks[0] if values.dtype.kind == "M" and len(ticks) else 0
+        return np.where(missing, np.nan, (ticks - first) / 1e9)
+    if values.dtype.kind not in "iuf":
+        raise ExoidError(f"holds {values.dtype}, not real numbers", where=where, remedy="write numbers in SI units")
+    return np.asarray(values, dtype=np.float64)
+
+
+def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, wanted: Wanted) -> dict[str, NDArray[Any]]:
+    """Spread arrays of (samples,) and (samples, joints) over named columns; the length of ``time`` tells samples.
+
+    A matrix q of the joints named in the file, or else by the caller, gives ``q_<joint>``; any other gives
+    ``name[0]``, ``name[1]``, … Joints come from an array ``joint_names``. What has another length is left out.
+
+    Raises:
+        ExoidError: There is no time, or joint names do not fit the matrices.
+    """
+    time = wanted.columns.get("time", "time")
+    if time not in arrays:
+        exists = ", ".join(f"{name} {values.shape}" for name, values in list(arrays.items())[:20]) or "nothing"
+        raise ExoidError(
+            f"no array {time!r} of time stamps; the file has: {exists}",
+            where=file,
+            remedy="rename it in the file or pass columns={'time': <name in the file>}",
+        )
+    samples = arrays[time].size
+    if samples != max(arrays[time].shape, default=1):
+        raise ExoidError(f"{time} has shape {arrays[time].shape}", where=file, remedy="give one time stamp a sample")
+    named = _joint_names(arrays, file)
+    columns: dict[str, NDArray[Any]] = {time: arrays[time].reshape(-1)}
+    for name, values in arrays.items():
+        matrix = None if name in (time, "joint_names") else _samples_first(values, samples)
+        if matrix is None:
+            continue
+        labels = _labels(name, matrix.shape[1], named, wanted.joint_names, file)
+        columns.update(zip(labels, matrix.T, strict=True))
+    return columns
+
+
+def _samples_first(values: NDArray[Any], samples: int) -> NDArray[Any] | None:
+    """Turn an array so that samples are rows; None where no axis is as long as time."""
+    if values.ndim == 1:
+        values = values[:, np.newaxis]
+    if values.ndim != 2 or samples not in values.shape:
+        return None
+    return values if len(values) == samples else values.T
+
+
+def _joint_names(arrays: Mapping[str, NDArray[Any]], file: str) -> tuple[str, ...] | None:
+    names = arrays.get("joint_names")
+    if names is None:
+        return None
+    if names.dtype.kind != "U":
+        raise ExoidError(
+            f"joint_names holds {names.dtype}, not text", where=file, remedy="write an array of strings, one a joint"
+        )
+    return tuple(str(name).strip() for name in np.atleast_1d(names).reshape(-1))
+
+
+def _labels(
+    name: str, width: int, named: Sequence[str] | None, asked: Sequence[str] | None, file: str
+) -> Sequence[str]:
+    """Names of the columns of one array."""
+    if name in QUANTITIES:
+        if named is not None and len(named) != width:
+            raise ExoidError(
+                f"{name} has {width} columns, but joint_names has {len(named)}: {', '.join(named[:20])}",
+                where=file,
+                remedy="give every joint one column, (samples, joints)",
+            )
+        joints = named if named is not None else asked
+        if joints is not None and not isinstance(joints, str) and len(joints) == width:
+            return [f"{name}_{joint}" for joint in joints]
+    return [name] if width == 1 else [f"{name}[{k}]" for k in range(width)]
+
+
+def refuse_expansion(memory: int, path: Path, file: str) -> None:
+    """Refuse a file that claims to become far larger than it is: one made to fill the memory.
+
+    Raises:
+        ExoidError: With both sizes.
+    """
+    size = path.stat().st_size
+    if memory > MOST_MEMORY and memory > MOST_EXPANSION * size:
+        raise ExoidError(
+            f"{size} bytes would become {memory / 1e6:.0f} MB in memory, which no measurements do",
+            where=file,
+            remedy="check where the file comes from; write it without compression if it is sound",
+        )
+
+
+@contextmanager
+def reading(file: str, kind: str, remedy: str) -> Iterator[None]:
+    """Turn whatever a library throws at a damaged file into one line.
+
+    Raises:
+        ExoidError: Something was thrown.
+    """
+    try:
+        yield
+    except (ExoidError, KeyboardInterrupt, SystemExit, GeneratorExit):
+        raise
+    except MemoryError:
+        raise ExoidError(f"too large for the memory, or a damaged {kind}", where=file, remedy=remedy) from None
+    except BaseException as problem:  # polars' panics are no Exception
+        what = " ".join(str(problem).split())[:200] or type(problem).__name__
+        raise ExoidError(f"cannot be read as {kind}: {what}", where=file, remedy=remedy) from None
+
+
+def needs(package: str, kind: str, file: str) -> ExoidError:
+    """Make the error about a package that is not installed."""
+    return ExoidError(
+        f"reading {kind} needs {package}", where=file, remedy="pip install 'exoid[io]', or convert to CSV"
+    )

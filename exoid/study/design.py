@@ -1,0 +1,213 @@
+"""What a study varies, and the pieces it falls into."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import cache, cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.description import describe
+from exoid.errors import ExoidError
+from exoid.identification.estimators import ESTIMATORS
+from exoid.leg import Leg
+from exoid.torques import Term, TorqueModel, term_to_json
+from exoid.torso import TorsoMotion
+
+from .noise import Noise
+from .protocol import Protocol
+
+SCHEMA = "exoid-study-1"
+
+FOLLOWED = ("exactly", "by a rig")
+
+
+class LegText(NamedTuple):
+    """A leg as it travels to workers.
+
+    Attributes:
+        urdf: Text of the URDF.
+        name: Of the file.
+        joints: That move.
+        locked: Positions of others, by name.
+        cumulative: See :class:`exoid.Leg`.
+    """
+
+    urdf: str
+    name: str
+    joints: tuple[str, ...]
+    locked: tuple[tuple[str, float], ...]
+    cumulative: bool
+
+    @classmethod
+    def of(cls, leg: Leg) -> LegText:
+        """Write a leg down."""
+        about = leg.description
+        return cls(about.text, about.name, leg.joint_names, tuple(leg.locked.items()), leg.cumulative)
+
+
+class Piece(NamedTuple):
+    """Some replicates of one protocol under one noise.
+
+    Attributes:
+        protocol: Index.
+        noise: Index.
+        first: Number of the first replicate.
+        replicates: How many.
+    """
+
+    protocol: int
+    noise: int
+    first: int
+    replicates: int
+
+
+@dataclass(frozen=True)
+class Study:
+    """Virtual identifications in great number.
+
+    Every replicate draws noise of its own, from a seed that depends on nothing but the study's seed and its number; all
+    estimators see the same data.
+
+    Attributes:
+        leg: The leg.
+        terms: In the truth and in what is identified.
+        truth: Parameters of the virtual legs, in the order of the model's names.
+        protocols: What they do.
+        noises: Of the torques.
+        estimators: Names, as in :func:`exoid.identify`.
+        replicates: Of each protocol and noise.
+        seed: Of everything.
+        rate: Of the log [Hz].
+        cutoff: Of the parallel filter [Hz].
+        followed: "exactly" (angles, velocities and accelerations as commanded: what remains is noise), or "by a rig"
+            (simulated with servo, stiction and encoder: what the model leaves out shows as bias).
+        piece: Replicates that are done at once; a rig's are simulated side by side.
+    """
+
+    leg: LegText
+    terms: tuple[Term, ...]
+    truth: tuple[float, ...]
+    protocols: tuple[Protocol, ...]
+    noises: tuple[Noise, ...]
+    estimators: tuple[str, ...] = ("wls",)
+    replicates: int = 100
+    seed: int = 0
+    rate: float = 100.0
+    cutoff: float = 8.0
+    followed: str = "exactly"
+    piece: int = 20
+
+    def __post_init__(self) -> None:
+        """Check what can be checked before anything runs."""
+        unknown = [name for name in self.estimators if name not in ESTIMATORS]
+        if unknown or not self.estimators:
+            raise ExoidError(
+                f"no estimator {', '.join(unknown) or 'at all'}", remedy=f"use some of {', '.join(ESTIMATORS)}"
+            )
+        if self.followed not in FOLLOWED:
+            raise ExoidError(f"motions followed {self.followed!r}", remedy=f"use one of {', '.join(FOLLOWED)}")
+        if self.replicates < 2 or self.piece < 1 or self.seed < 0 or not self.protocols or not self.noises:
+            raise ExoidError(
+                f"{self.replicates} replicates in pieces of {self.piece}, seed {self.seed}, "
+                f"{len(self.protocols)} protocols, {len(self.noises)} noises",
+                remedy="at least two replicates, one in a piece, one protocol and one noise; no negative seed",
+            )
+        names, joints = self.model.names, len(self.leg.joints)
+        if len(self.truth) != len(names) or any(len(noise.std) != joints for noise in self.noises):
+            raise ExoidError(
+                f"{len(self.truth)} true parameters and noise of {', '.join(str(len(n.std)) for n in self.noises)} "
+                f"joints for a leg of {joints}",
+                remedy=f"give one value for each of {', '.join(names)} and noise for each joint",
+            )
+
+    @property
+    def model(self) -> TorqueModel:
+        """Leg and terms."""
+        return _model(self.leg, self.terms)
+
+    @cached_property
+    def pieces(self) -> tuple[Piece, ...]:
+        """All pieces, in the order of their numbers."""
+        firsts = range(0, self.replicates, self.piece)
+        return tuple(
+            Piece(protocol, noise, first, min(self.piece, self.replicates - first))
+            for protocol, noise, first in itertools.product(range(len(self.protocols)), range(len(self.noises)), firsts)
+        )
+
+    def generator(self, piece: Piece, replicate: int) -> np.random.Generator:
+        """Random numbers of one replicate, whoever draws them."""
+        return np.random.default_rng([self.seed, piece.protocol, piece.noise, replicate])
+
+    def torso(self, protocol: Protocol, motion: int) -> TorsoMotion | None:
+        """How the torso is held during a motion."""
+        pitch = protocol.pitches[motion]
+        return TorsoMotion(pitch=pitch) if pitch else None
+
+    def bound(self, protocol: int, noise: int) -> FloatArray:
+        """Smallest standard deviations that an unbiased estimate from unfiltered rows can have (Cramér–Rao), (P,)."""
+        model, motions = self.model, self.protocols[protocol]
+        information = sum(
+            self.noises[noise].information(
+                model.regressor(*motions.states(k, self.rate), self.torso(motions, k)), self.rate
+            )
+            for k in range(len(motions.motions))
+        )
+        return np.asarray(np.sqrt(np.diag(np.linalg.inv(np.asarray(information)))))
+
+    def to_json(self) -> dict[str, Any]:
+        """Describe it completely: equal descriptions have equal results."""
+        plain = ("estimators", "replicates", "seed", "rate", "cutoff", "followed", "piece")
+        return {
+            "schema": SCHEMA,
+            "leg": {**self.leg._asdict(), "locked": dict(self.leg.locked)},
+            "terms": [term_to_json(term) for term in self.terms],
+            "truth": dict(zip(self.model.names, self.truth, strict=True)),
+            "protocols": [protocol.to_json() for protocol in self.protocols],
+            "noises": [asdict(noise) for noise in self.noises],
+            **{name: getattr(self, name) for name in plain},
+        }
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the description."""
+        return hashlib.sha256(json.dumps(self.to_json(), sort_keys=True).encode()).hexdigest()
+
+
+@cache
+def _model(leg: LegText, terms: tuple[Term, ...]) -> TorqueModel:
+    return TorqueModel(
+        Leg.from_description(
+            describe(leg.urdf, leg.name), leg.joints, locked=dict(leg.locked), cumulative=leg.cumulative
+        ),
+        terms,
+    )
+
+
+def plausible_truth(
+    model: TorqueModel, typical: FloatArray, values: Mapping[str, float] | None = None
+) -> tuple[float, ...]:
+    """Parameters of virtual legs: the URDF's, and resistances of some percent of the typical torque of each joint.
+
+    Args:
+        model: Leg and terms.
+        typical: Torque of each joint [N·m], (n,).
+        values: Others, by name.
+    """
+    share = {"c0": 0.03, "d": 0.01, "Ia": 0.01, "offset": 0.01}
+    joints = dict(zip(model.leg.joint_labels, typical.tolist(), strict=True))
+    known = dict(zip(model.leg.parameter_names, model.leg.parameters.tolist(), strict=True))
+    for name in model.names[len(known) :]:
+        symbol, _, joint = name.partition("_")
+        known[name] = share.get(symbol, 0.0) * joints[joint]
+    return (
+        tuple(known[name] for name in model.names)
+        if not values
+        else tuple(float(values.get(name, known[name])) for name in model.names)
+    )

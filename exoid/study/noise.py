@@ -1,0 +1,67 @@
+"""Torque noise of studies, whose correlation is known."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Stationary noise, part of it autoregressive of first order and the rest white.
+
+    Attributes:
+        name: What results call it.
+        std: Standard deviation at each joint [N·m].
+        share: Of the variance that is correlated, 0 to 1.
+        memory: Time in which its correlation falls to 1/e [s].
+    """
+
+    name: str
+    std: tuple[float, ...]
+    share: float = 0.0
+    memory: float = 0.05
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        if not (all(0.0 < s < np.inf for s in self.std) and 0.0 <= self.share <= 1.0 and 0.0 < self.memory < np.inf):
+            raise ExoidError(f"{self}", remedy="deviations and memory are positive, the share is between 0 and 1")
+
+    def draw(self, rng: np.random.Generator, samples: int, rate: float) -> FloatArray:
+        """Draw noise at a rate [Hz], (samples, n) [N·m]."""
+        phi, shape = self._phi(rate), (samples, len(self.std))
+        white, drive = rng.standard_normal(shape), rng.standard_normal(shape)
+        drive[1:] *= math.sqrt(1.0 - phi**2)  # stationary from the first sample on
+        coloured = scipy.signal.lfilter([1.0], [1.0, -phi], drive, axis=0)
+        unit = math.sqrt(self.share) * coloured + math.sqrt(1.0 - self.share) * white
+        return np.asarray(unit * np.array(self.std))
+
+    def information(self, W: FloatArray, rate: float) -> FloatArray:
+        """Σ_j W_jᵀ Γ_j⁻¹ W_j of consecutive rows W, (N, n, P), at a rate [Hz].
+
+        With Q the inverse, tridiagonal, of the covariance of AR(1) noise of unit variance and s its share,
+        Γ⁻¹ = (s Q⁻¹ + (1 − s) I)⁻¹ = (s I + (1 − s) Q)⁻¹ Q.
+        """
+        phi, share = self._phi(rate), self.share
+        diagonal = np.full(len(W), 1.0 + phi**2)
+        diagonal[[0, -1]] = 1.0
+        beside = -phi / (1.0 - phi**2)
+        diagonal /= 1.0 - phi**2
+        inner = np.vstack([np.full(len(W), (1.0 - share) * beside), (1.0 - share) * diagonal + share])
+        information = np.zeros((W.shape[2],) * 2)
+        for joint, std in enumerate(self.std):
+            X = W[:, joint]
+            QX = diagonal[:, None] * X
+            QX[1:] += beside * X[:-1]
+            QX[:-1] += beside * X[1:]
+            information += X.T @ scipy.linalg.solveh_banded(inner, QX) / std**2
+        return information
+
+    def _phi(self, rate: float) -> float:
+        return math.exp(-1.0 / (self.memory * rate))

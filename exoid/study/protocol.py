@@ -1,0 +1,94 @@
+"""What virtual legs do in a study."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from exoid.errors import ExoidError
+from exoid.experiments import Harmonics, bleex, cuhk
+from exoid.experiments.excitation import Plan
+from exoid.experiments.excitation.fourier import States
+from exoid.leg import Leg
+
+
+@dataclass(frozen=True, eq=False)
+class Protocol:
+    """Motions that are made one after the other, of one leg each.
+
+    Attributes:
+        name: What results call it.
+        motions: Of one rig each.
+        seconds: Duration of each [s].
+        pitches: Tilt of the torso in each [rad].
+    """
+
+    name: str
+    motions: tuple[Harmonics, ...]
+    seconds: float
+    pitches: tuple[float, ...]
+
+    def states(self, motion: int, rate: float) -> States:
+        """Samples of a motion at a rate [Hz]."""
+        m = self.motions[motion]
+        time = np.arange(round(self.seconds * rate) + 1) / rate
+        frequency, phase = np.broadcast_to(m.frequency, m.amplitude.shape), np.broadcast_to(m.phase, m.amplitude.shape)
+        argument = np.multiply.outer(time, frequency[..., 0]) + phase[..., 0]
+        size, omega = m.amplitude[..., 0], frequency[..., 0]
+        s, c = np.sin(argument), np.cos(argument)
+        return States(
+            m.centre[:, 0] + (size * s).sum(axis=1),
+            (size * omega * c).sum(axis=1),
+            -(size * omega**2 * s).sum(axis=1),
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Describe it completely."""
+        motions = [
+            {
+                "centre": motion.centre[:, 0].tolist(),
+                "amplitude": motion.amplitude[..., 0].tolist(),
+                "frequency": np.broadcast_to(motion.frequency, motion.amplitude.shape)[..., 0].tolist(),
+                "phase": np.broadcast_to(motion.phase, motion.amplitude.shape)[..., 0].tolist(),
+            }
+            for motion in self.motions
+        ]
+        return {"name": self.name, "seconds": self.seconds, "pitches": list(self.pitches), "motions": motions}
+
+
+def planned(plan: Plan, name: str = "planned") -> Protocol:
+    """Take the motions of a plan."""
+    motions = plan.motions
+    return Protocol(name, tuple(m.reference for m in motions), motions[0].duration, tuple(m.pitch for m in motions))
+
+
+def document(leg: Leg, duration: float) -> Protocol:
+    """Take the dynamic experiments of the document that a built-in leg is from, shortened to a duration [s].
+
+    BLEEX: fifteen swings, each joint at five frequencies. CUHK-EXO: the random multisine of the replay, as the swings
+    of Table II do not determine every parameter.
+
+    Raises:
+        ExoidError: The leg is of no document.
+    """
+    if leg.joint_labels == ("hip", "knee", "ankle"):
+        every = bleex.dynamic_motions()
+        motions = tuple(_rig(every, rig) for rig in range(bleex.VALIDATION))
+    elif leg.joint_labels == ("hip", "knee"):
+        motions = (cuhk.multisine(leg, np.random.default_rng(0)),)
+    else:
+        raise ExoidError(
+            f"no document moved {', '.join(leg.joint_names)}", remedy="study the protocol 'planned', or a built-in leg"
+        )
+    return Protocol("document", motions, duration / len(motions), (0.0,) * len(motions))
+
+
+def _rig(motions: Harmonics, rig: int) -> Harmonics:
+    return Harmonics(
+        motions.centre[:, rig : rig + 1],
+        motions.amplitude[..., rig : rig + 1],
+        motions.frequency[..., rig : rig + 1],
+        motions.phase[..., rig : rig + 1],
+    )

@@ -1,0 +1,113 @@
+"""Doing one piece of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from exoid._typing import FloatArray
+from exoid.experiments import Bench, run_motion
+from exoid.identification import identify
+from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
+from exoid.signals import Recording
+
+from .design import Piece, Study
+
+LEVEL = 0.95
+"""Of the intervals."""
+
+BENCH = ProportionalDerivative(2000.0, 100.0)
+"""Servo of rigs [N·m/rad, N·m·s/rad]: stiff, as for exercises on a jig."""
+
+ENCODER = 2.0**16
+"""Counts a turn of rigs."""
+
+CONTROL, STEP = 500.0, 2e-3
+"""Rate of their controller [Hz], and step of the simulation [s]."""
+
+
+class Outcomes(NamedTuple):
+    """What came out of the replicates of a piece; E estimators, R replicates, P parameters.
+
+    Attributes:
+        values: Estimates, (E, R, P).
+        std: Their standard deviations, (E, R, P).
+        inside: Whether 95 % intervals contain the truth, (E, R, P).
+    """
+
+    values: FloatArray
+    std: FloatArray
+    inside: NDArray[np.bool_]
+
+
+def do_piece(study: Study, number: int) -> Outcomes:
+    """Record and identify the replicates of a piece; the same bits wherever it runs, as one thread does the algebra."""
+    piece, truth, model = study.pieces[number], np.array(study.truth), study.model
+    shape = (len(study.estimators), piece.replicates, len(truth))
+    values, std, inside = np.empty(shape), np.empty(shape), np.empty(shape, dtype=np.bool_)
+    with threadpool_limits(limits=1):
+        for k, recordings in enumerate(_recorded(study, piece)):
+            for e, name in enumerate(study.estimators):
+                estimate = identify(model.leg, recordings, study.terms, name, cutoff=study.cutoff)
+                low, high = estimate.interval(LEVEL).T
+                values[e, k], std[e, k] = estimate.values, estimate.std
+                inside[e, k] = (low <= truth) & (truth <= high)
+    return Outcomes(values, std, inside)
+
+
+def _recorded(study: Study, piece: Piece) -> Iterator[list[Recording]]:
+    """Recordings of each replicate."""
+    noise = study.noises[piece.noise]
+    clean = _by_rig(study, piece) if study.followed == "by a rig" else _exactly(study, piece)
+    for replicate in range(piece.replicates):
+        rng, noisy = study.generator(piece, piece.first + replicate), []
+        for of_motion in clean:
+            recording = of_motion[replicate % len(of_motion)]
+            assert recording.tau is not None
+            tau = recording.tau + noise.draw(rng, len(recording), study.rate)
+            noisy.append(
+                Recording(
+                    recording.time,
+                    recording.q,
+                    recording.v,
+                    recording.a,
+                    tau,
+                    joint_names=recording.joint_names,
+                    torso=recording.torso,
+                )
+            )
+        yield noisy
+
+
+def _exactly(study: Study, piece: Piece) -> list[list[Recording]]:
+    """One recording without noise of each motion, for all replicates."""
+    protocol, model, clean = study.protocols[piece.protocol], study.model, []
+    for k in range(len(protocol.motions)):
+        states, torso = protocol.states(k, study.rate), study.torso(protocol, k)
+        tau = model.regressor(*states, torso) @ np.array(study.truth)
+        time = np.arange(len(states.q)) / study.rate
+        clean.append([Recording(time, *states, tau, joint_names=model.leg.joint_names, torso=torso)])
+    return clean
+
+
+def _by_rig(study: Study, piece: Piece) -> list[list[Recording]]:
+    """Recordings of each motion by rigs side by side, one a replicate, that start a little off."""
+    protocol, model, clean = study.protocols[piece.protocol], study.model, []
+    named = dict(zip(model.names, study.truth, strict=True))
+    offset = [named.pop(f"offset_{label}", 0.0) for label in model.leg.joint_labels]
+    bench = Bench(
+        BENCH,
+        IdealTorque(),
+        Sensors(encoder_counts=ENCODER, angle_noise=np.pi / ENCODER, torque_offset=offset),
+        Rates(control=CONTROL, log=study.rate, step=STEP),
+    )
+    rng = np.random.default_rng([study.seed, piece.protocol, piece.noise, piece.first, 1])
+    for k, motion in enumerate(protocol.motions):
+        plant = Plant.build(model.leg, named, pitch=protocol.pitches[k]).each(piece.replicates)
+        run = run_motion(plant, motion, bench, protocol.seconds, rng)
+        clean.append([run.recording(rig) for rig in range(piece.replicates)])
+    return clean

@@ -1,0 +1,126 @@
+"""What a study says."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.tables import make_table, to_text
+
+from .design import Study
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Combination:
+    """One protocol, noise and estimator.
+
+    Attributes:
+        protocol: Name.
+        noise: Name.
+        estimator: Name.
+        names: Parameters, (P,).
+        units: Theirs.
+        bias: Mean error, (P,).
+        std: Standard deviation of the estimates, (P,).
+        stated: Root mean square of the standard deviations that estimates state, (P,).
+        coverage: Share of 95 % intervals that contain the truth, (P,).
+        bound: Smallest standard deviation of an unbiased estimate (Cramér–Rao), (P,).
+        replicates: How many identifications.
+    """
+
+    protocol: str
+    noise: str
+    estimator: str
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    bias: FloatArray
+    std: FloatArray
+    stated: FloatArray
+    coverage: FloatArray
+    bound: FloatArray
+    replicates: int
+
+    @property
+    def efficiency(self) -> FloatArray:
+        """Cramér–Rao bound over mean squared error, (P,); 1 is best."""
+        return np.asarray(self.bound**2 / (self.std**2 + self.bias**2))
+
+    def to_json(self) -> dict[str, Any]:
+        """Figures by parameter."""
+        figures = ("bias", "std", "stated", "coverage", "bound", "efficiency")
+        columns = {name: getattr(self, name).tolist() for name in figures}
+        return {
+            "protocol": self.protocol,
+            "noise": self.noise,
+            "estimator": self.estimator,
+            "replicates": self.replicates,
+            "parameters": {
+                name: {figure: column[k] for figure, column in columns.items()} for k, name in enumerate(self.names)
+            },
+        }
+
+    def __str__(self) -> str:
+        """One line for each parameter."""
+        rows = zip(
+            self.names, self.bias, self.std, self.stated, self.coverage, self.efficiency, self.units, strict=True
+        )
+        table = make_table(
+            ["parameter", "bias", "std", "stated", "coverage %", "efficiency", "unit"],
+            [
+                (name, f"{bias:+.2g}", f"{std:.3g}", f"{stated:.3g}", f"{100.0 * cover:.1f}", f"{part:.2f}", unit)
+                for name, bias, std, stated, cover, part, unit in rows
+            ],
+        )
+        return to_text(f"{self.protocol}, {self.noise} noise, {self.estimator}", table)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StudyResult:
+    """All combinations of a study; prints itself.
+
+    Attributes:
+        study: What was asked for.
+        combinations: Protocol by protocol, noise by noise, estimator by estimator.
+    """
+
+    study: Study
+    combinations: tuple[Combination, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Everything, by name."""
+        return {
+            "sha256": self.study.sha256,
+            "seed": self.study.seed,
+            "followed": self.study.followed,
+            "combinations": [combination.to_json() for combination in self.combinations],
+        }
+
+    def __str__(self) -> str:
+        """One line for each combination: means over parameters, and the worst parameter."""
+        rows = []
+        for each in self.combinations:
+            far, low = int(np.argmax(np.abs(each.coverage - 0.95))), int(np.argmin(each.efficiency))
+            bias = np.abs(each.bias) / each.std
+            rows.append(
+                (
+                    f"{each.protocol}, {each.noise}, {each.estimator}",
+                    f"{100.0 * each.coverage.mean():.1f}",
+                    f"{100.0 * each.coverage[far]:.1f} ({each.names[far]})",
+                    f"{each.efficiency.mean():.2f}",
+                    f"{each.efficiency[low]:.2f} ({each.names[low]})",
+                    f"{bias.max():.2f} ({each.names[int(np.argmax(bias))]})",
+                )
+            )
+        table = make_table(["combination", "coverage %", "farthest", "efficiency", "lowest", "bias / std"], rows)
+        study = self.study
+        error = 100.0 * math.sqrt(0.95 * 0.05 / study.replicates)
+        head = f"{study.replicates} identifications of each, motions followed {study.followed}, seed {study.seed}"
+        closing = (
+            f"Coverage of 95 % intervals: mean over parameters and farthest from 95; Monte-Carlo error ± {error:.1f} "
+            f"of each parameter, ± {1.0 / math.sqrt(study.replicates):.2f} of bias / std."
+        )
+        return to_text(head, table, closing)

@@ -1,0 +1,81 @@
+"""Running a study to its end, from wherever it stands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from .design import Study
+from .folder import Folder
+from .replicates import Outcomes
+from .result import Combination, StudyResult
+from .workers import Workers, here
+
+
+def run_study(
+    study: Study,
+    folder: str | Path | None = None,
+    workers: Workers = here,
+    progress: Callable[[float], None] | None = None,
+) -> StudyResult:
+    """Do what is left of a study, and put all pieces together in the order of their numbers.
+
+    The result is the same, bit for bit, whoever does the pieces, in whatever order, and however often it was killed.
+
+    Args:
+        study: What to do.
+        folder: Where finished pieces are kept; None for nowhere.
+        workers: Who does the pieces.
+        progress: Told the share that is done.
+
+    Raises:
+        ExoidError: The folder holds another study, or workers fail.
+    """
+    kept = None if folder is None else Folder(Path(folder), study)
+    pieces: dict[int, Outcomes] = {}
+    for number in range(len(study.pieces)):
+        found = kept.read(number) if kept is not None else None
+        if found is not None:
+            pieces[number] = found
+    left = [number for number in range(len(study.pieces)) if number not in pieces]
+    told = progress or (lambda _: None)
+    told(len(pieces) / len(study.pieces))
+    for done in workers(study, left) if left else ():
+        if kept is not None:
+            kept.write(done.number, done.outcomes)
+        pieces[done.number] = done.outcomes
+        told(len(pieces) / len(study.pieces))
+    with threadpool_limits(limits=1):  # as for the pieces
+        return StudyResult(study, tuple(_combinations(study, pieces)))
+
+
+def _combinations(study: Study, pieces: dict[int, Outcomes]) -> list[Combination]:
+    combinations = []
+    for p, protocol in enumerate(study.protocols):
+        for n, noise in enumerate(study.noises):
+            numbers = [k for k, piece in enumerate(study.pieces) if (piece.protocol, piece.noise) == (p, n)]
+            values, std, inside = (
+                np.concatenate([pieces[number][part] for number in numbers], axis=1) for part in range(3)
+            )
+            bound, truth = study.bound(p, n), np.array(study.truth)
+            for e, name in enumerate(study.estimators):
+                errors = values[e] - truth
+                combinations.append(
+                    Combination(
+                        protocol=protocol.name,
+                        noise=noise.name,
+                        estimator=name,
+                        names=study.model.names,
+                        units=study.model.units,
+                        bias=errors.mean(axis=0),
+                        std=errors.std(axis=0, ddof=1),
+                        stated=np.sqrt((std[e] ** 2).mean(axis=0)),
+                        coverage=inside[e].mean(axis=0),
+                        bound=bound,
+                        replicates=len(errors),
+                    )
+                )
+    return combinations

@@ -1,0 +1,57 @@
+"""One self-contained HTML page: meshcat's viewer, the scene as JSON, a legend and a slider."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import re
+import zlib
+from collections.abc import Mapping
+from functools import cache, lru_cache
+from importlib.resources import files
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from exoid.errors import ExoidError
+
+
+def write_page(scene: Mapping[str, Any], *, live: bool = False) -> str:
+    """Write the page of a scene.
+
+    Args:
+        scene: What :meth:`.Scene.to_json` returns.
+        live: Whether a server stands behind the page and may move the legs.
+    """
+    data = json.dumps(scene, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    pieces = {
+        "TITLE": html.escape(str(scene["title"])),
+        "LICENCES": _viewer_file("dist/main.min.js.LICENSE.txt").replace("--", "- -"),
+        "VIEWER": _packed(_viewer_file("dist/main.min.js")),
+        "SCENE": _packed(data),
+    }
+    template = files(__package__).joinpath("page.html").read_text(encoding="utf-8")
+    page = re.sub(r"@([A-Z]+)@", lambda match: pieces[match[1]], template)
+    return page.replace("<html ", '<html data-live="1" ', 1) if live else page
+
+
+@lru_cache(maxsize=4)
+def _packed(text: str) -> str:
+    """Compress, a third of the size, in letters that need no escape; the page unpacks it."""
+    return base64.b64encode(zlib.compress(text.encode(), 6)).decode()
+
+
+@cache
+def _viewer_file(name: str) -> str:
+    """Read a file of meshcat's viewer without importing meshcat, which would load ZMQ, Tornado and IPython.
+
+    Raises:
+        ExoidError: meshcat is not installed, or without its viewer.
+    """
+    found = find_spec("meshcat")
+    for folder in [] if found is None else found.submodule_search_locations or []:
+        path = Path(folder) / "viewer" / name
+        if path.is_file():
+            return path.read_text(encoding="utf-8")
+    raise ExoidError("meshcat's viewer is missing", where=name, remedy="pip install --force-reinstall meshcat")

@@ -1,0 +1,82 @@
+"""A recording as frames of a film."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+from exoid.signals import Recording
+
+from .commands import FRAMES_PER_SECOND
+
+LONGEST = 600.0
+"""Longer replays [s] make pages that browsers struggle with."""
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """A recording at :data:`FRAMES_PER_SECOND`, and a second motion beside it.
+
+    Attributes:
+        recording: Motion of the leg.
+        ghost: Motion of the translucent leg, or None.
+        time: Of the frames [s], (F,).
+    """
+
+    recording: Recording
+    ghost: Recording | None
+    time: FloatArray
+
+    @classmethod
+    def of(cls, recording: Recording, ghost: Recording | None = None) -> Replay:
+        """Cut a recording into frames.
+
+        Raises:
+            ExoidError: It is too long, or the second motion is at other times.
+        """
+        if recording.duration > LONGEST:
+            raise ExoidError(
+                f"a replay of {recording.duration:.0f} s; the longest is {LONGEST:.0f} s",
+                remedy="choose a part: recording.between(start, stop), or --start and --stop",
+            )
+        if ghost is not None and (ghost.time[-1] <= recording.time[0] or ghost.time[0] >= recording.time[-1]):
+            raise ExoidError(
+                f"the second motion ({ghost.time[0]:g} to {ghost.time[-1]:g} s) has no time in common with the "
+                f"recording ({recording.time[0]:g} to {recording.time[-1]:g} s)",
+                remedy="give both the same time axis",
+            )
+        frames = int(recording.duration * FRAMES_PER_SECOND) + 1
+        return cls(recording, ghost, recording.time[0] + np.arange(frames) / FRAMES_PER_SECOND)
+
+    @property
+    def duration(self) -> float:
+        """From the first frame to the last [s]."""
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def pitch(self) -> float:
+        """Of the torso [rad]."""
+        torso = self.recording.torso
+        return 0.0 if torso is None else float(torso.samples(1).pitch[0])
+
+    def angles(self, leg: Leg) -> FloatArray | None:
+        """Angles of a leg's joints [rad], (F, n); None for a leg that was not recorded."""
+        return self._frames(self.recording, leg, "q")
+
+    def ghost_angles(self, leg: Leg) -> FloatArray | None:
+        """Angles of the translucent leg [rad], (F, n), or None."""
+        return None if self.ghost is None else self._frames(self.ghost, leg, "q")
+
+    def torques(self, leg: Leg) -> FloatArray | None:
+        """Recorded torques [N·m], (F, n), or None."""
+        return None if self.recording.tau is None else self._frames(self.recording, leg, "tau")
+
+    def _frames(self, recording: Recording, leg: Leg, quantity: str) -> FloatArray | None:
+        if not set(leg.joint_names) & set(recording.joint_names):
+            return None
+        values = getattr(recording.select(leg.joint_names), quantity)
+        return np.column_stack([np.interp(self.time, recording.time, column) for column in values.T])

@@ -1,0 +1,182 @@
+"""A server for browsers of this machine only: the page of a scene, and changes to it as they come.
+
+meshcat's own server listens on every interface of the machine. This one listens on 127.0.0.1, answers only requests
+that name this machine (a foreign page cannot reach it by a name of its own), and runs in threads of this process, so
+that nothing is left when the process ends.
+"""
+
+from __future__ import annotations
+
+import json
+import queue
+import threading
+from collections.abc import Mapping
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from exoid.errors import ExoidError
+
+from .page import write_page
+
+if TYPE_CHECKING:
+    from .commands import Command
+    from .scene import Scene
+
+LOOPBACK = "127.0.0.1"
+
+DEFAULT_PORT = 7000
+
+BEAT = 5.0
+"""Seconds after which a browser that has gone away is noticed."""
+
+
+class SceneServer:
+    """Serves a scene on 127.0.0.1 until it is closed; made by :meth:`.Scene.serve`.
+
+    Attributes:
+        url: Where to point a browser.
+        port: It listens on.
+    """
+
+    def __init__(self, scene: Scene, port: int | None = None) -> None:
+        """Start to listen."""
+        self._scene = scene
+        self._listeners: set[queue.Queue[str | None]] = set()
+        self._latest: dict[tuple[object, ...], Command] = {}
+        self._lock = threading.Lock()
+        self._server = _bind(port)
+        self._server.scene_server = self
+        self.port = int(self._server.server_address[1])
+        self.url = f"http://{LOOPBACK}:{self.port}/"
+        self._thread = threading.Thread(target=self._server.serve_forever, args=(0.1,), name="exoid view", daemon=True)
+        self._thread.start()
+
+    def pose(self, angles: Mapping[str, float]) -> None:
+        """Put joints to angles [rad] in every browser that looks, all others to zero.
+
+        Raises:
+            ExoidError: There is no such joint.
+        """
+        self.send(self._scene.pose(angles))
+
+    def send(self, commands: list[Command]) -> None:
+        """Send drawing commands to every browser that looks."""
+        text = json.dumps(commands, separators=(",", ":"))
+        with self._lock:
+            self._latest |= {(c["type"], c["path"], c.get("property")): c for c in commands}
+            for listener in self._listeners:
+                listener.put(text)
+
+    def wait(self) -> None:
+        """Wait until the server is closed or someone presses Ctrl-C."""
+        try:
+            while self._thread.is_alive():
+                self._thread.join(0.5)
+        except KeyboardInterrupt:
+            pass
+
+    def close(self) -> None:
+        """Stop listening and end all threads."""
+        with self._lock:
+            for listener in self._listeners:
+                listener.put(None)
+        self._server.shutdown()
+        self._server.server_close()
+        self._thread.join()
+
+    def page(self) -> bytes:
+        """The page that browsers get."""
+        return write_page(self._scene.to_json(), live=True).encode()
+
+    def listen(self) -> queue.Queue[str | None]:
+        """Register a browser: what it has missed, commands as they come, then None."""
+        listener: queue.Queue[str | None] = queue.Queue()
+        with self._lock:
+            listener.put(json.dumps(list(self._latest.values())))
+            self._listeners.add(listener)
+        return listener
+
+    def leave(self, listener: queue.Queue[str | None]) -> None:
+        """Forget a browser."""
+        with self._lock:
+            self._listeners.discard(listener)
+
+    def __enter__(self) -> SceneServer:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+class _Server(ThreadingHTTPServer):
+    daemon_threads = True
+    block_on_close = False
+    allow_reuse_address = True
+    scene_server: SceneServer
+
+
+class _Handler(BaseHTTPRequestHandler):
+    """Answers "/" with the page and "/events" with commands as they come (server-sent events)."""
+
+    server: _Server
+    server_version = "exoid"
+    sys_version = ""
+
+    def do_GET(self) -> None:
+        """Answer a browser."""
+        host = (self.headers.get("Host") or "").rsplit(":", 1)[0]
+        if host not in (LOOPBACK, "localhost"):
+            self.send_error(HTTPStatus.FORBIDDEN)
+        elif self.path == "/":
+            self._answer("text/html; charset=utf-8", self.server.scene_server.page())
+        elif self.path == "/events":
+            self._answer("text/event-stream")
+            self._stream()
+        else:
+            self.send_error(HTTPStatus.NOT_FOUND)
+
+    def log_message(self, format: str, *args: object) -> None:
+        """Say nothing."""
+
+    def _answer(self, kind: str, body: bytes = b"") -> None:
+        self.send_response(HTTPStatus.OK)
+        self.send_header("Content-Type", kind)
+        self.send_header("Cache-Control", "no-store")
+        if body:
+            self.send_header("Content-Length", str(len(body)))
+        self.end_headers()
+        self.wfile.write(body)
+
+    def _stream(self) -> None:
+        scene_server = self.server.scene_server
+        listener = scene_server.listen()
+        try:
+            while True:
+                try:
+                    text = listener.get(timeout=BEAT)
+                except queue.Empty:
+                    self.wfile.write(b": still here\n\n")
+                    continue
+                message = "event: end\ndata:\n\n" if text is None else f"data: {text}\n\n"
+                self.wfile.write(message.encode())
+                if text is None:
+                    break
+        except OSError:  # the browser has gone
+            pass
+        finally:
+            scene_server.leave(listener)
+
+
+def _bind(port: int | None) -> _Server:
+    for wanted in (DEFAULT_PORT, 0) if port is None else (port,):
+        try:
+            return _Server((LOOPBACK, wanted), _Handler)
+        except OverflowError:
+            raise ExoidError(f"port {wanted}", remedy="choose one from 1 to 65535, or 0 for any that is free") from None
+        except OSError as problem:
+            reason = problem.strerror or str(problem)
+    raise ExoidError(f"cannot listen on port {wanted} ({reason})", remedy="choose another port")

@@ -1,0 +1,122 @@
+"""What a leg's torques cost in C, against one call of Pinocchio's RNEA from Python.
+
+``pytest tests/benchmarks/test_c_speed.py -s`` prints the times.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import gc
+import shutil
+import subprocess
+import time
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from planar_chains import assert_relative, random_motion
+
+import exoid
+from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
+
+CALLS = 20_000
+RATIO = 1.0
+
+COMPILER = shutil.which("cc")
+
+pytestmark = pytest.mark.skipif(COMPILER is None, reason="needs a C compiler (cc)")
+
+HARNESS = """
+#include "leg.c"
+
+void all_of_it(int count, const leg_real *q, const leg_real *v, const leg_real *a, leg_real *tau)
+{
+    int k;
+    for (k = 0; k < count; ++k) {
+        int at = k * LEG_JOINTS;
+        leg_inverse_dynamics(q + at, v + at, a + at, tau + at);
+    }
+}
+
+void gravity_and_friction(int count, const leg_real *q, const leg_real *v, const leg_real *a, leg_real *tau)
+{
+    leg_real friction[LEG_JOINTS];
+    int j, k;
+    (void)a;
+    for (k = 0; k < count; ++k) {
+        int at = k * LEG_JOINTS;
+        leg_gravity(q + at, tau + at);
+        leg_friction(v + at, friction);
+        for (j = 0; j < LEG_JOINTS; ++j) {
+            tau[at + j] += friction[j];
+        }
+    }
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def estimate():
+    """BLEEX with every term, from data."""
+    data = exoid.datasets.bleex_swing()
+    terms = (Coulomb(), Viscous(), Armature(), Stiffness(joints=("knee", "ankle")), Offset(joints=("hip",)))
+    return exoid.identify(data.leg, data.train, terms=terms)
+
+
+@pytest.fixture(scope="module")
+def motion():
+    return random_motion(np.random.default_rng(0), 3, CALLS, turns=0.5)
+
+
+@pytest.fixture(scope="module")
+def compiled(estimate, tmp_path_factory):
+    """The C of the leg, called in loops that are C too."""
+    folder = tmp_path_factory.mktemp("leg")
+    estimate.to_c(folder / "leg.c")
+    (folder / "harness.c").write_text(HARNESS)
+    flags = ("-std=c99", "-O2", "-shared", "-fPIC")
+    subprocess.run([COMPILER, *flags, folder / "harness.c", "-o", folder / "leg.so", "-lm"], check=True)
+    library = ctypes.CDLL(str(folder / "leg.so"))
+
+    def run(function, motion):
+        tau = np.empty_like(motion[0])
+        arrays = (np.ascontiguousarray(x).ctypes.data_as(ctypes.c_void_p) for x in (*motion, tau))
+        getattr(library, function)(ctypes.c_int(len(tau)), *arrays)
+        return tau
+
+    return run
+
+
+def test_the_loop_in_c_computes_the_torque_of_the_estimate(estimate, compiled, motion):
+    assert_relative(compiled("all_of_it", motion), estimate.torque(*motion), 1e-12)
+
+
+def test_a_call_in_c_costs_less_than_one_bare_rnea_from_python(estimate, compiled, motion):
+    """Measured in turns, the best of each, so that other work on the machine meets both alike."""
+    model, data = estimate.leg.model, estimate.leg.model.createData()
+    rows = list(zip(*motion, strict=True))
+
+    def bare():
+        for q, v, a in rows:
+            pin.rnea(model, data, q, v, a)
+
+    works = {
+        "pin.rnea from Python": bare,
+        "inverse dynamics with every term, in C": lambda: compiled("all_of_it", motion),
+        "gravity and friction, in C": lambda: compiled("gravity_and_friction", motion),
+    }
+    best = dict.fromkeys(works, np.inf)
+    gc.disable()
+    try:
+        for _ in range(7):
+            for name, work in works.items():
+                start = time.perf_counter()
+                work()
+                best[name] = min(best[name], (time.perf_counter() - start) / CALLS)
+    finally:
+        gc.enable()
+    reference = best["pin.rnea from Python"]
+    print()
+    for name, seconds in best.items():
+        print(f"{name}: {1e9 * seconds:.0f} ns, {seconds / reference:.3f} × pin.rnea")
+    assert max(seconds for name, seconds in best.items() if name.endswith("in C")) <= RATIO * reference

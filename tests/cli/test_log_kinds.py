@@ -1,0 +1,72 @@
+"""The commands read logs of every kind alike."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import numpy as np
+import pytest
+from log_writers import WRITERS, messages, write_bag
+
+import exoid
+from exoid.cli import main
+
+
+@pytest.fixture
+def exoid_(capsys, monkeypatch, tmp_path):
+    """Run ``exoid ARGUMENTS`` in this process, in an empty folder: exit status, standard output, standard error."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["exoid", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        return int(stop.value.code or 0), *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def recording():
+    return exoid.datasets.bleex_swing().train
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_a_log_of_any_kind_gives_the_estimate_of_the_same_log_as_csv(exoid_, recording, kind, tmp_path):
+    recording.to_csv(tmp_path / "log.csv")
+    WRITERS[kind](tmp_path / kind, recording)
+    estimates = []
+    for name in ("log.csv", kind):
+        code, out, err = exoid_("identify", "bleex", name, "--json")
+        assert (code, err) == (0, "")
+        estimates.append(list(json.loads(out)["values"].values()))
+    np.testing.assert_allclose(estimates[1], estimates[0], rtol=1e-9)
+    code, out, _ = exoid_("validate", save(exoid_), kind)
+    assert code == 0
+    assert f"Prediction of {kind}" in out
+
+
+def save(exoid_):
+    exoid_("identify", "bleex", "log.csv", "-o", "leg.json")
+    return "leg.json"
+
+
+def test_the_topic_and_the_stamps_of_a_bag_are_options(exoid_, recording, tmp_path):
+    write_bag(tmp_path / "bag", {"/left": messages(recording), "/right": messages(recording)}, late=10**6)
+    code, out, err = exoid_("identify", "bleex", "bag")
+    assert (code, out) == (2, "")
+    assert err.startswith("exoid: bag: 2 topics of joint states: /left, /right")
+    assert err.count("\n") == 1
+    assert exoid_("identify", "bleex", "bag", "--topic", "/right", "--received")[0] == 0
+    recording.to_csv(tmp_path / "log.csv")
+    assert exoid_("identify", "bleex", "log.csv", "--topic", "/right")[0] == 2
+
+
+def test_a_damaged_log_ends_in_one_line(exoid_, recording, tmp_path):
+    WRITERS["log.parquet"](tmp_path / "log.parquet", recording)
+    (tmp_path / "log.parquet").write_bytes((tmp_path / "log.parquet").read_bytes()[:1000])
+    code, out, err = exoid_("identify", "bleex", "log.parquet")
+    assert (code, out) == (2, "")
+    assert err.startswith("exoid: log.parquet: cannot be read as Parquet")
+    assert err.count("\n") == 1

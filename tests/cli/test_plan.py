@@ -1,0 +1,94 @@
+"""``exoid plan`` plans, writes, draws, assesses and refuses."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.cli import main
+from exoid.experiments import cuhk
+from exoid.experiments.excitation import MotionLimits, assess, plan_excitation, precision_to_json
+
+QUICK = ("--duration", "8", "--highest", "0.6", "--starts", "1", "--noise", "0.3")
+LEG = exoid.load_leg("cuhk")
+
+
+@pytest.fixture
+def run(capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["exoid", "plan", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        return (int(stop.value.code or 0), *capsys.readouterr())
+
+    return run
+
+
+def slow_log(path):
+    time = np.arange(3001) / 100.0
+    motion = cuhk.swing(cuhk.HIP)
+    q = np.array([motion.at(t).q[:, 0] for t in time])
+    exoid.Recording(time, q, joint_names=LEG.joint_names).to_csv(path)
+
+
+def test_a_plan_is_written_printed_and_equals_the_api(run, tmp_path):
+    code, out, err = run("cuhk", "-o", "plan.csv", *QUICK, "--velocity", "2,3", "--figure", "plan.png", "--json")
+    assert code == 0
+    assert "wrote plan.csv" in err
+    limits = MotionLimits.of(LEG, velocity=(2.0, 3.0))
+    plan = plan_excitation(LEG, noise=0.3, duration=8.0, highest=0.6, starts=1, limits=limits)
+    data = json.loads(out)
+    assert data["predicted_std"] == dict(zip(plan.precision.names, plan.precision.std.tolist(), strict=True))
+    assert data["condition_number"] == plan.precision.condition_number
+    assert data["duration"] == 8.0
+    read = exoid.Recording.from_csv(tmp_path / "plan.csv")
+    np.testing.assert_array_equal(read.q, plan.recordings[0].q)
+    assert (tmp_path / "plan.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_log_is_assessed_in_plain_words_and_as_json(run, tmp_path):
+    slow_log(tmp_path / "slow.csv")
+    code, out, _ = run("cuhk", "--assess", "slow.csv", "--noise", "0.3", "--figure", "precision.png")
+    assert code == 0
+    assert "cannot be determined" in out
+    assert "add 20 s: " in out
+    assert (tmp_path / "precision.png").is_file()
+    code, out, _ = run("cuhk", "--assess", "slow.csv", "--noise", "0.3", "--json")
+    said = assess(LEG, exoid.Recording.from_csv(tmp_path / "slow.csv"), noise=0.3)
+    data = json.loads(out)
+    assert {key: data[key] for key in precision_to_json(said.precision)} == precision_to_json(said.precision)
+    assert data["predicted_std"]["Ia_knee"] is None
+    assert data["determined"]["Ia_knee"] == "not"
+    assert [advice["what"] for advice in data["advice"]] == [advice.what for advice in said.advice]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("nobody",), "no leg or URDF file"),
+        (("cuhk", "--duration", "1"), "too short"),
+        (("cuhk", "--noise", "much"), "write numbers"),
+        (("cuhk", "--angles", "knee"), "JOINT=LOW:HIGH"),
+        (("cuhk", "--angles", "elbow=0:10"), "no joint 'elbow'"),
+        (("cuhk", "--angles", "hip=40:50", "--torque", "5", *QUICK), "no motion was found"),
+        (("cuhk", "--ground", "0.9"), "without --foot"),
+        (("cuhk", "--foot", "1,2,3"), "X,Z in metres"),
+        (("cuhk", "--terms", "magic"), "no term 'magic'"),
+        (("cuhk", "--assess", "nothing.csv"), "nothing.csv"),
+        (("cuhk", "--assess", "slow.csv", "-o", "plan.csv"), "no effect with --assess"),
+        (("cuhk", "-o", "plan.txt", *QUICK), "name the file .csv"),
+        (("cuhk", "-o", "nowhere/plan.csv", *QUICK), "there is no folder nowhere"),
+    ],
+)
+def test_bad_input_ends_in_one_line(run, arguments, words, tmp_path):
+    slow_log(tmp_path / "slow.csv")
+    code, out, err = run(*arguments)
+    assert code == 2
+    assert out == ""
+    assert err.count("\n") == 1
+    assert words in err
+    assert not (tmp_path / "plan.csv").exists()

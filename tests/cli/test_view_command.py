@@ -1,0 +1,162 @@
+"""``exoid view`` shows what its words say, or ends in one line."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from drawings import scene_of
+from typer.testing import CliRunner
+
+import exoid
+from exoid.cli import app, main
+from exoid.view import SceneServer
+
+
+@pytest.fixture(scope="module")
+def estimate():
+    data = exoid.datasets.bleex_swing()
+    return exoid.identify(data.leg, data.train)
+
+
+@pytest.fixture
+def view(capsys, monkeypatch, tmp_path, estimate):
+    """Run ``exoid view ARGUMENTS`` in a folder with an estimate and a URDF."""
+    monkeypatch.chdir(tmp_path)
+    estimate.save("est.json")
+    Path("leg.urdf").write_text(estimate.model.leg.description.text, encoding="utf-8")
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["exoid", "view", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        return int(stop.value.code or 0), *capsys.readouterr()
+
+    return run
+
+
+def page():
+    return scene_of(Path("leg.html").read_text(encoding="utf-8"))
+
+
+def labels():
+    return [layer["label"] for layer in page()["layers"]]
+
+
+def test_a_built_in_leg_becomes_a_page(view):
+    code, out, err = view("bleex", "--html", "leg.html")
+    assert (code, err) == (0, "")
+    assert re.fullmatch(r"wrote leg\.html \(0\.\d\d MB\)\n", out)
+    assert page()["title"] == "bleex, left leg"
+    assert labels() == ["leg", "joint axes", "centres of mass", "CAD inertia", "weights", "torque against gravity"]
+
+
+def test_both_legs_in_a_pose_with_published_inertias(view):
+    words = ("bleex", "--side", "both", "--inertias", "identified", "--pose", "left_knee=-40", "--html", "leg.html")
+    code, out, err = view(*words, "--json")
+    assert (code, err) == (0, "")
+    assert json.loads(out) == {"html": "leg.html", "bytes": Path("leg.html").stat().st_size}
+    assert page()["title"] == "bleex, left leg, right leg"
+    assert "identified inertia" in labels()
+    knee = next(c for c in page()["commands"] if c["path"].endswith("left_knee/body") and c["type"] == "set_transform")
+    assert knee["matrix"][0] == pytest.approx(np.cos(np.deg2rad(40.0)), abs=1e-4)
+
+
+def test_an_estimate_replays_a_log_beside_its_prediction(view):
+    code, _, err = view(
+        "est.json", "--log", "bleex_swing:test", "--stop", "4", "--horizon", "0.25", "--html", "leg.html"
+    )
+    assert (code, err) == (0, "")
+    assert page()["duration"] == pytest.approx(4.0, abs=0.05)
+    assert {"predicted", "identified inertia", "measured torque"} <= set(labels())
+
+
+def test_a_reference_is_replayed_instead_of_a_prediction(view):
+    exoid.datasets.bleex_swing().test.to_csv("asked.csv")
+    words = ("est.json", "--log", "bleex_swing:test", "--reference", "asked.csv", "--stop", "3", "--html", "leg.html")
+    assert view(*words)[0] == 0
+    assert "reference" in labels()
+    assert "predicted" not in labels()
+
+
+def test_all_joints_of_a_urdf_move_unless_some_are_named_or_logged(view):
+    assert view("leg.urdf", "--html", "leg.html")[0] == 0
+    assert sum(c["path"].endswith("/body") for c in page()["commands"]) == 6
+    assert view("leg.urdf", "--joints", "left_hip,left_knee", "--html", "leg.html")[0] == 0
+    assert sum(c["path"].endswith("/body") for c in page()["commands"]) == 2
+    assert view("leg.urdf", "--log", "bleex_swing:test", "--stop", "2", "--html", "leg.html")[0] == 0
+    assert page()["duration"] > 0.0
+
+
+def test_a_missing_mesh_is_noted(view):
+    urdf = Path("leg.urdf")
+    visual = '<visual><geometry><mesh filename="gone.stl"/></geometry></visual></link>'
+    urdf.write_text(urdf.read_text("utf-8").replace("</link>", visual, 1), "utf-8")
+    code, _, err = view("leg.urdf", "--html", "leg.html")
+    assert code == 0
+    assert err.startswith("note: ")
+    assert "gone.stl" in err
+
+
+@pytest.mark.parametrize("as_json", [False, True])
+def test_the_address_is_printed_and_a_browser_opened(view, monkeypatch, as_json):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setattr(SceneServer, "wait", lambda self: None)
+    code, out, err = view("cuhk", "--port", "0", *(["--json"] if as_json else []))
+    assert (code, err) == (0, "ended\n")
+    (url,) = opened
+    if as_json:
+        assert json.loads(out) == {"url": url, "port": int(url.rsplit(":")[-1].strip("/"))}
+    else:
+        assert url in out
+        assert "this machine only" in out
+    view("cuhk", "--port", "0", "--no-browser")
+    assert opened == [url]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("absent.urdf",), ("absent.urdf", "no leg or URDF file")),
+        (("absent.json",), ("absent.json", "cannot be read")),
+        (("bleex", "--side", "middle"), ("middle", "'left' or 'right'")),
+        (("bleex", "--inertias", "guessed"), ("guessed", "identified")),
+        (("est.json", "--side", "left"), ("--side has no effect",)),
+        (("leg.urdf", "--inertias", "cad"), ("--inertias has no effect",)),
+        (("bleex", "--pose", "left_knee"), ("--pose left_knee", "JOINT=DEGREES")),
+        (("bleex", "--pose", "elbow=3"), ("no joint elbow",)),
+        (("bleex", "--reference", "bleex_swing:test"), ("--reference without --log",)),
+        (("bleex", "--port", "7000"), ("--port has no effect",)),
+        (("bleex", "--log", "absent.csv"), ("absent.csv",)),
+        (("cuhk", "--log", "bleex_swing:test", "--side", "right"), ("none of the logged joints",)),
+        (("est.json", "--log", "bleex_swing:test", "--horizon", "0"), ("horizon",)),
+        (("bleex", "--html", "nowhere/leg.html"), ("nowhere/leg.html", "cannot be written")),
+    ],
+)
+def test_bad_input_ends_in_one_line(view, arguments, words):
+    html = () if "--html" in arguments else ("--html", "leg.html")
+    code, out, err = view(*arguments, *html)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    for word in words:
+        assert word in err
+
+
+def test_help_names_every_option():
+    text = CliRunner().invoke(app, ["view", "--help"], env={"COLUMNS": "200"}).output
+    for option in (
+        "--log",
+        "--reference",
+        "--horizon",
+        "--html",
+        "--side",
+        "--pose",
+        "--meshes",
+        "--port",
+        "--no-browser",
+    ):
+        assert option in text

@@ -1,0 +1,85 @@
+"""Estimates with known values, and the C of a leg compiled and called from Python."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from exoid import Armature, Coulomb, Estimate, Leg, Stiffness, Viscous
+from exoid.identification import Input
+from exoid.signals import ZeroPhase
+from exoid.torques import TorqueModel
+
+COMPILER = shutil.which("cc")
+
+needs_compiler = pytest.mark.skipif(COMPILER is None, reason="needs a C compiler (cc)")
+
+STRICT = (
+    *("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"),
+    *("-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Wmissing-prototypes", "-Wstrict-prototypes", "-Wundef"),
+)
+
+EVERY_TERM = (Coulomb(), Viscous(), Armature(), Stiffness(degree=3))
+
+
+def made_up(leg: Leg, terms=EVERY_TERM, seed: int = 0, **changes) -> Estimate:
+    """An estimate of the leg's own parameters with random values for the terms."""
+    model = TorqueModel(leg, tuple(terms))
+    rng = np.random.default_rng(seed)
+    own = len(leg.parameter_names)
+    values = np.concatenate([leg.parameters, rng.uniform(-1.0, 2.0, len(model.names) - own)])
+    given = {
+        "model": model,
+        "values": values,
+        "covariance": np.diag((0.01 * values) ** 2),
+        "condition_number": 3.0,
+        "dof": 1000.0,
+        "residual_rms": np.full(len(leg.joint_names), 0.1),
+        "estimator": "wls",
+        "preparation": ZeroPhase(),
+        "inputs": (Input("log.csv", "ab" * 32, 1000, 100.0),),
+    }
+    return Estimate(**{**given, **changes})
+
+
+def compile_c(arguments, *sources: Path, to: Path) -> Path:
+    """Compile, and fail with what the compiler said."""
+    done = subprocess.run(
+        [str(COMPILER), *STRICT, *arguments, *map(str, sources), "-o", str(to), "-lm"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return to
+
+
+class CompiledLeg:
+    """The functions of an estimate's C file, each over samples (N, n); ``change`` is done to its text before."""
+
+    def __init__(self, estimate: Estimate, folder: Path, *, precision="double", flags=("-O2",), change=None) -> None:
+        self.n = len(estimate.joint_names)
+        self.real = ctypes.c_double if precision == "double" else ctypes.c_float
+        self.type = np.float64 if precision == "double" else np.float32
+        source = folder / "leg.c"
+        self.written = estimate.to_c(source, precision=precision)
+        if change is not None:
+            source.write_text(change(self.written.text))
+        self.library = ctypes.CDLL(str(compile_c((*flags, "-shared", "-fPIC"), source, to=folder / "leg.so")))
+
+    def __call__(self, function: str, *inputs, shape=None) -> np.ndarray:
+        call, pointer = getattr(self.library, f"leg_{function}"), ctypes.POINTER(self.real)
+        call.restype = None
+        columns = [np.ascontiguousarray(np.atleast_2d(x), dtype=self.type) for x in inputs]
+        out = np.full((len(columns[0]), *(shape or (self.n,))), np.nan, dtype=self.type)
+        for *row, result in zip(*columns, out, strict=True):
+            call(*(x.ctypes.data_as(pointer) for x in (*row, result)))
+        return out.astype(np.float64)
+
+    def mass_matrix(self, q) -> np.ndarray:
+        return self("mass_matrix", q, shape=(self.n, self.n))

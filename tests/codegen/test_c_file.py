@@ -1,0 +1,232 @@
+"""The C file: strict C99, no state, tells where it comes from, and is refused where it would be wrong."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from compiled import COMPILER, EVERY_TERM, STRICT, CompiledLeg, compile_c, made_up, needs_compiler
+from planar_chains import assert_relative, random_chain, random_motion
+
+import exoid
+from exoid import Coulomb, ExoidError, Leg, Offset, Stiffness, Viscous
+from exoid.codegen import c_source, c_source_to_json
+from exoid.description import describe
+from exoid.identification import Input
+from exoid.torques import LoadFriction, Stribeck
+
+CUHK = exoid.load_leg("cuhk")
+ESTIMATE = made_up(CUHK)
+
+TERM_SETS = {
+    "every": EVERY_TERM,
+    "none": (),
+    "friction": (Coulomb(smoothing=0.0, dead_band=0.1), Viscous()),
+    "springs": (Stiffness(degree=8),),
+    "offset": (Offset(joints=("hip",)),),
+}
+
+
+def checked(tmp_path, *flags):
+    """Compile a file by flags that not every compiler has; skip where it does not."""
+    (tmp_path / "empty.c").write_text("int main(void) { return 0; }\n")
+    command = [str(COMPILER), *flags, str(tmp_path / "empty.c"), "-o", str(tmp_path / "empty")]
+    if subprocess.run(command, capture_output=True, check=False).returncode:
+        pytest.skip(f"the compiler does not know {' '.join(flags)}")
+    return flags
+
+
+@needs_compiler
+@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize("terms", TERM_SETS.values(), ids=TERM_SETS)
+@pytest.mark.parametrize("joints", [1, 3])
+def test_every_file_compiles_without_a_warning(joints, terms, precision, tmp_path):
+    leg = random_chain(np.random.default_rng(joints), joints).leg()
+    made_up(leg, terms).to_c(tmp_path / "leg.c", precision=precision)
+    compile_c(("-O2", "-c"), tmp_path / "leg.c", to=tmp_path / "leg.o")
+
+
+@needs_compiler
+@pytest.mark.skipif(shutil.which("nm") is None, reason="needs nm")
+@pytest.mark.parametrize(("precision", "suffix"), [("double", ""), ("float", "f")])
+def test_it_keeps_no_state_and_needs_the_mathematical_library_only(precision, suffix, tmp_path):
+    ESTIMATE.to_c(tmp_path / "leg.c", precision=precision)
+    compile_c(("-O2", "-c"), tmp_path / "leg.c", to=tmp_path / "leg.o")
+    done = subprocess.run(["nm", str(tmp_path / "leg.o")], capture_output=True, text=True, check=True)
+    symbols = [line.split()[-2:] for line in done.stdout.splitlines()]
+    wanted = {f"{name}{suffix}" for name in ("sin", "cos", "sincos", "tanh", "fabs")} | {"_GLOBAL_OFFSET_TABLE_"}
+    assert {name for kind, name in symbols if kind == "U"} <= wanted
+    assert not {name for kind, name in symbols if kind.upper() in "BDCS"}, "writable data"
+    assert {name for kind, name in symbols if kind == "T"} == set(c_source(ESTIMATE, "leg").functions)
+
+
+@needs_compiler
+@pytest.mark.parametrize("precision", ["double", "float"])
+def test_sanitizers_find_nothing(precision, tmp_path):
+    """A program of its own, as Python itself was not built for them."""
+    flags = checked(tmp_path, "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+    ESTIMATE.to_c(tmp_path / "leg.c", precision=precision)
+    (tmp_path / "main.c").write_text(MAIN)
+    compile_c(("-g", *flags), tmp_path / "leg.c", tmp_path / "main.c", to=tmp_path / "main")
+    done = subprocess.run([str(tmp_path / "main")], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+MAIN = """
+#include <stdio.h>
+#define LEG_DECLARATIONS_ONLY
+#include "leg.c"
+
+int main(void)
+{
+    leg_real q[LEG_JOINTS] = {0}, v[LEG_JOINTS] = {0}, a[LEG_JOINTS] = {0}, tau[LEG_JOINTS];
+    leg_real M[LEG_JOINTS][LEG_JOINTS];
+    int k;
+    for (k = -100; k < 100; ++k) {
+        q[0] = v[1] = a[LEG_JOINTS - 1] = (leg_real)k;
+        leg_gravity(q, tau);
+        leg_friction(v, tau);
+        leg_stiffness(q, tau);
+        leg_mass_matrix(q, M);
+        leg_rigid_bodies(q, v, a, tau);
+        leg_inverse_dynamics(q, v, a, tau);
+    }
+    return printf("%g\\n", (double)tau[0]) < 0;
+}
+"""
+
+
+@needs_compiler
+def test_two_legs_fit_into_one_program(tmp_path):
+    for side in ("left", "right"):
+        made_up(exoid.load_leg("cuhk", side=side)).to_c(tmp_path / f"{side}-leg.c")
+    both = '#include "left-leg.c"\n#include "right-leg.c"\n'
+    (tmp_path / "main.c").write_text(both + "int main(void) { return LEFT_LEG_JOINTS != RIGHT_LEG_JOINTS; }\n")
+    program = compile_c((), tmp_path / "main.c", to=tmp_path / "main")
+    assert subprocess.run([str(program)], check=False).returncode == 0
+
+
+@needs_compiler
+def test_it_compiles_as_cpp_too(tmp_path):
+    ESTIMATE.to_c(tmp_path / "leg.c")
+    command = [str(shutil.which("c++") or pytest.skip("no C++ compiler")), "-x", "c++", "-Wall", "-Wextra", "-Werror"]
+    subprocess.run([*command, "-c", str(tmp_path / "leg.c"), "-o", str(tmp_path / "leg.o")], check=True)
+
+
+def test_the_comment_says_where_the_numbers_come_from():
+    estimate = replace(ESTIMATE, inputs=(Input("monday.csv", "0123" * 16, 500, 50.0),), warnings=("it limped",))
+    head = c_source(estimate).text.split("*/")[0]
+    for word in (
+        *("cuhk.urdf", CUHK.description.sha256, "monday.csv", "0123" * 16, "500 samples at 50 Hz", "it limped"),
+        *(exoid.__version__, "left_hip, left_knee", "N m", "rad", "M(q) a", "double", "Ia_hip cannot be told from J1"),
+    ):
+        assert word in head
+    for name, value, unit in zip(estimate.names, estimate.values, ("kg m", "kg m", "kg m^2"), strict=False):
+        assert f"{name} = {value:.6g} +- " in head
+        assert f" {unit}, well determined" in head
+
+
+def test_the_same_estimate_gives_the_same_file():
+    assert c_source(ESTIMATE).sha256 == c_source(made_up(CUHK)).sha256
+    assert c_source(ESTIMATE).sha256 != c_source(made_up(CUHK, seed=1)).sha256
+
+
+@needs_compiler
+def test_no_name_can_break_out_of_a_comment(tmp_path):
+    nasty = '*/ #error "out" /*??/\\\n é \x07*\x00/'
+    joints = ("hip*/ int x; /*", "knee??/")
+    text = CUHK.description.text.replace("left_hip", joints[0]).replace("left_knee", joints[1])
+    leg = Leg.from_description(describe(text, name=nasty), joints, cumulative=False)
+    estimate = made_up(leg, inputs=(Input(nasty, nasty, 3, 1.0),), warnings=(nasty,))
+    c = CompiledLeg(estimate, tmp_path)
+    motion = random_motion(np.random.default_rng(0), 2)
+    assert_relative(c("inverse_dynamics", *motion), estimate.torque(*motion), 1e-12)
+    assert (tmp_path / "leg.c").read_bytes().isascii()
+
+
+def test_constants_are_written_to_the_last_bit():
+    text = c_source(ESTIMATE).text
+    for value in ESTIMATE.values:
+        assert f"    {float(value)!r}, /* " in text or f" {float(value)!r}" in text
+    single = c_source(ESTIMATE, precision="float").text
+    assert f"{np.float32(ESTIMATE.value('J1'))!s}f, /* 0: J1 */" in single
+
+
+def tilted() -> Leg:
+    """A hip that flexes and abducts: not planar."""
+    return Leg.from_description(
+        describe(
+            CUHK.description.text.replace('<axis xyz="0.0 1.0 0.0" />', '<axis xyz="1.0 0.0 0.0" />'),
+            name="tilted.urdf",
+        ),
+        ("left_hip", "left_knee"),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sticky(Coulomb):
+    """A user's own friction, which the C of its parent would get wrong."""
+
+
+class TestRefusals:
+    def test_a_leg_that_is_not_planar(self, tmp_path):
+        leg = tilted()
+        assert leg.chain is None
+        with pytest.raises(ExoidError, match=r"tilted.urdf: only a planar chain.*choose joints"):
+            made_up(leg, ()).to_c(tmp_path / "leg.c")
+        assert not list(tmp_path.iterdir())
+
+    @pytest.mark.parametrize("term", [Coulomb(presliding=1e-3), LoadFriction(), Stribeck()])
+    def test_friction_that_remembers_or_depends_on_more_than_velocity(self, term, tmp_path):
+        with pytest.raises(ExoidError, match="no form in C"):
+            made_up(exoid.load_leg("cuhk"), (term,)).to_c(tmp_path / "leg.c")
+        assert not list(tmp_path.iterdir())
+
+    def test_a_term_that_has_no_form_in_c(self, tmp_path):
+        with pytest.raises(ExoidError, match=r"Sticky \(c0\) has no form in C.*Armature, Coulomb"):
+            made_up(CUHK, (Sticky(),)).to_c(tmp_path / "leg.c")
+        assert not list(tmp_path.iterdir())
+
+    def test_an_unknown_precision(self):
+        with pytest.raises(ExoidError, match=r"no precision 'half'.*double or float"):
+            c_source(ESTIMATE, precision="half")
+
+    def test_a_number_that_no_float_can_hold(self):
+        estimate = replace(ESTIMATE, values=np.where(np.arange(len(ESTIMATE.values)) == 0, 1e39, ESTIMATE.values))
+        with pytest.raises(ExoidError, match=r"1e\+39 is too large for a float.*double"):
+            c_source(estimate, precision="float")
+        assert "1e+39" in c_source(estimate).text
+
+    @pytest.mark.parametrize("name", ["", ".c", "___", "腿.c"])
+    def test_a_name_that_c_cannot_have(self, name):
+        with pytest.raises(ExoidError, match="is no name for C"):
+            c_source(ESTIMATE, name)
+
+    def test_a_folder_that_does_not_exist(self, tmp_path):
+        with pytest.raises(ExoidError, match=r"nowhere/leg.c: cannot be written"):
+            ESTIMATE.to_c(tmp_path / "nowhere" / "leg.c")
+
+    def test_a_refusal_leaves_an_existing_file_alone(self, tmp_path):
+        (tmp_path / "leg.c").write_text("mine")
+        with pytest.raises(ExoidError):
+            ESTIMATE.to_c(tmp_path / "leg.c", precision="half")
+        assert [path.name for path in tmp_path.iterdir()] == ["leg.c"]
+        assert (tmp_path / "leg.c").read_text() == "mine"
+
+
+def test_what_was_written_prints_itself(tmp_path):
+    written = ESTIMATE.to_c(tmp_path / "left_leg.c", precision="float")
+    assert (tmp_path / "left_leg.c").read_text() == written.text
+    for word in ("left_leg.c", "float", "left_leg_gravity", "LEFT_LEG_DECLARATIONS_ONLY", "left_hip, left_knee"):
+        assert word in str(written).replace("\n", " ")
+    assert repr(written) == f"CSource({str(tmp_path / 'left_leg.c')!r}, 'float')"
+    data = c_source_to_json(written)
+    assert data["c"] == {"name": "left_leg.c", "sha256": written.sha256}
+    assert data["values"] == dict(zip(ESTIMATE.names, ESTIMATE.values.tolist(), strict=True))
+
+
+def test_strictness_is_what_it_is_meant_to_be():
+    assert {"-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"} <= set(STRICT)

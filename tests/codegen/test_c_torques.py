@@ -1,0 +1,143 @@
+"""What the C computes is what Pinocchio and the estimate compute."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from compiled import EVERY_TERM, CompiledLeg, made_up, needs_compiler
+from planar_chains import assert_relative, random_chain, random_motion
+
+import exoid
+from exoid import Armature, Coulomb, Offset, Stiffness, Viscous, dynamics
+
+pytestmark = needs_compiler
+
+EXACT, SINGLE = 1e-12, 3e-6
+"""Largest error allowed in double and in float, relative to the largest entry."""
+
+LEGS = {
+    **{f"bleex {side}": exoid.load_leg("bleex", side=side, inertias="identified") for side in ("left", "right")},
+    **{f"cuhk {side}": exoid.load_leg("cuhk", side=side) for side in ("left", "right")},
+    **{
+        f"chain {seed}, {'' if cumulative else 'not '}cumulative": random_chain(
+            np.random.default_rng(seed), seed % 5 + 1, continuous=True
+        ).leg(cumulative=cumulative)
+        for seed, cumulative in [(0, True), (1, False), (2, True), (3, True), (3, False), (4, True), (4, False)]
+    },
+}
+
+
+@pytest.fixture(params=LEGS, scope="module")
+def case(request, tmp_path_factory):
+    """An estimate with every term, and its C."""
+    estimate = made_up(LEGS[request.param], seed=len(request.param))
+    return estimate, CompiledLeg(estimate, tmp_path_factory.mktemp("leg"))
+
+
+@pytest.fixture(params=["bleex left", "cuhk right", "chain 4, cumulative"])
+def leg(request):
+    return LEGS[request.param]
+
+
+def motion_of(estimate, seed=0):
+    return random_motion(np.random.default_rng(seed), len(estimate.joint_names), turns=0.5)
+
+
+def test_inverse_dynamics_are_the_torque_of_the_estimate(case):
+    estimate, c = case
+    motion = motion_of(estimate)
+    assert_relative(c("inverse_dynamics", *motion), estimate.torque(*motion), EXACT)
+
+
+def test_the_rigid_bodies_are_pinocchios(case):
+    estimate, c = case
+    motion = motion_of(estimate)
+    assert_relative(c("rigid_bodies", *motion), dynamics.inverse_dynamics(estimate.leg.model, *motion), EXACT)
+
+
+def test_gravity_is_pinocchios(case):
+    estimate, c = case
+    q, _, _ = motion_of(estimate)
+    assert_relative(c("gravity", q), dynamics.gravity_torque(estimate.leg.model, q), EXACT)
+
+
+def test_the_mass_matrix_is_pinocchios_with_rotors_on_the_diagonal(case):
+    estimate, c = case
+    q, _, _ = motion_of(estimate)
+    names = [f"Ia_{label}" for label in estimate.leg.joint_labels]
+    rotors = np.diag([estimate.value(name) if name in estimate.names else 0.0 for name in names])
+    M = c.mass_matrix(q)
+    assert_relative(M, dynamics.mass_matrix(estimate.leg.model, q) + rotors, EXACT)
+    assert np.array_equal(M, np.swapaxes(M, 1, 2))
+
+
+def test_the_parts_add_up_to_the_whole(case):
+    """Mass matrix, gravity, friction and springs of a leg at rest but accelerating."""
+    estimate, c = case
+    q, _, a = motion_of(estimate, seed=1)
+    parts = np.einsum("kij,kj->ki", c.mass_matrix(q), a) + c("gravity", q)
+    parts += c("friction", np.zeros_like(q)) + c("stiffness", q)
+    assert_relative(parts, estimate.torque(q, np.zeros_like(q), a), EXACT)
+
+
+def test_float_is_as_accurate_as_float_can_be(leg, tmp_path):
+    estimate = made_up(leg)
+    c = CompiledLeg(estimate, tmp_path, precision="float")
+    rng = np.random.default_rng(2)
+    q, v, a = (x.astype(np.float32).astype(np.float64) for x in random_motion(rng, c.n, turns=0.25))
+    expected = estimate.torque(q, v, a)
+    assert_relative(c("inverse_dynamics", q, v, a), expected, SINGLE)
+    assert np.abs(c("inverse_dynamics", q, v, a) - expected).max() > 1e-9  # it is not double in disguise
+
+
+SETS = {
+    "none": (),
+    "sharp friction": (Coulomb(smoothing=0.0), Viscous()),
+    "sharp friction with a dead band": (Coulomb(smoothing=0.0, dead_band=0.5),),
+    "smooth friction with a dead band": (Coulomb(smoothing=0.3, dead_band=0.5),),
+    "an offset and a spring, whose constants are one": (Offset(), Stiffness()),
+    "a spring and an offset": (Stiffness(degree=1), Offset()),
+    "constant springs": (Stiffness(degree=0),),
+    "high powers": (Stiffness(degree=8),),
+    "of either direction its own": (Coulomb(asymmetric=True), Viscous(asymmetric=True)),
+    "sharp, of either direction its own": (Coulomb(asymmetric=True, smoothing=0.0, dead_band=0.2),),
+    "some joints only": (Coulomb(joints=("knee",)), Armature(joints=("left_knee",)), Offset(joints=("hip",))),
+    "smooth at the hip, sharp at the knee": (Coulomb(joints=("hip",)), Coulomb(joints=("knee",), smoothing=0.0)),
+}
+
+
+@pytest.mark.parametrize("terms", SETS.values(), ids=SETS)
+def test_every_form_of_every_term_is_the_same_in_c(terms, tmp_path):
+    estimate = made_up(exoid.load_leg("cuhk"), terms)
+    c = CompiledLeg(estimate, tmp_path)
+    q, v, a = motion_of(estimate)
+    v[:8] = [
+        [0.0, 0.5],
+        [-0.0, -0.5],
+        [0.5, 0.0],
+        [1e-9, -1e-9],
+        [0.49, 0.51],
+        [-0.49, -0.51],
+        [0.02, 0.3],
+        [1.0, -1.0],
+    ]
+    assert_relative(c("inverse_dynamics", q, v, a), estimate.torque(q, v, a), EXACT)
+
+
+def test_an_estimate_from_data_survives_the_way_through_its_file_into_c(tmp_path):
+    data = exoid.datasets.bleex_swing()
+    exoid.identify(data.leg, data.train, terms=EVERY_TERM).save(tmp_path / "est.json")
+    estimate = exoid.Estimate.load(tmp_path / "est.json")
+    motion = motion_of(estimate)
+    assert_relative(CompiledLeg(estimate, tmp_path)("inverse_dynamics", *motion), estimate.torque(*motion), EXACT)
+
+
+def test_a_wrong_sign_would_be_seen(tmp_path):
+    """The comparison can fail: with one joint's axis turned round it does."""
+    estimate = made_up(exoid.load_leg("cuhk"))
+    right, wrong = "    -1.0, /* 1: axis of left_knee", "    1.0, /* 1: axis of left_knee"
+    c = CompiledLeg(estimate, tmp_path, change=lambda text: text.replace(right, wrong))
+    assert right in c.written.text
+    motion = motion_of(estimate)
+    with pytest.raises(AssertionError, match="Not equal to tolerance"):
+        assert_relative(c("inverse_dynamics", *motion), estimate.torque(*motion), 0.1)

@@ -1,0 +1,171 @@
+"""A law against the rig: what the loop does, and what its figures mean."""
+
+import numpy as np
+import pytest
+from legs import cuhk_plant, frictionless
+from scipy.integrate import solve_ivp
+
+from exoid.control import ControlModel, State, gravity_friction_pd, pd, simulate, simulate_many
+from exoid.control.closed_loop import plant_step
+from exoid.control.tracking import tracking_to_json
+from exoid.errors import ExoidError
+from exoid.experiments import Hold, healthy_gait
+from exoid.rig import Plant, Sensors, Target
+
+KP, KD = (22.0, 56.0), (2.2, 5.6)
+NOISY = Sensors(encoder_counts=2.0**13, angle_noise=5e-4, velocity_noise=0.01, torque_noise=0.3)
+
+
+class Spy:
+    """Remembers what it was told, and asks for the time as torque."""
+
+    rate = 30.0
+
+    def __init__(self):
+        self.heard = []
+
+    def torque(self, state: State, target: Target):
+        self.heard.append((state, target))
+        return np.full_like(state.q, 0.01 * len(self.heard))
+
+
+def test_a_law_is_told_the_time_the_target_and_its_last_torque():
+    spy, gait = Spy(), healthy_gait()
+    simulate(cuhk_plant(), spy, gait, 1.0)
+    assert len(spy.heard) == 31
+    for k, (state, target) in enumerate(spy.heard):
+        assert state.time == pytest.approx(k / 30.0)
+        assert state.last is None if k == 0 else state.last == pytest.approx(0.01 * k)
+        for told, true in zip(target, gait.at(k / 30.0), strict=True):
+            np.testing.assert_allclose(told, true[:, 0], atol=1e-12)
+
+
+def test_torque_is_held_between_samples():
+    run = simulate(cuhk_plant(), Spy(), healthy_gait(), 1.0, log_rate=300.0)
+    np.testing.assert_allclose(run.tau[1::10, 0], run.tau[10::10, 0])
+    assert len(np.unique(run.tau[1:, 0])) == 30
+
+
+def test_the_closed_loop_without_friction_is_that_of_an_integrator_of_high_order():
+    """Pinocchio's dynamics under DOP853; holding the torque between samples costs an error of first order."""
+    plant, gait = frictionless(cuhk_plant(0.0)), healthy_gait()
+    law = gravity_friction_pd(plant, KP, KD, friction=None)
+    model = ControlModel.of(plant)
+
+    def rate(t, y):
+        q, v = y[:2], y[2:]
+        tau = law.torque(State(q, v, t), Target(*(x[:, 0] for x in gait.at(t))))
+        tau -= plant.viscous[:, 0] * v
+        return [*v, *np.linalg.solve(model.mass_matrix(q), tau - model.inverse_dynamics(q, v, np.zeros(2)))]
+
+    fine = np.arange(1601) / 2000.0
+    begin = gait.at(0.0)
+    start = [*begin.q[:, 0], *begin.v[:, 0]]
+    truth = solve_ivp(rate, (0.0, 0.8), start, method="DOP853", t_eval=fine, rtol=1e-9, atol=1e-11).y[:2].T
+    errors = []
+    for every, hertz in ((2, 1000.0), (1, 2000.0)):
+        run = simulate(plant, gravity_friction_pd(plant, KP, KD, friction=None, rate=hertz), gait, 0.8)
+        errors.append(np.abs(run.q - truth[::every]).max())
+    assert errors[1] < 1e-4
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1)
+    assert np.deg2rad(run.peak_deg.max()) > 50.0 * errors[1]
+
+
+def test_no_energy_comes_from_nowhere():
+    for plant in (cuhk_plant(), cuhk_plant(0.0)):
+        run = simulate(plant, pd(KP, KD), healthy_gait(period=4.0), 4.0)
+        assert run.audit.relative_error < 1e-4
+        assert run.audit.dissipated > 1.0
+        work = run.tau[1:] * np.diff(run.q, axis=0)
+        assert run.audit.work == pytest.approx(work.sum(), rel=1e-6)
+
+
+def test_metrics_are_what_their_names_say():
+    run = simulate(cuhk_plant(), pd(KP, KD), healthy_gait(period=5.0), 7.0, settle=2.0)
+    late = run.time >= 2.0
+    error = np.rad2deg(run.target - run.q)[late]
+    np.testing.assert_allclose(run.peak_deg, np.abs(error).max(axis=0))
+    np.testing.assert_allclose(run.rms_deg, np.sqrt(np.mean(error**2, axis=0)))
+    np.testing.assert_allclose(run.rms_torque, np.sqrt(np.mean(run.tau[late] ** 2, axis=0)))
+    np.testing.assert_allclose(run.torque_variation, np.abs(np.diff(run.tau[late], axis=0)).sum(axis=0) / 5.0)
+    power = np.abs(run.tau * run.v)[late]
+    np.testing.assert_allclose(run.energy, (power[1:] + power[:-1]).sum(axis=0) / 200.0)
+    assert tracking_to_json(run)["peak_deg"] == run.peak_deg.tolist()
+
+
+def test_the_recording_is_what_the_sensors_said():
+    run = simulate(cuhk_plant(), pd(KP, KD), healthy_gait(), 3.0, sensors=NOISY, seed=4)
+    log = run.recording
+    assert log.joint_names == ("left_hip", "left_knee")
+    for said, true, noise in ((log.q, run.q, 5e-4), (log.v, run.v, 0.01), (log.tau, run.tau, 0.3)):
+        assert np.std(said - true) == pytest.approx(noise, rel=0.15)
+
+
+def test_the_same_seed_gives_the_same_run():
+    runs = [simulate(cuhk_plant(), pd(KP, KD), healthy_gait(), 1.0, sensors=NOISY, seed=s).q for s in (1, 1, 2)]
+    np.testing.assert_array_equal(runs[0], runs[1])
+    assert (runs[0] != runs[2]).any()
+
+
+def test_many_rigs_at_once_do_what_each_does_alone():
+    plants = [cuhk_plant(), cuhk_plant(0.0), cuhk_plant(c0_hip=3.0)]
+    leg = plants[0].leg
+    assert all(plant.leg is leg for plant in plants)
+    together = simulate_many(
+        Plant.join(plants), pd(KP, KD), healthy_gait(period=4.0), 2.0, names=("rotor", "none", "stiff")
+    )
+    assert [one.law for one in together] == ["rotor", "none", "stiff"]
+    for one, plant in zip(together, plants, strict=True):
+        alone = simulate(plant, pd(KP, KD), healthy_gait(period=4.0), 2.0)
+        np.testing.assert_allclose(one.q, alone.q, atol=1e-8)
+
+
+def test_delay_is_what_makes_a_stiff_loop_swing():
+    stiff = pd((400.0, 300.0), (20.0, 15.0))
+    prompt, late = (
+        simulate(cuhk_plant(), stiff, healthy_gait(), 3.0, settle=1.0, sensors=Sensors(np.inf, delay=d)) for d in (0, 8)
+    )
+    assert (late.torque_variation > 10.0 * prompt.torque_variation).any()
+
+
+def test_a_run_may_begin_elsewhere():
+    start = np.deg2rad([40.0, 30.0])
+    run = simulate(cuhk_plant(), pd(KP, KD), Hold(np.zeros((2, 1))), 0.5, start=start)
+    np.testing.assert_allclose(run.q[0], start)
+    np.testing.assert_allclose(run.v[0], 0.0)
+
+
+@pytest.mark.parametrize(
+    ("control", "log"), [(30.0, 100.0), (100.0, 100.0), (33.0, 100.0), (1000.0, 1000.0), (2.5, 4.0)]
+)
+def test_the_step_divides_both_periods(control, log):
+    step = plant_step(control, log)
+    assert 2.5e-4 <= step <= 5e-4 * (1.0 + 1e-12)
+    for rate in (control, log):
+        assert 1.0 / (rate * step) == pytest.approx(round(1.0 / (rate * step)), abs=1e-6)
+
+
+@pytest.mark.parametrize("rates", [(0.0, 100.0), (100.0, np.nan), (99.97, 100.0)])
+def test_rates_without_a_common_step_are_refused(rates):
+    with pytest.raises(ExoidError, match="Hz"):
+        plant_step(*rates)
+
+
+def test_bad_runs_are_refused():
+    plant, law, gait = cuhk_plant(), pd(KP, KD), healthy_gait()
+    with pytest.raises(ExoidError, match="plant of 2 rigs"):
+        simulate(plant.each(2), law, gait, 1.0)
+    with pytest.raises(ExoidError, match="1 names for 2 rigs"):
+        simulate_many(plant.each(2), law, gait, 1.0, names=("one",))
+    with pytest.raises(ExoidError, match="settle"):
+        simulate(plant, law, gait, 1.0, settle=1.0)
+    with pytest.raises(ExoidError, match="the motion asks left_knee"):
+        simulate(plant, law, healthy_gait(scale=3.0), 10.0)
+    with pytest.raises(ExoidError, match="diverged"):
+        simulate(plant, pd(1e7, 1e7), gait, 1.0)
+
+
+def test_a_result_prints_itself():
+    text = str(simulate(cuhk_plant(), pd(KP, KD), healthy_gait(), 1.0, name="PD"))
+    for word in ("PD at 100 Hz", "left_hip", "left_knee", "peak error [deg]", "rms torque [N·m]"):
+        assert word in text

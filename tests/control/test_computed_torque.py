@@ -1,0 +1,110 @@
+"""With an exact model the leg becomes what was asked for: feed-forward is RNEA, computed torque a linear error."""
+
+import numpy as np
+import pytest
+from legs import LEG, cuhk_plant, exact_estimate, random_target, true_torque
+from scipy.integrate import solve_ivp
+
+from exoid.control import SMOOTH, ControlModel, State, computed_torque, feedforward_pd, pd
+from exoid.errors import ExoidError
+from exoid.experiments import healthy_gait
+from exoid.rig import Target
+
+GAIT = healthy_gait(period=2.0)
+
+
+def column(time):
+    return Target(*(x[:, 0] for x in GAIT.at(time)))
+
+
+def follow(law, plant, start, duration=3.0):
+    """Angles under a law without sampling: Pinocchio's dynamics, integrated to 1e-11."""
+    model = ControlModel.of(plant)
+
+    def rate(t, y):
+        q, v = y[:2], y[2:]
+        tau = law.torque(State(q, v, t), column(t)) - model.friction(q, v, 0.5)
+        return [*v, *np.linalg.solve(model.mass_matrix(q), tau - model.inverse_dynamics(q, v, np.zeros(2)))]
+
+    time = np.linspace(0.0, duration, 61)
+    done = solve_ivp(rate, (0.0, duration), start, method="DOP853", t_eval=time, rtol=1e-11, atol=1e-12)
+    return time, done.y[:2].T
+
+
+def same_friction():
+    """The smooth friction that `follow` puts into the plant, compensated on the measured velocity."""
+    return type(SMOOTH)(width=0.5)
+
+
+@pytest.mark.parametrize("rotor", [0.0, 0.8])
+def test_computed_torque_with_a_perfect_model_tracks_exactly(rotor):
+    plant = cuhk_plant(rotor)
+    law = computed_torque(exact_estimate(rotor), 25.0, 8.0, friction=same_friction())
+    first = column(0.0)
+    time, q = follow(law, plant, [*first.q, *first.v])
+    error = q - np.array([column(t).q for t in time])
+    assert np.abs(error).max() < 1e-6
+    assert np.ptp(q, axis=0).min() > 0.5
+
+
+def test_an_error_under_computed_torque_obeys_its_linear_equation():
+    """ë + kd ė + kp e = 0 from e = 0.2 rad, at each joint with its own gains, to 1e-6."""
+    kp, kd = np.array([25.0, 9.0]), np.array([6.0, 8.0])  # under-damped, over-damped
+    law = computed_torque(cuhk_plant(), kp, kd, friction=same_friction())
+    first = column(0.0)
+    time, q = follow(law, cuhk_plant(), [*(first.q - 0.2), *first.v])
+    error = np.array([column(t).q for t in time]) - q
+    roots = [np.roots([1.0, d, p]) for p, d in zip(kp, kd, strict=True)]
+    for joint, (one, two) in enumerate(roots):
+        expected = 0.2 * (two * np.exp(one * time) - one * np.exp(two * time)) / (two - one)
+        np.testing.assert_allclose(error[:, joint], expected.real, atol=1e-6)
+
+
+def test_a_wrong_model_does_not_track_exactly():
+    law = computed_torque(cuhk_plant(X2=1.2), 25.0, 8.0, friction=same_friction())
+    first = column(0.0)
+    time, q = follow(law, cuhk_plant(), [*first.q, *first.v])
+    assert np.abs(q - np.array([column(t).q for t in time])).max() > 1e-2
+
+
+@pytest.mark.parametrize("source", [cuhk_plant(), exact_estimate()], ids=["plant", "estimate"])
+def test_feedforward_is_rnea_at_the_reference(source):
+    """Whatever the state is, when it does not differ from the reference; friction on the desired velocity."""
+    plant, target = cuhk_plant(), random_target()
+    torque = feedforward_pd(source, 22.0, 2.2).torque(State(target.q, target.v), target)
+    expected = true_torque(plant, *target) + plant.coulomb[:, 0] * np.tanh(target.v / 0.05)
+    np.testing.assert_allclose(torque, expected, atol=1e-12)
+
+
+def test_feedforward_and_feedback_add_up():
+    target, state = random_target(), State(*np.random.default_rng(3).uniform(-1.0, 1.0, (2, 2)))
+    law, alone = feedforward_pd(LEG, 22.0, 2.2), pd(22.0, 2.2)
+    ahead = law.torque(State(target.q, target.v), target)
+    np.testing.assert_allclose(law.torque(state, target), ahead + alone.torque(state, target), atol=1e-12)
+
+
+def test_without_gains_computed_torque_is_inverse_dynamics_of_what_is_wanted():
+    target, state = random_target(), State(*np.random.default_rng(3).uniform(-1.0, 1.0, (2, 2)))
+    torque = computed_torque(LEG, 0.0, 0.0, friction=None).torque(state, target)
+    np.testing.assert_allclose(torque, LEG.inverse_dynamics(state.q, state.v, target.a)[0], atol=1e-12)
+
+
+@pytest.mark.parametrize("make", [feedforward_pd, computed_torque])
+def test_many_legs_at_once_get_what_each_gets_alone(make):
+    rng = np.random.default_rng(2)
+    law = make(exact_estimate(), (22.0, 56.0), (2.0, 5.0))
+    q, v = rng.uniform(-1.0, 1.0, (2, 2, 5))
+    target = Target(*rng.uniform(-1.0, 1.0, (3, 2, 5)))
+    torque = law.torque(State(q, v), target)
+    for k in range(5):
+        alone = law.torque(State(q[:, k], v[:, k]), Target(*(x[:, k] for x in target)))
+        np.testing.assert_allclose(torque[:, k], alone, atol=1e-12)
+
+
+@pytest.mark.parametrize("make", [feedforward_pd, computed_torque])
+def test_a_reference_without_acceleration_is_refused(make):
+    target = random_target()
+    with pytest.raises(ExoidError, match="no acceleration"):
+        make(LEG, 1.0, 1.0).torque(State(target.q, target.v), Target(target.q, target.v))
+    with pytest.raises(ExoidError, match="kp ="):
+        make(LEG, -1.0, 1.0)

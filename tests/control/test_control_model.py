@@ -1,0 +1,135 @@
+"""The model inside a law says what Pinocchio and the estimate say."""
+
+import numpy as np
+import pytest
+from legs import LEG, TERMS, cuhk_plant, estimate_of, exact_estimate, true_torque
+
+import exoid
+from exoid.control import ControlModel
+from exoid.errors import ExoidError
+from exoid.rig import Plant
+from exoid.torques import Coulomb, LoadFriction, TorqueModel, Viscous
+
+RNG = np.random.default_rng(3)
+
+
+def test_an_exact_estimate_gives_the_model_of_the_plant():
+    one, other = ControlModel.of(exact_estimate()), ControlModel.of(cuhk_plant())
+    for q, v, a in RNG.uniform(-1.0, 1.0, (20, 3, 2)):
+        np.testing.assert_allclose(one.inverse_dynamics(q, v, a), other.inverse_dynamics(q, v, a), atol=1e-12)
+        np.testing.assert_allclose(one.friction(q, v, 0.05), other.friction(q, v, 0.05), atol=1e-14)
+        np.testing.assert_allclose(one.mass_matrix(q)[0, 1], other.mass_matrix(q)[0, 1], atol=1e-12)
+
+
+def test_inverse_dynamics_is_pinocchios_with_springs_and_rotors():
+    plant = cuhk_plant(b2_hip=0.3, b1_hip=-0.7, b0_hip=1.1, b0_knee=-0.4)
+    model = ControlModel.of(plant)
+    viscous = plant.viscous[:, 0]
+    for q, v, a in RNG.uniform(-1.0, 1.0, (20, 3, 2)):
+        np.testing.assert_allclose(
+            model.inverse_dynamics(q, v, a) + viscous * v, true_torque(plant, q, v, a), rtol=1e-12, atol=1e-12
+        )
+        np.testing.assert_allclose(model.statics(q), true_torque(plant, q, 0.0 * v, 0.0 * a), atol=1e-12)
+
+
+def test_everything_together_is_the_torque_that_the_estimate_predicts():
+    """With the smoothing that the estimate was identified with."""
+    est = exact_estimate()
+    model = ControlModel.of(est)
+    width = next(term.smoothing for term in TERMS if isinstance(term, Coulomb))
+    for q, v, a in RNG.uniform(-1.0, 1.0, (20, 3, 2)):
+        whole = model.inverse_dynamics(q, v, a) + model.friction(q, v, width)
+        np.testing.assert_allclose(whole, est.torque(q, v, a)[0], rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_many_legs_at_once_give_what_each_gives_alone(count):
+    model = ControlModel.of(exact_estimate())
+    q, v, a = RNG.uniform(-1.0, 1.0, (3, 2, count))
+    for k in range(count):
+        np.testing.assert_allclose(model.statics(q)[:, k], model.statics(q[:, k]), atol=1e-12)
+        alone = model.inverse_dynamics(q[:, k], v[:, k], a[:, k])
+        np.testing.assert_allclose(model.inverse_dynamics(q, v, a)[:, k], alone, atol=1e-12)
+        np.testing.assert_allclose(model.friction(q, v, 0.0)[:, k], model.friction(q[:, k], v[:, k], 0.0), atol=1e-14)
+
+
+def test_a_leg_alone_has_no_friction():
+    model = ControlModel.of(LEG)
+    q, v, a = RNG.uniform(-1.0, 1.0, (3, 2))
+    np.testing.assert_allclose(model.inverse_dynamics(q, v, a), LEG.inverse_dynamics(q, v, a)[0], atol=1e-12)
+    assert not model.friction(q, v, 0.0).any()
+
+
+def test_three_joints_and_a_numeric_leg():
+    for leg in (exoid.load_leg("bleex"), exoid.load_leg("bleex", side="right", inertias="identified")):
+        model = ControlModel.of(leg)
+        q, v, a = RNG.uniform(-1.0, 1.0, (3, 3))
+        np.testing.assert_allclose(model.inverse_dynamics(q, v, a), leg.inverse_dynamics(q, v, a)[0], atol=1e-12)
+
+
+class Cubic(Viscous):
+    """A friction that exoid does not have, τ = e v³ + f."""
+
+    @property
+    def symbols(self):
+        return ("e", "f")
+
+    @property
+    def units(self):
+        return ("N·m·s³/rad³", "N·m")
+
+    def fill(self, motion, out):
+        out[0], out[1] = motion.v**3, 1.0
+
+
+@pytest.mark.parametrize("shape", [(2,), (2, 4)])
+def test_a_term_of_an_unknown_kind_is_compensated_too(shape):
+    model = TorqueModel(LEG, (Cubic(joints=("knee",)), Coulomb(smoothing=0.05)))
+    own = dict(zip(LEG.parameter_names, LEG.parameters, strict=True))
+    est = estimate_of(model, {**own, "e_knee": 0.7, "f_knee": -0.2, "c0_hip": 1.0, "c0_knee": 0.5})
+    control = ControlModel.of(est)
+    q, v, a = RNG.uniform(-1.0, 1.0, (3, *shape))
+    whole = control.inverse_dynamics(q, v, a) + control.friction(q, v, 0.05)
+    np.testing.assert_allclose(whole.T.reshape(-1, 2), est.torque(q.T, v.T, a.T), atol=1e-12)
+    np.testing.assert_allclose(control.with_friction(3.0).friction(q, v, 0.05), 3.0 * control.friction(q, v, 0.05))
+
+
+@pytest.mark.parametrize("shape", [(2,), (2, 4)])
+def test_friction_that_grows_with_load_is_that_of_the_leg_at_rest_under_gravity(shape):
+    model = TorqueModel(LEG, (LoadFriction(split=True, smoothing=0.02),))
+    own = dict(zip(LEG.parameter_names, LEG.parameters, strict=True))
+    est = estimate_of(model, {**own, "mu_drive_hip": 0.2, "mu_back_hip": 0.1, "mu_drive_knee": 0.3})
+    control = ControlModel.of(est)
+    q, v = RNG.uniform(-1.0, 1.0, (2, *shape))
+    gravity = LEG.gravity(q.T)
+    drive, back = np.array([0.2, 0.3]), np.array([0.1, 0.0])
+    z = np.tanh(v.T.reshape(-1, 2) / 0.02)
+    share = 0.5 * (drive * (1.0 + z * np.sign(gravity)) + back * (1.0 - z * np.sign(gravity)))
+    np.testing.assert_allclose(control.friction(q, v, 0.02).T.reshape(-1, 2), np.abs(gravity) * z * share, atol=1e-12)
+
+
+def test_a_contact_that_bends_counts_as_one_that_slides():
+    own = dict(zip(LEG.parameter_names, LEG.parameters, strict=True))
+    values = {**own, "c0_hip": 1.0, "c0_knee": 0.5}
+    two = (Coulomb(presliding=1e-3), Coulomb())
+    bends, slides = (ControlModel.of(estimate_of(TorqueModel(LEG, (term,)), values)) for term in two)
+    q, v = RNG.uniform(-1.0, 1.0, (2, 2))
+    np.testing.assert_array_equal(bends.friction(q, v, 0.02), slides.friction(q, v, 0.02))
+
+
+def test_friction_can_be_made_wrong_on_purpose():
+    model = ControlModel.of(cuhk_plant())
+    q, v = RNG.uniform(-1.0, 1.0, (2, 2))
+    np.testing.assert_allclose(model.with_friction(0.5).friction(q, v, 0.1), 0.5 * model.friction(q, v, 0.1))
+    np.testing.assert_array_equal(model.with_friction(0.5).statics(q), model.statics(q))
+
+
+@pytest.mark.parametrize("source", [None, "est.json", cuhk_plant().each(2)])
+def test_what_is_no_model_is_refused(source):
+    with pytest.raises(ExoidError, match="no control model"):
+        ControlModel.of(source)
+
+
+def test_a_plant_of_one_rig_among_several_is_taken():
+    several = Plant.join([cuhk_plant(), cuhk_plant()])
+    assert ControlModel.of(several.take([1])).n == 2

@@ -1,0 +1,56 @@
+"""Limits of torque and of its rate, around any law."""
+
+import numpy as np
+import pytest
+from legs import cuhk_plant
+
+from exoid.control import Limited, SideBySide, State, pd, simulate
+from exoid.errors import ExoidError
+from exoid.experiments import Hold
+from exoid.rig import Target
+
+HARD = pd(1000.0, 0.0)
+FAR = Target(np.array([1.0, -1.0]), np.zeros(2))
+REST = State(np.zeros(2), np.zeros(2))
+
+
+def test_torque_stays_within_its_limit():
+    np.testing.assert_allclose(Limited(HARD, limit=(80.0, 60.0)).torque(REST, FAR), [80.0, -60.0])
+
+
+def test_torque_does_not_change_faster_than_allowed():
+    """From the torque that was commanded last, 500 N·m/s for 10 ms."""
+    law = Limited(HARD, slew=500.0)
+    np.testing.assert_allclose(law.torque(REST._replace(last=np.array([2.0, 3.0])), FAR), [7.0, -2.0])
+    np.testing.assert_allclose(law.torque(REST, FAR), [1000.0, -1000.0])
+
+
+def test_the_limit_holds_even_where_the_last_torque_was_beyond_it():
+    law = Limited(HARD, limit=50.0, slew=100.0)
+    np.testing.assert_allclose(law.torque(REST._replace(last=np.array([90.0, -90.0])), FAR), [50.0, -50.0])
+
+
+def test_without_limits_it_is_the_law():
+    np.testing.assert_array_equal(Limited(HARD).torque(REST, FAR), HARD.torque(REST, FAR))
+
+
+def test_limits_hold_throughout_a_run():
+    law = Limited(pd(300.0, 30.0), limit=(15.0, 8.0), slew=200.0)
+    pose = Hold(np.array([[0.6], [0.8]]))
+    free, bound = (simulate(cuhk_plant(), one, pose, 1.0, start=np.zeros(2)) for one in (law.law, law))
+    assert (np.abs(free.tau).max(axis=0) > [100.0, 100.0]).all()
+    assert (np.abs(bound.tau).max(axis=0) <= [15.0 + 1e-12, 8.0 + 1e-12]).all()
+    assert np.abs(np.diff(bound.tau[1:], axis=0)).max() <= 2.0 + 1e-9
+
+
+def test_side_by_side_each_law_is_told_its_own_last_torque():
+    laws = (Limited(HARD, slew=100.0), Limited(HARD, slew=1000.0))
+    state = State(np.zeros((2, 2)), np.zeros((2, 2)), last=np.array([[1.0, 2.0], [3.0, 4.0]]))
+    aim = Target(np.array([[1.0], [-1.0]]), np.zeros((2, 1)))
+    np.testing.assert_allclose(SideBySide(laws).torque(state, aim), [[2.0, 12.0], [2.0, -6.0]])
+
+
+@pytest.mark.parametrize("bad", [{"limit": 0.0}, {"slew": -1.0}, {"limit": np.nan}, {"slew": np.ones((2, 2))}])
+def test_bad_limits_are_refused(bad):
+    with pytest.raises(ExoidError, match=next(iter(bad))):
+        Limited(HARD, **bad)

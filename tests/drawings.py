@@ -1,0 +1,83 @@
+"""What a scene's commands put where, worked out as a browser does: by the tree of paths."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import zlib
+
+import numpy as np
+
+
+def places(scene, time=None):
+    """Place of every path that a command names, in the world, (4, 4); of a replay, at a time [s]."""
+    local = {}
+    for command in scene.commands:
+        if command["type"] == "set_transform":
+            local[command["path"]] = np.array(command["matrix"]).reshape(4, 4).T
+        elif command["type"] == "set_object":
+            local.setdefault(command["path"], np.eye(4))
+        elif command["type"] == "set_animation" and time is not None:
+            for animation in command["animations"]:
+                local[animation["path"]] = animated(local.get(animation["path"], np.eye(4)), animation["clip"], time)
+    return {path: _chain(local, path) for path in local}
+
+
+def animated(still, clip, time):
+    """Place in an animation: what its tracks say, and the rest as it stood."""
+    rotation, scale, position = still[:3, :3], np.ones(3), still[:3, 3]
+    for track in clip["tracks"]:
+        frame = round(time * clip["fps"])
+        assert track["keys"][frame]["time"] == frame
+        value = np.array(track["keys"][frame]["value"])
+        if track["name"] == ".position":
+            position = value
+        elif track["name"] == ".scale":
+            rotation, scale = np.eye(3), value
+        else:
+            x, y, z, w = value / np.linalg.norm(value)
+            rotation = np.array(
+                [
+                    [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                    [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                    [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+                ]
+            )
+    out = np.eye(4)
+    out[:3, :3], out[:3, 3] = rotation * scale, position
+    return out
+
+
+def objects(scene):
+    """Three.js object at each path."""
+    return {c["path"]: c["object"] for c in scene.commands if c["type"] == "set_object"}
+
+
+def meshes(drawn):
+    """Geometry, material and place of each mesh of a three.js object."""
+    geometries = {g["uuid"]: g for g in drawn["geometries"]}
+    materials = {m["uuid"]: m for m in drawn["materials"]}
+    return [
+        (geometries[mesh["geometry"]], materials[mesh["material"]], np.array(mesh["matrix"]).reshape(4, 4).T)
+        for mesh in drawn["object"]["children"]
+    ]
+
+
+def unpacked(html, name):
+    """Text of a packed script in a page."""
+    (packed,) = re.findall(rf'<script id="{name}" type="text/plain">([^<]*)</script>', html)
+    return zlib.decompress(base64.b64decode(packed)).decode()
+
+
+def scene_of(html):
+    """The scene in a page."""
+    return json.loads(unpacked(html, "scene"))
+
+
+def _chain(local, path):
+    names = path.split("/")[1:]
+    out = np.eye(4)
+    for end in range(1, len(names) + 1):
+        out = out @ local.get("/" + "/".join(names[:end]), np.eye(4))
+    return out

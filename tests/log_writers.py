@@ -1,0 +1,126 @@
+"""Logs of every kind, written by the libraries that others write them with."""
+
+from __future__ import annotations
+
+import numpy as np
+import polars
+import scipy
+from rosbags import rosbag1, rosbag2
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.typesys import Stores, get_typestore
+
+JOINT_STATE = "sensor_msgs/msg/JointState"
+FIELDS = ("q", "v", "a", "tau")
+
+
+def arrays(recording):
+    """Matrices of a recording by name, those it has."""
+    return {name: getattr(recording, name) for name in FIELDS if getattr(recording, name) is not None}
+
+
+def named_columns(recording):
+    """One array a column, named as in a CSV file."""
+    columns = {"time": recording.time}
+    for quantity, values in arrays(recording).items():
+        columns |= {f"{quantity}_{joint}": values[:, k] for k, joint in enumerate(recording.joint_names)}
+    return columns
+
+
+def write_parquet(path, recording):
+    polars.DataFrame(named_columns(recording)).write_parquet(path)
+
+
+def write_npz(path, recording):
+    with path.open("wb") as file:
+        np.savez_compressed(file, time=recording.time, joint_names=recording.joint_names, **arrays(recording))
+
+
+def write_npz_of_columns(path, recording):
+    with path.open("wb") as file:
+        np.savez(file, **named_columns(recording))
+
+
+def write_mat(path, recording):
+    """Variables, time as MATLAB's column."""
+    cell = np.array(recording.joint_names, dtype=object)
+    scipy.io.savemat(path, {"time": recording.time[:, None], "joint_names": cell, **arrays(recording)})
+
+
+def write_mat_struct(path, recording):
+    """One struct, matrices with joints first, compressed."""
+    fields = {name: values.T for name, values in arrays(recording).items()}
+    fields |= {"time": recording.time, "joint_names": list(recording.joint_names), "operator": "N. N."}
+    scipy.io.savemat(path, {"log": fields}, do_compression=True)
+
+
+def joint_state(store, stamp, names, position, velocity=(), effort=()):
+    """One message; ``stamp`` in nanoseconds."""
+    time = store.types["builtin_interfaces/msg/Time"](sec=int(stamp // 10**9), nanosec=int(stamp % 10**9))
+    given = {"seq": 0} if "seq" in store.types["std_msgs/msg/Header"].__dataclass_fields__ else {}
+    header = store.types["std_msgs/msg/Header"](stamp=time, frame_id="", **given)
+    values = (np.array(x, dtype=np.float64) for x in (position, velocity, effort))
+    return store.types[JOINT_STATE](header, list(names), *values)
+
+
+def messages(recording, *, start=1_700_000_000 * 10**9):
+    """Stamps and fields of the messages that a recording would be."""
+    stamps = start + np.round((recording.time - recording.time[0]) * 1e9).astype(np.int64)
+    empty = np.empty((len(recording), 0))
+    v, tau = (empty if values is None else values for values in (recording.v, recording.tau))
+    return [
+        (int(stamp), recording.joint_names, *fields) for stamp, *fields in zip(stamps, recording.q, v, tau, strict=True)
+    ]
+
+
+def write_bag(path, topics, *, plugin=StoragePlugin.MCAP, late=0):
+    """Write a rosbag2.
+
+    Args:
+        path: The folder.
+        topics: For each topic its messages, as :func:`messages` makes them, or a string for a topic of text.
+        plugin: Of the storage.
+        late: How long after its stamp a message is received [ns].
+    """
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    with rosbag2.Writer(path, version=9, storage_plugin=plugin) as bag:
+        for topic, content in topics.items():
+            kind = "std_msgs/msg/String" if isinstance(content, str) else JOINT_STATE
+            connection = bag.add_connection(topic, kind, typestore=store)
+            if isinstance(content, str):
+                message = store.types[kind](content)
+                bag.write(connection, 1, store.serialize_cdr(message, kind))
+                continue
+            for stamp, *fields in content:
+                raw = store.serialize_cdr(joint_state(store, stamp, *fields), kind)
+                bag.write(connection, stamp + late, raw)
+
+
+def write_mcap(path, recording):
+    write_bag(path, {"/joint_states": messages(recording), "/chatter": "hello"})
+
+
+def write_sqlite(path, recording):
+    write_bag(path, {"/joint_states": messages(recording)}, plugin=StoragePlugin.SQLITE3)
+
+
+def write_ros1(path, recording):
+    store = get_typestore(Stores.ROS1_NOETIC)
+    with rosbag1.Writer(path) as bag:
+        connection = bag.add_connection("/joint_states", JOINT_STATE, typestore=store)
+        for stamp, *fields in messages(recording):
+            bag.write(connection, stamp, store.serialize_ros1(joint_state(store, stamp, *fields), JOINT_STATE))
+
+
+WRITERS = {
+    "log.parquet": write_parquet,
+    "log.npz": write_npz,
+    "columns.npz": write_npz_of_columns,
+    "log.mat": write_mat,
+    "struct.mat": write_mat_struct,
+    "mcap_bag": write_mcap,
+    "sqlite_bag": write_sqlite,
+    "ros1.bag": write_ros1,
+}
+"""Every kind, by the name of a file of it; bags have no accelerations, and their time starts at zero."""
+
+BAGS = ("mcap_bag", "sqlite_bag", "ros1.bag")

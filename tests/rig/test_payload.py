@@ -1,0 +1,65 @@
+"""What is strapped to a leg adds its weight and inertia, and nothing else."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import exoid
+from exoid.errors import ExoidError
+from exoid.rig import Payload, Plant, load_leg_with, load_plant, sandbags
+
+LOADS = (Payload("hip", 2.0, (0.05, 0.1, -0.2), 0.04), Payload("left_knee", 1.5, (-0.02, 0.0, -0.3)))
+
+
+def welded(leg, loads):
+    """The same by Pinocchio's own addition of bodies."""
+    model = leg.model.copy()
+    for load in loads:
+        name = load.joint if load.joint.startswith("left_") else f"left_{load.joint}"
+        inertia = pin.Inertia(load.mass, np.array(load.position), load.mass * load.gyration**2 * np.eye(3))
+        model.inertias[model.getJointId(name)] = model.inertias[model.getJointId(name)] + inertia
+    return model
+
+
+@pytest.mark.parametrize("name", ["bleex", "cuhk"])
+def test_a_loaded_leg_moves_as_pinocchio_says(name):
+    leg = exoid.load_leg(name)
+    loaded, model = load_leg_with(leg, LOADS), welded(leg, LOADS)
+    data = model.createData()
+    for q, v, a in np.random.default_rng(0).uniform(-1.0, 1.0, (10, 3, len(leg.joint_names))):
+        np.testing.assert_allclose(loaded.inverse_dynamics(q, v, a)[0], pin.rnea(model, data, q, v, a), atol=1e-12)
+
+
+def test_every_rig_of_a_plant_is_loaded_alike():
+    leg = exoid.load_leg("cuhk")
+    light = Plant.join([Plant.build(leg), Plant.build(leg, {"X2": 1.0})])
+    heavy = load_plant(light, LOADS)
+    difference = load_leg_with(leg, LOADS).parameters - leg.parameters
+    np.testing.assert_allclose(heavy.parameters - light.parameters, np.tile(difference[:, None], 2), atol=1e-12)
+    assert difference[leg.parameter_names.index("X2")] == pytest.approx(1.5 * 0.3)
+    assert difference[leg.parameter_names.index("J2")] == pytest.approx(1.5 * (0.3**2 + 0.02**2))
+
+
+def test_sandbags_weigh_what_winter_says():
+    """Of a wearer of 65 kg: 6.5 kg of thigh, 3.02 kg of shank and 0.94 kg of foot."""
+    bags = sandbags()
+    assert [bag.joint for bag in bags] == ["hip", "knee", "knee"]
+    assert [bag.mass for bag in bags] == pytest.approx([6.5, 3.0225, 0.9425])
+    assert bags[0].position[2] == pytest.approx(-0.433 * 0.245 * 1.70)
+    assert bags[0].gyration == pytest.approx(0.323 * 0.245 * 1.70)
+    assert [bag.mass for bag in sandbags(share=0.5)] == pytest.approx([3.25, 1.51125, 0.47125])
+
+
+@pytest.mark.parametrize(
+    "bad", [{"mass": -1.0}, {"mass": np.nan}, {"position": (0.0, np.inf, 0.0)}, {"gyration": -0.1}]
+)
+def test_impossible_payloads_are_refused(bad):
+    with pytest.raises(ExoidError, match="no such payload"):
+        Payload(**{"joint": "hip", "mass": 1.0, **bad})
+
+
+def test_a_payload_needs_a_joint():
+    with pytest.raises(ExoidError, match=r"ankle.*left_hip, left_knee"):
+        load_leg_with(exoid.load_leg("cuhk"), [Payload("ankle", 1.0)])
+    with pytest.raises(ExoidError, match="wearer"):
+        sandbags(height=0.0)

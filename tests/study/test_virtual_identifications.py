@@ -1,0 +1,279 @@
+"""Studies are right where the answer is known, and the same whoever does them, however often they are stopped."""
+
+import json
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.cli import main
+from exoid.errors import ExoidError
+from exoid.experiments import cuhk
+from exoid.experiments.excitation import MotionLimits, Scales
+from exoid.study import (
+    LegText,
+    Noise,
+    Protocol,
+    Study,
+    dask_cluster,
+    do_piece,
+    document,
+    here,
+    plausible_truth,
+    processes,
+    run_study,
+)
+from exoid.torques import DEFAULT_TERMS, TorqueModel
+
+FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
+LEG = exoid.load_leg("cuhk")
+MODEL = TorqueModel(LEG, DEFAULT_TERMS)
+TRUTH = plausible_truth(MODEL, Scales.of(MODEL, MotionLimits.of(LEG)).typical)
+STD = (0.3, 0.3)
+MIXED = Noise("mixed", STD, share=0.8)
+
+
+def study(**changes):
+    motion = cuhk.multisine(LEG, np.random.default_rng(0), draws=20)
+    protocol = Protocol("multisine", (motion,), 12.0, (0.0,))
+    plain = Study(LegText.of(LEG), DEFAULT_TERMS, TRUTH, (protocol,), (MIXED,), replicates=6, piece=2, seed=4)
+    return replace(plain, **changes)
+
+
+@pytest.fixture(scope="module")
+def result():
+    return run_study(study())
+
+
+def same(one, other):
+    return json.dumps(one.to_json()) == json.dumps(other.to_json()) and str(one) == str(other)
+
+
+def test_noise_has_the_correlation_it_says():
+    """Variance of each joint, and share · e^(−t/memory) at a lag of t."""
+    noise = Noise("n", (0.5, 2.0), share=0.6, memory=0.05)
+    drawn = noise.draw(np.random.default_rng(0), 400_000, 100.0) / [0.5, 2.0]
+    np.testing.assert_allclose(drawn.std(axis=0), 1.0, rtol=0.01)
+    for lag in (1, 3, 8):
+        found = (drawn[lag:] * drawn[:-lag]).mean(axis=0)
+        np.testing.assert_allclose(found, 0.6 * np.exp(-0.2 * lag), atol=0.01)
+    starts = np.array([noise.draw(np.random.default_rng(k), 2, 100.0)[0] for k in range(3000)])
+    np.testing.assert_allclose(starts.std(axis=0), [0.5, 2.0], rtol=0.05)  # stationary from the first sample
+
+
+@pytest.mark.parametrize("share", [0.0, 0.8, 1.0])
+def test_information_is_that_of_the_dense_covariance(share):
+    noise, rng = Noise("n", (0.5, 2.0), share, memory=0.05), np.random.default_rng(0)
+    W = rng.standard_normal((80, 2, 3))
+    lag = np.abs(np.subtract.outer(np.arange(80), np.arange(80)))
+    gamma = share * np.exp(-0.2 * lag) + (1.0 - share) * np.eye(80)
+    dense = sum(W[:, j].T @ np.linalg.solve(gamma * std**2, W[:, j]) for j, std in enumerate(noise.std))
+    np.testing.assert_allclose(noise.information(W, 100.0), dense, rtol=1e-9)
+
+
+def test_a_motion_of_a_protocol_is_its_reference():
+    protocol = document(exoid.load_leg("bleex"), 60.0)
+    assert len(protocol.motions) == 15
+    assert protocol.seconds == 4.0
+    states, motion = protocol.states(7, 50.0), protocol.motions[7]
+    for k in (0, 31, 200):
+        np.testing.assert_allclose(states.q[k], motion.at(k / 50.0).q[:, 0], atol=1e-12)
+        np.testing.assert_allclose(states.v[k], motion.at(k / 50.0).v[:, 0], atol=1e-12)
+        np.testing.assert_allclose(states.a[k], motion.acceleration(k / 50.0)[:, 0], atol=1e-12)
+    with pytest.raises(ExoidError, match="no document moved"):
+        document(exoid.datasets.dfki_double_pendulum().leg, 60.0) if os.environ.get("EXOID_DATA_DIR") else document(
+            exoid.Leg.from_description(LEG.description, ("right_hip",)), 60.0
+        )
+
+
+def test_a_study_is_what_its_replicates_are(result):
+    """Figures from the pieces by hand."""
+    done = [do_piece(study(), number) for number in range(3)]
+    values = np.concatenate([piece.values for piece in done], axis=1)[0]
+    (combination,) = result.combinations
+    np.testing.assert_array_equal(combination.bias, (values - TRUTH).mean(axis=0))
+    np.testing.assert_array_equal(combination.std, (values - TRUTH).std(axis=0, ddof=1))
+    assert combination.replicates == 6
+    assert (values.std(axis=0) > 0.0).all()  # noise of its own in each
+
+
+def test_every_estimator_sees_the_same_data_and_order_does_not_matter():
+    both = run_study(study(estimators=("wls", "gls")))
+    alone = run_study(study(estimators=("gls",)))
+    np.testing.assert_array_equal(both.combinations[1].std, alone.combinations[0].std)
+
+
+def test_the_size_of_pieces_changes_nothing_where_motions_are_followed_exactly(result):
+    other = run_study(study(piece=5))
+    np.testing.assert_array_equal(other.combinations[0].std, result.combinations[0].std)
+
+
+def test_no_estimator_beats_the_bound_and_generalised_least_squares_nearly_reaches_it():
+    """Behind a filter that lets everything of interest through."""
+    few = 300 if FULL else 40
+    noises = (Noise("white", STD), MIXED)
+    found = run_study(study(noises=noises, replicates=few, piece=20, estimators=("wls",), cutoff=20.0))
+    for combination in found.combinations:
+        error = 4.0 * np.sqrt(2.0 / few)
+        assert combination.efficiency.max() < 1.0 + error
+        np.testing.assert_allclose(combination.stated / combination.std, 1.0, atol=error)
+        assert (np.abs(combination.bias) < 4.5 * combination.std / np.sqrt(few)).all()
+    assert found.combinations[0].efficiency.mean() > 0.8
+
+
+def test_a_study_on_rigs_shows_what_the_model_leaves_out():
+    """Stiction and a sharp sign are not in the model: friction is biased, inertia hardly."""
+    rigged = run_study(study(followed="by a rig", replicates=4, piece=4))
+    (combination,) = rigged.combinations
+    assert (combination.std > 0.0).all()
+    names = combination.names
+    assert abs(combination.bias[names.index("J1")]) < 0.02 * TRUTH[names.index("J1")]
+    assert same(rigged, run_study(study(followed="by a rig", replicates=4, piece=4)))
+
+
+def test_two_processes_give_the_same_bits(result):
+    assert same(run_study(study(), workers=processes(2)), result)
+
+
+def test_a_study_that_was_stopped_goes_on(result, tmp_path):
+    """Finished pieces are kept, damaged and half-written ones done again."""
+
+    def dying(what, numbers):
+        for k, done in enumerate(here(what, numbers)):
+            if k == 2:
+                raise KeyboardInterrupt
+            yield done
+
+    with pytest.raises(KeyboardInterrupt):
+        run_study(study(), tmp_path / "kept", dying)
+    assert sorted(path.name for path in (tmp_path / "kept").iterdir()) == [
+        "piece-00000.npz",
+        "piece-00001.npz",
+        "study.json",
+    ]
+    (tmp_path / "kept" / "piece-00001.npz").write_bytes(b"PK half of a file")
+    asked, shares = [], []
+
+    def watched(what, numbers):
+        asked.extend(numbers)
+        return here(what, numbers)
+
+    assert same(run_study(study(), tmp_path / "kept", watched, shares.append), result)
+    assert asked == [1, 2]
+    assert shares[0] == pytest.approx(1 / 3)
+    assert shares[-1] == 1.0
+    assert same(run_study(study(), tmp_path / "kept", lambda *_: pytest.fail("nothing is left to do")), result)
+
+
+def test_a_folder_of_another_study_is_refused(tmp_path):
+    run_study(study(replicates=2), tmp_path / "kept")
+    with pytest.raises(ExoidError, match="another study"):
+        run_study(study(replicates=2, seed=5), tmp_path / "kept")
+    (tmp_path / "mine.txt").write_text("not a study")
+    with pytest.raises(ExoidError, match="holds other files"):
+        run_study(study(replicates=2), tmp_path)
+
+
+def kill_a_child_once(folder, after):
+    """Kill one process that this one has started, as soon as there are so many pieces."""
+    for _ in range(2000):
+        children = [child for child in multiprocessing.active_children() if child.pid]
+        if children and len(list(folder.glob("piece-*.npz"))) >= after:
+            os.kill(children[0].pid, signal.SIGKILL)
+            return
+        time.sleep(0.01)
+
+
+def test_killing_a_worker_changes_nothing_but_time(result, tmp_path):
+    killer = threading.Thread(target=kill_a_child_once, args=(tmp_path / "kept", 0))
+    killer.start()
+    found = run_study(study(), tmp_path / "kept", processes(2))
+    killer.join()
+    assert same(found, result)
+
+
+def test_a_dask_cluster_gives_the_same_bits_even_if_a_worker_dies(tmp_path):
+    """Two workers of a local cluster, one of which is killed when the first piece is there."""
+    distributed = pytest.importorskip("distributed")
+    what = study(replicates=12)
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+    ) as cluster:
+        assert same(run_study(what, None, dask_cluster(cluster.scheduler_address)), expected := run_study(what))
+
+        def killing(asked, numbers):
+            for k, done in enumerate(dask_cluster(cluster.scheduler_address)(asked, numbers)):
+                if k == 0:
+                    os.kill(next(iter(cluster.workers.values())).pid, signal.SIGKILL)
+                yield done
+
+        assert same(run_study(what, tmp_path / "kept", killing), expected)
+
+
+def test_nobody_at_the_address_of_a_scheduler_is_one_line(monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("exoid.study.workers.PATIENCE", "1s")
+    with pytest.raises(ExoidError, match="no Dask scheduler answers"):
+        run_study(study(), None, dask_cluster("tcp://127.0.0.1:9"))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"estimators": ("best",)}, "no estimator best"),
+        ({"replicates": 1}, "at least two replicates"),
+        ({"truth": (1.0,)}, "1 true parameters"),
+        ({"noises": (Noise("n", (0.1,)),)}, "noise of 1 joints"),
+        ({"followed": "somehow"}, "motions followed 'somehow'"),
+    ],
+)
+def test_studies_that_make_no_sense_are_refused(changes, words):
+    with pytest.raises(ExoidError, match=words):
+        study(**changes)
+    with pytest.raises(ExoidError, match="between 0 and 1"):
+        Noise("n", STD, share=2.0)
+    with pytest.raises(ExoidError, match="at least one"):
+        processes(0)
+
+
+def test_the_command_prints_a_table_or_json(capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    options = ["--replicates", "2", "--duration", "12", "--protocols", "document", "--noise", "0.3"]
+
+    def run(*more):
+        monkeypatch.setattr(sys, "argv", ["exoid", "study", "cuhk", *options, *more])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        return (int(stop.value.code or 0), *capsys.readouterr())
+
+    code, out, _ = run("-o", "kept", "--parameters")
+    assert code == 0
+    assert "document, mixed, wls" in out
+    assert "offset_knee" in out
+    code, again, _ = run("-o", "kept", "--json")
+    data = json.loads(again)
+    assert data["combinations"][0]["parameters"].keys() == set(MODEL.names)
+    for wrong, words in ((("--colours", "pink"), "white, correlated, mixed"), (("--protocols", "none"), "planned")):
+        code, out, err = run(*wrong)
+        assert (code, out, err.count("\n")) == (2, "", 1)
+        assert words in err
+
+
+@pytest.mark.slow
+def test_intervals_hold_under_correlated_noise():
+    """Of 1 000 virtual identifications (in CI 40, which resolve less) the 95 % intervals of every parameter."""
+    replicates = 1000 if FULL else 40
+    motion = replace(document(LEG, 60.0 if FULL else 30.0))
+    found = run_study(study(protocols=(motion,), noises=(MIXED,), replicates=replicates, piece=20))
+    (combination,) = found.combinations
+    print(f"\n{found}")
+    error = np.sqrt(0.95 * 0.05 / replicates)
+    assert np.abs(combination.coverage - 0.95).max() <= max(0.02, 4.0 * error)
+    assert combination.coverage.mean() == pytest.approx(0.95, abs=max(0.01, 2.5 * error))

@@ -1,0 +1,370 @@
+"""A scene draws the leg where Pinocchio says it is, with its inertias and forces, whatever URDF it comes from."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from drawings import meshes, objects, places, scene_of, unpacked
+from example_robot_data.robots_loader import ROBOTS, getModelPath
+from planar_chains import random_chain
+
+import exoid
+from exoid import ExoidError, Leg, Recording, TorsoMotion
+from exoid.description import describe
+from exoid.view import scene
+from exoid.view.scenes.inertias import STEEL
+from exoid.view.style import CAD, IDENTIFIED
+
+RNG = np.random.default_rng(6)
+TIME = np.arange(90) / 60.0
+
+
+def robot(name, joints=None):
+    loader = ROBOTS[name]
+    inside = f"{loader.path}/{loader.urdf_subpath}/{loader.urdf_filename}"
+    return Leg.from_urdf(f"{getModelPath(inside)}/{inside}", joints)
+
+
+LEGS = {
+    "bleex": lambda: exoid.load_leg("bleex"),
+    "cuhk": lambda: exoid.load_leg("cuhk", "right"),
+    "double pendulum": lambda: exoid.Leg.from_urdf("urdf/dfki_double_pendulum.urdf"),
+    "continuous joints": lambda: random_chain(np.random.default_rng(3), 4).leg(),
+    "sliding joint": lambda: robot("tiago_no_hand", ("torso_lift_joint", "arm_1_joint", "arm_2_joint")),
+}
+
+
+@pytest.fixture(params=LEGS, scope="module")
+def leg(request):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(Path(__file__).parents[2])
+        return LEGS[request.param]()
+
+
+def body_paths(leg, drawn):
+    """Path of each moving body, from the torso outwards."""
+    return list(drawn.legs[0].mounts), [f"{mount}/body" for mount in drawn.legs[0].mounts]
+
+
+def motion(leg, time=TIME):
+    """A motion of all joints, with torques."""
+    phase = RNG.uniform(0.0, 6.0, len(leg.joint_names))
+    q = 0.6 * np.sin(2.0 * np.pi * 0.8 * time[:, np.newaxis] + phase)
+    return Recording(
+        time=time, q=q, tau=3.0 * np.cos(q) * np.cos(5.0 * time[:, np.newaxis]), joint_names=leg.joint_names
+    )
+
+
+def test_bodies_stand_where_pinocchio_puts_them(leg):
+    angles = RNG.uniform(-1.0, 1.0, len(leg.joint_names))
+    drawn = scene(leg, pose=dict(zip(leg.joint_names, angles, strict=True)))
+    rotation, translation = leg.forward_kinematics(angles)
+    found = places(drawn)
+    for j, path in enumerate(body_paths(leg, drawn)[1]):
+        np.testing.assert_allclose(found[path][:3, :3], rotation[0, j], atol=1e-4)
+        np.testing.assert_allclose(found[path][:3, 3], translation[0, j], atol=1e-4)
+
+
+def test_a_replay_shows_each_moment_when_it_was(leg):
+    recording = motion(leg)
+    drawn = scene(leg, recording=recording)
+    assert drawn.duration == pytest.approx(recording.duration, abs=1.0 / 30.0)
+    for frame in (0, 7, 30, 43):
+        rotation, translation = leg.forward_kinematics(recording.q[2 * frame])  # 60 Hz against 30 frames a second
+        found = places(drawn, frame / 30.0)
+        for j, path in enumerate(body_paths(leg, drawn)[1]):
+            np.testing.assert_allclose(found[path][:3, :3], rotation[0, j], atol=2e-4)
+            np.testing.assert_allclose(found[path][:3, 3], translation[0, j], atol=2e-4)
+
+
+def test_axes_lie_along_the_joints(leg):
+    drawn = scene(leg)
+    found = places(drawn)
+    data = leg.model.createData()
+    pin.forwardKinematics(leg.model, data, pin.neutral(leg.model))
+    pin.computeJointJacobians(leg.model, data, pin.neutral(leg.model))
+    for j, mount in enumerate(body_paths(leg, drawn)[0]):
+        J = pin.getJointJacobian(leg.model, data, j + 1, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+        column = J[:, leg.model.joints[j + 1].idx_v]
+        axis = column[3:] if np.linalg.norm(column[3:]) > 0.5 else column[:3]
+        ((geometry, _, place),) = meshes(objects(drawn)[f"{mount}/axis"])
+        assert geometry["type"] == "CylinderGeometry"  # whose length is along y
+        np.testing.assert_allclose(np.abs((found[f"{mount}/axis"] @ place)[:3, 1] @ axis), 1.0, atol=1e-4)
+
+
+def test_ellipsoids_have_the_inertia_and_balls_the_mass_of_the_body(leg):
+    """Pinocchio's inertia of a solid ellipsoid is the truth; bodies thinner than flat are left out."""
+    drawn = scene(leg)
+    for j, path in enumerate(body_paths(leg, drawn)[1], start=1):
+        inertia = leg.model.inertias[j]
+        ((_, _, ball),) = meshes(objects(drawn)[f"{path}/mass CAD"])
+        radius = ball[0, 0]
+        assert STEEL * 4.0 / 3.0 * np.pi * radius**3 == pytest.approx(inertia.mass, rel=1e-4)
+        np.testing.assert_allclose(ball[:3, 3], inertia.lever, atol=1e-5)
+        moments = np.linalg.eigvalsh(inertia.inertia)
+        if moments[2] > 0.99 * (moments[0] + moments[1]):
+            continue
+        ((_, _, place),) = meshes(objects(drawn)[f"{path}/inertia CAD"])
+        axes = np.linalg.norm(place[:3, :3], axis=0)
+        turned = pin.SE3(place[:3, :3] / axes, place[:3, 3])
+        solid = turned.act(pin.Inertia.FromEllipsoid(inertia.mass, *axes))
+        scale = np.abs(inertia.inertia).max()
+        np.testing.assert_allclose(solid.inertia, inertia.inertia, atol=1e-4 * scale)
+        np.testing.assert_allclose(solid.lever, inertia.lever, atol=1e-5)
+
+
+def test_an_ellipsoid_of_a_body_that_cannot_exist_is_drawn_flat_not_refused():
+    leg = exoid.load_leg("bleex").with_parameters(np.array([0.0, 0.1, 0.01] * 3))
+    axes = np.linalg.norm(meshes(objects(scene(leg))["/exoid/left leg/left_hip/body/inertia CAD"])[0][2], axis=0)
+    assert np.isfinite(axes).all()
+
+
+@pytest.mark.parametrize("pitch", [0.0, 0.4])
+def test_weights_point_down_from_the_centres_of_mass(pitch):
+    leg = exoid.load_leg("bleex")
+    still = Recording(time=TIME, q=np.full((90, 3), 0.3), joint_names=leg.joint_names, torso=TorsoMotion(pitch=pitch))
+    drawn = scene(leg, recording=still)
+    for found in (places(drawn), places(drawn, 0.5)):
+        rotation, translation = leg.forward_kinematics(np.full(3, 0.3), TorsoMotion(pitch=pitch))
+        for j, name in enumerate(leg.link_names):
+            arrow = found[f"/exoid/left leg/weight {name}"]
+            np.testing.assert_allclose(arrow[:3, 2], [0.0, 0.0, -1.0], atol=1e-4)
+            centre = translation[0, j] + rotation[0, j] @ leg.model.inertias[j + 1].lever
+            np.testing.assert_allclose(arrow[:3, 3], centre, atol=1e-4)
+
+
+def test_the_heaviest_body_has_the_longest_arrow_in_proportion():
+    leg = exoid.load_leg("bleex")
+    drawn = objects(scene(leg))
+    lengths = []
+    for name in leg.link_names:
+        (shaft, _, _), (head, _, _) = meshes(drawn[f"/exoid/left leg/weight {name}"])
+        lengths.append(shaft["height"] + head["height"])
+    masses = np.array([inertia.mass for inertia in list(leg.model.inertias)[1:]])
+    np.testing.assert_allclose(np.array(lengths) / lengths[0], masses / masses[0], rtol=1e-6)
+
+
+def test_torque_arrows_grow_and_turn_with_the_measured_torque():
+    """The area is in proportion to the torque; a positive one runs round the axis by the right hand."""
+    leg = exoid.load_leg("bleex")
+    recording = motion(leg)
+    drawn = scene(leg, recording=recording)
+    largest = np.abs(recording.tau[::2]).max()
+    assert "measured torque" in [layer.label for layer in drawn.layers]
+    for frame in (3, 17, 31):
+        found = places(drawn, frame / 30.0)
+        for j, mount in enumerate(drawn.legs[0].mounts):
+            tau, scale = recording.tau[2 * frame, j], found[f"{mount}/torque/arrow"][:3, :3]
+            assert np.linalg.norm(scale[:, 0]) ** 2 == pytest.approx(abs(tau) / largest, rel=2e-3)
+            (_, _, _), (_, _, head) = meshes(objects(drawn)[f"{mount}/torque/arrow"])
+            tip = found[f"{mount}/torque/arrow"] @ head
+            axis = found[f"{mount}/axis"] @ meshes(objects(drawn)[f"{mount}/axis"])[0][2]
+            arm = tip[:3, 3] - axis[:3, 3]
+            moment = np.cross(arm, tip[:3, 1]) @ leg.chain.plane.lateral  # a cone points along its y
+            positive = found[mount][:3, :3] @ drawn.legs[0].skeleton.axes[j] @ leg.chain.plane.lateral
+            assert np.sign(moment) == np.sign(tau) * np.sign(positive)
+
+
+def test_without_recorded_torque_the_arrows_hold_the_leg_against_gravity():
+    leg = exoid.load_leg("bleex")
+    drawn = scene(leg, pose={"left_hip": 0.5})
+    assert "torque against gravity" in [layer.label for layer in drawn.layers]
+    gravity = leg.gravity([0.5, 0.0, 0.0])[0]
+    found = places(drawn)
+    for j, mount in enumerate(drawn.legs[0].mounts):
+        squared = np.linalg.norm(found[f"{mount}/torque/arrow"][:3, 0]) ** 2
+        assert squared == pytest.approx(abs(gravity[j]) / np.abs(gravity).max(), rel=1e-3, abs=1e-5)
+
+
+def test_an_estimate_shows_its_links_beside_those_of_cad():
+    data = exoid.datasets.bleex_swing()
+    estimate = exoid.identify(data.leg, data.train)
+    drawn = scene(estimate, recording=data.test)
+    p = len(data.leg.parameter_names)
+    lifted = exoid.reduction.lift(data.leg, estimate.values[:p], estimate.covariance[:p, :p])
+    for mount, row in zip(drawn.legs[0].mounts, lifted.link_parameters, strict=True):
+        ((_, material, place),) = meshes(objects(drawn)[f"{mount}/body/mass identified"])
+        np.testing.assert_allclose(place[:3, 3], row[1:4] / row[0], atol=1e-5)
+        assert material["color"] == int(IDENTIFIED[1:], 16)
+        ((_, material, _),) = meshes(objects(drawn)[f"{mount}/body/inertia CAD"])
+        assert material["color"] == int(CAD[1:], 16)
+        assert material["opacity"] < 0.5
+
+
+def test_published_legs_stand_beside_cad_by_their_joints():
+    legs = [exoid.load_leg("bleex", side) for side in ("left", "right")]
+    identified = [exoid.load_leg("bleex", side, "identified") for side in ("right", "left")]
+    drawn = scene(*legs, identified=identified)
+    for leg, standing in zip(identified[::-1], drawn.legs, strict=True):
+        ((_, _, place),) = meshes(objects(drawn)[f"{standing.mounts[0]}/body/mass identified"])
+        np.testing.assert_allclose(place[:3, 3], leg.model.inertias[1].lever, atol=1e-5)
+
+
+def test_the_second_leg_is_translucent_and_moves_as_it_is_told():
+    leg = exoid.load_leg("bleex")
+    recording = motion(leg)
+    ghost = Recording(time=TIME, q=0.5 * recording.q, joint_names=leg.joint_names)
+    drawn = scene(leg, recording=recording, ghost=ghost, ghost_label="asked for")
+    (layer,) = [layer for layer in drawn.layers if layer.label == "asked for"]
+    (root,) = layer.paths
+    found = places(drawn, 0.7)
+    rotation, _ = leg.forward_kinematics(ghost.q[42])
+    path = f"{root}/left_hip/body/left_knee/body/left_ankle/body"
+    np.testing.assert_allclose(found[path][:3, :3], rotation[0, 2], atol=2e-4)
+    shown = [path for path in objects(drawn) if path.startswith(root)]
+    assert len(shown) == 3  # the torso is there once
+    for path in shown:
+        for _, material, _ in meshes(objects(drawn)[path]):
+            assert material["transparent"]
+            assert material["color"] == int(IDENTIFIED[1:], 16)
+
+
+def test_both_legs_have_one_torso_and_one_has_no_other_leg():
+    left, right = (exoid.load_leg("bleex", side) for side in ("left", "right"))
+    both, one = objects(scene(left, right)), objects(scene(left))
+    assert [path for path in both if path.endswith("leg/shape")] == ["/exoid/left leg/shape"]
+    assert not any("right" in path for path in one)
+    torso = left.description.parse().find("link[@name='torso']")
+    assert len(meshes(one["/exoid/left leg/shape"])) == len(torso.findall("visual"))
+
+
+def test_a_recording_of_one_leg_leaves_the_other_as_posed():
+    left, right = (exoid.load_leg("bleex", side) for side in ("left", "right"))
+    drawn = scene(left, right, recording=motion(left), pose={"right_knee": -0.5})
+    (animation,) = [c for c in drawn.commands if c["type"] == "set_animation"]
+    assert all(a["path"].startswith("/exoid/left leg") for a in animation["animations"])
+    rotation, _ = right.forward_kinematics([0.0, -0.5, 0.0])
+    found = places(drawn, 0.5)[f"{drawn.legs[1].mounts[1]}/body"]
+    np.testing.assert_allclose(found[:3, :3], rotation[0, 1], atol=1e-4)
+
+
+def test_what_hangs_on_a_locked_joint_is_drawn():
+    """A thigh that carries the moving knee, and the fingers of a hand."""
+    knee = Leg.from_urdf(Path(__file__).parents[2] / "urdf" / "bleex.urdf", ("left_knee", "left_ankle"))
+    hip = objects(scene(knee))[f"/exoid/{scene(knee).legs[0].root.rsplit('/')[-1]}/shape"]
+    root = knee.description.parse()
+    count = sum(len(root.findall(f"link[@name='{name}']/visual")) for name in ("torso", "left_thigh"))
+    assert len(meshes(hip)) == count
+    panda = robot("panda", [f"panda_joint{k}" for k in range(1, 8)])
+    drawn = scene(panda, meshes=folder_of_panda())
+    hand = meshes(objects(drawn)[f"{drawn.legs[0].mounts[-1]}/body/shape"])
+    assert len(hand) == 4  # the last link, the hand and two fingers
+    assert drawn.notes == ()
+
+
+def folder_of_panda():
+    loader = ROBOTS["panda"]
+    return Path(getModelPath(f"{loader.path}/{loader.urdf_subpath}/{loader.urdf_filename}")) / loader.path
+
+
+def test_the_camera_has_everything_in_sight():
+    leg = exoid.load_leg("bleex")
+    drawn = scene(leg, recording=motion(leg))
+    camera = drawn.camera
+    towards, up = np.array(camera.towards), np.array([0.0, 0.0, 1.0])
+    across = np.cross(up, towards) / np.linalg.norm(np.cross(up, towards))
+    assert np.linalg.norm(towards) == pytest.approx(1.0)
+    assert towards[1] > 0.3  # a left leg is looked at from the left
+    for frame in range(0, 44, 4):
+        for path, place in places(drawn, frame / 30.0).items():
+            if path.endswith(("/body", "/axis")):
+                offset = place[:3, 3] - camera.centre
+                assert abs(offset @ across) <= camera.half_width
+                assert abs(offset @ np.cross(towards, across)) <= camera.half_height
+
+
+def test_a_right_leg_is_looked_at_from_the_right():
+    assert scene(exoid.load_leg("bleex", "right")).camera.towards[1] < -0.3
+
+
+def test_the_ground_is_below_the_lowest_point_of_the_motion():
+    leg = exoid.load_leg("bleex")
+    recording = motion(leg)
+    drawn = scene(leg, recording=recording)
+    ground = places(drawn)["/exoid/ground"][2, 3]
+    ankles = leg.forward_kinematics(recording.q).translation[:, 2, 2]
+    assert ground < ankles.min() - 0.05
+
+
+# What the page holds
+
+
+def test_the_page_is_the_scene_with_meshcats_viewer_and_its_licence():
+    drawn = scene(exoid.load_leg("bleex"), title="a </script><script>alert(1)</script> leg")
+    page = drawn.html()
+    assert scene_of(page)["commands"] == [dict(command) for command in drawn.to_json()["commands"]]
+    assert "MeshCat" in unpacked(page, "viewer")
+    assert "Three.js Authors" in page
+    assert "alert(1)</script>" not in page
+    assert page.count("<script") == 3
+    assert len(page) < 1e6
+    assert page == drawn.html()
+
+
+def test_a_minute_of_replay_stays_below_a_megabyte():
+    leg = exoid.load_leg("bleex")
+    recording = motion(leg, np.arange(6000) / 100.0)
+    assert len(scene(leg, recording=recording, ghost=recording).html()) < 1e6
+
+
+def test_notebooks_show_the_page_in_a_frame_of_its_own():
+    drawn = scene(exoid.load_leg("cuhk"))
+    html = drawn._repr_html_()
+    assert html.startswith("<iframe ")
+    assert html.count("<iframe") == 1
+    assert '"' not in html.split('srcdoc="')[1].removesuffix('"></iframe>')
+
+
+def test_nothing_of_meshcats_server_is_imported():
+    program = (
+        "import sys, exoid; assert 'exoid.view' not in sys.modules\n"
+        "import exoid.view; exoid.view.scene(exoid.load_leg('bleex')).html()\n"
+        "print([name for name in ('meshcat', 'zmq', 'tornado', 'IPython') if name in sys.modules])"
+    )
+    assert subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
+# What is refused
+
+
+def test_what_cannot_be_shown_is_refused():
+    leg = exoid.load_leg("bleex")
+    recording = motion(leg)
+    with pytest.raises(ExoidError, match="no leg"):
+        scene()
+    with pytest.raises(ExoidError, match="no joint knee"):
+        scene(leg, pose={"knee": 0.1})
+    with pytest.raises(ExoidError, match="none of the logged joints"):
+        scene(exoid.load_leg("bleex", "right"), recording=recording)
+    with pytest.raises(ExoidError, match="left_ankle"):
+        scene(leg, recording=recording.select(("left_hip", "left_knee")))
+    with pytest.raises(ExoidError, match="no time in common"):
+        scene(leg, recording=recording, ghost=Recording(time=TIME + 9.0, q=recording.q, joint_names=leg.joint_names))
+    with pytest.raises(ExoidError, match="second motion beside none"):
+        scene(leg, ghost=recording)
+    long = Recording(time=np.arange(20) * 60.0, q=np.zeros((20, 3)), joint_names=leg.joint_names)
+    with pytest.raises(ExoidError, match="longest is 600 s"):
+        scene(leg, recording=long)
+
+
+def test_a_visual_that_is_no_number_is_named():
+    text = exoid.load_leg("bleex").description.text.replace('radius="0.05"', 'radius="five"', 1)
+    with pytest.raises(ExoidError, match=r"thigh.*'five'"):
+        scene(Leg.from_description(describe(text), ("left_hip", "left_knee")))
+
+
+def test_a_urdf_in_millimetres_is_refused():
+    text = exoid.load_leg("bleex").description.text.replace('radius="0.05"', 'radius="50"').replace("-0.43", "-430")
+    with pytest.raises(ExoidError, match="too far to be drawn"):
+        scene(Leg.from_description(describe(text), ("left_hip", "left_knee")))
+
+
+def test_the_same_leg_twice_stands_twice():
+    leg = exoid.load_leg("cuhk")
+    first, second = scene(leg, leg).legs
+    assert first.root != second.root

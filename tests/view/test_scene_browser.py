@@ -1,0 +1,258 @@
+"""Scenes in a real Chromium: drawn by WebGL, without an error, without a word to the network."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import numpy as np
+import pytest
+from browser import distance_to
+
+import exoid
+from exoid import Leg
+from exoid.identification import predict_motion
+from exoid.view import scene
+from exoid.view.report import Embedded, Page, Section
+from exoid.view.style import CAD, IDENTIFIED, JOINT_COLOURS
+
+READY = "window.exoid !== undefined && window.exoid.viewer.renderer.info.render.frame > 0"
+LEGEND = 260
+"""Pixels from the left that the legend may cover."""
+
+
+@pytest.fixture(scope="module")
+def bleex():
+    return exoid.datasets.bleex_swing()
+
+
+@pytest.fixture(scope="module")
+def estimate(bleex):
+    return exoid.identify(bleex.leg, bleex.train)
+
+
+def assert_leg_is_drawn(picture, *colours):
+    """The background is light; what stands before it is dark or coloured, in the middle and of the size of a leg."""
+    inside = picture[:, LEGEND:]
+    drawn = inside.min(axis=-1) < 120
+    assert 0.02 < drawn.mean() < 0.6
+    rows, columns = np.nonzero(drawn)
+    assert np.ptp(rows) > 0.5 * inside.shape[0]
+    assert abs(columns.mean() - 0.5 * inside.shape[1] + 0.5 * LEGEND) < 0.2 * inside.shape[1]
+    for colour in colours:
+        assert np.count_nonzero(distance_to(inside, colour) < 40) > 100, colour
+
+
+def assert_quiet(page, url):
+    assert page.problems == []
+    assert page.requests == [url]
+
+
+def switch(page, label):
+    """Click the legend's box of a layer."""
+    page.evaluate(
+        "[...document.querySelectorAll('#legend label')]"
+        f".find(l => l.textContent === {json.dumps(label)}).querySelector('input').click()"
+    )
+
+
+def test_both_legs_in_a_file_without_a_network(browser, tmp_path):
+    legs = [exoid.load_leg("bleex", side) for side in ("left", "right")]
+    drawn = scene(*legs, pose={"left_hip": 0.4, "left_knee": -0.7, "right_hip": -0.2, "right_knee": -0.3})
+    drawn.save(tmp_path / "leg.html")
+    url = (tmp_path / "leg.html").as_uri()
+    with browser.page(url) as page:
+        page.wait_for(READY)
+        picture = page.screenshot("bleex_both")
+        assert_leg_is_drawn(picture, CAD, JOINT_COLOURS[0])
+        assert_quiet(page, url)
+        assert page.evaluate("document.title") == "bleex, left leg, right leg"
+
+
+@pytest.mark.parametrize("size", [(400, 800), (1600, 500)])
+def test_the_leg_fills_windows_of_any_shape(browser, tmp_path, size):
+    scene(exoid.load_leg("bleex", "right")).save(tmp_path / "leg.html")
+    with browser.page((tmp_path / "leg.html").as_uri(), size) as page:
+        page.wait_for(READY)
+        picture = page.screenshot(f"bleex_{size[0]}x{size[1]}")
+        rows, columns = np.nonzero(distance_to(picture, CAD) < 30)
+        assert len(rows) > 30
+        assert columns.min() > 0
+        assert columns.max() < size[0] - 1
+        assert page.problems == []
+
+
+def test_layers_can_be_switched_off_and_on(browser, tmp_path, estimate):
+    scene(estimate).save(tmp_path / "leg.html")
+    with browser.page((tmp_path / "leg.html").as_uri()) as page:
+        page.wait_for(READY)
+        before = page.screenshot("bleex_estimate")[:, LEGEND:]
+        assert np.count_nonzero(distance_to(before, IDENTIFIED) < 40) > 20
+        for label in ("centres of mass", "identified inertia", "CAD inertia"):
+            switch(page, label)
+        without = page.screenshot()[:, LEGEND:]
+        assert np.count_nonzero(distance_to(without, IDENTIFIED) < 40) == 0
+        for label in ("centres of mass", "identified inertia", "CAD inertia"):
+            switch(page, label)
+        np.testing.assert_array_equal(page.screenshot()[:, LEGEND:], before)
+
+
+def test_a_replay_plays_in_real_time_and_follows_the_slider(browser, tmp_path, bleex, estimate):
+    predicted = predict_motion(estimate, bleex.test)
+    scene(estimate, recording=bleex.test, ghost=predicted, ghost_label="predicted").save(tmp_path / "leg.html")
+    url = (tmp_path / "leg.html").as_uri()
+    with browser.page(url) as page:
+        page.wait_for(READY)
+        page.wait_for("window.exoid.viewer.animator.time > 0")  # it plays by itself
+        animator = page.evaluate("(a => [a.duration, a.mixer.timeScale])(window.exoid.viewer.animator)")
+        assert animator == pytest.approx([bleex.test.duration, 1.0], abs=1.0 / 30.0)  # in real time
+        page.evaluate("document.querySelector('#player button').click()")
+        stopped = page.evaluate("window.exoid.viewer.animator.playing")
+        pictures = [scrubbed(page, time) for time in (1.0, 2.4, 1.0)]
+        np.testing.assert_array_equal(pictures[0], pictures[2])
+        moved = np.abs(pictures[0].astype(int) - pictures[1]).max(axis=-1) > 30
+        assert moved[:, LEGEND:].mean() > 0.01
+        assert_leg_is_drawn(page.screenshot("bleex_replay"))
+        assert not stopped
+        assert_quiet(page, url)
+        knee = page.evaluate(
+            "window.exoid.viewer.scene_tree.find(['exoid', 'left leg', 'left_hip', 'body', 'left_knee', 'body'])"
+            ".object.quaternion.toArray()"
+        )
+    angle = 2.0 * np.arctan2(-knee[1], knee[3])  # flexion is positive about −y
+    assert angle == pytest.approx(np.interp(1.0, bleex.test.time, bleex.test.q[:, 1]), abs=1e-3)
+
+
+def scrubbed(page, time):
+    """Drag the slider to a time and look."""
+    page.evaluate(
+        f"(() => {{ const s = document.querySelector('#player input'); s.value = {time};"
+        " s.dispatchEvent(new Event('input')); })()"
+    )
+    return page.screenshot()
+
+
+def test_a_page_can_start_at_a_moment(browser, tmp_path, bleex):
+    scene(bleex.leg, recording=bleex.test).save(tmp_path / "leg.html")
+    with browser.page((tmp_path / "leg.html").as_uri() + "#t=2.5") as page:
+        page.wait_for(READY)
+        assert page.evaluate("window.exoid.viewer.animator.time") == 2.5
+        assert not page.evaluate("window.exoid.viewer.animator.playing")
+        assert page.evaluate("document.querySelector('#player output').textContent").startswith("2.50 s")
+
+
+def test_a_second_leg_elsewhere_is_seen(browser, tmp_path, bleex):
+    """A translucent one in the colour of the model."""
+    apart = exoid.Recording(
+        time=bleex.test.time, q=bleex.test.q + np.array([0.5, -0.3, 0.0]), joint_names=bleex.test.joint_names
+    )
+    scene(bleex.leg, recording=bleex.test, ghost=apart).save(tmp_path / "leg.html")
+    with browser.page((tmp_path / "leg.html").as_uri() + "#t=2.5") as page:
+        page.wait_for(READY)
+        picture = page.screenshot("bleex_reference")[:, LEGEND:].astype(int)
+        switch(page, "reference")
+        without = page.screenshot()[:, LEGEND:].astype(int)
+        seen = np.abs(picture - without).max(axis=-1) > 15
+        assert seen.mean() > 0.005
+        assert (picture[seen] @ [-1, 0, 1] > without[seen] @ [-1, 0, 1]).mean() > 0.9  # bluer
+
+
+def test_a_served_page_follows_poses_from_python(browser):
+    drawn = scene(exoid.load_leg("cuhk"))
+    with drawn.serve(0) as server, browser.page(server.url) as page:
+        page.wait_for(READY)
+        before = page.screenshot("cuhk")
+        assert_leg_is_drawn(before, CAD)
+        server.pose({"left_hip": 0.9})
+        body = "window.exoid.viewer.scene_tree.find(['exoid', 'left leg', 'left_hip', 'body']).object.quaternion.y"
+        page.wait_for(f"Math.abs(Math.abs({body}) - Math.sin(0.45)) < 1e-3")
+        moved = np.abs(page.screenshot().astype(int) - before).max(axis=-1) > 30
+        assert moved.mean() > 0.01
+        assert page.problems == []
+        assert all(request.startswith(server.url) for request in page.requests)
+
+
+def framed(scenes):
+    """A page with scenes as elements, as in a notebook."""
+    elements = "".join(each.iframe(400) for each in scenes)
+    return f"<!DOCTYPE html><meta charset=utf-8><title>r</title><link rel=icon href='data:,'>{elements}"
+
+
+def reported(scenes):
+    """A report with scenes, whose frames may do nothing but draw."""
+    return Page(
+        "Two legs", ["Both stand."], [Section("Scenes", [Embedded(each.html(), each.title) for each in scenes])]
+    ).html()
+
+
+@pytest.mark.parametrize("write", [framed, reported])
+def test_two_scenes_live_side_by_side_in_one_page(browser, tmp_path, write):
+    scenes = [scene(exoid.load_leg("bleex", "right")), scene(exoid.load_leg("cuhk"))]
+    (tmp_path / "page.html").write_text(write(scenes), "utf-8")
+    url = (tmp_path / "page.html").as_uri()
+    with browser.page(url, (700, 1300)) as page:
+        tops = page.evaluate("[...document.querySelectorAll('iframe')].map(f => f.getBoundingClientRect().top)")
+        assert len(tops) == 2
+        until = time.monotonic() + 60.0
+        shares = [0.0, 0.0]
+        while min(shares) < 0.01 and time.monotonic() < until:
+            picture = page.screenshot(f"two_scenes_{write.__name__}")
+            halves = [picture[round(top) : round(top) + 400, LEGEND:] for top in tops]
+            shares = [(half.min(axis=-1) < 120).mean() for half in halves]
+        assert min(shares) > 0.01
+        assert_quiet(page, url)
+
+
+def test_errors_within_a_frame_are_noticed(browser, tmp_path):
+    """The check of the check above."""
+    broken = Embedded("<script>console.error('lost'); fetch('http://example.com/b.js')</script>", "broken")
+    (tmp_path / "page.html").write_text(Page("x", [], [Section("y", [broken])]).html(), "utf-8")
+    with browser.page((tmp_path / "page.html").as_uri()) as page:
+        until = time.monotonic() + 30.0
+        while "http://example.com/b.js" not in page.requests and time.monotonic() < until:
+            page.evaluate("1")
+        assert "http://example.com/b.js" in page.requests
+        assert ["lost"] in page.problems
+
+
+def test_a_seven_joint_arm_with_meshes(browser, tmp_path):
+    from example_robot_data.robots_loader import ROBOTS, getModelPath  # noqa: PLC0415
+
+    loader = ROBOTS["panda"]
+    inside = f"{loader.path}/{loader.urdf_subpath}/{loader.urdf_filename}"
+    urdf = f"{getModelPath(inside)}/{inside}"
+    arm = Leg.from_urdf(urdf, [f"panda_joint{k}" for k in range(1, 8)])
+    drawn = scene(
+        arm, pose={"panda_joint2": 0.3, "panda_joint4": -1.8, "panda_joint6": 2.0}, meshes=getModelPath(inside)
+    )
+    drawn.save(tmp_path / "arm.html")
+    assert (tmp_path / "arm.html").stat().st_size < 3e6
+    url = (tmp_path / "arm.html").as_uri()
+    with browser.page(url) as page:
+        page.wait_for(READY)
+        switch(page, "CAD inertia")
+        picture = page.screenshot("panda")[:, LEGEND:]
+        assert (np.ptp(picture.astype(int), axis=-1) < 25)[picture.min(axis=-1) < 200].mean() > 0.3  # grey shells
+        assert (picture.min(axis=-1) < 200).mean() > 0.05
+        assert_quiet(page, url)
+
+
+def test_a_scene_that_breaks_says_so(browser, tmp_path):
+    """The check of the checks: an error in the page is seen by these tests and by its reader."""
+    page_text = (
+        scene(exoid.load_leg("cuhk"))
+        .html()
+        .replace('id="scene" type="text/plain">', 'id="scene" type="text/plain">AAAA', 1)
+    )
+    (tmp_path / "broken.html").write_text(page_text, "utf-8")
+    with browser.page((tmp_path / "broken.html").as_uri()) as page:
+        page.wait_for("document.querySelector('#legend summary').textContent !== ''")
+        assert page.problems
+        assert "cannot show" in page.evaluate("document.querySelector('#legend summary').textContent")
+
+
+def test_a_request_that_would_leave_the_machine_is_noticed(browser, tmp_path):
+    (tmp_path / "page.html").write_text("<img src='http://example.com/a.png'>", "utf-8")
+    with browser.page((tmp_path / "page.html").as_uri()) as page:
+        assert "http://example.com/a.png" in page.requests
+        assert page.problems

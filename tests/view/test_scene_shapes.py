@@ -1,0 +1,211 @@
+"""Links look as their URDF says; where it says nothing or the mesh is gone, a leg still looks like a leg."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from drawings import meshes, objects, places
+
+import exoid
+from exoid import Leg
+from exoid.description import describe
+from exoid.view import scene
+from exoid.view.scenes.meshes import find_mesh, load_mesh
+
+KINDS = ("BoxGeometry", "CylinderGeometry", "SphereGeometry")
+
+
+def without_visuals(leg):
+    """The same leg from a URDF that only says how heavy it is."""
+    text = re.sub(r"<visual>.*?</visual>", "", leg.description.text, flags=re.DOTALL)
+    return Leg.from_description(describe(text), leg.joint_names)
+
+
+def test_visuals_are_drawn_one_by_one_where_the_urdf_has_them():
+    leg = exoid.load_leg("bleex")
+    shank = meshes(objects(scene(leg))["/exoid/left leg/left_hip/body/left_knee/body/shape"])
+    visuals = leg.description.parse().findall("link[@name='left_shank']/visual")
+    assert len(shank) == len(visuals)
+    colours = {m.get("name"): m.find("color").get("rgba") for m in leg.description.parse().findall("material")}
+    for (geometry, material, place), visual in zip(shank, visuals, strict=True):
+        (shape,) = visual.find("geometry")
+        assert geometry["type"] == {"box": KINDS[0], "cylinder": KINDS[1], "sphere": KINDS[2]}[shape.tag]
+        np.testing.assert_allclose(
+            place[:3, 3], [float(x) for x in visual.find("origin").get("xyz").split()], atol=1e-6
+        )
+        rgb = [float(x) for x in colours[visual.find("material").get("name")].split()[:3]]
+        expected = sum(round(255 * value) << shift for value, shift in zip(rgb, (16, 8, 0), strict=True))
+        assert material["color"] == expected
+
+
+def test_a_cylinder_lies_along_its_own_z():
+    """URDF's cylinders are along z, three.js's along y."""
+    text = exoid.load_leg("bleex").description.text
+    cylinder = '<visual><geometry><cylinder radius="0.01" length="0.4"/></geometry></visual>'
+    text = re.sub(
+        r'(<link name="left_foot">).*?(<inertial>.*?</inertial>).*?</link>',
+        rf"\1\2{cylinder}</link>",
+        text,
+        flags=re.DOTALL,
+    )
+    leg = Leg.from_description(describe(text), ("left_hip", "left_knee", "left_ankle"))
+    ((geometry, _, place),) = meshes(
+        objects(scene(leg))["/exoid/left leg/left_hip/body/left_knee/body/left_ankle/body/shape"]
+    )
+    assert geometry["height"] == 0.4
+    np.testing.assert_allclose(np.abs(place[:3, 1]), [0.0, 0.0, 1.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["bleex", "cuhk"])
+def test_bars_join_the_joints_of_a_leg_without_visuals(name):
+    leg = without_visuals(exoid.load_leg(name))
+    drawn = scene(leg)
+    mounts = drawn.legs[0].mounts
+    thigh = meshes(objects(drawn)[f"{mounts[0]}/body/shape"])
+    (bar,) = [(g, place) for g, _, place in thigh if g["type"] == "BoxGeometry"]
+    length = np.linalg.norm(leg.model.jointPlacements[2].translation)
+    assert bar[0]["depth"] == pytest.approx(length)
+    np.testing.assert_allclose(bar[1][:3, 3], 0.5 * leg.model.jointPlacements[2].translation, atol=1e-5)
+    assert "/exoid/left leg/shape" in objects(drawn)  # a belt to hang on
+
+
+def test_the_last_body_of_a_leg_with_an_ankle_is_a_foot_that_points_forward():
+    leg = without_visuals(exoid.load_leg("bleex"))
+    drawn = scene(leg)
+    path = f"{drawn.legs[0].mounts[-1]}/body"
+    boxes = [
+        (g, places(drawn)[f"{path}/shape"] @ place)
+        for g, _, place in meshes(objects(drawn)[f"{path}/shape"])
+        if g["type"] == "BoxGeometry"
+    ]
+    sole = max(boxes, key=lambda box: box[0]["width"])
+    ankle = places(drawn)[path][:3, 3]
+    assert sole[1][0, 3] > ankle[0] + 0.02
+    assert sole[1][2, 3] < ankle[2] - 0.05
+    assert sole[0]["width"] > 2.0 * sole[0]["depth"]
+
+
+def test_a_foot_that_rolls_points_forward_too():
+    """After an ankle that pitches comes one that rolls, about x."""
+    link = (
+        '<link name="{}"><inertial><mass value="1"/><origin xyz="0.03 0 -0.05"/>'
+        '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    )
+    joint = (
+        '<joint name="{0}" type="revolute"><parent link="{1}"/><child link="{2}"/><origin xyz="0 0 {3}"/>'
+        '<axis xyz="{4}"/><limit lower="-1" upper="1" effort="9" velocity="9"/></joint>'
+    )
+    links = "".join(link.format(name) for name in ("shank", "bracket", "foot"))
+    joints = joint.format("knee", "base", "shank", 0, "0 1 0") + joint.format(
+        "pitch", "shank", "bracket", -0.4, "0 1 0"
+    )
+    joints += joint.format("roll", "bracket", "foot", -0.05, "1 0 0")
+    drawn = scene(Leg.from_description(describe(f'<robot name="leg"><link name="base"/>{links}{joints}</robot>')))
+    shapes = objects(drawn)[f"{drawn.legs[0].mounts[2]}/body/shape"]
+    sole = max((pair for pair in meshes(shapes) if pair[0]["type"] == "BoxGeometry"), key=lambda pair: pair[0]["width"])
+    assert sole[2][0, 0] == pytest.approx(1.0)  # its length is along x
+    assert sole[2][0, 3] > 0.0
+
+
+def sphere(radius=1.0, rows=24, columns=48):
+    """Points and outward triangles of a sphere."""
+    theta, phi = np.linspace(0.0, np.pi, rows), np.linspace(0.0, 2.0 * np.pi, columns, endpoint=False)
+    grid = np.array([[np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)] for t in theta for p in phi])
+    faces = []
+    for i in range(rows - 1):
+        for j in range(columns):
+            a, b = i * columns + j, i * columns + (j + 1) % columns
+            faces += [(a, a + columns, b), (b, a + columns, b + columns)]
+    return radius * grid, np.array(faces)
+
+
+def write_stl(path, points, faces):
+    lines = ["solid s"]
+    for face in faces:
+        lines += [
+            "facet normal 0 0 0",
+            "outer loop",
+            *(f"vertex {x} {y} {z}" for x, y, z in points[face]),
+            "endloop",
+            "endfacet",
+        ]
+    path.write_text("\n".join([*lines, "endsolid s"]))
+
+
+def test_a_mesh_keeps_its_shape_and_gets_outward_normals(tmp_path):
+    points, faces = sphere(0.1)
+    write_stl(tmp_path / "ball.stl", points, faces)
+    mesh = load_mesh(tmp_path / "ball.stl", np.array([1.0, 1.0, 2.0]))
+    round_again = mesh.points / np.array([0.1, 0.1, 0.2])
+    np.testing.assert_allclose(np.linalg.norm(round_again, axis=1), 1.0, atol=0.02)
+    normals = round_again / np.array([1.0, 1.0, 2.0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    assert np.einsum("ij,ij->i", normals, mesh.normals).min() > 0.9
+    assert mesh.triangles.max() < len(mesh.points)
+
+
+def test_a_cube_keeps_its_edges(tmp_path):
+    corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    write_stl(tmp_path / "cube.stl", corners, np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]))
+    mesh = load_mesh(tmp_path / "cube.stl", np.ones(3))
+    assert len(mesh.points) == 24  # eight corners with three normals each
+    np.testing.assert_allclose(np.abs(mesh.normals).max(axis=1), 1.0, atol=1e-12)
+
+
+def test_a_fine_mesh_becomes_as_coarse_as_a_screen(tmp_path):
+    points, faces = sphere(0.1, 150, 300)
+    header = f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n"
+    header += "".join(f"property float {axis}\n" for axis in "xyz")
+    header += f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    body = "\n".join([*(f"{x:.6f} {y:.6f} {z:.6f}" for x, y, z in points), *(f"3 {a} {b} {c}" for a, b, c in faces)])
+    (tmp_path / "ball.ply").write_text(header + body + "\n")
+    mesh = load_mesh(tmp_path / "ball.ply", np.ones(3))
+    assert len(mesh.triangles) <= 20_000 < 0.5 * len(faces)
+    np.testing.assert_allclose(np.linalg.norm(mesh.points, axis=1), 0.1, rtol=0.02)
+
+
+def leg_with_mesh(filename):
+    text = exoid.load_leg("bleex").description.text
+    visual = f'<visual><geometry><mesh filename="{filename}"/></geometry></visual>'
+    text = re.sub(
+        r'(<link name="left_shank">).*?(<inertial>.*?</inertial>).*?</link>',
+        rf"\1\2{visual}</link>",
+        text,
+        flags=re.DOTALL,
+    )
+    return Leg.from_description(describe(text), ("left_hip", "left_knee", "left_ankle"))
+
+
+@pytest.mark.parametrize("filename", ["meshes/shank.stl", "package://my_exo/meshes/shank.stl"])
+def test_meshes_are_found_beside_the_urdf_and_in_its_package(filename, tmp_path):
+    (tmp_path / "my_exo" / "meshes").mkdir(parents=True)
+    (tmp_path / "my_exo" / "urdf").mkdir()
+    write_stl(tmp_path / "my_exo" / "meshes" / "shank.stl", *sphere(0.1))
+    folder = tmp_path / "my_exo" / ("urdf" if filename.startswith("package") else "")
+    drawn = scene(leg_with_mesh(filename), meshes=folder)
+    ((geometry, _, _),) = meshes(objects(drawn)["/exoid/left leg/left_hip/body/left_knee/body/shape"])
+    assert geometry["type"] == "BufferGeometry"
+    assert drawn.notes == ()
+
+
+def test_packages_are_found_on_the_path_of_ros(tmp_path, monkeypatch):
+    (tmp_path / "my_exo").mkdir()
+    (tmp_path / "my_exo" / "a.stl").write_text("solid")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nowhere:{tmp_path}")
+    assert find_mesh("package://my_exo/a.stl", None) == tmp_path / "my_exo" / "a.stl"
+    assert find_mesh("package://other/a.stl", None) is None
+
+
+@pytest.mark.parametrize("content", [None, "this is no mesh"])
+def test_a_missing_or_broken_mesh_becomes_a_bar_and_a_note(content, tmp_path):
+    if content is not None:
+        (tmp_path / "gone.stl").write_text(content)
+    drawn = scene(leg_with_mesh("gone.stl"), meshes=tmp_path)
+    (note,) = drawn.notes
+    assert "gone.stl" in note
+    assert "left_shank" in note
+    kinds = {g["type"] for g, _, _ in meshes(objects(drawn)["/exoid/left leg/left_hip/body/left_knee/body/shape"])}
+    assert "BoxGeometry" in kinds
