@@ -117,7 +117,7 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
     settings = dict(data["preparation"])
     preparation = PREPARATIONS[settings.pop("name")](**settings)
     return Estimate(
-        model=model.loaded_by(values),
+        model=model,
         values=values,
         covariance=np.array(data["covariance"], dtype=np.float64),
         condition_number=float(data["condition_number"]),
