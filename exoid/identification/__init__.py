@@ -1,6 +1,6 @@
 """From recordings to parameters with their uncertainty, and how well these predict."""
 
-from .assumed import Assumed, Prior
+from .assumed import Prior
 from .bands import TorqueBand
 from .comparison import Comparison, compare, comparison_to_json
 from .diagnostics import JointNoise
@@ -18,7 +18,6 @@ from .validation import Validation, validate, validation_to_json
 
 __all__ = [
     "ESTIMATORS",
-    "Assumed",
     "Candidate",
     "Comparison",
     "Estimate",

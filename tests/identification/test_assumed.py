@@ -10,6 +10,7 @@ import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Offset, Viscous, identify
 from exoid.identification import Prior
 from exoid.signals import FiniteDifference, ZeroPhase
+from exoid.torques import LoadFriction
 
 PLAIN = FiniteDifference()
 NOISE = np.array([1.0, 0.7, 0.3])
@@ -198,3 +199,10 @@ def test_to_know_everything_leaves_nothing_to_do(swing):
     known = dict.fromkeys(swing.leg.parameter_names, 1.0)
     with pytest.raises(ExoidError, match="nothing is left"):
         identify(swing.leg, swing.recording(), (), known=known)
+
+
+def test_friction_that_makes_the_model_nonlinear_takes_no_assumptions_yet(swing):
+    with pytest.raises(ExoidError, match="linear in its parameters"):
+        identify(swing.leg, swing.recording(), (*TERMS, LoadFriction()), known={"X1": 4.0})
+    with pytest.raises(ExoidError, match="linear in its parameters"):
+        identify(swing.leg, swing.recording(), (*TERMS, LoadFriction()), nonnegative=True)
