@@ -10,6 +10,7 @@ import typer
 import exoid
 from exoid.errors import ExoidError
 
+from .compare import compare
 from .export import export
 from .identify import identify
 from .plan import plan
@@ -17,6 +18,7 @@ from .reproduce import reproduce
 from .select import select
 from .stability import stability
 from .study import study
+from .track import track
 from .validate import validate
 from .view import view
 
@@ -33,12 +35,14 @@ app = typer.Typer(
 app.command()(identify)
 app.command()(select)
 app.command()(validate)
+app.command()(compare)
 app.command()(export)
 app.command()(plan)
 app.command()(reproduce)
 app.command()(view)
 app.command()(stability)
 app.command()(study)
+app.command()(track)
 
 
 def _print_version(wanted: bool) -> None:

@@ -24,6 +24,7 @@ from .inputs import (
     read_logs,
     split_names,
 )
+from .numbers import parse_known, parse_prior
 
 
 def identify(
@@ -42,6 +43,18 @@ def identify(
         str | None,
         typer.Option(metavar="NAME", help="finite-difference (document 1), moving-average (document 2) or smoothed."),
     ] = None,
+    noise: Annotated[
+        str, typer.Option(help="correlated, or white: intervals for noise without memory.")
+    ] = "correlated",
+    known: Annotated[
+        list[str] | None, typer.Option(metavar="NAME=VALUE", help="Hold a parameter fixed. Repeatable.")
+    ] = None,
+    prior: Annotated[
+        list[str] | None, typer.Option(metavar="NAME=VALUE:STD", help="A value believed, with its error. Repeatable.")
+    ] = None,
+    nonnegative: Annotated[
+        bool, typer.Option("--nonnegative", help="Keep friction and rotor inertia from 0 up.")
+    ] = False,
     column: Column = None,
     degrees: Degrees = False,
     start: Start = None,
@@ -54,7 +67,16 @@ def identify(
     recordings = read_logs(logs, LogOptions(column, degrees, start, stop, topic, received))
     found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names)
     estimate = identification.identify(
-        found, recordings, parse_terms(terms), estimator, cutoff=cutoff, preparation=preparation
+        found,
+        recordings,
+        parse_terms(terms),
+        estimator,
+        cutoff=cutoff,
+        preparation=preparation,
+        noise=noise,
+        known=parse_known(known),
+        prior=parse_prior(prior),
+        nonnegative=nonnegative,
     )
     if output is not None:
         estimate.save(output)

@@ -1,5 +1,7 @@
 """From recordings to parameters with their uncertainty, and how well these predict."""
 
+from .assumed import Prior
+from .bands import TorqueBand
 from .comparison import Comparison, compare, comparison_to_json
 from .diagnostics import JointNoise
 from .estimate import Estimate, Input
@@ -7,9 +9,11 @@ from .estimate_file import estimate_from_json, estimate_to_json
 from .estimators import ESTIMATORS
 from .export import Export, export_to_json
 from .identify import identify
+from .influence import Influence
 from .prediction import predict_motion
 from .selection import Candidate, Selection, select_terms, selection_to_json
 from .shapes import Shapes
+from .trends import Trend
 from .validation import Validation, validate, validation_to_json
 
 __all__ = [
@@ -18,10 +22,14 @@ __all__ = [
     "Comparison",
     "Estimate",
     "Export",
+    "Influence",
     "Input",
     "JointNoise",
+    "Prior",
     "Selection",
     "Shapes",
+    "TorqueBand",
+    "Trend",
     "Validation",
     "compare",
     "comparison_to_json",

@@ -9,7 +9,9 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.torques import TorqueModel
 
+from .assumed import Assumed
 from .noise import LagSums
 from .problem import Problem
 from .residuals import Noises, Point, series
@@ -23,6 +25,15 @@ WEAKLY = 0.3
 
 SIZE = 0.1
 """A value near zero is judged by this part of the value that would explain all torque of a joint alone."""
+
+MOSTLY_PRIOR = 0.7
+"""A standard deviation beyond this part of the prior's says that the recordings know less than the prior."""
+
+BELOW_ZERO = 0.005
+"""Probability with which a parameter that is zero would be said to be negative."""
+
+CANCELS = 3.0
+"""A value that alone would give so many times all torque of a joint only cancels another, whatever its error."""
 
 LAGS = 10
 """Autocorrelations that are tested for whiteness."""
@@ -83,16 +94,40 @@ def judge_noise(problem: Problem, point: Point, noises: Noises) -> tuple[JointNo
 def judge_sizes(triangles: Sequence[Triangle]) -> FloatArray:
     """Return the size of each parameter that would explain, alone, all torque of a joint it acts on, (P,).
 
-    That is ‖τ‖ / ‖W_i‖ of the joint where it is smallest.
+    That is ‖τ‖ / ‖W_i‖ of the joint where it is smallest; zero for one that left no trace.
     """
     norms = np.array([np.linalg.norm(triangle.R, axis=0) for triangle in triangles])
     columns, torques = norms[:, :-1], norms[:, -1:]
-    return np.asarray(np.divide(torques, columns, out=np.full_like(columns, np.inf), where=columns > 0.0).min(axis=0))
+    sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=columns > 0.0).min(axis=0)
+    return np.where(np.isfinite(sizes), sizes, 0.0)
 
 
 def verdict(value: float, std: float, size: float) -> str:
     """Say how well a parameter is determined: "well", "weakly" or "not"."""
+    if abs(value) > CANCELS * size > 0.0:
+        return "not"
     scale = max(abs(value), SIZE * size)
     if std <= WELL * scale:
         return "well"
     return "weakly" if std <= WEAKLY * scale else "not"
+
+
+def verdict_beside(name: str, assumed: Assumed, std: float, of_data: str) -> str:
+    """Say "known" or "prior" of parameters that are rather what was assumed than what was measured."""
+    if name in assumed.known:
+        return "known"
+    believed = assumed.prior.values.get(name)
+    return "prior" if believed is not None and std > MOSTLY_PRIOR * believed[1] else of_data
+
+
+def negative(model: TorqueModel, values: FloatArray, std: FloatArray) -> tuple[str, ...]:
+    """Name friction and rotor inertia that are negative by more than their error."""
+    limit = float(scipy.stats.norm.ppf(1.0 - BELOW_ZERO))
+    below = model.nonnegative & (values < 0.0) & (values < -limit * std)
+    if not below.any():
+        return ()
+    names = ", ".join(name for name, is_below in zip(model.names, below, strict=True) if is_below)
+    return (
+        f"{names} negative beyond error, which nature does not allow: a term is missing, a sign is wrong, or the "
+        "torque is not that of this joint",
+    )

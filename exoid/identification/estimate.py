@@ -14,25 +14,20 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.signals import Preparation
-from exoid.tables import make_table, to_text, with_error
 from exoid.torques import Merged, TorqueModel
 from exoid.torso import TorsoMotion
 
-from .diagnostics import JointNoise, verdict
+from .assumed import NOTHING, Assumed
+from .bands import TorqueBand, torque_std
+from .diagnostics import JointNoise, verdict, verdict_beside
+from .influence import Influence
 from .shapes import Shapes
+from .trends import Trend
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from exoid.codegen import CSource
 
     from .export import Export
-
-ILL_CONDITIONED = 100.0
-"""Beyond this condition number of the scaled regressor, single parameters deserve little trust."""
-
-NOT_WHITE = 0.01
-"""Residuals with a smaller probability of being white are said not to be."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +52,7 @@ class Estimate:
     """Identified parameters of a leg with their covariance; prints itself as a table.
 
     Attributes:
-        model: Leg as it was given, and the terms beside it: what the parameters belong to.
+        model: Leg as it was given, and the terms beside it, loaded by the values: what the parameters belong to.
         values: Parameters in the order of :attr:`names`, (P,).
         covariance: Of the values, (P, P).
         condition_number: Of the regressor with columns scaled to unit length; below 100 is good.
@@ -69,6 +64,11 @@ class Estimate:
         noise: What the residuals of each joint look like, n of them, or none.
         sizes: Of parameters that would explain all torque of a joint alone, (P,); see :attr:`verdicts`.
         warnings: What makes this estimate doubtful.
+        assumed: What was known beside the recordings.
+        bounded: Parameters that would have become negative and were kept at zero. Intervals are then centred there, as
+            wide as without the bound: rather too wide.
+        influence: Of each recording, where there are several.
+        trends: Residuals against velocity and angle, joint by joint.
         shapes: Settings of terms that were found, such as a Stribeck velocity; the covariance of the values counts in
             that they are uncertain, too.
     """
@@ -85,6 +85,10 @@ class Estimate:
     noise: tuple[JointNoise, ...] = ()
     sizes: FloatArray | None = None
     warnings: tuple[str, ...] = ()
+    assumed: Assumed = NOTHING
+    bounded: tuple[str, ...] = ()
+    influence: Influence | None = None
+    trends: tuple[Trend, ...] = ()
     shapes: Shapes = field(default_factory=Shapes)
 
     def __post_init__(self) -> None:
@@ -102,6 +106,7 @@ class Estimate:
                 )
             array.flags.writeable = False
             object.__setattr__(self, name, array)
+        object.__setattr__(self, "model", self.model.loaded_by(self.values))
         if len(self.noise) not in (0, joints):
             raise ExoidError(f"noise of {len(self.noise)} joints, not {joints}", remedy="identify again")
         if not (self.dof > 0.0 and self.condition_number >= 1.0 and (np.diag(self.covariance) >= 0.0).all()):
@@ -145,13 +150,18 @@ class Estimate:
 
     @property
     def verdicts(self) -> tuple[str, ...]:
-        """How well each parameter is determined: "well", "weakly" or "not".
+        """How well each parameter is determined: "well", "weakly" or "not"; or "known", or "prior".
 
         Well if the standard deviation is at most 10 % of the value, weakly if at most 30 %. For values near zero it is
-        10 and 30 % of a tenth of the value that would explain all torque of a joint alone.
+        10 and 30 % of a tenth of the value that would explain all torque of a joint alone. Known is what was held
+        fixed, and prior what the prior knows better than the recordings. A value that would give three times all torque
+        of a joint is not determined: it only cancels another.
         """
         sizes = np.zeros(len(self.values)) if self.sizes is None else self.sizes
-        return tuple(verdict(*each) for each in zip(self.values, self.std, sizes, strict=True))
+        return tuple(
+            verdict_beside(name, self.assumed, std, verdict(value, std, size))
+            for name, value, std, size in zip(self.names, self.values, self.std, sizes, strict=True)
+        )
 
     def interval(self, level: float = 0.95) -> FloatArray:
         """Confidence intervals by Student's t, (P, 2).
@@ -162,10 +172,14 @@ class Estimate:
         Raises:
             ExoidError: The level is not between 0 and 1.
         """
+        half = self._quantile(level) * self.std
+        return np.column_stack([self.values - half, self.values + half])
+
+    def _quantile(self, level: float) -> float:
+        """Half width of an interval in standard deviations."""
         if not 0.0 < level < 1.0:
             raise ExoidError(f"an interval of level {level}", remedy="use a level between 0 and 1, such as 0.95")
-        half = scipy.stats.t.ppf(0.5 + level / 2.0, self.dof) * self.std
-        return np.column_stack([self.values - half, self.values + half])
+        return float(scipy.stats.t.ppf(0.5 + level / 2.0, self.dof))
 
     def value(self, name: str) -> float:
         """Look one parameter up by name.
@@ -197,7 +211,52 @@ class Estimate:
         Returns:
             Torques [N·m], (N, n).
         """
-        return self.model.loaded_by(self.values).regressor(q, v, a, torso) @ self.values
+        return self.model.regressor(q, v, a, torso) @ self.values
+
+    def torque_std(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None, *, measured: bool = False
+    ) -> FloatArray:
+        """Standard deviation of :meth:`torque` [N·m], (N, n), as if loads of friction and fitted settings were exact.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            a: Joint accelerations [rad/s²], (N, n).
+            torso: Motion of the torso, if it moves.
+            measured: Whether to add the noise of a new measurement, which has passed the same filter as those that the
+                estimate was made from.
+        """
+        model = self.model.loaded_by(self.values)
+        std = torque_std(model, self.covariance, model.motion(q, v, a, torso))
+        if not measured:
+            return std
+        lost = (self.dof + len(self.values)) / self.dof  # residuals are smaller than noise, as they were fitted
+        return np.asarray(np.sqrt(std**2 + lost * self.residual_rms**2))
+
+    def torque_band(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        torso: TorsoMotion | None = None,
+        *,
+        level: float = 0.95,
+        measured: bool = True,
+    ) -> TorqueBand:
+        """Band that contains a new torque of each sample with so much probability, by Student's t.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            a: Joint accelerations [rad/s²], (N, n).
+            torso: Motion of the torso, if it moves.
+            level: The probability, between 0 and 1.
+            measured: True for a torque measured and filtered like those that the estimate was made from, False for the
+                model's own, without noise.
+        """
+        half = self._quantile(level) * self.torque_std(q, v, a, torso, measured=measured)
+        torque = self.torque(q, v, a, torso)
+        return TorqueBand(torque, torque - half, torque + half)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the estimate as JSON, whole or not at all; see :meth:`load`.
@@ -271,53 +330,6 @@ class Estimate:
 
     def __str__(self) -> str:
         """Print as a table, followed by what the reader should know before trusting it."""
-        rows = [
-            (name, *with_error(value, std, *interval), unit, judged)
-            for name, value, std, interval, unit, judged in zip(
-                self.names, self.values, self.std, self.interval(), self.units, self.verdicts, strict=True
-            )
-        ]
-        rows += self._shape_rows()
-        title = f"{self.model.leg.description.name}: {self.estimator} estimate of {len(self.names)} parameters"
-        headers = ("parameter", "value", "± std", "95 % from", "to", "unit", "determined")
-        return to_text(title, make_table(headers, rows), *self._remarks())
+        from .report import report  # noqa: PLC0415 - it needs this class
 
-    def _shape_rows(self) -> list[tuple[str, ...]]:
-        """Settings as rows of the table; those that are held have no uncertainty."""
-        shapes = self.shapes
-        return [
-            (name, *(with_error(value, std, *interval) if std > 0.0 else (f"{value:.4g}", "", "", "")), unit, judged)
-            for name, value, std, interval, unit, judged in zip(
-                shapes.names,
-                shapes.values,
-                shapes.std,
-                shapes.interval(self.dof),
-                shapes.units,
-                shapes.verdicts,
-                strict=True,
-            )
-        ]
-
-    def _remarks(self) -> Sequence[str]:
-        residuals = ", ".join(
-            f"{joint} {rms:.3g}" for joint, rms in zip(self.joint_names, self.residual_rms, strict=True)
-        )
-        names = ", ".join(source.name for source in self.inputs)
-        advice = "" if self.condition_number < ILL_CONDITIONED else " (ill-conditioned: excite more, or plan a motion)"
-        return [
-            f"residual RMS [N·m]: {residuals}",
-            f"condition number {self.condition_number:.1f}{advice}; {self.dof:.0f} degrees of freedom",
-            *self._noise_remarks(),
-            f"from {names}; {self.preparation.name} preparation",
-            *(f"warning: {warning}" for warning in self.warnings),
-            *(f"note: {merged}" for merged in self.merged),
-        ]
-
-    def _noise_remarks(self) -> Sequence[str]:
-        """Say how many samples count, and which joints' residuals are not white."""
-        if not self.noise:
-            return []
-        of_joints = list(zip(self.joint_names, self.noise, strict=True))
-        counts = ", ".join(f"{joint} {n.effective_samples:.0f} of {n.samples}" for joint, n in of_joints)
-        coloured = ", ".join(joint for joint, n in of_joints if n.whiteness < NOT_WHITE)
-        return [f"effective samples: {counts}" + (f"; residuals not white: {coloured}" if coloured else "")]
+        return report(self)

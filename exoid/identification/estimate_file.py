@@ -19,9 +19,12 @@ from exoid.leg import Leg
 from exoid.signals import PREPARATIONS, Preparation
 from exoid.torques import TorqueModel, term_from_json, term_to_json
 
+from .assumed import Assumed, Prior
 from .diagnostics import JointNoise
 from .estimate import Estimate, Input
+from .influence import influence_from_json, influence_to_json
 from .shapes import Shapes
+from .trends import trends_from_json, trends_to_json
 
 SCHEMA = "exoid-estimate-1"
 
@@ -46,7 +49,7 @@ def read_estimate(path: str | os.PathLike[str]) -> Estimate:
         return estimate_from_json(data)
     except ExoidError as error:
         raise ExoidError(error.what, where=f"{path}, {error.where}".rstrip(", "), remedy=error.remedy) from error
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:  # such as 10**400
         what = f"damaged: {type(error).__name__} {error}"
         raise ExoidError(what, where=str(path), remedy="identify again and save") from error
 
@@ -71,6 +74,12 @@ def estimate_to_json(estimate: Estimate) -> dict[str, Any]:
         "sizes": dict(zip(estimate.names, np.asarray(estimate.sizes).tolist(), strict=True)),
         "determined": dict(zip(estimate.names, estimate.verdicts, strict=True)),
         "warnings": list(estimate.warnings),
+        "known": dict(estimate.assumed.known),
+        "prior": {name: list(pair) for name, pair in estimate.assumed.prior.values.items()},
+        "nonnegative": estimate.assumed.nonnegative,
+        "bounded": list(estimate.bounded),
+        "trends": trends_to_json(estimate.trends),
+        "influence": influence_to_json(estimate.influence, estimate.names),
         "inputs": [asdict(source) for source in estimate.inputs],
         "shapes": _shapes_to_json(estimate.shapes, estimate.dof) if len(estimate.shapes) else {},
         "terms": [term_to_json(term) for term in model.terms],
@@ -108,7 +117,7 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
     settings = dict(data["preparation"])
     preparation = PREPARATIONS[settings.pop("name")](**settings)
     return Estimate(
-        model=model.loaded_by(values),
+        model=model,
         values=values,
         covariance=np.array(data["covariance"], dtype=np.float64),
         condition_number=float(data["condition_number"]),
@@ -120,8 +129,20 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
         noise=_noise(data.get("noise", {}), leg.joint_names),
         sizes=_sizes(data.get("sizes"), model.names),
         warnings=_warnings(data.get("warnings", [])),
+        assumed=_assumed(data, model),
+        bounded=tuple(str(name) for name in data.get("bounded", [])),
+        trends=trends_from_json(data.get("trends", [])),
+        influence=influence_from_json(data.get("influence", []), model.names),
         shapes=_shapes(data.get("shapes", {})),
     )
+
+
+def _assumed(data: Mapping[str, Any], model: TorqueModel) -> Assumed:
+    """Read what was assumed; older files know of nothing."""
+    prior = Prior({name: tuple(pair) for name, pair in data.get("prior", {}).items()})
+    assumed = Assumed(data.get("known", {}), prior, bool(data.get("nonnegative", False)))
+    assumed.check(model)
+    return assumed
 
 
 def preparation_to_json(preparation: Preparation) -> dict[str, Any]:

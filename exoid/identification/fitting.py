@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording
-from exoid.torques import Term, TorqueModel
+from exoid.torques import Term, TorqueModel, free_shapes, with_shapes
 
+from .assumed import NOTHING, Assumed
 from .estimators import Fit
 from .problem import Problem
 from .shapes import Shapes
@@ -31,6 +32,7 @@ class Task(NamedTuple):
         preparation: How they become rows.
         estimator: Name of the estimator.
         keep: Which rows to use; None for all.
+        assumed: What is known beside them.
     """
 
     leg: Leg
@@ -39,10 +41,11 @@ class Task(NamedTuple):
     preparation: Preparation
     estimator: str
     keep: Keep | None = None
+    assumed: Assumed = NOTHING
 
     def problem(self, model: TorqueModel) -> Problem:
         """Rows of a model."""
-        return Problem(model, self.data, self.preparation, self.keep)
+        return Problem(model, self.data, self.preparation, self.keep, self.assumed)
 
 
 class Fitted(NamedTuple):
@@ -84,3 +87,10 @@ class Start(NamedTuple):
         shapes = fitted.shapes
         settings = dict(zip(shapes.names, shapes.values.tolist(), strict=True))
         return Start(fitted.values, settings, fitted.fit.weights)
+
+
+def starting_model(leg: Leg, terms: Sequence[Term]) -> TorqueModel:
+    """Make a model with all settings that are to be found where they start."""
+    names, labels = leg.joint_names, leg.joint_labels
+    start = {shape.name: shape.free.start for shape in free_shapes(terms, names, labels)}
+    return TorqueModel(leg, with_shapes(terms, names, labels, start))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 
 import numpy as np
@@ -11,15 +11,18 @@ import numpy as np
 from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, preparation_by_name
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+from exoid.torques import DEFAULT_TERMS, Term
 
-from .diagnostics import judge_noise, judge_sizes
+from .assumed import Assumed, Prior
+from .diagnostics import judge_noise, judge_sizes, negative
 from .estimate import Estimate, Input
 from .estimators import ESTIMATORS
-from .fitting import Task
+from .fitting import Task, starting_model
+from .influence import influence
 from .residuals import sandwich
 from .rows import refuse_dead_torques, refuse_still_joints, rms_residual
 from .separable import fit_model
+from .trends import remarks, residual_trends
 
 NOISES = ("correlated", "white")
 
@@ -33,6 +36,9 @@ def identify(
     cutoff: float = 8.0,
     preparation: Preparation | str | None = None,
     noise: str = "correlated",
+    known: Mapping[str, float] | None = None,
+    prior: Prior | Mapping[str, tuple[float, float]] | None = None,
+    nonnegative: bool = False,
 ) -> Estimate:
     """Identify the parameters of a leg from recorded motions and torques.
 
@@ -53,6 +59,11 @@ def identify(
             "finite-difference" (doc. 1), "moving-average" (doc. 2), "smoothed"; ``cutoff`` then does not apply.
         noise: What the covariance assumes of the torque noise: "correlated" (its autocorrelation is estimated from the
             residuals) or "white" (the textbook's formula: intervals far too narrow where it is not).
+        known: Parameters that are held fixed, by name, such as a mass that was weighed.
+        prior: Values that others are believed to have, with standard deviations, such as
+            ``Prior.from_leg(leg, 0.2)`` of a leg with its CAD's inertias. They count as measurements.
+        nonnegative: Keep friction and rotor inertia from falling below zero. Without it one that is negative beyond its
+            error is named in a warning: something in the model is wrong, which a bound would hide.
 
     Returns:
         The estimate, with the covariance of its parameters.
@@ -69,25 +80,33 @@ def identify(
         raise ExoidError(f"no estimator {estimator!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
     if noise not in NOISES:
         raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
-    refuse_still_joints(TorqueModel(leg, ()), recordings)
+    terms = _terms(terms)
+    model = starting_model(leg, terms)
+    assumed = Assumed(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
+    assumed.check(model)
+    refuse_still_joints(model, recordings, assumed.names)
     if isinstance(preparation, str):
         preparation = preparation_by_name(preparation)
     preparation = ZeroPhase(cutoff) if preparation is None else preparation
-    refuse_dead_torques(TorqueModel(leg, ()), recordings)
-    fitted = fit_model(Task(leg, _terms(terms), recordings, preparation, estimator))
+    refuse_dead_torques(model, recordings)
+    fitted = fit_model(Task(leg, terms, recordings, preparation, estimator, assumed=assumed))
     problem, fit = fitted.problem, fitted.fit
     solution, count = fit.solution, len(fitted.values)
     covariance, noises = solution.covariance, fit.noises
     if noises is None:
-        covariance, noises = sandwich(problem, fit.point, solution.inverse, covariance)
+        covariance, noises = sandwich(problem, fit.point, solution)
     judged = judge_noise(problem, fit.point, noises)
     independent = sum(of_joint.effective_samples for of_joint in judged)
     residuals = [rms_residual(of_joint, solution.values) for of_joint in zip(*problem.groups, strict=True)]
     if noise == "white":
         covariance, dof = solution.covariance, solution.dof
     else:
-        dof = max(1.0, independent - len(problem.names))
+        dof = max(1.0, independent - int(assumed.free(problem.names).sum()))
+    inputs = tuple(_evidence(recording) for recording in recordings)
+    trends = residual_trends(problem, fit.point, noises, solution, covariance, whitened=fit.noises is not None)
+    std = np.sqrt(np.diag(covariance))
     shapes = fitted.shapes.with_covariance(problem.names[count:], covariance[count:, count:])
+    doubts = (*shapes.doubts, *negative(fitted.model, fitted.values, std[:count]), *remarks(trends))
     return Estimate(
         model=fitted.model,
         values=fitted.values,
@@ -97,11 +116,15 @@ def identify(
         residual_rms=np.array(residuals),
         estimator=estimator,
         preparation=preparation,
-        inputs=tuple(_evidence(recording) for recording in recordings),
+        inputs=inputs,
         noise=judged,
         sizes=judge_sizes(problem.triangles)[:count],
-        warnings=(*fitted.remarks, *shapes.doubts),
+        warnings=(*fitted.remarks, *doubts),
         shapes=shapes,
+        assumed=assumed,
+        bounded=tuple(problem.names[k] for k in solution.bounded),
+        influence=influence(problem, [source.name for source in inputs], fit, std, count),
+        trends=trends,
     )
 
 

@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .rows import Triangle
+from .assumed import NOTHING, Assumed
+from .rows import Triangle, make_triangle
 
 UNDETERMINED = 1e-7
 """Singular values of the unit-column regressor below this fraction of the largest count as zero."""
 
 INVOLVED = 0.05
 """A parameter with less than this part in a direction that the rows do not see is not blamed for it."""
+
+ROUNDING = 1e-9
+"""Residuals below this part of the torque are rounding, and make no row surer."""
+
+TINY = 1e-150
+"""Smallest number to divide by."""
 
 
 class Solution(NamedTuple):
@@ -27,7 +37,9 @@ class Solution(NamedTuple):
         covariance: For independent noise of one size in all rows, as weighted, (P, P).
         condition_number: Of the regressor with columns scaled to unit length.
         dof: Independent samples less parameters.
-        inverse: (WᵀW)⁻¹ of the rows as weighted, (P, P).
+        inverse: (WᵀW)⁻¹ of the rows as weighted, those of priors among them; zero for known parameters, (P, P).
+        prior_noise: Share of the priors' own uncertainty in Wᵀ Γ W, (P, P).
+        bounded: Indices of parameters that would have become negative.
     """
 
     values: FloatArray
@@ -35,38 +47,96 @@ class Solution(NamedTuple):
     condition_number: float
     dof: float
     inverse: FloatArray
+    prior_noise: FloatArray
+    bounded: tuple[int, ...] = ()
 
 
-def solve(triangle: Triangle, names: Sequence[str]) -> Solution:
+def solve(
+    triangle: Triangle, names: Sequence[str], assumed: Assumed = NOTHING, nonnegative: NDArray[np.bool_] | None = None
+) -> Solution:
     """Minimise ‖W β − τ‖ (doc. 1, eq. (17), without its normal matrix).
 
     With columns scaled to unit length and R = U Σ Vᵀ, β = V Σ⁻¹ Uᵀ (Qᵀτ) and cov β = s² V Σ⁻² Vᵀ. Of m rows only m'
     carry independent noise, so that each residual counts m'/m: s² = ‖residual‖² / (m' − P).
 
+    Known parameters leave the problem with their torque. A prior p ± σ becomes a row (s/σ) β = (s/σ) p: s is what a
+    row of the recordings is worth, so that redundant rows do not outvote it.
+
     Args:
         triangle: R of [W τ].
         names: Parameters, (P,).
+        assumed: What is known beside the rows.
+        nonnegative: Parameters that must not become negative, (P,); None if all may.
 
     Raises:
-        ExoidError: Names the parameters that the rows do not determine, and what to do.
+        ExoidError: Names the parameters that neither rows nor priors determine, and what to do.
     """
-    count = len(names)
-    R, z, rest = triangle.R[:count, :count], triangle.R[:count, count], triangle.R[count, count]
+    free = assumed.free(names)
+    if not free.any():
+        raise ExoidError("every parameter is known: nothing is left to identify", remedy="leave some unknown")
+    reduced = _without_known(triangle, assumed.fixed_values(names), free)
+    count = len(reduced.R) - 1
     dof = triangle.samples - count
     if dof <= 0.0:
         raise ExoidError(
             f"too few samples: {triangle.samples:.0f} independent ones for {count} parameters",
             remedy="record longer, or raise the cut-off",
         )
-    scale = np.linalg.norm(R, axis=0)
-    unit = R / np.where(scale > 0.0, scale, 1.0)
+    priors = assumed.pseudo_rows(names)
+    priors = priors[:, np.append(free, True)]
+    size = _row_noise(reduced, dof) if len(priors) else 0.0
+    R = make_triangle(np.vstack([reduced.R, size * priors]), 0, 0.0).R if len(priors) else reduced.R
+    scale = np.linalg.norm(R[:count, :count], axis=0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    unit, z = R[:count, :count] / scale, R[:count, count]
     U, sigma, Vt = np.linalg.svd(unit)
-    unseen = Vt[sigma < UNDETERMINED * sigma[0]]
+    seen = sigma > UNDETERMINED * sigma[0]
+    believed = np.linalg.norm(size * priors[:, :-1] / scale @ Vt.T, axis=0) > 0.5 * sigma
+    unseen = Vt[~seen & ~(believed & (sigma > TINY))]
     if len(unseen):
-        raise _undetermined(unseen, names)
+        raise _undetermined(unseen, [name for name, is_free in zip(names, free, strict=True) if is_free])
+    values = Vt.T @ (U.T @ z / sigma) / scale
+    bounded = np.zeros(count, dtype=np.bool_)
+    if nonnegative is not None and (values[nonnegative[free]] < 0.0).any():
+        values, bounded = _bounded(unit, z, scale, nonnegative[free])
     V = Vt.T / sigma / scale[:, None]
     inverse = V @ V.T
-    return Solution(V @ (U.T @ z), rest**2 / dof * inverse, float(sigma[0] / sigma[-1]), dof, inverse)
+    variance = size**2 if len(priors) else R[count, count] ** 2 / dof
+    every = np.ix_(free, free)
+    whole, noise = np.zeros((2, len(names), len(names)))
+    whole[every], noise[every] = inverse, size**4 * priors[:, :-1].T @ priors[:, :-1]
+    all_values = assumed.fixed_values(names)
+    all_values[free] = values
+    places = tuple(int(k) for k in np.flatnonzero(free)[bounded])
+    return Solution(all_values, variance * whole, float(sigma[0] / sigma[-1]), dof, whole, noise, places)
+
+
+def _without_known(triangle: Triangle, fixed: FloatArray, free: NDArray[np.bool_]) -> Triangle:
+    """Take the torque of known parameters away, and their columns."""
+    if free.all():
+        return triangle
+    torque = triangle.R @ np.append(-fixed, 1.0)
+    return make_triangle(np.column_stack([triangle.R[:, np.append(free, False)], torque]), 0, triangle.samples)
+
+
+def _row_noise(triangle: Triangle, dof: float) -> float:
+    """Size s of the noise of a row, counted as independent, whether or not the rows determine all parameters."""
+    W, tau = triangle.R[:, :-1], triangle.R[:, -1]
+    scale = np.linalg.norm(W, axis=0)
+    W = W / np.where(scale > 0.0, scale, 1.0)
+    fit, *_ = np.linalg.lstsq(W, tau, rcond=UNDETERMINED)
+    residual = max(float(np.linalg.norm(tau - W @ fit)), ROUNDING * float(np.linalg.norm(tau)), TINY)
+    return residual / math.sqrt(dof)
+
+
+def _bounded(
+    unit: FloatArray, z: FloatArray, scale: FloatArray, nonnegative: NDArray[np.bool_]
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Minimise with some values not below zero, and say which are zero for that."""
+    lower = np.where(nonnegative, 0.0, -np.inf)
+    found = scipy.optimize.lsq_linear(unit, z, (lower, np.inf), method="bvls", tol=1e-14)
+    bounded = found.active_mask < 0
+    return np.where(bounded, 0.0, found.x / scale), bounded
 
 
 def _undetermined(unseen: FloatArray, names: Sequence[str]) -> ExoidError:
@@ -81,5 +151,6 @@ def _undetermined(unseen: FloatArray, names: Sequence[str]) -> ExoidError:
         what.append(f"{', '.join(together)} cannot be told apart in this motion")
     return ExoidError(
         f"the recordings do not determine every parameter: {'; '.join(what)}",
-        remedy="move all joints at once, through different angles and speeds, or leave out terms that cannot act",
+        remedy="move all joints at once, through different angles and speeds, leave out terms that cannot act, "
+        "or say what is known of them (known=, prior=)",
     )

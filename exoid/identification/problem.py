@@ -15,10 +15,15 @@ from exoid._typing import FloatArray
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 
+from .assumed import NOTHING, Assumed
+from .least_squares import Solution, solve
 from .rows import Prepared, Rows, Triangle, chain, form_rows, join, make_triangles, prepare, thin, thinning
 
 KEPT_BYTES = 2**26
 """Rows are kept between passes as long as together they stay below this, and made again otherwise."""
+
+KINDS = (Recording, Poses)
+"""What rows come from; each kind has noise of its own."""
 
 
 class Kind(NamedTuple):
@@ -61,6 +66,7 @@ class Problem:
         model: What is to be identified.
         data: Recordings and poses.
         preparation: How they become rows.
+        assumed: What is known beside them.
         keep: Which rows to use, given the index of the recording and their times [s], (N,); None for all.
     """
 
@@ -68,6 +74,7 @@ class Problem:
     data: Sequence[Recording | Poses]
     preparation: Preparation
     keep: Callable[[int, FloatArray], NDArray[np.bool_]] | None = None
+    assumed: Assumed = NOTHING
     _kept: dict[tuple[int, bool], list[Rows]] = field(default_factory=dict, init=False, repr=False)
     _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)
 
@@ -76,14 +83,28 @@ class Problem:
         """Names of the parameters."""
         return self.model.names
 
+    def solve(self, triangle: Triangle) -> Solution:
+        """Solve for weighted rows, with what is known beside them."""
+        bounds = self.model.nonnegative if self.assumed.nonnegative else None
+        return solve(triangle, self.names, self.assumed, bounds)
+
+    @cached_property
+    def each(self) -> list[list[Triangle]]:
+        """One triangle a joint for each recording."""
+        found: list[list[Triangle]] = []
+        for block in self.blocks():
+            new = make_triangles(block.rows)
+            if block.begins:
+                found.append(new)
+            else:
+                found[-1] = [join(pair) for pair in zip(found[-1], new, strict=True)]
+        return found
+
     @cached_property
     def groups(self) -> list[list[Triangle]]:
         """One triangle a joint over all recordings, and one over all poses, which have noise of their own."""
-        each: dict[bool, list[Triangle]] = {}
-        for block in self.blocks():
-            new, at_rest = make_triangles(block.rows), block.kind.at_rest
-            each[at_rest] = [join(pair) for pair in zip(each[at_rest], new, strict=True)] if at_rest in each else new
-        return [each[at_rest] for at_rest in (False, True) if at_rest in each]
+        groups = ([t for d, t in zip(self.data, self.each, strict=True) if isinstance(d, kind)] for kind in KINDS)
+        return [[join(of_joint) for of_joint in zip(*group, strict=True)] for group in groups if group]
 
     @property
     def triangles(self) -> list[Triangle]:
@@ -97,7 +118,15 @@ class Problem:
 
     def weight_index(self, kind: Kind, joint: int) -> int:
         """Place among :attr:`triangles` of the one that holds the rows of a kind and joint."""
-        return joint + (len(self.groups[0]) if kind.at_rest and len(self.groups) > 1 else 0)
+        return self.place(kind.at_rest, joint)
+
+    def place(self, at_rest: bool, joint: int) -> int:
+        """Place among :attr:`triangles` of a joint in poses, or in motion."""
+        return joint + (len(self.groups[0]) if at_rest and len(self.groups) > 1 else 0)
+
+    def at_rest(self, index: int) -> bool:
+        """Say whether one of the recordings is poses."""
+        return isinstance(self.data[index], Poses)
 
     def blocks(self, *, thinned: bool = False) -> Iterator[Block]:
         """Go over the rows, recording by recording, each in order of time.

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
+from .least_squares import Solution
 from .noise import LARGEST_ORDER, AutoregressiveNoise, LagSums, QuadraticForm
 from .problem import Kind, Problem
 
@@ -30,6 +31,8 @@ class Series(NamedTuple):
         X: Their columns of the regressor, zero at samples left out, (p, N).
         residual: τ − W β, zero there too, (N,).
         usable: Samples not left out, (N,).
+        q: Angle [rad], (N,).
+        v: Velocity [rad/s], (N,).
         stands_for: How many rows each of these stands for.
         begins: Whether these are the first of the recording.
         ends: Whether these are the last of it.
@@ -41,6 +44,8 @@ class Series(NamedTuple):
     X: FloatArray
     residual: FloatArray
     usable: FloatArray
+    q: FloatArray
+    v: FloatArray
     stands_for: float
     begins: bool = True
     ends: bool = True
@@ -75,7 +80,19 @@ def series(problem: Problem, point: Point) -> Iterator[Series]:
             X = weight * W[columns] * usable
             residual = weight * rows.tau[:, joint] * usable - point.values[columns] @ X
             residual = np.clip(residual, -point.clip, point.clip)
-            yield Series(kind, joint, columns, X, residual, usable, rows.stands_for, begins, ends)
+            yield Series(
+                kind,
+                joint,
+                columns,
+                X,
+                residual,
+                usable,
+                rows.q[:, joint],
+                rows.v[:, joint],
+                rows.stands_for,
+                begins,
+                ends,
+            )
 
 
 def fit_noise(problem: Problem, point: Point, covariance: FloatArray) -> dict[tuple[Kind, int], AutoregressiveNoise]:
@@ -114,19 +131,20 @@ class Sandwich(NamedTuple):
     noises: Noises
 
 
-def sandwich(problem: Problem, point: Point, inverse: FloatArray, start: FloatArray) -> Sandwich:
+def sandwich(problem: Problem, point: Point, solution: Solution) -> Sandwich:
     """Compute (WᵀW)⁻¹ Wᵀ Γ W (WᵀW)⁻¹ with Γ that of the autoregressive noise in the residuals.
+
+    Rows of priors are among those of W, with the noise that the priors say.
 
     Args:
         problem: The problem.
         point: Where it was solved.
-        inverse: (WᵀW)⁻¹ of the weighted rows.
-        start: A first idea of the covariance.
+        solution: (WᵀW)⁻¹ of the weighted rows, and a first idea of the covariance.
     """
-    covariance = start
+    inverse, covariance = solution.inverse, solution.covariance
     for _ in range(PASSES):
         noises = fit_noise(problem, point, covariance)
-        meat = np.zeros_like(inverse)
+        meat = solution.prior_noise.copy()
         running: dict[int, QuadraticForm] = {}
         for part in series(problem, point):
             if part.begins:

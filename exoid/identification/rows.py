@@ -24,6 +24,10 @@ SMALLEST_MOTION = 2e-3
 """A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""
 
 
+MOST = 0.5
+"""Torque that has one and the same value in more than this part of the samples was not measured."""
+
+
 class Rows(NamedTuple):
     """Both sides of τ = W β for each sample and joint of one recording, filtered alike, ends removed.
 
@@ -31,6 +35,8 @@ class Rows(NamedTuple):
         time: [s], (N,).
         W: Regressor, (N, n, P).
         tau: Measured torque [N·m], (N, n).
+        q: Angle [rad], (N, n).
+        v: Velocity [rad/s], (N, n).
         usable: Which samples of which joint may be fitted, (N, n).
         acting: Which parameters can act on which joint, (n, P); the regressor is zero elsewhere.
         independence: Share of the samples that carry independent noise; a low-pass leaves fewer.
@@ -40,6 +46,8 @@ class Rows(NamedTuple):
     time: FloatArray
     W: FloatArray
     tau: FloatArray
+    q: FloatArray
+    v: FloatArray
     usable: NDArray[np.bool_]
     acting: NDArray[np.bool_]
     independence: float
@@ -147,26 +155,30 @@ def form_rows(model: TorqueModel, prepared: Prepared, stretch: range) -> Rows:
     count, known = len(model.names), len(columns) - len(model.names)
     if prepared.preparation is not None:
         acting = np.vstack([model.acting.T, np.ones((known, columns.shape[1]), dtype=np.bool_)])
-        distinct, places = _distinct(columns[acting])
-        columns[acting] = prepared.preparation.filter_columns(distinct.T, prepared.rate).T[places]
+        signals = [columns[parameter, joint] for parameter, joint in np.argwhere(acting)]
+        distinct, places = _distinct(signals)
+        filtered = prepared.preparation.filter_columns(distinct.T, prepared.rate).T
+        for signal, place in zip(signals, places, strict=True):
+            signal[:] = filtered[place]
     rows = slice(stretch.start, stretch.stop)
     W = columns[:, :, stretch.start - first : stretch.stop - first].transpose(2, 1, 0)
-    tau = prepared.tau[rows]
+    tau, motion = prepared.tau[rows], prepared.motion.rows(rows)
     if known:
         W, tau = W[..., :count], tau - W[..., count:].sum(axis=2)
-    return Rows(prepared.time[rows], W, tau, prepared.usable[rows], model.acting, prepared.independence)
+    time, usable = prepared.time[rows], prepared.usable[rows]
+    return Rows(time, W, tau, motion.q, motion.v, usable, model.acting, prepared.independence)
 
 
-def _distinct(signals: FloatArray) -> tuple[FloatArray, list[int]]:
+def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
     """Signals that differ, and which of them each one is: filters are slow, and some parameters act on joints alike."""
-    kept: list[int] = []
+    kept: list[FloatArray] = []
     places = []
-    for k, signal in enumerate(signals):
-        twins = (place for place, j in enumerate(kept) if signals[j, 0] == signal[0] and (signals[j] == signal).all())
+    for signal in signals:
+        twins = (k for k, other in enumerate(kept) if other[0] == signal[0] and np.array_equal(other, signal))
         places.append(next(twins, len(kept)))
         if places[-1] == len(kept):
-            kept.append(k)
-    return signals[kept], places
+            kept.append(signal)
+    return np.array(kept), places
 
 
 def make_rows(model: TorqueModel, data: Recording | Poses, preparation: Preparation) -> Rows:
@@ -200,6 +212,8 @@ def thin(rows: Rows, before: int, count: int) -> Rows:
         rows.time[kept],
         rows.W[kept].copy(order="A"),
         rows.tau[kept].copy(),
+        rows.q[kept].copy(),
+        rows.v[kept].copy(),
         rows.usable[kept].copy(),
         rows.acting,
         min(1.0, rows.independence * step),
@@ -212,8 +226,14 @@ def chain(stretches: Sequence[Rows]) -> Rows:
     if len(stretches) == 1:
         return stretches[0]
     W = np.concatenate([rows.W.transpose(2, 1, 0) for rows in stretches], axis=2).transpose(2, 1, 0)
-    time, tau, usable = (np.concatenate([getattr(r, name) for r in stretches]) for name in ("time", "tau", "usable"))
-    return stretches[0]._replace(time=time, W=W, tau=tau, usable=usable)
+    return stretches[0]._replace(
+        time=np.concatenate([rows.time for rows in stretches]),
+        W=W,
+        tau=np.concatenate([rows.tau for rows in stretches]),
+        q=np.concatenate([rows.q for rows in stretches]),
+        v=np.concatenate([rows.v for rows in stretches]),
+        usable=np.concatenate([rows.usable for rows in stretches]),
+    )
 
 
 Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)
@@ -242,23 +262,35 @@ def for_leg(model: TorqueModel, recording: Measured) -> Measured:
 
 
 def refuse_dead_torques(model: TorqueModel, recordings: Sequence[Recording | Poses]) -> None:
-    """Refuse recordings in which the torque of a joint never changes: a channel that was not connected.
+    """Refuse torques of a joint that never change, or stand still most of the time: a channel that was not connected.
+
+    A recording in which a joint swings freely throughout, beside others, is none.
 
     Raises:
         ExoidError: Names the joint and the value.
     """
-    chosen = [for_leg(model, recording) for recording in recordings]
-    present = [recording.tau for recording in chosen if recording.tau is not None]
-    if not present:
-        return  # preparing them says so, and which column is missing
-    torques = np.vstack(present)
-    for joint, torque in zip(model.leg.joint_names, torques.T, strict=True):
-        if np.ptp(torque) == 0.0:
+    torques = [for_leg(model, recording).tau for recording in recordings]
+    for index, joint in enumerate(model.leg.joint_names):
+        columns = [tau[:, index] for tau in torques if tau is not None]
+        if not columns:
+            return  # preparing them says so, and which column is missing
+        value = columns[0][0]
+        if all((column == value).all() for column in columns):
             raise ExoidError(
-                f"the torque of joint {joint} is {torque[0] + 0.0:.6g} N·m in every sample although the joint moves",
+                f"the torque of joint {joint} is {value + 0.0:.6g} N·m in every sample although the joint moves",
                 where=_sources(recordings),
                 remedy="connect its torque channel, or map the right column to tau_" + joint,
             )
+        for recording, column in zip(recordings, columns, strict=False):
+            middle = np.median(column)
+            share = np.count_nonzero(column == middle) / len(column)
+            if MOST < share < 1.0:
+                raise ExoidError(
+                    f"the torque of joint {joint} is {middle + 0.0:.6g} N·m in {share:.0%} of the samples although "
+                    "the joint moves: these say nothing, or something wrong",
+                    where=_sources([recording]),
+                    remedy="use the part of the recording in which torque was measured, see Recording.between",
+                )
 
 
 def make_triangles(rows: Rows) -> list[Triangle]:
@@ -306,22 +338,30 @@ def join(triangles: Sequence[Triangle], weights: Sequence[float] | None = None) 
     return make_triangle(table, sum(t.rows for t in triangles), sum(t.samples for t in triangles))
 
 
-def refuse_still_joints(model: TorqueModel, recordings: Sequence[Recording | Poses]) -> None:
-    """Refuse recordings in which a joint of the leg never moves.
+def refuse_still_joints(
+    model: TorqueModel, recordings: Sequence[Recording | Poses], assumed: Sequence[str] = ()
+) -> None:
+    """Refuse recordings in which a joint of the leg never moves, unless all of it is known beside them.
+
+    Args:
+        model: What is to be identified.
+        recordings: All recordings and poses.
+        assumed: Parameters that are known or have a prior.
 
     Raises:
         ExoidError: Names the joint, how little it moves, and how to lock it.
     """
     angles = [for_leg(model, recording).q for recording in recordings]
     lowest, highest = np.min([q.min(axis=0) for q in angles], axis=0), np.max([q.max(axis=0) for q in angles], axis=0)
-    mean_angle = np.mean([q.mean(axis=0) for q in angles], axis=0)
-    for joint, span, mean in zip(model.leg.joint_names, highest - lowest, mean_angle, strict=True):
-        if span < SMALLEST_MOTION:
-            others = tuple(name for name in model.leg.joint_names if name != joint)
+    means, names = np.mean([q.mean(axis=0) for q in angles], axis=0), model.leg.joint_names
+    for joint, (name, span, mean) in enumerate(zip(names, highest - lowest, means, strict=True)):
+        own = model.own_parameters(joint)
+        if span < SMALLEST_MOTION and not (own and set(own) <= set(assumed)):
+            others = tuple(other for other in names if other != name)
             raise ExoidError(
-                f"joint {joint} stands still: its angle spans {span:.2g} rad, so nothing of it can be identified",
+                f"joint {name} stands still: its angle spans {span:.2g} rad, so nothing of it can be identified",
                 where=_sources(recordings),
-                remedy=f"move it, or lock it: Leg.from_urdf(..., joints={others}, locked={{{joint!r}: {mean:.4g}}})",
+                remedy=f"move it, or lock it: Leg.from_urdf(..., joints={others}, locked={{{name!r}: {mean:.4g}}})",
             )
 
 

@@ -12,7 +12,7 @@ from exoid.signals import Preparation, Recording
 from exoid.tables import make_table, to_text
 
 from .estimate import Estimate
-from .rows import make_rows
+from .rows import form_rows, prepare
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -105,6 +105,9 @@ def validate(estimate: Estimate, recording: Recording, *, preparation: Preparati
     Raises:
         ExoidError: The recording lacks a joint or the torque, or is too short for the filter.
     """
-    rows = make_rows(estimate.model, recording, preparation or estimate.preparation)
+    prepared = prepare(estimate.model, recording, preparation or estimate.preparation)
+    stretches = (form_rows(estimate.model, prepared, stretch) for stretch in prepared.stretches())
+    predicted = np.concatenate([rows.W @ estimate.values for rows in stretches])
+    valid = slice(prepared.valid.start, prepared.valid.stop)
     source = recording.source.name if recording.source else "array"
-    return Validation(estimate.joint_names, rows.time, rows.tau, rows.W @ estimate.values, source)
+    return Validation(estimate.joint_names, prepared.time[valid], prepared.tau[valid], predicted, source)

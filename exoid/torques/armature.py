@@ -28,6 +28,11 @@ class Armature(Term):
         """Kilogram metres squared."""
         return ("kg·m²",)
 
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Return Ia."""
+        return ("Ia",)
+
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Column a."""
         out[0] = motion.a

@@ -33,6 +33,11 @@ class Coulomb(DryFriction):
         """Newton metres."""
         return ("N·m",) * len(self.symbols)
 
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Return all of them."""
+        return self.symbols
+
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Column z, or its positive and its negative part."""
         self.direction(motion, out[0])

@@ -167,6 +167,32 @@ class TorqueModel:
             acting[block.joint, [self.names.index(name) for name in block.names if name in self.names]] = True
         return acting
 
+    @cached_property
+    def nonnegative(self) -> NDArray[np.bool_]:
+        """Which parameters cannot be negative in nature: friction and rotor inertia, (P,)."""
+        never = {
+            name
+            for block in self.blocks
+            for symbol, name in zip(block.term.symbols, block.names, strict=True)
+            if symbol in block.term.nonnegative
+        }
+        return np.array([name in never for name in self.names], dtype=np.bool_)
+
+    def own_parameters(self, joint: int) -> tuple[str, ...]:
+        """Parameters that only a motion of the joint shows; none if the leg's cannot be told by joint.
+
+        They are those of the segment that follows it and of its terms, without what acts at rest too.
+        """
+        if self.leg.chain is None:
+            return ()
+        parameters = [*self.leg.parameter_names[3 * joint : 3 * joint + 3]]
+        for block in self.blocks:
+            columns = np.zeros((len(block.names), 2))
+            block.term.fill(JointMotion(*np.zeros((5, 2))), columns)
+            if block.joint == joint:
+                parameters += [name for name, column in zip(block.names, columns, strict=True) if not column.any()]
+        return tuple(name for name in parameters if name in self.names)
+
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
         """Columns of all parameters, (N, n, P); arguments as for :meth:`exoid.Leg.regressor`.
 

@@ -42,6 +42,11 @@ class Term(ABC):
         """Unit of each parameter."""
 
     @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Symbols of parameters that cannot be negative in nature."""
+        return ()
+
+    @property
     def loaded(self) -> bool:
         """Whether it depends on the rigid-body torque of its joint, so that the model is no longer linear."""
         return False

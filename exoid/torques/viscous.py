@@ -32,6 +32,11 @@ class Viscous(Term):
         """Newton metre seconds over radians."""
         return ("N·m·s/rad",) * len(self.symbols)
 
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Return all of them."""
+        return self.symbols
+
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Column v, or its positive and its negative part."""
         if self.asymmetric:

@@ -238,3 +238,65 @@ def test_a_poor_motion_that_still_determines_everything_prints_a_warning(leg):
     estimate = exoid.identify(leg, recording, (Offset(),), preparation=PLAIN)
     assert estimate.condition_number > 100.0
     assert "ill-conditioned: excite more" in str(estimate)
+
+
+@pytest.mark.parametrize("joint", range(3))
+def test_a_torque_that_is_zero_in_most_rows_is_named(swing, joint):
+    """A sensor that was switched on late: its zeros would pass for torques."""
+    tau = swing.torque.copy()
+    tau[: int(0.6 * len(tau)), joint] = 0.0
+    with pytest.raises(ExoidError, match=rf"torque of joint {swing.leg.joint_names[joint]} is 0 N·m in 60% of") as e:
+        exoid.identify(swing.leg, swing.recording(tau=tau), TERMS)
+    assert "Recording.between" in e.value.remedy
+
+
+def test_a_recording_that_moves_one_joint_only_is_refused(swing):
+    """Two joints stand still; with their angles told apart by encoder noise alone they still do."""
+    recording = moved(swing, np.diag([0.0, 1.0, 0.0]))
+    with pytest.raises(ExoidError, match="stands still"):
+        exoid.identify(swing.leg, recording, TERMS)
+    noisy = recording.q + np.random.default_rng(0).normal(scale=1e-4, size=recording.q.shape)
+    with pytest.raises(ExoidError, match="stands still"):
+        exoid.identify(swing.leg, swing.recording(q=noisy, v=None, a=None, tau=recording.tau), TERMS)
+
+
+def test_friction_columns_that_are_the_same_up_to_scale_become_one_parameter_and_the_estimate_says_so(swing):
+    """tanh(v / 1e5) is v / 1e5: no motion tells such Coulomb friction from viscous friction."""
+    estimate = exoid.identify(swing.leg, swing.recording(), (Coulomb(smoothing=1e5), Viscous()))
+    assert "d_hip" not in estimate.names
+    assert "note: d_hip cannot be told from c0_hip" in str(estimate)
+
+
+@pytest.mark.parametrize("smoothing", [10.0, 30.0])
+def test_friction_columns_that_are_nearly_the_same_are_not_determined(swing, smoothing):
+    """Never a confident number: two values that cancel are told from their size, whatever their error."""
+    recording = swing.with_noise(np.random.default_rng(0), 0.5)
+    estimate = exoid.identify(swing.leg, recording, (Coulomb(smoothing=smoothing), Viscous()))
+    verdicts = dict(zip(estimate.names, estimate.verdicts, strict=True))
+    for name in ("c0_hip", "c0_knee", "c0_ankle", "d_hip", "d_knee", "d_ankle"):
+        assert verdicts[name] == "not"
+    assert "ill-conditioned" in str(estimate)
+    assert any("d_hip" in warning for warning in estimate.warnings)
+
+
+def test_two_friction_terms_of_one_shape_are_refused(swing):
+    """They would even have the same names."""
+    with pytest.raises(ExoidError, match="occur twice"):
+        exoid.identify(swing.leg, swing.recording(), (Viscous(), Viscous()))
+
+
+@pytest.mark.parametrize("preparation", [None, PLAIN], ids=["default", "plain"])
+def test_ten_samples_are_refused(swing, preparation):
+    with pytest.raises(ExoidError, match=r"10 samples|cannot be told apart"):
+        exoid.identify(swing.leg, swing.recording().slice(0, 10), TERMS, preparation=preparation)
+
+
+def test_ten_samples_of_a_single_joint_give_no_confident_number():
+    """Enough to solve, as there are few parameters, but nothing is determined well."""
+    names = exoid.load_leg("bleex").joint_names
+    urdf = exoid.catalog.urdf_folder() / "bleex.urdf"
+    leg = exoid.Leg.from_urdf(urdf, names[:1], locked=dict.fromkeys(names[1:], 0.0))
+    swing = Swing(leg, 100.0)
+    recording = swing.with_noise(np.random.default_rng(0), 1.0).slice(0, 10)
+    estimate = exoid.identify(leg, recording, TERMS, preparation=PLAIN)
+    assert "well" not in estimate.verdicts

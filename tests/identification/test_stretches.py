@@ -97,6 +97,16 @@ def test_thinned_rows_are_the_same_ones_in_stretches(short_stretches):
     assert {b.rows.stands_for for b in blocks} == {whole.rows.stands_for}
 
 
+def test_validation_goes_in_stretches_too(short_stretches):
+    estimate = identify(SWING.leg, recording(), TERMS)
+    whole = exoid.validate(estimate, recording(1))
+    short_stretches(1.0)
+    parts = exoid.validate(estimate, recording(1))
+    np.testing.assert_array_equal(parts.time, whole.time)
+    np.testing.assert_array_equal(parts.measured, whole.measured)
+    np.testing.assert_allclose(parts.predicted, whole.predicted, rtol=0, atol=1e-10)
+
+
 def test_poses_and_a_moving_torso_go_in_stretches_too(short_stretches):
     rng = np.random.default_rng(3)
     q = rng.uniform(-1.0, 1.0, (1500, 3))

@@ -36,6 +36,9 @@ class Reduced(NamedTuple):
     triangles: list
     names: tuple
 
+    def solve(self, triangle):
+        return solve(triangle, self.names)
+
 
 def stacked(rows):
     return rows.W.reshape(-1, rows.W.shape[-1]), rows.tau.ravel()

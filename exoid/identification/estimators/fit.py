@@ -26,6 +26,10 @@ class Reduced(Protocol):
         """Triangle of the rows of each joint, in motion and at rest."""
         ...
 
+    def solve(self, triangle: Triangle) -> Solution:
+        """Solve for rows, with what is known beside them."""
+        ...
+
 
 class Fit(NamedTuple):
     """A solution and how it was come by.

@@ -8,7 +8,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.identification.least_squares import Solution, solve
+from exoid.identification.least_squares import Solution
 from exoid.identification.problem import Problem
 from exoid.identification.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
 from exoid.identification.rows import Triangle, join, make_triangle
@@ -31,7 +31,7 @@ def gls(problem: Problem) -> Fit:
     that of weighted least squares by more than noise explains, and the fit carries a remark.
     """
     first = wls(problem)
-    reference = sandwich(problem, first.point, first.solution.inverse, first.solution.covariance)
+    reference = sandwich(problem, first.point, first.solution)
     solution, noises = first.solution._replace(covariance=reference.covariance), reference.noises
     for _ in range(ROUNDS):
         before, solution = solution, _solve(problem, first.point, noises)
@@ -58,7 +58,7 @@ def _solve(problem: Problem, point: Point, noises: Noises) -> Solution:
         before[part.joint] = _unfinished(part.usable, past, rows, noises[part.kind, part.joint].order)
         total = join(found) if found else total
     assert total is not None
-    solution = solve(total, problem.names)
+    solution = problem.solve(total)
     return solution._replace(covariance=solution.inverse)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.identification.least_squares import solve
 from exoid.identification.problem import Problem
 from exoid.identification.rows import Triangle, join, joint_table, make_triangle
 
@@ -36,12 +35,14 @@ def huber(problem: Problem) -> Fit:
     for _ in range(ROUNDS):
         scales = np.maximum(_scales(problem, solution.values), floor)
         triangles, inside = _reweighted(problem, solution.values, scales)
-        before, solution = solution, solve(join(triangles), problem.names)
+        before, solution = solution, problem.solve(join(triangles))
         if (np.abs(solution.values - before.values) <= SETTLED * np.sqrt(np.diag(solution.covariance))).all():
             break
     # ψ'(r) is 1 inside and 0 beyond: the inverse of Σ ψ' xᵀx takes the place of (WᵀW)⁻¹
-    bread = solve(join(problem.triangles, np.sqrt(inside) / scales), problem.names)
-    solution = solution._replace(inverse=bread.inverse, condition_number=bread.condition_number)
+    bread = problem.solve(join(problem.triangles, np.sqrt(inside) / scales))
+    solution = solution._replace(
+        inverse=bread.inverse, prior_noise=bread.prior_noise, condition_number=bread.condition_number
+    )
     return Fit(solution, [1.0 / scale for scale in scales], TUNING)
 
 

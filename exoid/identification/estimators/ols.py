@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from exoid.identification.least_squares import solve
 from exoid.identification.rows import join
 
 from .fit import Fit, Reduced
@@ -10,4 +9,4 @@ from .fit import Fit, Reduced
 
 def ols(problem: Reduced) -> Fit:
     """Every torque row counts the same, whichever joint it comes from: min Σ ‖W β − τ‖²."""
-    return Fit(solve(join(problem.triangles), problem.names), [1.0] * len(problem.triangles))
+    return Fit(problem.solve(join(problem.triangles)), [1.0] * len(problem.triangles))

@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.identification.least_squares import solve
 from exoid.identification.rows import Triangle, join
 
 from .fit import Fit, Reduced
@@ -25,7 +24,7 @@ def wls(problem: Reduced) -> Fit:
     first = ols(problem).solution.values
     floor = noise_floor(problem)
     weights = [1.0 / max(_rms(triangle, first), floor) for triangle in problem.triangles]
-    return Fit(solve(join(problem.triangles, weights), problem.names), weights)
+    return Fit(problem.solve(join(problem.triangles, weights)), weights)
 
 
 def noise_floor(problem: Reduced) -> float:

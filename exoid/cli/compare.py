@@ -1,0 +1,25 @@
+"""``exoid compare``: whether two estimates differ by more than their errors."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from exoid import identification
+
+from .inputs import AsJson
+
+
+def compare(
+    first: Annotated[str, typer.Argument(metavar="A.JSON", help="What exoid identify -o wrote.")],
+    second: Annotated[str, typer.Argument(metavar="B.JSON", help="Another, from other logs.")],
+    as_json: AsJson = False,
+) -> None:
+    """Test whether B differs from A: left and right, one day and another, with and without a wearer."""
+    result = identification.compare(*(identification.Estimate.load(path) for path in (first, second)))
+    if as_json:
+        typer.echo(json.dumps(identification.comparison_to_json(result), indent=1))
+    else:
+        typer.echo(str(result))

@@ -1,0 +1,136 @@
+"""What is taken for granted beside the recordings: known parameters, priors, and signs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+from exoid.torques import TorqueModel
+
+SMALL = 0.1
+"""Values below this part of the largest of their unit share its uncertainty in :meth:`Prior.from_leg`."""
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Values that parameters are believed to have, and standard deviations: measurements of another kind.
+
+    Attributes:
+        values: Value and standard deviation by name.
+
+    Example:
+        >>> prior = Prior({"J3": (0.05, 0.01)})
+    """
+
+    values: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check that values are numbers and standard deviations positive."""
+        try:
+            pairs = {str(name): (float(value), float(std)) for name, (value, std) in self.values.items()}
+        except (TypeError, ValueError, AttributeError) as error:
+            raise ExoidError(
+                f"a prior needs a value and a standard deviation ({error})", remedy='write {"J3": (0.05, 0.01)}'
+            ) from error
+        wrong = [name for name, (value, std) in pairs.items() if not (np.isfinite(value) and 0.0 < std < np.inf)]
+        if wrong:
+            what = f"the prior of {', '.join(wrong)} is not a finite value with a positive standard deviation"
+            raise ExoidError(what, remedy="pass what is exact as known=")
+        object.__setattr__(self, "values", MappingProxyType(pairs))
+
+    @classmethod
+    def from_leg(cls, leg: Leg, relative_std: float = 0.2, names: Sequence[str] | None = None) -> Self:
+        """Take a leg's own parameters, such as those of its CAD, for right to so many parts.
+
+        A value near zero, as Y of a symmetric segment, has a tenth of the uncertainty of the largest of its unit.
+
+        Args:
+            leg: The leg with the values that are believed.
+            relative_std: Standard deviation over value.
+            names: Parameters to take; None for all of the leg.
+        """
+        wanted = leg.parameter_names if names is None else tuple(names)
+        units, sizes = np.array(leg.parameter_units), np.abs(leg.parameters)
+        pairs = {}
+        for name, unit, value in zip(leg.parameter_names, units, leg.parameters, strict=True):
+            size = max(abs(value), SMALL * float(sizes[units == unit].max()))
+            pairs[name] = (float(value), relative_std * size)
+        missing = [name for name in wanted if name not in pairs]
+        if missing:
+            raise ExoidError(f"the leg has no {', '.join(missing)}", remedy=f"names are {', '.join(pairs)}")
+        return cls({name: pairs[name] for name in wanted})
+
+
+@dataclass(frozen=True)
+class Assumed:
+    """All that enters an identification beside recordings, in the order of the model's parameters where it is arrays.
+
+    Attributes:
+        known: Values of parameters that are held fixed.
+        prior: Values that others are believed to have.
+        nonnegative: Whether friction and rotor inertia are kept from falling below zero.
+    """
+
+    known: Mapping[str, float] = field(default_factory=dict)
+    prior: Prior = field(default_factory=Prior)
+    nonnegative: bool = False
+
+    def __post_init__(self) -> None:
+        """Check that what is known is a number."""
+        try:
+            known = {str(name): float(value) for name, value in self.known.items()}
+        except (TypeError, ValueError, AttributeError) as error:
+            raise ExoidError(f"a known parameter needs a number ({error})", remedy='write {"X1": 4.25}') from error
+        wrong = [name for name, value in known.items() if not np.isfinite(value)]
+        if wrong:
+            raise ExoidError(f"the known {', '.join(wrong)} is not finite", remedy="pass a number")
+        object.__setattr__(self, "known", MappingProxyType(known))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters that something is known of beside the recordings."""
+        return (*self.known, *self.prior.values)
+
+    def check(self, model: TorqueModel) -> None:
+        """Check that all names are those of a model.
+
+        Raises:
+            ExoidError: Names what is not a parameter, is one twice, or was merged into others.
+        """
+        both = [name for name in self.known if name in self.prior.values]
+        if both:
+            raise ExoidError(f"{', '.join(both)} is known and has a prior", remedy="use one of the two")
+        for name in self.names:
+            for merged in model.merged:
+                if merged.name == name:
+                    into = " and ".join(merged.into)
+                    raise ExoidError(f"{merged}", remedy=f"say what is known of {into} instead")
+            if name not in model.names:
+                raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(model.names)}")
+
+    def free(self, names: Sequence[str]) -> NDArray[np.bool_]:
+        """Which of the parameters are not known, (P,)."""
+        return np.array([name not in self.known for name in names], dtype=np.bool_)
+
+    def fixed_values(self, names: Sequence[str]) -> FloatArray:
+        """Known values, zero elsewhere, (P,)."""
+        return np.array([self.known.get(name, 0.0) for name in names])
+
+    def pseudo_rows(self, names: Sequence[str]) -> FloatArray:
+        """Rows (1/σ) β = p/σ of the priors, as [W τ] of unit variance, (K, P + 1)."""
+        rows = np.zeros((len(self.prior.values), len(names) + 1))
+        for row, (name, (value, std)) in zip(rows, self.prior.values.items(), strict=True):
+            row[list(names).index(name)], row[-1] = 1.0 / std, value / std
+        return rows
+
+
+NOTHING = Assumed()
+"""The recordings speak for themselves."""

@@ -1,0 +1,105 @@
+"""An estimate in words: a table, and what the reader should know before trusting it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid.tables import make_table, to_text, with_error
+
+from .estimate import Estimate
+
+ILL_CONDITIONED = 100.0
+"""Beyond this condition number of the scaled regressor, single parameters deserve little trust."""
+
+NOT_WHITE = 0.01
+"""Residuals with a smaller probability of being white are said not to be."""
+
+
+def report(estimate: Estimate) -> str:
+    """Print an estimate."""
+    rows = [
+        (name, *with_error(value, std, *interval), unit, judged)
+        for name, value, std, interval, unit, judged in zip(
+            estimate.names,
+            estimate.values,
+            estimate.std,
+            estimate.interval(),
+            estimate.units,
+            estimate.verdicts,
+            strict=True,
+        )
+    ]
+    rows += _shapes(estimate)
+    title = f"{estimate.model.leg.description.name}: {estimate.estimator} estimate of {len(estimate.names)} parameters"
+    headers = ("parameter", "value", "± std", "95 % from", "to", "unit", "determined")
+    return to_text(title, make_table(headers, rows), *_remarks(estimate))
+
+
+def _shapes(estimate: Estimate) -> list[tuple[str, ...]]:
+    """Settings as rows of the table; those that are held have no uncertainty."""
+    shapes = estimate.shapes
+    return [
+        (name, *(with_error(value, std, *interval) if std > 0.0 else (f"{value:.4g}", "", "", "")), unit, judged)
+        for name, value, std, interval, unit, judged in zip(
+            shapes.names,
+            shapes.values,
+            shapes.std,
+            shapes.interval(estimate.dof),
+            shapes.units,
+            shapes.verdicts,
+            strict=True,
+        )
+    ]
+
+
+def _remarks(estimate: Estimate) -> Iterator[str]:
+    residuals = zip(estimate.joint_names, estimate.residual_rms, strict=True)
+    yield "residual RMS [N·m]: " + ", ".join(f"{joint} {rms:.3g}" for joint, rms in residuals)
+    condition = estimate.condition_number
+    advice = "" if condition < ILL_CONDITIONED else " (ill-conditioned: excite more, or plan a motion)"
+    yield f"condition number {condition:.1f}{advice}; {estimate.dof:.0f} degrees of freedom"
+    yield from _noise(estimate)
+    names = ", ".join(source.name for source in estimate.inputs)
+    yield f"from {names}; {estimate.preparation.name} preparation"
+    yield from _assumed(estimate)
+    yield from _influence(estimate)
+    yield from (f"warning: {warning}" for warning in estimate.warnings)
+    yield from (f"note: {merged}" for merged in estimate.merged)
+
+
+def _noise(estimate: Estimate) -> Iterator[str]:
+    """Say how many samples count, and which joints' residuals are not white."""
+    if estimate.noise:
+        of_joints = list(zip(estimate.joint_names, estimate.noise, strict=True))
+        counts = ", ".join(f"{joint} {n.effective_samples:.0f} of {n.samples}" for joint, n in of_joints)
+        coloured = ", ".join(joint for joint, n in of_joints if n.whiteness < NOT_WHITE)
+        yield f"effective samples: {counts}" + (f"; residuals not white: {coloured}" if coloured else "")
+
+
+def _assumed(estimate: Estimate) -> Iterator[str]:
+    """Say what entered beside the recordings."""
+    assumed = estimate.assumed
+    if assumed.known:
+        yield "known: " + ", ".join(f"{name} = {value:.6g}" for name, value in assumed.known.items())
+    if assumed.prior.values:
+        pairs = assumed.prior.values.items()
+        yield "prior: " + ", ".join(f"{name} = {value:.4g} ± {std:.2g}" for name, (value, std) in pairs)
+    if estimate.bounded:
+        yield f"kept at zero: {', '.join(estimate.bounded)}; intervals are as wide as without the bound"
+
+
+def _influence(estimate: Estimate) -> Iterator[str]:
+    """Name recordings that move a parameter out of its interval, or without which it could not be identified."""
+    influence = estimate.influence
+    if influence is None:
+        return
+    for recording, moved in influence.strongest(float(scipy.stats.t.ppf(0.975, estimate.dof))):
+        names = ", ".join(estimate.names[k] for k in moved)
+        yield f"{recording} alone moves {names} by more than the interval, and more than noise explains"
+    changes = zip(influence.recordings, influence.change, strict=True)
+    needed = ", ".join(recording for recording, change in changes if np.isinf(change).any())
+    if needed:
+        yield f"not to be identified without {needed}"

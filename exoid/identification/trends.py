@@ -1,0 +1,221 @@
+"""Whether residuals depend on velocity or angle by more than noise explains: what a friction or gravity model lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import FloatArray
+
+from .least_squares import Solution
+from .noise import QuadraticForm
+from .problem import Problem
+from .residuals import Noises, Point, Series, series
+
+BINS = 10
+"""Equally filled intervals of velocity or angle in which residuals are averaged."""
+
+ENOUGH = 10
+"""Independent samples wanted in each on average."""
+
+SIGNIFICANT = 1e-3
+"""A smaller probability is called a dependence,"""
+
+TRIFLE = 0.01
+"""unless its size is below this part of the joint's torque."""
+
+RANK = 1e-8
+"""Directions of less variance than this part of the largest are those that the fit has set to zero."""
+
+Against = Literal["velocity", "angle"]
+
+
+@dataclass(frozen=True, eq=False)
+class Trend:
+    """Mean residual of a joint in intervals of its velocity or angle.
+
+    Attributes:
+        joint: Name.
+        against: "velocity" [rad/s] or "angle" [rad].
+        edges: Of the intervals, (B + 1,).
+        mean: Residual, measured less predicted [N·m], (B,).
+        std: What noise alone leaves of it, given that parameters were fitted to it [N·m], (B,).
+        p_value: Probability of means as large as these if there were only noise.
+        share: Root mean square of the means over that of the joint's torque.
+    """
+
+    joint: str
+    against: Against
+    edges: FloatArray
+    mean: FloatArray
+    std: FloatArray
+    p_value: float
+    share: float
+
+    @property
+    def matters(self) -> bool:
+        """Whether the residual depends on it, by more than noise explains and by more than a trifle."""
+        return self.p_value < SIGNIFICANT and self.share > TRIFLE
+
+
+def residual_trends(
+    problem: Problem, point: Point, noises: Noises, solution: Solution, covariance: FloatArray, *, whitened: bool
+) -> tuple[Trend, ...]:
+    """Average residuals in motion against velocity and angle, joint by joint.
+
+    With e the noise, X the weighted rows and δ the error of the estimate, the residual is e − X δ. Of its sums D over
+    intervals, cov = D Γ Dᵀ − D Γ Xᵀ A X Dᵀ − (…)ᵀ + D Xᵀ C X Dᵀ with A = (XᵀX)⁻¹ and C the covariance of the estimate;
+    for rows that were whitened D Γ Dᵀ − D X C Xᵀ Dᵀ. The sums over cov follow χ².
+
+    Args:
+        problem: The problem.
+        point: Where it was solved.
+        noises: Noise of the residuals.
+        solution: For (XᵀX)⁻¹.
+        covariance: Of the estimate.
+        whitened: Whether rows were whitened.
+    """
+    edges = _edges(problem, point)
+    sums = {joint: _Sums.zero(2 * BINS, len(problem.columns[joint])) for joint in edges}
+    forms: dict[int, QuadraticForm] = {}
+    for part in series(problem, point):
+        if part.joint not in edges or part.kind.at_rest:
+            continue
+        D, found = _indicators(part, edges[part.joint]), sums[part.joint]
+        if part.begins:
+            forms[part.joint] = QuadraticForm(noises[part.kind, part.joint], len(D) + len(part.X))
+        forms[part.joint].add(np.vstack([D, part.X]))
+        found.residual += D @ part.residual
+        found.count += D.sum(axis=1)
+        found.columns += D @ part.X.T
+        if part.ends:
+            form = forms[part.joint].total()
+            found.noise += form[: len(D), : len(D)]
+            found.cross += part.stands_for * form[: len(D), len(D) :]
+    trends = []
+    for joint, found in sums.items():
+        own = np.ix_(problem.columns[joint], problem.columns[joint])
+        G = found.columns
+        both = 0.0 if whitened else found.cross @ solution.inverse[own] @ G.T
+        fitted = G @ covariance[own] @ G.T
+        cov = found.noise - fitted if whitened else found.noise - both - np.transpose(both) + fitted
+        trends += _trends(problem, point, joint, edges[joint], found, cov)
+    return tuple(trends)
+
+
+def remarks(trends: Sequence[Trend]) -> tuple[str, ...]:
+    """Name the joints whose residuals depend on velocity or angle."""
+    return tuple(
+        f"the residual of {trend.joint} depends on its {trend.against} by more than noise explains (p = "
+        f"{trend.p_value:.1g}, {trend.share:.1%} of its torque): {_HINT[trend.against]}"
+        for trend in trends
+        if trend.matters
+    )
+
+
+def trends_to_json(trends: Sequence[Trend]) -> list[dict[str, Any]]:
+    """Turn trends into what JSON can hold."""
+    return [
+        {
+            "joint": t.joint,
+            "against": t.against,
+            "edges": t.edges.tolist(),
+            "mean": t.mean.tolist(),
+            "std": t.std.tolist(),
+            "p_value": t.p_value,
+            "share": t.share,
+        }
+        for t in trends
+    ]
+
+
+def trends_from_json(data: Sequence[dict[str, Any]]) -> tuple[Trend, ...]:
+    """Read what :func:`trends_to_json` wrote."""
+    return tuple(
+        Trend(
+            joint=str(one["joint"]),
+            against=one["against"],
+            edges=np.array(one["edges"], dtype=np.float64),
+            mean=np.array(one["mean"], dtype=np.float64),
+            std=np.array(one["std"], dtype=np.float64),
+            p_value=float(one["p_value"]),
+            share=float(one["share"]),
+        )
+        for one in data
+    )
+
+
+_HINT = {
+    "velocity": "friction is not of the form of the terms",
+    "angle": "gravity, a spring or the axis is not as in the model",
+}
+
+
+@dataclass
+class _Sums:
+    """Sums over the intervals of one joint, (2 B, …)."""
+
+    residual: FloatArray
+    count: FloatArray
+    columns: FloatArray
+    noise: FloatArray
+    cross: FloatArray
+
+    @classmethod
+    def zero(cls, rows: int, columns: int) -> _Sums:
+        shapes = ((rows,), (rows,), (rows, columns), (rows, rows), (rows, columns))
+        return cls(*(np.zeros(shape) for shape in shapes))
+
+
+def _edges(problem: Problem, point: Point) -> dict[int, FloatArray]:
+    """Edges of the intervals of velocity and angle of each joint that has enough rows in motion, (2, B + 1)."""
+    seen: dict[int, list[FloatArray]] = {}
+    for part in series(problem, point):
+        if not part.kind.at_rest:
+            seen.setdefault(part.joint, []).append(np.array([part.v, part.q])[:, part.usable > 0.0])
+    levels = np.linspace(0.0, 1.0, BINS + 1)
+    together = {joint: np.concatenate(parts, axis=1) for joint, parts in seen.items()}
+    return {j: np.quantile(x, levels, axis=1).T for j, x in together.items() if x.shape[1] >= ENOUGH * BINS}
+
+
+def _indicators(part: Series, edges: FloatArray) -> FloatArray:
+    """Rows that are 1 where a usable sample is in an interval of velocity, then of angle, (2 B, N)."""
+    D = np.zeros((2 * BINS, len(part.v)))
+    for first, x, of_x in ((0, part.v, edges[0]), (BINS, part.q, edges[1])):
+        place = np.clip(np.searchsorted(of_x, x, side="right") - 1, 0, BINS - 1)
+        D[first + place, np.arange(len(x))] = part.usable
+    return D
+
+
+def _trends(
+    problem: Problem, point: Point, joint: int, edges: FloatArray, found: _Sums, cov: FloatArray
+) -> list[Trend]:
+    """Test the sums over intervals of velocity, and of angle."""
+    weight = point.weights[joint]
+    triangle = problem.groups[0][joint]
+    torque = float(np.linalg.norm(triangle.R[:, -1])) / np.sqrt(max(triangle.rows, 1))
+    trends = []
+    kinds: tuple[Against, ...] = ("velocity", "angle")
+    for k, against in enumerate(kinds):
+        rows = slice(k * BINS, (k + 1) * BINS)
+        total, count = found.residual[rows], np.maximum(found.count[rows], 1.0)
+        mean = total / count / weight
+        share = float(np.sqrt(np.average(mean**2, weights=count))) / (torque or 1.0)
+        std = np.sqrt(np.clip(np.diag(cov)[rows], 0.0, None)) / count / weight
+        name = problem.model.leg.joint_names[joint]
+        trends.append(Trend(name, against, edges[k], mean, std, _p_value(total, cov[rows, rows]), share))
+    return trends
+
+
+def _p_value(total: FloatArray, cov: FloatArray) -> float:
+    """Probability of sums as large as these."""
+    sizes, vectors = np.linalg.eigh(0.5 * (cov + cov.T))
+    kept = sizes > RANK * max(sizes[-1], 0.0)
+    if not kept.any():
+        return 1.0
+    statistic = float(np.sum((vectors[:, kept].T @ total) ** 2 / sizes[kept]))
+    return float(scipy.stats.chi2.sf(statistic, int(kept.sum())))

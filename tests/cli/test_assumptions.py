@@ -1,0 +1,85 @@
+"""What is known beside the logs, and estimates side by side, on the command line."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import exoid
+from exoid import Estimate, ExoidError
+from exoid.cli import app
+from exoid.cli.numbers import parse_known, parse_prior
+
+LOG = "bleex_swing:train"
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, list(arguments), catch_exceptions=True)
+
+
+def test_known_prior_and_bounds_reach_the_estimate(tmp_path):
+    path = tmp_path / "e.json"
+    done = run(
+        "identify", "bleex_swing", LOG, "-o", str(path), "--noise", "white", "--known", "X1=4.1",
+        "--prior", "J3=0.05:0.01", "--prior", "Y3=0.1±0.02", "--nonnegative",
+    )  # fmt: skip
+    assert done.exit_code == 0, done.output
+    estimate = Estimate.load(path)
+    assert estimate.value("X1") == 4.1
+    assert dict(estimate.assumed.prior.values) == {"J3": (0.05, 0.01), "Y3": (0.1, 0.02)}
+    assert estimate.assumed.nonnegative
+    data = exoid.datasets.bleex_swing()
+    same = exoid.identify(
+        data.leg, data.train, noise="white", known={"X1": 4.1}, prior=dict(estimate.assumed.prior.values),
+        nonnegative=True,
+    )  # fmt: skip
+    np.testing.assert_allclose(estimate.covariance, same.covariance, rtol=1e-9)
+    assert "known: X1 = 4.1" in done.output
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [("--known", "X1"), ("--known", "X1=heavy"), ("--prior", "J3=0.05"), ("--noise", "pink"), ("--known", "Z=1")],
+)
+def test_what_cannot_be_understood_is_refused(arguments):
+    done = run("identify", "bleex_swing", LOG, *arguments)
+    assert isinstance(done.exception, ExoidError)
+
+
+def test_numbers_by_name_are_read():
+    assert parse_known(["X1=4.25", " d_hip = 1e-2"]) == {"X1": 4.25, "d_hip": 0.01}
+    assert parse_prior(["J3=0.05:0.01"]) == parse_prior(["J3=0.05±0.01"]) == {"J3": (0.05, 0.01)}
+    assert parse_known(None) == parse_prior(None) == {}
+    with pytest.raises(ExoidError, match="X1 twice"):
+        parse_known(["X1=1", "X1=2"])
+
+
+@pytest.fixture(scope="module")
+def two(tmp_path_factory):
+    """Estimates from the two halves of one swing."""
+    folder, paths = tmp_path_factory.mktemp("two"), []
+    for name, part in (("a", "bleex_swing:train"), ("b", "bleex_swing:test")):
+        path = folder / f"{name}.json"
+        assert run("identify", "bleex_swing", part, "-o", str(path)).exit_code == 0
+        paths.append(str(path))
+    return paths
+
+
+def test_compare_prints_a_table_or_json(two):
+    first, second = (Estimate.load(path) for path in two)
+    expected = exoid.compare(first, second)
+    printed = run("compare", *two)
+    assert printed.exit_code == 0
+    assert printed.output.strip() == str(expected).strip()
+    data = json.loads(run("compare", *two, "--json").output)
+    assert data["p_value"] == pytest.approx(expected.p_value)
+    assert set(data["difference"]) == set(expected.names)
+
+
+def test_compare_refuses_an_estimate_with_itself(two):
+    done = run("compare", two[0], two[0])
+    assert isinstance(done.exception, ExoidError)
+    assert "not independent" in str(done.exception)

@@ -1,0 +1,77 @@
+"""A band of predicted torque contains as many new torques as it says."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from swings import TERMS, Swing
+
+import exoid
+from exoid import ExoidError, identify
+from exoid.signals import FiniteDifference, ZeroPhase
+
+PLAIN = FiniteDifference()
+NOISE = np.array([1.0, 0.7, 0.3])
+
+
+@pytest.fixture(scope="module")
+def swing():
+    return Swing(exoid.load_leg("bleex"), 100.0, 10.0)
+
+
+@pytest.fixture(scope="module")
+def other(swing):
+    """A motion that no estimate has seen."""
+    return Swing(swing.leg, 100.0, 10.0, seed=9)
+
+
+@pytest.mark.parametrize("level", [0.5, 0.95])
+def test_the_band_of_a_measurement_contains_new_torques(swing, other, level):
+    rng, inside = np.random.default_rng(1), []
+    for _ in range(12):
+        estimate = identify(swing.leg, swing.with_noise(rng, NOISE), TERMS, preparation=PLAIN)
+        band = estimate.torque_band(*other.motion, level=level)
+        new = other.torque + rng.normal(scale=NOISE, size=other.torque.shape)
+        inside.append(((band.lower < new) & (new < band.upper)).mean(axis=0))
+    coverage = np.mean(inside, axis=0)
+    print(f"measured torque inside a band of {level}: {coverage.round(3)}")
+    np.testing.assert_allclose(coverage, level, atol=0.02)
+
+
+def test_behind_the_filter_it_contains_filtered_torques(swing, other):
+    rng, inside = np.random.default_rng(2), []
+    for _ in range(10):
+        estimate = identify(swing.leg, swing.with_noise(rng, NOISE), TERMS)
+        new = other.recording(tau=other.torque + rng.normal(scale=NOISE, size=other.torque.shape))
+        found = exoid.validate(estimate, new)
+        std = estimate.torque_std(*other.motion, measured=True)[: len(found.time)]
+        inside.append((np.abs(found.residual) < 1.96 * np.median(std, axis=0)).mean(axis=0))
+    coverage = np.mean(inside, axis=0)
+    print(f"filtered torque inside: {coverage.round(3)}")
+    np.testing.assert_allclose(coverage, 0.95, atol=0.035)
+
+
+def test_the_band_of_the_model_contains_the_torque_without_noise(swing, other):
+    rng, inside = np.random.default_rng(3), []
+    for _ in range(60):
+        estimate = identify(swing.leg, swing.with_noise(rng, NOISE), TERMS, preparation=PLAIN)
+        band = estimate.torque_band(*other.motion, measured=False)
+        inside.append(((band.lower < other.torque) & (other.torque < band.upper)).mean())
+    print(f"the model's torque inside: {np.mean(inside):.3f}")
+    assert np.mean(inside) == pytest.approx(0.95, abs=0.035)
+    wide = estimate.torque_band(*other.motion)
+    assert ((wide.lower < band.lower) & (wide.upper > band.upper)).all()
+    np.testing.assert_array_equal(band.torque, estimate.torque(*other.motion))
+
+
+def test_the_std_is_that_of_the_covariance(swing, other):
+    estimate = identify(swing.leg, swing.with_noise(np.random.default_rng(0), NOISE), TERMS, preparation=ZeroPhase(5.0))
+    W = estimate.model.regressor(*other.motion)
+    expected = np.sqrt(np.einsum("njp,pq,njq->nj", W, estimate.covariance, W))
+    np.testing.assert_allclose(estimate.torque_std(*other.motion), expected, rtol=1e-9)
+
+
+def test_a_level_beyond_one_is_refused(swing):
+    estimate = identify(swing.leg, swing.recording(), TERMS)
+    with pytest.raises(ExoidError, match="level"):
+        estimate.torque_band(*swing.motion, level=95.0)
