@@ -1,7 +1,8 @@
 """A real Chromium without a window, driven by its DevTools protocol: what a page shows, says, and asks the network for.
 
 Software draws its WebGL, so that no graphics card is needed. Names other than this machine's do not resolve, so that a
-request which would leave the machine fails as it would without a network, and is in :attr:`Page.requests`.
+request which would leave the machine fails as it would without a network: that is always in :attr:`Page.problems`, and
+the request is in :attr:`Page.requests`, unless a frame in a process of its own makes it before Chromium reports on it.
 """
 
 from __future__ import annotations

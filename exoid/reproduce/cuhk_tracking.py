@@ -145,7 +145,7 @@ def wrong_laws(source: Estimate | ControlModel) -> dict[str, Law]:
     laws: dict[str, Law] = {}
     for factor in (0.5, 1.5):
         told = document_laws(model.with_friction(factor))
-        laws |= {f"{name} friction×{factor:g}": law for name, law in told.items() if name not in ("pd_30hz", "pd")}
+        laws |= {f"{name} F x{factor:g}": law for name, law in told.items() if name not in ("pd_30hz", "pd")}
     laws |= {f"{name} {LOADED}": law for name, law in document_laws(model).items() if name != "pd_30hz"}
     with warnings.catch_warnings():  # that this is wrong is what it is to show
         warnings.simplefilter("ignore", UserWarning)

@@ -101,10 +101,11 @@ def cuhk_tracking_notes(replay: TrackingReplay) -> Sequence[str]:
     laws = replay.laws
     slow, pd, compensated = (laws[name] for name in ("pd_30hz", "pd", "pd_gravity_friction"))
     printed = "; ".join(f"{LABELS[name]} {hip:g} / {knee:g}" for name, (hip, knee) in DOCUMENT_DEG.items())
-    by_rate, by_law = (abs(one.peak_deg - pd.peak_deg) for one in (slow, compensated))
+    by_rate, by_law = abs(slow.peak_deg - pd.peak_deg), pd.peak_deg - compensated.peak_deg
     return [
         f"Document 2 reports peak errors [deg]: {printed}.",
-        f"PD's peak errors change by {_pair(by_rate, '.2f')}° from 30 to 100 Hz, by {_pair(by_law, '.1f')}° with G + F",
+        f"PD's peak errors change by {_pair(by_rate, '.2f')}° from 30 to 100 Hz; G + F lower them by "
+        f"{_pair(by_law, '.1f')}°.",
         f"PD + G + F takes {_pair(compensated.rms_torque / pd.rms_torque, '.1f')} times the rms torque of PD and "
         f"{_pair(compensated.energy / pd.energy, '.1f')} times its energy; document 2 calls their power comparable.",
     ]

@@ -56,8 +56,8 @@ def assert_what_beats_it(laws):
 
 def assert_robust(wrong):
     for factor in ("0.5", "1.5"):
-        assert_within(wrong[f"pd_feedforward friction×{factor}"], 2.0, 1.0)
-        assert_within(wrong[f"lqr friction×{factor}"], 0.6, 0.4)
+        assert_within(wrong[f"pd_feedforward F x{factor}"], 2.0, 1.0)
+        assert_within(wrong[f"lqr F x{factor}"], 0.6, 0.4)
     assert_within(wrong["lqr +1.5kg"], 1.0, 1.0)
 
 
