@@ -14,8 +14,7 @@ import exoid
 from exoid import Armature, Coulomb, Estimate, Offset, Recording, Stiffness, Viscous
 from exoid.identification.estimators import ESTIMATORS
 from exoid.signals import FiniteDifference
-from exoid.torques import TorqueModel
-from exoid.torques.motion import JointMotion
+from exoid.torques import JointMotion, TorqueModel
 
 SPEEDS = st.floats(0.0, 10.0)
 TERMS = st.one_of(
