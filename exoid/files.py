@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -38,6 +39,7 @@ def write_together(contents: Mapping[Path, str]) -> None:
     """
     parts = {path: path.with_name(f".{path.name}.{os.getpid()}.part") for path in contents}
     saved = {path: path.with_name(f".{path.name}.{os.getpid()}.before") for path in contents}
+    replaced: list[Path] = []
     placed: list[Path] = []
     try:
         for path, text in contents.items():
@@ -48,14 +50,17 @@ def write_together(contents: Mapping[Path, str]) -> None:
         for path in contents:
             with _written(path):
                 if path.is_file():
-                    path.replace(saved[path])
+                    shutil.copyfile(path, saved[path])  # a copy, so that at no moment there is no file of this name
+                    replaced.append(path)
+        for path in contents:
+            with _written(path):
                 parts[path].replace(path)
                 placed.append(path)
     except BaseException:
-        for path in contents:
-            if saved[path].exists():
+        for path in placed:
+            if path in replaced:
                 saved[path].replace(path)
-            elif path in placed:
+            else:
                 path.unlink()
         raise
     finally:

@@ -1,7 +1,8 @@
 """A real Chromium without a window, driven by its DevTools protocol: what a page shows, says, and asks the network for.
 
 Software draws its WebGL, so that no graphics card is needed. Names other than this machine's do not resolve, so that a
-request which would leave the machine fails as it would without a network, and is in :attr:`Page.requests`.
+request which would leave the machine fails as it would without a network: that is always in :attr:`Page.problems`, and
+the request is in :attr:`Page.requests`, unless a frame in a process of its own makes it before Chromium reports on it.
 """
 
 from __future__ import annotations
@@ -47,6 +48,14 @@ FLAGS = (
     "about:blank",
 )
 
+LISTEN = (
+    ("Runtime.enable", {}),
+    ("Log.enable", {}),
+    ("Network.enable", {}),
+    ("Target.setAutoAttach", {"autoAttach": True, "waitForDebuggerOnStart": True, "flatten": True}),
+)
+"""Commands after which a page, or a frame in a process of its own, says everything."""
+
 LONGEST = 60.0
 """To wait for anything [s]."""
 
@@ -66,8 +75,8 @@ class Browser:
             target = Page(socket, None).send("Target.createTarget", url="about:blank")["targetId"]
             attached = Page(socket, None).send("Target.attachToTarget", targetId=target, flatten=True)
             page = Page(socket, attached["sessionId"])
-            for domain in ("Page", "Runtime", "Log", "Network"):
-                page.send(f"{domain}.enable")
+            page.send("Page.enable")
+            page.listen()
             page.send(
                 "Emulation.setDeviceMetricsOverride",
                 width=size[0],
@@ -94,14 +103,13 @@ class Page:
     def __init__(self, socket, session):
         self._socket = socket
         self._session = session
+        self._sessions = {session}
         self.problems = []
         self.requests = []
 
     def send(self, method, **parameters):
         """Send a command and wait for its result."""
-        number = next(self.numbers)
-        message = {"id": number, "method": method, "params": parameters}
-        self._socket.send(json.dumps(message | ({"sessionId": self._session} if self._session else {})))
+        number = self._post(self._session, method, parameters)
         until = time.monotonic() + LONGEST
         while time.monotonic() < until:
             answer = json.loads(self._socket.recv(timeout=LONGEST))
@@ -110,6 +118,11 @@ class Page:
                 return answer["result"]
             self._note(answer)
         raise TimeoutError(method)
+
+    def listen(self):
+        """Hear what the page and the frames in it say, those in processes of their own too."""
+        for method, parameters in LISTEN:
+            self.send(method, **parameters)
 
     def evaluate(self, script):
         """Value of an expression in the page."""
@@ -134,11 +147,21 @@ class Page:
             (ARTEFACTS / f"{name}.png").write_bytes(content)
         return np.asarray(Image.open(io.BytesIO(content)).convert("RGB"))
 
+    def _post(self, session, method, parameters):
+        number = next(self.numbers)
+        message = {"id": number, "method": method, "params": parameters}
+        self._socket.send(json.dumps(message | ({"sessionId": session} if session else {})))
+        return number
+
     def _note(self, event):
-        if event.get("sessionId") != self._session:
+        if event.get("sessionId") not in self._sessions:
             return
         kind, details = event.get("method"), event.get("params", {})
-        if kind == "Runtime.exceptionThrown":
+        if kind == "Target.attachedToTarget" and self._session is not None:
+            self._sessions.add(details["sessionId"])
+            for method, parameters in (*LISTEN, ("Runtime.runIfWaitingForDebugger", {})):
+                self._post(details["sessionId"], method, parameters)
+        elif kind == "Runtime.exceptionThrown":
             self.problems.append(details["exceptionDetails"].get("exception", details["exceptionDetails"]))
         elif kind == "Runtime.consoleAPICalled" and details["type"] in ("error", "warning", "assert"):
             self.problems.append([argument.get("value", argument.get("description")) for argument in details["args"]])

@@ -18,6 +18,7 @@ from .reproduce import reproduce
 from .select import select
 from .stability import stability
 from .study import study
+from .track import track
 from .validate import validate
 from .view import view
 
@@ -41,6 +42,7 @@ app.command()(reproduce)
 app.command()(view)
 app.command()(stability)
 app.command()(study)
+app.command()(track)
 
 
 def _print_version(wanted: bool) -> None:

@@ -24,9 +24,10 @@ def reproduce(
 ) -> None:
     """Run a document's experiments on virtual rigs, identify, and print every table side by side."""
     from exoid import reproduce as replays  # noqa: PLC0415 - it draws, and matplotlib would slow down every command
+    from exoid.view.figure_files import make_folder, write_figures  # noqa: PLC0415
 
     if figures is not None:
-        replays.make_folder(figures)  # before the minute that the replay takes
+        make_folder(figures)  # before the minute that the replay takes
     if report is not None:
         refuse_unwritable(report)
     with Progress(console=Console(stderr=True), transient=True) as bar:
@@ -40,7 +41,7 @@ def reproduce(
             text, data = replays.cuhk_text(cuhk), replays.cuhk_json(cuhk)
             draw, page = partial(replays.cuhk_figures, cuhk), partial(replays.cuhk_page, cuhk)
     if figures is not None:
-        for path in replays.write_figures(draw(), figures):
+        for path in write_figures(draw(), figures):
             typer.echo(f"wrote {path}", err=True)
     if report is not None:
         page().write(report)

@@ -35,6 +35,9 @@ RATIO = 0.1
 ROTOR = 0.8
 """Reflected inertia of CUHK-EXO's motors, an assumption [kg·m²]."""
 
+CERTAIN = 3.0
+"""Standard deviations by which something is negative for certain."""
+
 
 class _Task(NamedTuple):
     """Gains [N·m/rad, N·m·s/rad], target and start less target [rad], (n,) each."""
@@ -51,6 +54,10 @@ def stability(
     kd: Annotated[str | None, typer.Option(metavar="A,B", help="Kd [N·m·s/rad]; 0.1 Kp by default.")] = None,
     target: Annotated[str, typer.Option(metavar="A,B", help="Where to hold each joint [deg].")] = TARGET_DEG,
     away: Annotated[str, typer.Option(metavar="A,B", help="How far off each starts [deg].")] = AWAY_DEG,
+    rotor: Annotated[
+        float | None,
+        typer.Option(metavar="I", help="Rotor inertia at cuhk's joints [kg·m²]; 0.8 by default."),
+    ] = None,
     rate: Annotated[float, typer.Option(metavar="HZ", help="Of the law.")] = 100.0,
     duration: Annotated[float, typer.Option(metavar="S", help="Of each run.")] = 20.0,
     figure: Annotated[str | None, typer.Option(metavar="FILE.PNG", help="Draw V and the gain margins there.")] = None,
@@ -60,7 +67,7 @@ def stability(
     from exoid.control import gravity_friction_pd  # noqa: PLC0415 - few verbs need it
     from exoid.control import stability as room  # noqa: PLC0415
 
-    plant = _plant(leg)
+    plant = _plant(leg, rotor)
     task = _task(plant, kp, kd, target, away)
     if figure is not None and not Path(figure).parent.is_dir():  # before the seconds that the runs take
         raise ExoidError("no such folder", where=figure, remedy="write into an existing folder")
@@ -83,28 +90,35 @@ def stability(
         typer.echo("\n\n".join(map(str, (properties, runs, margins))))
 
 
-def _plant(name: str) -> Plant:
+def _plant(name: str, rotor: float | None) -> Plant:
     """CUHK-EXO as assumed, or the leg that an estimate describes; neither has end stops."""
+    from exoid.control import ControlModel  # noqa: PLC0415
     from exoid.rig import Plant  # noqa: PLC0415
 
     if name == "cuhk":
         leg = load_leg("cuhk")
-        rotors = {f"Ia_{label}": ROTOR for label in leg.joint_labels}
+        rotors = {f"Ia_{label}": ROTOR if rotor is None else rotor for label in leg.joint_labels}
         return Plant.build(leg, {**published.cuhk_resistances(), **rotors}, end_stops=False)
     if not Path(name).is_file():
         raise ExoidError(f"no leg or estimate {name!r}", remedy="name cuhk, or a file that exoid identify -o wrote")
+    if rotor is not None:
+        raise ExoidError("--rotor has no effect on an estimate", remedy="leave out --rotor: rotors are identified")
     estimate = Estimate.load(name)
-    values: dict[str, float] = {}
-    for parameter, value in zip(estimate.names, estimate.values.tolist(), strict=True):
+    for parameter, value, std in zip(estimate.names, estimate.values, estimate.std, strict=True):
         if value < 0.0 and parameter.startswith(("c0_", "d_", "Ia_")):
-            raise ExoidError(
-                f"{parameter} = {value:.3g} is negative and would feed energy into the leg",
-                where=name,
-                remedy="identify without this term (--terms), or with a motion that shows it",
-            )
-        constant = parameter.replace("offset_", "b0_", 1) if parameter.startswith("offset_") else parameter
-        values[constant] = values.get(constant, 0.0) + value
-    return Plant.build(estimate.model.leg, values, end_stops=False)
+            _excuse(parameter, float(value), float(std), name)
+    return ControlModel.of(estimate).plant(end_stops=False)
+
+
+def _excuse(parameter: str, value: float, std: float, file: str) -> None:
+    """Take what is negative by chance for zero, and say so; refuse what is negative for certain."""
+    if value < -CERTAIN * std:
+        raise ExoidError(
+            f"{parameter} = {value:.3g} ± {std:.1g} is negative and would feed energy into the leg",
+            where=file,
+            remedy="check the sign of the torque, or identify without this term (--terms)",
+        )
+    typer.echo(f"{parameter} = {value:.2g} ± {std:.1g} is taken as zero", err=True)
 
 
 def _task(plant: Plant, kp: str, kd: str | None, target: str, away: str) -> _Task:

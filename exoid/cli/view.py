@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
+from rich.console import Console
 
 from exoid import identification
 from exoid.catalog import SEGMENTS
@@ -59,21 +60,20 @@ def view(
     options = LogOptions(column, degrees, start, stop)
     recording = None if log is None else read_logs([log], options)[0]
     shown = _shown(leg, side, inertias, split_names(joints), () if recording is None else recording.joint_names)
-    ghost, label = None, "reference"
-    if reference is not None:
-        ghost = read_logs([reference], options)[0]
-    elif recording is not None and recording.tau is not None and isinstance(shown.legs[0], identification.Estimate):
-        ghost, label = identification.predict_motion(shown.legs[0], recording, horizon), "predicted"
-    folder = meshes if meshes is not None else str(Path(leg).parent)
-    drawn = views.scene(
-        *shown.legs,
-        pose=_pose(pose_deg or []),
-        recording=recording,
-        ghost=ghost,
-        ghost_label=label,
-        identified=shown.identified,
-        meshes=folder,
-    )
+    ghost, label = None if reference is None else read_logs([reference], options)[0], "reference"
+    with Console(stderr=True).status("drawing"):
+        estimate = shown.legs[0]
+        if ghost is None and recording is not None and recording.tau is not None and not isinstance(estimate, Leg):
+            ghost, label = identification.predict_motion(estimate, recording, horizon), "predicted"
+        drawn = views.scene(
+            *shown.legs,
+            pose=_pose(pose_deg or []),
+            recording=recording,
+            ghost=ghost,
+            ghost_label=label,
+            identified=shown.identified,
+            meshes=Path(leg).parent if meshes is None else meshes,
+        )
     for note in drawn.notes:
         typer.echo(f"note: {note}", err=True)
     if html is not None:

@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Literal, NamedTuple
 
 from exoid.errors import ExoidError
-from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
+from exoid.torques import Armature, Coulomb, Offset, Stiffness, Stribeck, Term, TorqueModel, Viscous
+from exoid.torques.dry_friction import DryFriction
 from exoid.torques.free import number
 
 from .dialect import Dialect
@@ -80,13 +81,23 @@ def _armature(term: Armature, joint: int, constants: Mapping[str, str], dialect:
 
 
 def _coulomb(term: Coulomb, joint: int, constants: Mapping[str, str], dialect: Dialect) -> Expression:
+    size = _by_direction("c0", joint, constants, dialect) if term.asymmetric else constants["c0"]
+    return _dry(term, size, joint, dialect)
+
+
+def _stribeck(term: Stribeck, joint: int, constants: Mapping[str, str], dialect: Dialect) -> Expression:
+    ratio = f"(v[{joint}] / {dialect.number(number(term.velocity))})"
+    return _dry(term, f"{constants['cs']} * {dialect.function('exp')}(-{ratio} * {ratio})", joint, dialect)
+
+
+def _dry(term: DryFriction, size: str, joint: int, dialect: Dialect) -> Expression:
+    """Write a size times the direction of motion, zero in the dead band."""
     x, zero = f"v[{joint}]", dialect.number(0.0)
     if (smoothing := number(term.smoothing)) > 0.0:
         direction = f"{dialect.function('tanh')}({x} / {dialect.number(smoothing)})"
     else:
         one, minus = dialect.number(1.0), dialect.number(-1.0)
         direction = f"({x} > {zero} ? {one} : {x} < {zero} ? {minus} : {x})"
-    size = f"({x} > {zero} ? {constants['c0p']} : {constants['c0n']})" if term.asymmetric else constants["c0"]
     torque = f"{size} * {direction}"
     if term.dead_band > 0.0:
         torque = f"({dialect.function('fabs')}({x}) > {dialect.number(term.dead_band)} ? {torque} : {zero})"
@@ -94,11 +105,15 @@ def _coulomb(term: Coulomb, joint: int, constants: Mapping[str, str], dialect: D
 
 
 def _viscous(term: Viscous, joint: int, constants: Mapping[str, str], dialect: Dialect) -> Expression:
-    x = f"v[{joint}]"
-    rate = (
-        f"({x} > {dialect.number(0.0)} ? {constants['dp']} : {constants['dn']})" if term.asymmetric else constants["d"]
-    )
-    return Expression("friction", f"{rate} * {x}")
+    rate = _by_direction("d", joint, constants, dialect) if term.asymmetric else constants["d"]
+    return Expression("friction", f"{rate} * v[{joint}]")
+
+
+def _by_direction(symbol: str, joint: int, constants: Mapping[str, str], dialect: Dialect) -> str:
+    """Choose between forwards and backwards; zero where one of the two is part of another parameter."""
+    zero = dialect.number(0.0)
+    forwards, backwards = (constants.get(f"{symbol}{way}", zero) for way in "pn")
+    return f"(v[{joint}] > {zero} ? {forwards} : {backwards})"
 
 
 def _offset(term: Offset, joint: int, constants: Mapping[str, str], dialect: Dialect) -> Expression:
@@ -119,6 +134,7 @@ WRITERS: Mapping[type[Term], Callable[..., Expression]] = {
     Coulomb: _coulomb,
     Offset: _offset,
     Stiffness: _stiffness,
+    Stribeck: _stribeck,
     Viscous: _viscous,
 }
 """Terms that have a form in C."""

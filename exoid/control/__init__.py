@@ -13,6 +13,7 @@ from .model import ControlModel
 from .pd import p, pd
 from .side_by_side import SideBySide
 from .standard_laws import default_gains, mean_pose, standard_laws
+from .track import track
 from .tracking import Tracking
 
 __all__ = [
@@ -39,4 +40,5 @@ __all__ = [
     "simulate",
     "simulate_many",
     "standard_laws",
+    "track",
 ]

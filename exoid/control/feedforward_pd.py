@@ -10,7 +10,7 @@ from exoid.leg import Leg
 from exoid.rig import Plant, Target
 
 from .friction import AHEAD, FrictionCompensation
-from .law import RATE, State, acceleration, gains, refuse_rate
+from .law import RATE, State, acceleration, gains
 from .model import ControlModel
 from .pd import PD
 from .suspicion import warn_of_active_friction
@@ -71,7 +71,6 @@ def feedforward_pd(
     Warns:
         UserWarning: The friction coefficients are negative.
     """
-    refuse_rate(rate)
     model = ControlModel.of(source)
     if friction is not None:
         warn_of_active_friction(model)

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from math import tanh
+
+import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.identification import Estimate
@@ -10,7 +14,7 @@ from exoid.leg import Leg
 from exoid.rig import Plant, Target
 
 from .friction import SMOOTH, FrictionCompensation
-from .law import RATE, State, gains, refuse_rate
+from .law import RATE, State, gains
 from .model import ControlModel
 from .pd import PD
 from .suspicion import warn_of_active_friction
@@ -39,8 +43,38 @@ class GravityFrictionPD:
 
     def torque(self, state: State, target: Target) -> FloatArray:
         """See the class."""
+        if state.q.ndim == 1 and self._joints:
+            return self._of_one_leg(state, target)
         torque = self.feedback.torque(state, target) + self.model.statics(state.q)
         return torque if self.friction is None else torque + self.friction.torque(self.model, state, target)
+
+    def _of_one_leg(self, state: State, target: Target) -> FloatArray:
+        """The same in plain floats: arrays of two or three numbers cost more than their arithmetic does."""
+        width = 0.0 if self.friction is None else self.friction.width
+        q, v, aim, speed = state.q.tolist(), state.v.tolist(), target.q.tolist(), target.v.tolist()
+        sliding = speed if self.friction is not None and self.friction.velocity == "desired" else v
+        torques = []
+        for (kp, kd, springs, c0, d), torque, x, y, x_d, y_d, slide in zip(
+            self._joints, self.model.gravity(state.q).tolist(), q, v, aim, speed, sliding, strict=True
+        ):
+            spring = 0.0
+            for coefficient in springs:
+                spring = spring * x + coefficient
+            sign = tanh(slide / width) if width > 0.0 else (slide > 0.0) - (slide < 0.0)
+            torques.append(kp * (x_d - x) + kd * (y_d - y) + torque + spring + c0 * sign + d * slide)
+        return np.array(torques)
+
+    @cached_property
+    def _joints(self) -> list[tuple[float, float, list[float], float, float]]:
+        """Kp, Kd, spring polynomial, c0 and d of each joint; none where that is not all there is."""
+        kp, kd, n = self.feedback.kp, self.feedback.kd, self.model.n
+        if self.model.others or not {kp.shape, kd.shape} <= {(), (n,)}:
+            return []
+        scale = 0.0 if self.friction is None else self.friction.scale
+        springs = [np.trim_zeros(row, "f").tolist() for row in self.model.spring.T]
+        rows = (np.broadcast_to(row, n).tolist() for row in (kp, kd))
+        friction = ((scale * row).tolist() for row in (self.model.coulomb, self.model.viscous))
+        return list(zip(*rows, springs, *friction, strict=True))
 
 
 def gravity_friction_pd(
@@ -72,7 +106,6 @@ def gravity_friction_pd(
     Example:
         >>> law = gravity_friction_pd(est, kp=(22.0, 56.0), kd=(2.2, 5.6))  # doctest: +SKIP
     """
-    refuse_rate(rate)
     model = ControlModel.of(source)
     if friction is not None:
         warn_of_active_friction(model)

@@ -74,7 +74,13 @@ def refuse_rate(rate: float) -> None:
 
 
 def spread(values: FloatArray, like: FloatArray) -> FloatArray:
-    """One value for each joint as a column where the state has columns."""
+    """One value for each joint as a column where the state has columns.
+
+    Raises:
+        ExoidError: They are for another number of joints.
+    """
+    if values.ndim > 0 and values.shape[0] != like.shape[0]:
+        raise ExoidError(f"{values.shape[0]} gains or limits for {like.shape[0]} joints", remedy="give one a joint")
     return values[:, None] if values.ndim == 1 and like.ndim == 2 else values
 
 

@@ -126,9 +126,15 @@ class ControlModel:
     def statics(self, q: FloatArray) -> FloatArray:
         """Torque that holds the leg at q: gravity, springs and offsets [N·m]."""
         if q.ndim == 1:
-            at = configuration(self.pinocchio, q[None])[0] if self._turns else q
-            return np.asarray(pin.computeGeneralizedGravity(self.pinocchio, self._data, at) + self._springs(q))
+            return np.asarray(self.gravity(q) + self._springs(q))
         return self.inverse_dynamics(q, np.zeros_like(q), np.zeros_like(q))
+
+    def gravity(self, q: FloatArray) -> FloatArray:
+        """Gravity torque of the bodies [N·m]."""
+        if q.ndim == 2:
+            return self.leg.gravity(q.T).T
+        at = configuration(self.pinocchio, q[None])[0] if self._turns else q
+        return np.asarray(pin.computeGeneralizedGravity(self.pinocchio, self._data, at))
 
     def inverse_dynamics(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """RNEA(q, v, a) + Ia a + s(q): everything but friction [N·m]."""
@@ -153,7 +159,7 @@ class ControlModel:
         sign = np.sign(v) if width == 0.0 else np.tanh(v / width)
         torque = spread(self.coulomb, v) * sign + spread(self.viscous, v) * v
         if self.others:
-            load = self._gravity(q)
+            load = self.gravity(q)
             for other in self.others:
                 at, rate, pull = (np.atleast_1d(x[other.joint]) for x in (q, v, load))
                 moving = other.torque(at, rate, pull) - other.torque(at, np.zeros_like(rate), pull)
@@ -200,11 +206,6 @@ class ControlModel:
             torque = torque + np.zeros_like(q)
             torque[other.joint] += other.torque(at, np.zeros_like(at), np.zeros_like(at)).reshape(q.shape[1:])
         return np.asarray(torque)
-
-    def _gravity(self, q: FloatArray) -> FloatArray:
-        """Gravity torque of the bodies, which loads gears [N·m], (n,) or (n, B)."""
-        torque = self.leg.gravity(q.T).T
-        return torque[:, 0] if q.ndim == 1 else torque
 
 
 def _of_estimate(estimate: Estimate) -> ControlModel:

@@ -13,7 +13,7 @@ from .computed_torque import computed_torque
 from .feedforward_pd import feedforward_pd
 from .gravity_friction_pd import gravity_friction_pd
 from .law import RATE, Law
-from .lqr import lqr
+from .lqr import POINTS, lqr
 from .model import ControlModel
 from .pd import pd
 
@@ -57,13 +57,14 @@ def standard_laws(
     """
     model = ControlModel.of(source)
     inertia = np.diagonal(model.mass_matrix(mean_pose(reference, period)))
+    points = max(1, min(POINTS, round(period * rate))) if np.isfinite(period * rate) else POINTS
     soft = (np.asarray(gain, dtype=np.float64) / inertia for gain in (kp, kd))
     return {
         "pd": pd(kp, kd, rate=rate),
         "pd_gravity_friction": gravity_friction_pd(model, kp, kd, rate=rate),
         "pd_feedforward": feedforward_pd(model, kp, kd, rate=rate),
         "computed_torque": computed_torque(model, *soft, rate=rate),
-        "lqr": lqr(model, reference, period, rate=rate),
+        "lqr": lqr(model, reference, period, points=points, rate=rate),
     }
 
 

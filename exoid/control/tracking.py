@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
 from exoid.rig import Energy, Run
 from exoid.signals import Recording
-from exoid.tables import make_table, to_text
+from exoid.tables import DataTable, to_text
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -109,41 +108,33 @@ class Tracking:
         rows = [(name, *(f"{value:.3g}" for value in values)) for name, *values in columns]
         headers = ("joint", "peak error [deg]", "rms [deg]", "rms torque [N·m]", "energy [J]", "variation [N·m/s]")
         span = f"{self.settle:g} to {self.time[-1]:g} s"
-        return to_text(f"{self.law} at {self.rate:g} Hz, {span}", make_table(headers, rows))
+        return to_text(DataTable(f"{self.law} at {self.rate:g} Hz, {span}", headers, rows))
 
 
 def tracking_to_json(tracking: Tracking) -> dict[str, Any]:
     """Turn the metrics into what JSON can hold."""
-    names = ("peak_deg", "rms_deg", "rms_torque", "energy", "torque_variation")
+    names = ("peak_deg", "rms_deg", "rms_torque", "torque_variation")
     return {name: getattr(tracking, name).tolist() for name in names}
 
 
-def tracking_table(trackings: Iterable[Tracking]) -> str:
-    """Print several laws one below the other, joints side by side.
-
-    Raises:
-        ExoidError: There is none, or their joints differ.
-    """
-    every = tuple(trackings)
-    if not every or any(one.joint_names != every[0].joint_names for one in every):
-        raise ExoidError("no table of different legs, or of none", remedy="give runs of the same joints")
-    quantities = (
-        ("peak_deg", "{:.2f}"),
-        ("rms_deg", "{:.2f}"),
-        ("rms_torque", "{:.1f}"),
-        ("energy", "{:.1f}"),
-        ("torque_variation", "{:.1f}"),
-    )
+def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:
+    """Put several laws one below the other, one line a joint; TV is the torque's total variation over the time."""
     rows = [
         (
-            one.law,
-            f"{one.rate:g}",
-            *(" / ".join(shape.format(x) for x in getattr(one, name)) for name, shape in quantities),
+            one.law if joint == 0 else "",
+            f"{one.rate:g}" if joint == 0 else "",
+            name.removeprefix("left_").removeprefix("right_"),
+            f"{one.peak_deg[joint]:.2f}",
+            f"{one.rms_deg[joint]:.2f}",
+            f"{one.rms_torque[joint]:.1f}",
+            f"{one.energy[joint]:.1f}",
+            f"{one.torque_variation[joint]:.1f}",
         )
-        for one in every
+        for one in trackings
+        for joint, name in enumerate(one.joint_names)
     ]
-    headers = ("law", "[Hz]", "peak [deg]", "rms [deg]", "rms torque [N·m]", "energy [J]", "variation [N·m/s]")
-    return to_text(make_table(headers, rows), f"joints: {' / '.join(every[0].joint_names)}")
+    headers = ("law", "[Hz]", "joint", "peak [deg]", "rms [deg]", "rms [N·m]", "energy [J]", "TV [N·m/s]")
+    return DataTable(caption, headers, rows)
 
 
 def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tracking:

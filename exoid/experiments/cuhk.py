@@ -101,9 +101,9 @@ def _draw_multisine(rng: np.random.Generator) -> Harmonics:
 def _period(motion: Harmonics) -> tuple[FloatArray, FloatArray, FloatArray]:
     """One period of the multisine: angles, velocities and accelerations, (N, 2) each."""
     time = np.arange(0.0, 1.0 / BASE_FREQUENCY, 0.02)
-    targets = [motion.at(t) for t in time]
-    q, v = np.array([(target.q[:, 0], target.v[:, 0]) for target in targets]).swapaxes(0, 1)
-    return q, v, np.array([motion.acceleration(t)[:, 0] for t in time])
+    instants = Harmonics(motion.centre, motion.amplitude, motion.frequency, motion.phase + motion.frequency * time)
+    q, v, _ = instants.at(0.0)  # every instant as a rig of its own
+    return q.T, v.T, instants.acceleration(0.0).T
 
 
 def _condition(model: TorqueModel, motion: Harmonics) -> float:

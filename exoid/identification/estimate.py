@@ -52,7 +52,7 @@ class Estimate:
     """Identified parameters of a leg with their covariance; prints itself as a table.
 
     Attributes:
-        model: Leg as it was given, and the terms beside it: what the parameters belong to.
+        model: Leg as it was given, and the terms beside it, loaded by the values: what the parameters belong to.
         values: Parameters in the order of :attr:`names`, (P,).
         covariance: Of the values, (P, P).
         condition_number: Of the regressor with columns scaled to unit length; below 100 is good.
@@ -106,6 +106,7 @@ class Estimate:
                 )
             array.flags.writeable = False
             object.__setattr__(self, name, array)
+        object.__setattr__(self, "model", self.model.loaded_by(self.values))
         if len(self.noise) not in (0, joints):
             raise ExoidError(f"noise of {len(self.noise)} joints, not {joints}", remedy="identify again")
         if not (self.dof > 0.0 and self.condition_number >= 1.0 and (np.diag(self.covariance) >= 0.0).all()):
@@ -210,7 +211,7 @@ class Estimate:
         Returns:
             Torques [N·m], (N, n).
         """
-        return self.model.loaded_by(self.values).regressor(q, v, a, torso) @ self.values
+        return self.model.regressor(q, v, a, torso) @ self.values
 
     def torque_std(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None, *, measured: bool = False

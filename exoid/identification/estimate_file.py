@@ -49,7 +49,7 @@ def read_estimate(path: str | os.PathLike[str]) -> Estimate:
         return estimate_from_json(data)
     except ExoidError as error:
         raise ExoidError(error.what, where=f"{path}, {error.where}".rstrip(", "), remedy=error.remedy) from error
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:  # such as 10**400
         what = f"damaged: {type(error).__name__} {error}"
         raise ExoidError(what, where=str(path), remedy="identify again and save") from error
 
@@ -117,7 +117,7 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
     settings = dict(data["preparation"])
     preparation = PREPARATIONS[settings.pop("name")](**settings)
     return Estimate(
-        model=model.loaded_by(values),
+        model=model,
         values=values,
         covariance=np.array(data["covariance"], dtype=np.float64),
         condition_number=float(data["condition_number"]),

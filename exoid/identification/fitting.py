@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording
-from exoid.torques import Term, TorqueModel
+from exoid.torques import Term, TorqueModel, free_shapes, with_shapes
 
 from .assumed import NOTHING, Assumed
 from .estimators import Estimator, Fit
@@ -32,7 +32,7 @@ class Task(NamedTuple):
         preparation: How they become rows.
         estimator: The estimator, or its name.
         keep: Which rows to use; None for all.
-        assumed: What is known of the parameters of a linear model.
+        assumed: What is known beside them.
     """
 
     leg: Leg
@@ -87,3 +87,10 @@ class Start(NamedTuple):
         shapes = fitted.shapes
         settings = dict(zip(shapes.names, shapes.values.tolist(), strict=True))
         return Start(fitted.values, settings, fitted.fit.weights)
+
+
+def starting_model(leg: Leg, terms: Sequence[Term]) -> TorqueModel:
+    """Make a model with all settings that are to be found where they start."""
+    names, labels = leg.joint_names, leg.joint_labels
+    start = {shape.name: shape.free.start for shape in free_shapes(terms, names, labels)}
+    return TorqueModel(leg, with_shapes(terms, names, labels, start))

@@ -11,13 +11,13 @@ import numpy as np
 from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, choose_cutoff, preparation_by_name
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel, free_shapes
+from exoid.torques import DEFAULT_TERMS, Term
 
 from .assumed import Assumed, Prior
 from .diagnostics import judge_noise, judge_sizes, negative
 from .estimate import Estimate, Input
 from .estimators import Estimator, find_estimator, name_of
-from .fitting import Task
+from .fitting import Task, starting_model
 from .influence import influence
 from .residuals import sandwich
 from .rows import for_leg, refuse_dead_torques, refuse_still_joints, rms_residual
@@ -83,15 +83,16 @@ def identify(
     if noise not in NOISES:
         raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
     terms = _terms(terms)
+    model = starting_model(leg, terms)
     assumed = Assumed(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
-    refuse_still_joints(_checked(leg, terms, assumed), recordings, assumed.names)
+    assumed.check(model)
+    refuse_still_joints(model, recordings, assumed.names)
     if isinstance(preparation, str):
         preparation = preparation_by_name(preparation)
-    rigid = TorqueModel(leg, ())
     if preparation is None:
-        selected = (for_leg(rigid, data) for data in recordings)
+        selected = (for_leg(model, data) for data in recordings)
         preparation = ZeroPhase(choose_cutoff(selected) if cutoff is None else cutoff)
-    refuse_dead_torques(rigid, recordings)
+    refuse_dead_torques(model, recordings)
     fitted = fit_model(Task(leg, terms, recordings, preparation, estimate, assumed=assumed))
     problem, fit = fitted.problem, fitted.fit
     solution, count = fit.solution, len(fitted.values)
@@ -150,24 +151,6 @@ def _terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
     if wrong:
         raise ExoidError(f"{wrong[0]!r} is no term", remedy="pass terms such as (exoid.Coulomb(), exoid.Viscous())")
     return terms
-
-
-def _checked(leg: Leg, terms: tuple[Term, ...], assumed: Assumed) -> TorqueModel:
-    """Return the model that assumptions are about, or the bare leg where there are none.
-
-    Raises:
-        ExoidError: They make no sense, or the model is not linear in its parameters.
-    """
-    if not assumed.names and not assumed.nonnegative:
-        return TorqueModel(leg, ())
-    if any(term.loaded for term in terms) or free_shapes(terms, leg.joint_names, leg.joint_labels):
-        raise ExoidError(
-            "known parameters, priors and bounds need a model that is linear in its parameters",
-            remedy="leave out friction that depends on the load, and give all settings of terms a value",
-        )
-    model = TorqueModel(leg, terms)
-    assumed.check(model)
-    return model
 
 
 def _evidence(data: Recording | Poses) -> Input:

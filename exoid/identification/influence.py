@@ -46,6 +46,10 @@ class Influence(NamedTuple):
         share = np.clip(self.share, 0.0, 1.0 - TINY)
         return np.asarray(np.sqrt(share / (1.0 - share)))
 
+    def of(self, count: int) -> Influence:
+        """Keep the first so many parameters."""
+        return Influence(self.recordings, self.change[:, :count], self.share[:, :count])
+
     def strongest(self, limit: float) -> list[tuple[str, list[int]]]:
         """Name recordings that move parameters by more than so many standard deviations, and which.
 

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.torques import Merged, Shape, TorqueModel, free_shapes, with_shapes
+from exoid.torques import Shape, TorqueModel, free_shapes, with_shapes
 from exoid.torques.linearised import linearise
 
 from .estimators import find_estimator
-from .fitting import Fitted, Start, Task
+from .fitting import Fitted, Start, Task, starting_model
 from .problem import Problem
-from .rows import join, refuse_empty_joints
+from .rows import join, make_triangle, refuse_empty_joints
 from .shapes import Shapes
 
 PASSES = 6
@@ -95,11 +95,12 @@ class _Search:
 
     def __init__(self, task: Task, shapes: Sequence[Shape], start: Start | None) -> None:
         self.task, self.shapes = task, tuple(shapes)
-        self.merged: tuple[Merged, ...] | None = None
+        model = starting_model(task.leg, task.terms)
+        self.merged, self.free = model.merged, task.assumed.free(model.names)
         self.weights: Sequence[float] | None
         if start is None:
             self.settings, self.weights = {s.name: s.free.start for s in shapes}, None
-            self.values = self._zeros()
+            self.values = task.assumed.fixed_values(model.names)
             self._settle()
             self._weigh()
         else:
@@ -126,8 +127,9 @@ class _Search:
     def polish(self) -> Fitted:
         """Go on from there with the estimator asked for, in the parameters and the settings at once."""
         self._refuse_unloaded()
-        held = self._held()
-        remarks = tuple(held.values())
+        held = self._at_bounds()
+        held.update(self._undetermined(held))
+        unsettled: tuple[str, ...] = ()
         for _ in range(POLISH):
             problem = self._problem(tuple(held))
             fit = find_estimator(self.task.estimator)(problem)
@@ -135,17 +137,21 @@ class _Search:
             before = self._vector(problem.names)
             moved = fit.solution.values - before
             self._take(found)
+            late = {name: why for name, why in self._at_bounds().items() if name not in held}
+            held.update(late)
+            if late:
+                continue
             if (np.abs(moved) <= STILL * np.sqrt(np.diag(fit.solution.covariance)) + ROUNDING * np.abs(before)).all():
                 break
         else:
-            remarks = (*remarks, f"the fit has not settled in {POLISH} steps: start settings nearer, or leave some out")
+            unsettled = (f"the fit has not settled in {POLISH} steps: start settings nearer, or leave some out",)
         leg, names = self.task.leg, tuple(s.name for s in self.shapes)
         settled = with_shapes(self.task.terms, leg.joint_names, leg.joint_labels, self.settings)
         model = TorqueModel(leg, settled, self.values[: len(leg.parameter_names)])
         values = np.array([self.settings[name] for name in names])
         units = tuple(s.unit for s in self.shapes)
         shapes = Shapes(names, units, values, np.zeros((len(names),) * 2), tuple(held))
-        return Fitted(model, self.values, shapes, problem, fit, (*fit.remarks, *remarks))
+        return Fitted(model, self.values, shapes, problem, fit, (*fit.remarks, *held.values(), *unsettled))
 
     def _residual(self, logs: FloatArray) -> FloatArray:
         """Residual after the best parameters, as long as there are settings, and one more."""
@@ -173,11 +179,15 @@ class _Search:
         """Solve on the present triangles; tells how far predictions moved, as a part of the residual."""
         count, theta = len(self.values), np.array(list(self.settings.values()))
         R = join(self.triangles, self.weights).R
-        rest = R[:, -1] - R[:, count:-1] @ theta
-        before, self.values = self.values, _least_squares(R[:, :count], rest)
-        self.corner = np.column_stack([R[count:, count:-1], rest[count:]])
-        left = max(float(np.linalg.norm(rest - R[:, :count] @ self.values)), TINY * float(np.linalg.norm(R[:, -1])))
-        return float(np.linalg.norm(R[:, :count] @ (self.values - before))) / left if left > 0.0 else 0.0
+        rest = R[:, -1] - R[:, count:-1] @ theta - R[:, :count][:, ~self.free] @ self.values[~self.free]
+        table = np.column_stack([R[:, :count][:, self.free], R[:, count:-1], rest])
+        R, free = make_triangle(table, 0, 0.0).R, int(self.free.sum())
+        before, self.values = self.values, self.values.copy()
+        self.values[self.free] = _least_squares(R[:free, :free], R[:free, -1])
+        self.corner = R[free:, free:]
+        left = max(float(np.linalg.norm(self.corner[:, -1])), TINY * float(np.linalg.norm(R[:, -1])))
+        moved = R[:free, :free] @ (self.values - before)[self.free]
+        return float(np.linalg.norm(moved)) / left if left > 0.0 else 0.0
 
     def _weigh(self) -> None:
         """Weigh each joint's rows by its residual, and solve again."""
@@ -196,7 +206,8 @@ class _Search:
         model = self._problem().model
         columns = np.sqrt(sum(t.R**2 for t in self.triangles)).max(axis=0)
         places = {name: k for k, name in enumerate(model.names)}
-        loads = [name for block in model.blocks if block.term.loaded for name in block.names]
+        known = self.task.assumed.known
+        loads = [name for b in model.blocks if b.term.loaded for name in b.names if name not in known]
         unloaded = [name for name in loads if columns[places[name]] <= NO_LOAD * columns[-1]]
         if unloaded:
             raise ExoidError(
@@ -208,13 +219,6 @@ class _Search:
         task = self.task
         model = linearise(task.leg, task.terms, self.values, self.settings, held=held, merged=self.merged)
         return task.problem(model)
-
-    def _zeros(self) -> FloatArray:
-        """Parameters of size zero, as many as there are."""
-        leg = self.task.leg
-        model = TorqueModel(leg, with_shapes(self.task.terms, leg.joint_names, leg.joint_labels, self.settings))
-        self.merged = model.merged
-        return np.zeros(len(model.names))
 
     def _vector(self, names: Sequence[str]) -> FloatArray:
         return np.append(self.values, [self.settings[name] for name in names[len(self.values) :]])
@@ -228,8 +232,8 @@ class _Search:
                 lower, upper = max(free.lower, value / STRIDE), min(free.upper, value * STRIDE)
                 self.settings[shape.name] = float(np.clip(found[shape.name], lower, upper))
 
-    def _held(self) -> dict[str, str]:
-        """Settings that are not determined, and why."""
+    def _at_bounds(self) -> dict[str, str]:
+        """Settings that have run to a bound, where they are put, and what to say."""
         held = {}
         for shape in self.shapes:
             value, free = self.settings[shape.name], shape.free
@@ -237,8 +241,13 @@ class _Search:
                 if abs(np.log(value / bound)) < AT_BOUND:
                     held[shape.name] = f"{shape.name} is at its {side} bound, {bound:g} {shape.unit}, and held there"
                     self.settings[shape.name] = bound
+        return held
+
+    def _undetermined(self, at_bounds: Mapping[str, str]) -> dict[str, str]:
+        """Settings that the rows do not determine, the worst first, and what to say."""
+        held: dict[str, str] = {}
         for _ in self.shapes:
-            left = [k for k, shape in enumerate(self.shapes) if shape.name not in held]
+            left = [k for k, shape in enumerate(self.shapes) if shape.name not in {*at_bounds, *held}]
             if not left:
                 break
             spread = self._spread(left)

@@ -3,15 +3,25 @@
 from .bleex import BleexReplay, SideReplay, reproduce_bleex
 from .bleex_measurements import Extent
 from .cuhk import CuhkReplay, reproduce_cuhk
-from .figures import bleex_figures, cuhk_figures, make_folder, write_figures
-from .pages import bleex_page, cuhk_page
+from .cuhk_tracking import TrackingReplay, reproduce_cuhk_tracking
+from .figures import bleex_figures, cuhk_figures
+from .pages import bleex_page, cuhk_page, tracking_page
 from .report import bleex_json, bleex_text, cuhk_json, cuhk_text
+from .tracking_report import (
+    cuhk_tracking_json,
+    cuhk_tracking_notes,
+    cuhk_tracking_table,
+    cuhk_tracking_text,
+    laws_json,
+    tracking_figures,
+)
 
 __all__ = [
     "BleexReplay",
     "CuhkReplay",
     "Extent",
     "SideReplay",
+    "TrackingReplay",
     "bleex_figures",
     "bleex_json",
     "bleex_page",
@@ -20,8 +30,14 @@ __all__ = [
     "cuhk_json",
     "cuhk_page",
     "cuhk_text",
-    "make_folder",
+    "cuhk_tracking_json",
+    "cuhk_tracking_notes",
+    "cuhk_tracking_table",
+    "cuhk_tracking_text",
+    "laws_json",
     "reproduce_bleex",
     "reproduce_cuhk",
-    "write_figures",
+    "reproduce_cuhk_tracking",
+    "tracking_figures",
+    "tracking_page",
 ]

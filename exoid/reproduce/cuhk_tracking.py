@@ -23,7 +23,7 @@ GAINS = {"kp": (22.0, 55.0), "kd": (2.2, 5.5)}
 """Of hip and knee [N·m/rad, N·m·s/rad]. Document 2 prints none: with these its PD errs by its 15° and 12°, on the rig
 with rotors and without; kd is a tenth of kp."""
 
-PERIOD, PERIODS, AMPLITUDE = 10.0, 3, 1.2
+PERIOD, PERIODS, AMPLITUDE = 10.0, 2, 1.2
 """Stride of document 2 [s], how many are walked (the first is not counted), and the factor by which its amplitude is
 enlarged, which is not printed."""
 
@@ -145,7 +145,7 @@ def wrong_laws(source: Estimate | ControlModel) -> dict[str, Law]:
     laws: dict[str, Law] = {}
     for factor in (0.5, 1.5):
         told = document_laws(model.with_friction(factor))
-        laws |= {f"{name} friction×{factor:g}": law for name, law in told.items() if name not in ("pd_30hz", "pd")}
+        laws |= {f"{name} F x{factor:g}": law for name, law in told.items() if name not in ("pd_30hz", "pd")}
     laws |= {f"{name} {LOADED}": law for name, law in document_laws(model).items() if name != "pd_30hz"}
     with warnings.catch_warnings():  # that this is wrong is what it is to show
         warnings.simplefilter("ignore", UserWarning)

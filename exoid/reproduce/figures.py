@@ -2,17 +2,10 @@
 
 from __future__ import annotations
 
-import io
-import os
-from collections.abc import Mapping
-from pathlib import Path
-
 import numpy as np
 from matplotlib.figure import Figure
 
-from exoid.errors import ExoidError
 from exoid.experiments import healthy_gait
-from exoid.files import write_bytes
 from exoid.identification.sequential.bleex import FASTER_THAN, document_model
 from exoid.identification.sequential.rows import rows_in_motion
 from exoid.signals import Approaches, FiniteDifference
@@ -38,26 +31,6 @@ SHOWN = 8.0
 """Of a motion [s], at most."""
 
 
-def make_folder(folder: str | Path) -> Path:
-    """Make the folder that figures are to be written to, before anything takes time.
-
-    Raises:
-        ExoidError: It cannot be made, or cannot be written into.
-    """
-    path = Path(folder)
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-        if not os.access(path, os.W_OK | os.X_OK):
-            raise PermissionError("no permission to write")
-    except OSError as error:
-        raise ExoidError(
-            f"is no folder to write figures into ({error.strerror or error})",
-            where=str(folder),
-            remedy="name a new folder, or one that is yours",
-        ) from None
-    return path
-
-
 def bleex_figures(side: SideReplay) -> dict[str, Figure]:
     """Draw figures 3 to 7 of document 1, by name."""
     with paper():
@@ -74,23 +47,6 @@ def cuhk_figures(replay: CuhkReplay) -> dict[str, Figure]:
     """Draw figures 3 and 6 of document 2, by name."""
     with paper():
         return {"doc2_fig3_validation": _cuhk_validation(replay), "doc2_fig6_reference": _gait()}
-
-
-def write_figures(figures: Mapping[str, Figure], folder: str | Path) -> list[Path]:
-    """Write figures as PNG files: all are drawn before the first is written.
-
-    Raises:
-        ExoidError: The folder cannot be made or written.
-    """
-    path, images = make_folder(folder), {}
-    for name, figure in figures.items():
-        image = io.BytesIO()
-        with paper():
-            figure.savefig(image, format="png")
-        images[path / f"{name}.png"] = image.getvalue()
-    for file, content in images.items():
-        write_bytes(file, [content])
-    return list(images)
 
 
 def _static_friction(side: SideReplay) -> Figure:

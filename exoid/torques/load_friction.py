@@ -47,6 +47,11 @@ class LoadFriction(DryFriction):
         """Pure numbers."""
         return ("1",) * len(self.symbols)
 
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """Return mu."""
+        return self.symbols
+
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Column |τ_rb| z, or its driving and its back-driving share."""
         self.direction(motion, out[0])

@@ -9,6 +9,7 @@ from .scenes import Scene, SceneServer, scene
 from .stability import plot_gain_margins, plot_lyapunov, plot_regulation_errors
 from .statics import plot_approaches, plot_stiffness
 from .style import paper
+from .tracking import plot_law_torques, plot_peak_errors, plot_tracking_errors
 
 __all__ = [
     "Scene",
@@ -21,8 +22,10 @@ __all__ = [
     "plot_friction",
     "plot_gain_margins",
     "plot_inertial_torque",
+    "plot_law_torques",
     "plot_lyapunov",
     "plot_parameters",
+    "plot_peak_errors",
     "plot_planned_motion",
     "plot_precision",
     "plot_prediction",
@@ -31,5 +34,6 @@ __all__ = [
     "plot_residual_along",
     "plot_stiffness",
     "plot_torques",
+    "plot_tracking_errors",
     "scene",
 ]

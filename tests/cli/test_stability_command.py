@@ -97,6 +97,14 @@ def test_an_estimate_is_judged_with_its_own_friction_springs_and_offsets(monkeyp
     assert np.shape(data["gain_margins"]["margins"]) == (8, 2)
 
 
+def test_friction_that_is_negative_by_chance_is_taken_as_zero_and_said_to_be(monkeypatch, capsys, tmp_path):
+    saved(tmp_path / "est.json", d_hip=-0.001)
+    code, out, err = run(monkeypatch, capsys, str(tmp_path / "est.json"), *QUICK, "--json")
+    assert code == 0
+    assert "d_hip = -0.001 ± 0.001 is taken as zero" in err
+    assert json.loads(out)["properties"]["friction"][0] == pytest.approx(1.445)
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -106,7 +114,9 @@ def test_an_estimate_is_judged_with_its_own_friction_springs_and_offsets(monkeyp
         (("cuhk", "--kd", "3,-1"), ("kd", "≥ 0")),
         (("cuhk", "--rate", "0"), ("0 Hz",)),
         (("cuhk", "--figure", "nowhere/a.png"), ("nowhere/a.png", "no such folder")),
-        (("driven.json",), ("driven.json", "c0_hip = -0.2 is negative")),
+        (("driven.json", "--rotor", "0.1"), ("--rotor has no effect",)),
+        (("cuhk", "--rotor", "-0.1"), ("rotor inertia is negative",)),
+        (("driven.json",), ("driven.json", "c0_hip = -0.2 ± 0.001 is negative")),
     ],
 )
 def test_bad_input_ends_in_one_line(monkeypatch, capsys, tmp_path, arguments, words):

@@ -9,6 +9,7 @@ from planar_chains import assert_relative, random_chain, random_motion
 
 import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous, dynamics
+from exoid.torques import Stribeck
 
 pytestmark = needs_compiler
 
@@ -99,8 +100,11 @@ SETS = {
     "a spring and an offset": (Stiffness(degree=1), Offset()),
     "constant springs": (Stiffness(degree=0),),
     "high powers": (Stiffness(degree=8),),
+    "Stribeck's": (Coulomb(), Stribeck()),
+    "Stribeck's, sharp with a dead band": (Stribeck(velocity=0.4, smoothing=0.0, dead_band=0.3), Viscous()),
     "of either direction its own": (Coulomb(asymmetric=True), Viscous(asymmetric=True)),
     "sharp, of either direction its own": (Coulomb(asymmetric=True, smoothing=0.0, dead_band=0.2),),
+    "an offset that is half of either direction": (Offset(), Coulomb(asymmetric=True, smoothing=0.0)),
     "some joints only": (Coulomb(joints=("knee",)), Armature(joints=("left_knee",)), Offset(joints=("hip",))),
     "smooth at the hip, sharp at the knee": (Coulomb(joints=("hip",)), Coulomb(joints=("knee",), smoothing=0.0)),
 }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -152,6 +154,18 @@ def test_without_friction_v_falls_and_the_leg_nears_the_target(regulations):
     assert run.lyapunov.value[-1] < 1e-3 * run.lyapunov.value[0]
     assert not run.cycle.exists
     assert run.outcome == "still settling"
+
+
+def test_turning_round_is_not_stopping(regulations):
+    """Cut off at the very moment at which stiction holds a cycling leg, it has not stopped."""
+    cycling = regulations["× 1.2"]
+    still = np.flatnonzero((cycling.run.v == 0.0).all(axis=1))
+    moment = int(still[still > 0.8 * len(cycling.run.time)][0])
+    arrays = {name: getattr(cycling.run, name)[: moment + 1] for name in ("time", "target", "q", "v", "tau")}
+    cut = replace(cycling, run=replace(cycling.run, **arrays))
+    assert not cut.run.v[-1].any()
+    assert not cut.stopped
+    assert cut.outcome == "limit cycle"
 
 
 def test_the_table_names_every_run(regulations):

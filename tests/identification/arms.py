@@ -37,7 +37,7 @@ class Arm:
 
     robot: str
     rate: float = 200.0
-    seconds: float = 60.0
+    seconds: float = 40.0
 
     @cached_property
     def leg(self):

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import os
 
 import numpy as np
 import pytest
@@ -13,8 +14,11 @@ from exoid.cli import app
 from exoid.identification import Candidate, select_terms, selection_to_json
 from exoid.identification.selection import estimator_candidates, filter_candidates, friction_candidates
 from exoid.identification.selection.cross_validation import GAP, blocked_folds, evaluation, fast_blocks
-from exoid.signals import MovingAverage, Smoothed, ZeroPhase
+from exoid.signals import MovingAverage, Poses, Smoothed, ZeroPhase
 from exoid.torques import LoadFriction, Presliding
+
+CHOSEN = "presliding+load+split"
+"""For the DFKI recording."""
 
 NAMES = ("coulomb", "presliding", "presliding+load")
 
@@ -152,6 +156,24 @@ def test_nothing_to_compare_is_refused(leg, plain, count, folds, candidates):
         select_terms(leg, [plain] * count, candidates, folds=folds, tune=False)
 
 
+def test_recordings_that_cannot_be_compared_are_refused(leg, plain):
+    still = dataclasses.replace(plain, q=plain.q * [0.0, 1.0], v=None, a=None)
+    with pytest.raises(ExoidError, match="left_hip stands still"):
+        select_terms(leg, still, some("coulomb"), tune=False)
+    with pytest.raises(ExoidError, match="no candidate can be fitted"):
+        select_terms(leg, plain.slice(0, 90), some("coulomb"), tune=False)
+    with pytest.raises(ExoidError, match="poses cannot be cut"):
+        select_terms(leg, [Poses(plain.q[:5], plain.tau[:5], plain.joint_names)], some("coulomb"), tune=False)
+
+
+def test_where_seconds_are_too_few_to_extrapolate_it_is_said(selection):
+    nothing = [score._replace(extrapolation=np.full(2, np.nan)) for score in selection.scores]
+    short = dataclasses.replace(selection, scores=tuple(nothing))
+    assert "do not suffice to predict the faster ones" in short.warnings[0]
+    assert "nan" not in str(short)
+    assert selection_to_json(short)["candidates"][0]["fast"] == [None, None]
+
+
 def test_torques_are_compared_behind_one_filter_whatever_the_fit_used():
     assert evaluation(ZeroPhase(4.8), 8.0, 200.0) == ZeroPhase(8.0, 9.6)
     assert evaluation(ZeroPhase(12.0), 8.0, 50.0) == ZeroPhase(8.0, 20.0)
@@ -172,22 +194,54 @@ def test_the_default_candidates_go_from_plain_to_rich():
     assert [c.estimator for c in estimator_candidates(chosen)] == ["huber"]
 
 
-@pytest.mark.real_data
-def test_the_command_chooses_for_the_dfki_recording_and_predicts_its_unseen_part(tmp_path):
-    """With three folds, for time; with five, as documented, the choice and the figures are the same."""
+@pytest.fixture(scope="module")
+def dfki():
+    """The dataset, or a reason to skip."""
     try:
-        exoid.datasets.dfki_double_pendulum()
+        return exoid.datasets.dfki_double_pendulum()
     except ExoidError as error:
         if "cannot be downloaded" not in error.what:
             raise
         pytest.skip(f"the DFKI recording is not to be had: {error.what[:80]}")
+
+
+@pytest.mark.real_data
+def test_what_is_chosen_for_the_dfki_recording_predicts_its_unseen_part(dfki):
+    """The choice of the command with five folds, and its figures: 0.0417 and 0.1011; without it 0.0653 and 0.1442."""
+    (chosen,) = (c for c in friction_candidates() if c.name == CHOSEN)
+    est = exoid.identify(dfki.leg, dfki.train, chosen.terms, "huber")
+    shoulder, elbow = exoid.validate(est, dfki.test).nrmse
+    assert shoulder <= 0.045
+    assert elbow <= 0.11
+    assert all(0.0003 < bend < 0.003 for bend in est.shapes.values)
+    assert set(est.shapes.verdicts) == {"well"}
+    plain = exoid.validate(exoid.identify(dfki.leg, dfki.train), dfki.test).nrmse
+    assert shoulder < 0.7 * plain[0]
+    assert elbow < 0.75 * plain[1]
+
+
+@pytest.mark.slow
+@pytest.mark.real_data
+@pytest.mark.usefixtures("dfki")
+def test_the_command_chooses_inside_the_training_part(tmp_path):
+    """In full with five folds, the documented choice; in CI with three, whose choice may be another of like quality."""
     name, path = "dfki_double_pendulum", str(tmp_path / "est.json")
-    command = ["select", name, f"{name}:train", "--folds", "3", "--test", f"{name}:test", "-o", path, "--json"]
-    result = CliRunner().invoke(app, command)
+    full = os.environ.get("EXOID_FULL_STUDIES") == "1"
+    command = ["select", name, f"{name}:train", "--test", f"{name}:test", "-o", path, "--json"]
+    few = [] if full else ["--folds", "3", "--friction", f"coulomb,presliding+load,{CHOSEN}"]
+    result = CliRunner().invoke(app, [*command, *few])
     assert result.exit_code == 0, result.output
     data = json.loads(result.stdout)
     print(data["chosen"], data["test"]["nrmse"])
+    if full:
+        assert data["chosen"] == f"{CHOSEN}, huber"
     shoulder, elbow = data["test"]["nrmse"]
     assert shoulder <= 0.045
     assert elbow <= 0.11
-    assert exoid.Estimate.load(path).estimator == data["estimator"]
+    estimate = exoid.Estimate.load(path)
+    assert estimate.estimator == data["estimator"]
+    np.testing.assert_allclose(data["test"]["nrmse"], exoid.validate(estimate, _test_part()).nrmse, rtol=0.05)
+
+
+def _test_part():
+    return exoid.datasets.dfki_double_pendulum().test

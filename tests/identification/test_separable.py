@@ -178,6 +178,22 @@ def test_poses_stand_beside_recordings(leg):
     np.testing.assert_allclose(est.shapes.values, list(SHAPES.values()), rtol=1e-3)
 
 
+def test_what_is_known_is_kept_and_the_settings_found_beside_it(leg):
+    known = {"X1": float(leg.parameters[0]), "mu_back_knee": TRUTH["mu_back_knee"]}
+    est = exoid.identify(leg, recording_of(leg), RICH, preparation=EXACT, known=known, nonnegative=True)
+    for name, value in known.items():
+        assert est.value(name) == value
+    np.testing.assert_allclose(est.shapes.values, list(SHAPES.values()), rtol=1e-4)
+    assert est.value("mu_drive_knee") == pytest.approx(TRUTH["mu_drive_knee"], abs=1e-3)
+
+
+def test_bands_contain_the_true_torque(leg, estimate):
+    _, q, v, a = harmonics(seed=21)
+    band = estimate.torque_band(q, v, a, measured=False)
+    truth = truth_torque(leg, q, v, a)
+    assert ((band.lower <= truth) & (truth <= band.upper)).mean() > 0.8
+
+
 # ------------------------------------------------------------------------- what cannot be known
 
 

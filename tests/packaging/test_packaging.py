@@ -127,6 +127,7 @@ def test_the_wheel_contains_urdfs_tables_logs_and_the_typing_marker(built):
     assert {"exoid/py.typed", "exoid/published/bleex.toml", "exoid/published/cuhk.toml"} <= names
     assert "exoid/codegen/planar_leg.c.in" in names
     assert {"exoid/datasets/bleex_swing.csv", "exoid/datasets/bleex_swing_test.csv"} <= names
+    assert "exoid/view/scenes/page.html" in names
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert {name.split("/")[0] for name in names} == {"exoid", f"exoid-{exoid.__version__}.dist-info"}
     assert not any("__pycache__" in name for name in names)

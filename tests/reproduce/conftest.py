@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from exoid import reproduce
+from exoid.view.figure_files import write_figures
 
 PATIENCE = 600.0
 """How long one process waits for another's replay [s]."""
@@ -51,7 +52,7 @@ def bleex(shared_folder):
 
     def make(folder):
         replay = reproduce.reproduce_bleex()[0]
-        figures = reproduce.write_figures(reproduce.bleex_figures(replay.left), folder)
+        figures = write_figures(reproduce.bleex_figures(replay.left), folder)
         band = {side: getattr(replay, side).data.upright.band.mean(axis=0).tolist() for side in ("left", "right")}
         return {
             "json": reproduce.bleex_json(replay),
@@ -70,7 +71,7 @@ def cuhk(shared_folder):
 
     def make(folder):
         replay = reproduce.reproduce_cuhk()[0]
-        figures = reproduce.write_figures(reproduce.cuhk_figures(replay), folder)
+        figures = write_figures(reproduce.cuhk_figures(replay), folder)
         return {
             "json": reproduce.cuhk_json(replay),
             "text": reproduce.cuhk_text(replay),
@@ -80,3 +81,14 @@ def cuhk(shared_folder):
         }
 
     return once(shared_folder, "cuhk", make)
+
+
+@pytest.fixture(scope="session", params=[0.8, 0.0], ids=lambda rotor: f"rotor {rotor}")
+def tracking(request, shared_folder):
+    """Document 2's comparison of controllers with every law, with rotors and without."""
+
+    def make(_):
+        replay = reproduce.reproduce_cuhk_tracking(0, request.param, wrong=True)
+        return {"json": reproduce.cuhk_tracking_json(replay), "text": reproduce.cuhk_tracking_text(replay)}
+
+    return once(shared_folder, f"tracking {request.param}", make)

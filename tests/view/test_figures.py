@@ -6,8 +6,10 @@ import pytest
 from matplotlib.figure import Figure
 
 import exoid
+from exoid.control import Tracking
 from exoid.control.stability import GainMargins, Lyapunov
-from exoid.signals import Approaches, Poses
+from exoid.rig import Energy
+from exoid.signals import Approaches, Poses, Recording
 from exoid.view import (
     paper,
     plot_approaches,
@@ -17,13 +19,16 @@ from exoid.view import (
     plot_friction,
     plot_gain_margins,
     plot_inertial_torque,
+    plot_law_torques,
     plot_lyapunov,
     plot_parameters,
+    plot_peak_errors,
     plot_prediction,
     plot_reference,
     plot_residual_along,
     plot_stiffness,
     plot_torques,
+    plot_tracking_errors,
 )
 from exoid.view.stability import RESTLESS
 from exoid.view.style import COLUMN, MEASURED
@@ -184,3 +189,37 @@ def test_excitation_and_coverage_are_drawn_in_degrees_and_infinite_limits_not_at
     np.testing.assert_allclose(ax.lines[1].get_xdata(), np.rad2deg([-1.0, 5.0, 5.0, -1.0, -1.0]))
     _, ax = drawn(lambda ax: plot_coverage(ax, q, ("hip", "knee"), (limits[0], np.array([np.inf, 1.0]))))
     assert len(ax.lines) == 1
+
+
+def law_run(law, size):
+    """A closed loop with errors of a given size [rad]."""
+    error = size * np.column_stack([np.sin(TIME), np.cos(TIME)])
+    log = Recording(TIME, error, joint_names=NAMES[:2])
+    return Tracking(
+        law, 100.0, NAMES[:2], TIME, 0.0 * error, error, error, 5.0 * error, log, Energy(*np.ones((4, 1))), 1.0
+    )
+
+
+RUNS = {"PD": law_run("pd", 0.2), "LQR": law_run("lqr", 0.002)}
+
+
+@pytest.mark.parametrize("plot", [plot_tracking_errors, plot_law_torques])
+def test_laws_are_drawn_over_the_counted_part_of_the_run(plot):
+    figure, axes = drawn(lambda ax: plot(ax, RUNS, names=NAMES[:2], colours=("red", "blue")), rows=2)
+    lines = [line for line in axes[1].get_lines() if len(line.get_xdata()) > 2]
+    assert [line.get_color() for line in lines] == ["red", "blue"]
+    late = TIME[TIME >= 1.0] - 1.0
+    np.testing.assert_allclose(lines[0].get_xdata(), late)
+    run = RUNS["PD"]
+    drawn_y = np.rad2deg(run.error[:, 1]) if plot is plot_tracking_errors else run.tau[:, 1]
+    np.testing.assert_allclose(lines[0].get_ydata(), drawn_y[TIME >= 1.0])
+    assert inside(figure, axes[0])
+
+
+def test_peak_errors_are_bars():
+    figure, ax = drawn(lambda ax: plot_peak_errors(ax, RUNS, names=NAMES[:2]))
+    widths = [patch.get_width() for patch in ax.patches]
+    expected = [run.peak_deg[joint] for joint in (0, 1) for run in RUNS.values()]
+    np.testing.assert_allclose(widths, expected)
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["PD", "LQR"]
+    assert inside(figure, ax)

@@ -345,6 +345,8 @@ def test_what_cannot_be_shown_is_refused():
         scene(leg, recording=recording.select(("left_hip", "left_knee")))
     with pytest.raises(ExoidError, match="no time in common"):
         scene(leg, recording=recording, ghost=Recording(time=TIME + 9.0, q=recording.q, joint_names=leg.joint_names))
+    with pytest.raises(ExoidError, match="second motion beside none"):
+        scene(leg, ghost=recording)
     long = Recording(time=np.arange(20) * 60.0, q=np.zeros((20, 3)), joint_names=leg.joint_names)
     with pytest.raises(ExoidError, match="longest is 600 s"):
         scene(leg, recording=long)
@@ -354,3 +356,15 @@ def test_a_visual_that_is_no_number_is_named():
     text = exoid.load_leg("bleex").description.text.replace('radius="0.05"', 'radius="five"', 1)
     with pytest.raises(ExoidError, match=r"thigh.*'five'"):
         scene(Leg.from_description(describe(text), ("left_hip", "left_knee")))
+
+
+def test_a_urdf_in_millimetres_is_refused():
+    text = exoid.load_leg("bleex").description.text.replace('radius="0.05"', 'radius="50"').replace("-0.43", "-430")
+    with pytest.raises(ExoidError, match="too far to be drawn"):
+        scene(Leg.from_description(describe(text), ("left_hip", "left_knee")))
+
+
+def test_the_same_leg_twice_stands_twice():
+    leg = exoid.load_leg("cuhk")
+    first, second = scene(leg, leg).legs
+    assert first.root != second.root

@@ -87,6 +87,28 @@ def test_the_last_body_of_a_leg_with_an_ankle_is_a_foot_that_points_forward():
     assert sole[0]["width"] > 2.0 * sole[0]["depth"]
 
 
+def test_a_foot_that_rolls_points_forward_too():
+    """After an ankle that pitches comes one that rolls, about x."""
+    link = (
+        '<link name="{}"><inertial><mass value="1"/><origin xyz="0.03 0 -0.05"/>'
+        '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    )
+    joint = (
+        '<joint name="{0}" type="revolute"><parent link="{1}"/><child link="{2}"/><origin xyz="0 0 {3}"/>'
+        '<axis xyz="{4}"/><limit lower="-1" upper="1" effort="9" velocity="9"/></joint>'
+    )
+    links = "".join(link.format(name) for name in ("shank", "bracket", "foot"))
+    joints = joint.format("knee", "base", "shank", 0, "0 1 0") + joint.format(
+        "pitch", "shank", "bracket", -0.4, "0 1 0"
+    )
+    joints += joint.format("roll", "bracket", "foot", -0.05, "1 0 0")
+    drawn = scene(Leg.from_description(describe(f'<robot name="leg"><link name="base"/>{links}{joints}</robot>')))
+    shapes = objects(drawn)[f"{drawn.legs[0].mounts[2]}/body/shape"]
+    sole = max((pair for pair in meshes(shapes) if pair[0]["type"] == "BoxGeometry"), key=lambda pair: pair[0]["width"])
+    assert sole[2][0, 0] == pytest.approx(1.0)  # its length is along x
+    assert sole[2][0, 3] > 0.0
+
+
 def sphere(radius=1.0, rows=24, columns=48):
     """Points and outward triangles of a sphere."""
     theta, phi = np.linspace(0.0, np.pi, rows), np.linspace(0.0, 2.0 * np.pi, columns, endpoint=False)

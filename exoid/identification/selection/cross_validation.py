@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.errors import ExoidError
 from exoid.identification.fitting import Start, Task
 from exoid.identification.rows import make_rows
 from exoid.identification.separable import fit_model
@@ -121,7 +122,7 @@ def held_out(task: Task, recordings: Sequence[Recording], split: Split, start: S
         cutoff: Of the filter that measured and predicted torque pass for comparison [Hz].
 
     Raises:
-        ExoidError: The rows that are left do not determine the parameters.
+        ExoidError: The rows that are left do not determine the parameters, or none is left to test.
     """
     fitted = fit_model(task._replace(keep=split.fitted), start)
     errors = []
@@ -130,6 +131,8 @@ def held_out(task: Task, recordings: Sequence[Recording], split: Split, start: S
         tested = split.tested(index, rows.time)
         residual, torque = (rows.tau - rows.W @ fitted.values)[tested], rows.tau[tested]
         errors.append(Errors((residual**2).sum(axis=0), torque.sum(axis=0), (torque**2).sum(axis=0), len(residual)))
+    if not any(of_one.rows for of_one in errors):
+        raise ExoidError("no tested row is left between the ends that filters spoil", remedy="record longer")
     return Errors.total(errors)
 
 

@@ -15,12 +15,13 @@ from exoid.identification.estimate import Estimate
 from exoid.identification.estimate_file import preparation_to_json
 from exoid.identification.fitting import Start, Task
 from exoid.identification.identify import identify
+from exoid.identification.rows import refuse_dead_torques, refuse_still_joints
 from exoid.identification.separable import fit_model
 from exoid.identification.validation import Validation, validate
 from exoid.leg import Leg
 from exoid.signals import Recording
 from exoid.tables import make_table, to_text
-from exoid.torques import term_to_json
+from exoid.torques import TorqueModel, term_to_json
 
 from .candidates import Candidate, estimator_candidates, filter_candidates, friction_candidates
 from .cross_validation import Errors, Split, blocked_folds, evaluation, fast_blocks, held_out
@@ -40,7 +41,8 @@ class Score(NamedTuple):
         numbers: How many parameters and settings it fits.
         nrmse: Of each joint over all folds, (n,).
         folds: NRMSE averaged over the joints, of each fold, relative to the torque of the whole, (K,).
-        extrapolation: NRMSE of the fastest seconds predicted from the slower ones, (n,).
+        extrapolation: NRMSE of the fastest seconds predicted from the slower ones, (n,); not a number where these do
+            not suffice.
         failure: Why it could not be fitted; empty if it could.
     """
 
@@ -85,10 +87,12 @@ class Selection:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What speaks against the choice."""
-        fitted = [score for score in self.scores if not score.failure]
-        best = min(fitted, key=lambda score: float(score.extrapolation.mean()))
-        mine, least = (float(s.extrapolation.mean()) for s in (self.scores[self.chosen], best))
-        if not mine > TRANSFERS * least:
+        mine = float(self.scores[self.chosen].extrapolation.mean())
+        best = min(self.scores, key=lambda score: float(np.nan_to_num(score.extrapolation.mean(), nan=np.inf)))
+        least = float(best.extrapolation.mean())
+        if np.isnan(mine):
+            return ("the slower seconds do not suffice to predict the faster ones: record longer, at several speeds",)
+        if mine <= TRANSFERS * least:
             return ()
         return (
             f"{self.candidate.name!r} transfers badly to faster motion: NRMSE {mine:.4f} there, "
@@ -111,19 +115,12 @@ class Selection:
 
     def __str__(self) -> str:
         """Print as a table."""
-        headers = (
-            "candidate",
-            "fits",
-            *self.joint_names,
-            "mean",
-            "± to best",
-            *(f"fast {n}" for n in self.joint_names),
-        )
+        headers = ("candidate", "fits", *self.leg.joint_labels, "mean", "± to best", "fast")
         best = _best(self.scores)
         rows = [_row(k == self.chosen, score, self.scores[best]) for k, score in enumerate(self.scores)]
         title = (
             f"NRMSE of rows not fitted: {self.folds} blocked folds, torques behind {self.cutoff:g} Hz; "
-            "fast: the fastest 30 % of seconds from the others"
+            "fast: mean for the fastest 30 % of seconds, predicted from the others"
         )
         return to_text(
             title,
@@ -163,7 +160,8 @@ def select_terms(
         progress: Called with the share done.
 
     Raises:
-        ExoidError: There are no candidates, too few folds, or none of the candidates can be fitted.
+        ExoidError: There are no candidates, too few folds, a joint stands still or its torque is dead, or none of the
+            candidates can be fitted.
 
     Example:
         >>> est = select_terms(leg, recording).identify(recording)  # doctest: +SKIP
@@ -175,6 +173,10 @@ def select_terms(
             f"{len(candidates)} candidates, {len(several)} recordings, {folds} folds",
             remedy="pass candidates (or None for the default ones), recordings, and at least 3 folds",
         )
+    if not all(isinstance(recording, Recording) for recording in several):
+        raise ExoidError("poses cannot be cut into stretches of time", remedy="pass recordings only")
+    refuse_still_joints(TorqueModel(leg, ()), several)
+    refuse_dead_torques(TorqueModel(leg, ()), several)
     bench = _Bench(leg, several, folds, cutoff)
     scores = bench.scores(candidates, _part(progress, 0.0, 0.6 if tune else 1.0))
     chosen = _choose(scores)
@@ -232,17 +234,20 @@ class _Bench(NamedTuple):
 
     def _score(self, candidate: Candidate, splits: Sequence[Split], fast: Split) -> Score:
         """Fit to all rows first: fits to most of them begin there, which changes where they end by nothing."""
+        nothing = np.full(len(self.leg.joint_names), np.nan)
         task = Task(self.leg, candidate.terms, self.recordings, candidate.preparation, candidate.estimator)
         try:
             whole = fit_model(task)
             start = Start.at(whole)
             each = [held_out(task, self.recordings, split, start, self.cutoff) for split in splits]
-            quick = held_out(task, self.recordings, fast, start, self.cutoff)
         except ExoidError as error:
-            nothing = np.full(len(self.leg.joint_names), np.nan)
             return Score(candidate, 0, nothing, np.full(len(splits), np.nan), nothing, error.what)
-        numbers = len(whole.values) + len(whole.shapes)
-        return Score(candidate, numbers, *_summary(each), quick.rms / quick.spread)
+        try:
+            quick = held_out(task, self.recordings, fast, start, self.cutoff)
+            extrapolation = quick.rms / quick.spread
+        except ExoidError:
+            extrapolation = nothing
+        return Score(candidate, len(whole.values) + len(whole.shapes), *_summary(each), extrapolation)
 
 
 def _summary(each: Sequence[Errors]) -> tuple[FloatArray, FloatArray]:
@@ -274,9 +279,9 @@ def _error(score: Score, best: Score) -> float:
 def _row(chosen: bool, score: Score, best: Score) -> tuple[str, ...]:
     name = f"* {score.candidate.name}" if chosen else f"  {score.candidate.name}"
     if score.failure:
-        return (name, "failed", *("",) * (2 * len(score.nrmse) + 2))
-    figures = (f"{x:.4f}" for x in (*score.nrmse, score.mean, _error(score, best), *score.extrapolation))
-    return (name, str(score.numbers), *figures)
+        return (name, "failed", *("",) * (len(score.nrmse) + 3))
+    figures = (*score.nrmse, score.mean, _error(score, best), float(score.extrapolation.mean()))
+    return (name, str(score.numbers), *("" if np.isnan(figure) else f"{figure:.4f}" for figure in figures))
 
 
 def _part(progress: Callable[[float], None] | None, first: float, last: float) -> Callable[[float], None] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pinocchio as pin
 
 from exoid._typing import FloatArray
 
@@ -36,12 +37,11 @@ def bars(skeleton: Skeleton, body: int, colour: str) -> list[Part]:
         if parent == body and np.linalg.norm(place[:3, 3]) > 0.05 * size
     ]
     names = (leg.joint_names[body - 1] + leg.link_names[body - 1]).lower()
-    down = _down(skeleton, body)
     if not ends and any(word in names for word in FEET):
-        return [*parts, *_foot(skeleton, axis, down, size)]
+        return [*parts, *_foot(skeleton, body, size)]
     if not ends:
         lever = np.asarray(leg.model.inertias[body].lever)
-        end = 2.0 * lever if np.linalg.norm(lever) > 0.02 * size else 0.25 * size * down
+        end = 2.0 * lever if np.linalg.norm(lever) > 0.02 * size else 0.25 * size * _down(skeleton, body)
         return [*parts, *_bar(end, axis, size), cylinder(0.07 * size, 0.1 * size, SOLE).at(moved(end, along))]
     for end in ends:
         parts += _bar(end, axis, size)
@@ -51,25 +51,27 @@ def bars(skeleton: Skeleton, body: int, colour: str) -> list[Part]:
 
 
 def mount(skeleton: Skeleton) -> list[Part]:
-    """Shape what a leg hangs on: a belt with a back plate for a planar leg that hangs, else a foot for a robot arm."""
+    """Shape what a leg hangs on: a belt with a back plate for a planar leg that hangs, else a socket."""
     hip, size = skeleton.placements[0][:3, 3], _size(skeleton)
     chain = skeleton.leg.chain
-    if chain is None or _down(skeleton, 0) @ skeleton.leg.model.gravity.linear < 0.0:
+    if chain is None or not _hangs(skeleton):
         axis = skeleton.placements[0][:3, :3] @ skeleton.axes[0]
         return [cylinder(0.16 * size, 0.1 * size, FRAME).at(moved(hip, towards(axis)))]
     forward, lateral, up = chain.plane
-    width = max(abs(float(hip @ lateral)), 0.35 * size)
-    middle = hip - (hip @ lateral) * lateral if abs(float(hip @ lateral)) > 0.05 * size else hip - width * lateral
+    beside = float(hip @ lateral)  # of a leg in the middle, the body is drawn on one side
+    width = max(abs(beside), 0.35 * size)
+    middle = hip - (beside if abs(beside) > 0.05 * size else width) * lateral
     frame = np.column_stack([forward, lateral, up])
     belt = ring(0.9 * width, 0.045 * size, 2.0 * np.pi, FRAME).at(moved(middle + 0.1 * size * up, frame))
-    plate = box((0.06 * size, 1.3 * width, 1.1 * size), BAR).at(
-        moved(middle - 0.9 * width * forward + 0.6 * size * up, frame)
-    )
-    arm = hip - middle
-    strut = box((0.08 * size, float(np.linalg.norm(arm)), 0.08 * size), FRAME).at(
-        moved(middle + 0.95 * arm + 0.05 * size * up - 0.5 * arm, frame)
-    )
-    return [belt, plate] if np.linalg.norm(arm) < 1.05 * width else [belt, plate, strut]
+    behind = middle - 0.9 * width * forward + 0.6 * size * up
+    return [belt, box((0.06 * size, 1.3 * width, 1.1 * size), BAR).at(moved(behind, frame))]
+
+
+def _hangs(skeleton: Skeleton) -> bool:
+    """Whether the centre of mass is below the first joint with all joints at zero."""
+    model = skeleton.leg.model
+    centre = pin.centerOfMass(model, model.createData(), pin.neutral(model))
+    return bool((centre - skeleton.placements[0][:3, 3]) @ model.gravity.linear > 0.0)
 
 
 def _bar(end: FloatArray, axis: FloatArray, size: float) -> list[Part]:
@@ -85,11 +87,14 @@ def _brace(end: FloatArray, axis: FloatArray, size: float) -> list[Part]:
     return [ring(0.17 * size, 0.022 * size, np.pi, SOLE).at(moved(0.45 * end, turned))]
 
 
-def _foot(skeleton: Skeleton, axis: FloatArray, down: FloatArray, size: float) -> list[Part]:
-    forward = np.cross(axis, -down)
-    lever = np.asarray(skeleton.leg.model.inertias[skeleton.leg.model.njoints - 1].lever)
-    forward = -forward if forward @ lever < 0.0 else forward
-    frame = np.column_stack([forward, np.cross(-down, forward), -down])
+def _foot(skeleton: Skeleton, body: int, size: float) -> list[Part]:
+    """Shape a sole below the joint that points forward: along x of the URDF, or to where the mass is."""
+    down, chain = _down(skeleton, body), skeleton.leg.chain
+    place = skeleton.bodies(np.zeros(len(skeleton.parents)))[0, body]
+    forward = place[:3, :3].T @ (np.array([1.0, 0.0, 0.0]) if chain is None else chain.plane.forward)
+    if forward @ skeleton.leg.model.inertias[body].lever < -0.02 * size:
+        forward = -forward
+    frame = towards(-down, np.cross(-down, forward))
     height = 0.24 * size
     return [
         box((0.1 * size, 0.05 * size, height), FRAME).at(moved(0.5 * height * down, frame)),

@@ -65,7 +65,7 @@ class SceneServer:
         """Send drawing commands to every browser that looks."""
         text = json.dumps(commands, separators=(",", ":"))
         with self._lock:
-            self._latest |= {(c["type"], c["path"], c.get("property")): c for c in commands}
+            self._latest |= {(c["type"], c.get("path"), c.get("property")): c for c in commands}
             for listener in self._listeners:
                 listener.put(text)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,12 @@ CAMERA = {
     "object": {"uuid": "camera", "type": "PerspectiveCamera", "fov": 28, "aspect": 1.5, "near": 0.01, "far": 200},
 }
 """With a field of view of 28°: nearly parallel, so that lengths compare."""
+
+LARGEST = 100.0
+"""Distance from the origin that is too far [m]: a URDF in millimetres."""
+
+SMALLEST = 0.01
+"""Half the size of what fills the picture, at least [m]."""
 
 ROOT = "/exoid"
 """Path of everything exoid draws."""
@@ -71,26 +78,23 @@ def scene(
         The scene: ``.save("leg.html")``, ``.serve()``, or the last expression of a notebook's cell.
 
     Raises:
-        ExoidError: There is no leg, a joint is unknown, or the recording has only some joints of a leg.
+        ExoidError: There is no leg, a joint is unknown, the recording has only some joints of a leg, a number in a
+            ``<visual>`` is none, or the leg is too large.
 
     Example:
         >>> exoid.view.scene(exoid.load_leg("bleex"), pose={"left_knee": -0.6}).save("leg.html")  # doctest: +SKIP
     """
     if not legs:
         raise ExoidError("no leg to draw", remedy="pass a Leg or an Estimate")
+    if ghost is not None and recording is None:
+        raise ExoidError("a second motion beside none", remedy="pass it as recording=")
     replay = None if recording is None else Replay.of(recording, ghost)
-    folder = None if meshes is None else Path(meshes)
-    figures: list[Figure] = []
-    for each in legs:
-        figure = Figure.of(each, identified, folder, ROOT)
-        if any(other.leg.description.sha256 == figure.leg.description.sha256 for other in figures):
-            figure = figure.without_torso()
-        figures.append(figure)
+    figures = _figures(legs, identified, None if meshes is None else Path(meshes))
     angles = _angles(figures, pose or {})
     _check_recorded(figures, recording, ghost)
     acts = [act(figure, q, replay, ghost_label) for figure, q in zip(figures, angles, strict=True)]
     tracks = {path: track for each in acts for path, track in each.tracks.items()}
-    points = np.vstack([each.extent for each in acts])
+    points = _checked(np.vstack([each.extent for each in acts]), figures)
     direction = _direction(figures)
     commands = [*_surroundings(points, direction), *(command for each in acts for command in each.commands)]
     return Scene(
@@ -102,6 +106,31 @@ def scene(
         tuple(each.standing for each in acts),
         tuple(note for figure in figures for note in figure.notes),
     )
+
+
+def _figures(legs: Sequence[Leg | Estimate], identified: Sequence[Leg], folder: Path | None) -> list[Figure]:
+    """Make the figures, each with a path of its own and a torso that is drawn once."""
+    figures: list[Figure] = []
+    for each in legs:
+        figure = Figure.of(each, identified, folder, ROOT)
+        if any(other.root == figure.root for other in figures):
+            figure = replace(figure, root=f"{figure.root} {len(figures) + 1}")
+        if any(other.leg.description.sha256 == figure.leg.description.sha256 for other in figures):
+            figure = figure.without_torso()
+        figures.append(figure)
+    return figures
+
+
+def _checked(points: FloatArray, figures: Sequence[Figure]) -> FloatArray:
+    """Refuse what no camera can take in."""
+    size = float(np.abs(points).max())
+    if not size < LARGEST:
+        raise ExoidError(
+            f"it reaches {size:.3g} m, too far to be drawn",
+            where=", ".join(dict.fromkeys(figure.leg.description.name for figure in figures)),
+            remedy="check that lengths in the URDF are metres, and the scale of its meshes",
+        )
+    return points
 
 
 def _angles(figures: Sequence[Figure], pose: Mapping[str, float]) -> list[FloatArray]:
@@ -150,14 +179,15 @@ def _direction(figures: Sequence[Figure]) -> FloatArray:
 def _camera(points: FloatArray, direction: FloatArray) -> Camera:
     centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
     frame = towards(direction, (0.0, 0.0, 1.0))  # across the picture, upwards, to the camera
-    half_width, half_height, half_depth = np.abs((points - centre) @ frame).max(axis=0).tolist()
+    reach = np.abs((points - centre) @ frame).max(axis=0)
+    half_width, half_height, half_depth = np.maximum(reach, SMALLEST).tolist()
     return Camera(tuple(centre.tolist()), tuple(direction.tolist()), half_width, half_height, half_depth)
 
 
 def _surroundings(points: FloatArray, direction: FloatArray) -> Iterator[Command]:
     """Background, ground, light and camera."""
     lower, upper = points.min(axis=0), points.max(axis=0)
-    centre, size = 0.5 * (lower + upper), float(np.linalg.norm(upper - lower))
+    centre, size = 0.5 * (lower + upper), max(float(np.linalg.norm(upper - lower)), SMALLEST)
     for name, value in (("top_color", [1.0, 1.0, 1.0]), ("bottom_color", [0.9, 0.91, 0.93])):
         yield set_property("/Background", name, value)
     for path in ("/Grid", "/Axes"):

@@ -57,7 +57,7 @@ def read_visuals(description: Description, links: Sequence[str], folder: Path | 
             try:
                 drawn = list(_parts(visual, _look(visual, colours, place), folder, place))
             except FileNotFoundError as missing:
-                notes.append(f"{place}: {missing}, drawn as a bar")
+                notes.append(f"{place}: {missing}, left out")
                 continue
             parts.setdefault(name, []).extend(part.at(_origin(visual, place)) for part in drawn)
     return Visuals(parts, tuple(notes))

@@ -1,0 +1,145 @@
+"""Comparisons of control laws as tables for people, as JSON for programs, and as figures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from exoid._typing import FloatArray
+from exoid.control import Tracking
+from exoid.control.tracking import tracking_table, tracking_to_json
+from exoid.tables import DataTable, to_text
+from exoid.view import paper, plot_law_torques, plot_peak_errors, plot_tracking_errors
+from exoid.view.style import COLUMN
+from exoid.view.tracking import LAW_COLOURS
+
+from .cuhk_tracking import DOCUMENT_DEG, GAINS, LOADED, PRINTED, TrackingReplay
+
+LABELS = {
+    "pd_30hz": "PD, 30 Hz",
+    "pd": "PD",
+    "pd_gravity_friction": "PD + G + F",
+    "pd_feedforward": "PD + feed-forward",
+    "computed_torque": "computed torque",
+    "lqr": "LQR",
+}
+"""Of laws in figures."""
+
+CLOSE = 3.0
+"""Laws that err by less [deg] get a figure of their own, in which they can be told apart."""
+
+
+def cuhk_tracking_text(replay: TrackingReplay) -> str:
+    """Every law beside the others and beside document 2's figures, and what they mean."""
+    parts: list[DataTable | str] = [cuhk_tracking_table(replay), "", *cuhk_tracking_notes(replay)]
+    if replay.wrong:
+        parts += ["", wrong_table(replay), "", _table_iii(replay)]
+    return to_text(*parts)
+
+
+def cuhk_tracking_table(replay: TrackingReplay) -> DataTable:
+    """Every law beside the others."""
+    title = (
+        f"CUHK-EXO with payload, rotors of {replay.rotor:g} kg·m², gait of 10 s, gains {GAINS['kp']} N·m/rad and "
+        f"{GAINS['kd']} N·m·s/rad; laws know an estimate from noisy data"
+    )
+    return tracking_table(title, replay.laws.values())
+
+
+def wrong_table(replay: TrackingReplay) -> DataTable:
+    """Laws that know the leg wrongly."""
+    return tracking_table("The same where the laws know the leg wrongly", replay.wrong.values())
+
+
+def laws_json(runs: Mapping[str, Tracking], kp: Iterable[float], kd: Iterable[float], seed: int) -> dict[str, Any]:
+    """Figures of each law by its name."""
+    laws = {name: tracking_to_json(run) for name, run in runs.items()}
+    return {"laws": laws, "gains": {"kp": [float(k) for k in kp], "kd": [float(k) for k in kd]}, "seed": seed}
+
+
+def cuhk_tracking_json(replay: TrackingReplay) -> dict[str, Any]:
+    """Figures of a replay by the laws' names; those of wrong models under "wrong", where they were asked for."""
+    data = laws_json(replay.laws, GAINS["kp"], GAINS["kd"], replay.seed)
+    if replay.wrong:
+        data["wrong"] = {name: tracking_to_json(run) for name, run in replay.wrong.items()}
+    return data
+
+
+def tracking_figures(runs: Mapping[str, Tracking]) -> dict[str, Figure]:
+    """Draw document 2's figures 8 (errors) and 9 (torques), and all laws side by side at the same rate and gains.
+
+    Figures 8 and 9 compare PD, at 30 Hz where it ran, with PD and compensation.
+
+    Args:
+        runs: By the names of :func:`exoid.control.standard_laws`, and "pd_30hz".
+
+    Returns:
+        Figures by name.
+    """
+    slow = "pd_30hz" if "pd_30hz" in runs else "pd"
+    document = {LABELS[name]: runs[name] for name in (slow, "pd_gravity_friction")}
+    every = {LABELS.get(name, name): run for name, run in runs.items() if name != "pd_30hz"}
+    colours = dict(zip(every, LAW_COLOURS, strict=False))
+    close = {label: run for label, run in every.items() if run.peak_deg.max() < CLOSE}
+    with paper():
+        figures = {
+            "doc2_fig8_errors": _figure(plot_tracking_errors, document),
+            "doc2_fig9_torques": _figure(plot_law_torques, document),
+            "laws_errors": _figure(plot_tracking_errors, every),
+            "laws_torques": _figure(plot_law_torques, every),
+            "laws_peak_errors": _peaks(every),
+        }
+        if 0 < len(close) < len(every):
+            figures["laws_errors_close"] = _figure(plot_tracking_errors, close, [colours[label] for label in close])
+    return figures
+
+
+def cuhk_tracking_notes(replay: TrackingReplay) -> Sequence[str]:
+    """What the comparison says beside document 2's."""
+    laws = replay.laws
+    slow, pd, compensated = (laws[name] for name in ("pd_30hz", "pd", "pd_gravity_friction"))
+    printed = "; ".join(f"{LABELS[name]} {hip:g} / {knee:g}" for name, (hip, knee) in DOCUMENT_DEG.items())
+    by_rate, by_law = abs(slow.peak_deg - pd.peak_deg), pd.peak_deg - compensated.peak_deg
+    return [
+        f"Document 2 reports peak errors [deg]: {printed}.",
+        f"PD's peak errors change by {_pair(by_rate, '.2f')}° from 30 to 100 Hz; G + F lower them by "
+        f"{_pair(by_law, '.1f')}°.",
+        f"PD + G + F takes {_pair(compensated.rms_torque / pd.rms_torque, '.1f')} times the rms torque of PD and "
+        f"{_pair(compensated.energy / pd.energy, '.1f')} times its energy; document 2 calls their power comparable.",
+    ]
+
+
+def _table_iii(replay: TrackingReplay) -> str:
+    printed, pd = replay.wrong[f"pd_gravity_friction {PRINTED}"], replay.laws["pd"]
+    return (
+        f"Compensating with Table III as printed errs by {_pair(printed.peak_deg, '.0f')}°, PD alone by "
+        f"{_pair(pd.peak_deg, '.0f')}°. {LOADED}: on the shank of the rig."
+    )
+
+
+def _pair(values: FloatArray, form: str) -> str:
+    return " / ".join(format(x, form) for x in values)
+
+
+def _figure(
+    plot: Any,  # noqa: ANN401 - a function of the view
+    runs: Mapping[str, Tracking],
+    colours: Sequence[str] = LAW_COLOURS,
+) -> Figure:
+    labels = _labels(runs)
+    figure = Figure(figsize=(1.4 * COLUMN, 0.55 * COLUMN * (len(labels) + 0.3)))
+    plot(figure.subplots(len(labels), 1, sharex=True, squeeze=False)[:, 0], runs, names=labels, colours=colours)
+    return figure
+
+
+def _peaks(runs: Mapping[str, Tracking]) -> Figure:
+    figure = Figure(figsize=(1.4 * COLUMN, 0.8 * COLUMN))
+    plot_peak_errors(figure.add_subplot(), runs, names=_labels(runs))
+    return figure
+
+
+def _labels(runs: Mapping[str, Tracking]) -> list[str]:
+    names = next(iter(runs.values())).joint_names
+    return [name.removeprefix("left_").removeprefix("right_") for name in names]

@@ -1,0 +1,175 @@
+"""``exoid track``: laws side by side on an estimate, on BLEEX, and document 2's comparison."""
+
+import json
+import sys
+from functools import partial
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid import control, published, reproduce
+from exoid.cli import main
+from exoid.experiments import healthy_gait
+from exoid.identification import Estimate
+from exoid.rig import Plant
+from exoid.signals import ZeroPhase
+from exoid.torques import Armature, Coulomb, Offset, TorqueModel, Viscous
+
+NAMES = ["pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr"]
+METRICS = ["peak_deg", "rms_deg", "rms_torque", "torque_variation"]
+
+
+@pytest.fixture
+def track(capsys, monkeypatch, tmp_path):
+    """Run ``exoid track ARGUMENTS`` in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["exoid", "track", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        return int(stop.value.code or 0), *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture
+def saved(tmp_path):
+    """An estimate of document 2's leg, as if identified."""
+    leg = exoid.load_leg("cuhk")
+    model = TorqueModel(leg, (Coulomb(), Viscous(), Armature(), Offset()))
+    values = {**published.cuhk_parameters(), **published.cuhk_resistances(), "Ia_knee": 0.8, "d_hip": -0.01}
+    found = np.array([values.get(name, 0.0) for name in model.names])
+    count = len(found)
+    Estimate(model, found, 1e-4 * np.eye(count), 10.0, 100.0, np.ones(2), "wls", ZeroPhase(3.0)).save(
+        tmp_path / "est.json"
+    )
+    return "est.json"
+
+
+def test_an_estimate_is_tracked_by_every_law(track, saved):
+    code, out, err = track(saved, "--period", 1, "--json", "--seed", 5)
+    assert (code, err) == (0, "")
+    data = json.loads(out)
+    assert list(data) == ["laws", "gains", "seed"]
+    assert list(data["laws"]) == NAMES
+    assert all(list(law) == METRICS for law in data["laws"].values())
+    est = Estimate.load(saved)
+    gait = healthy_gait(0.8, 1.0)
+    kp, kd = control.default_gains(est, control.mean_pose(gait, 1.0))
+    np.testing.assert_allclose(data["gains"]["kp"], kp)
+    runs = control.track(est, kp, kd, gait, 1.0, seed=5)
+    assert runs["lqr"].peak_deg.tolist() == data["laws"]["lqr"]["peak_deg"]
+    assert data["laws"]["lqr"]["peak_deg"][0] < 0.1 * data["laws"]["pd"]["peak_deg"][0]
+
+
+def test_a_rig_may_differ_from_what_the_laws_know(track, saved):
+    peak = {}
+    for options in ((), ("--payload", 2), ("--friction", 3)):
+        code, out, _ = track(saved, "--period", 1, "--json", "--kp", "40,40", *options)
+        assert code == 0
+        peak[options] = json.loads(out)["laws"]["pd_feedforward"]["peak_deg"]
+    assert peak["--payload", 2][1] > 1.3 * peak[()][1]
+    assert peak["--friction", 3][1] > 1.1 * peak[()][1]
+
+
+def test_a_table_and_figures(track, saved, tmp_path):
+    code, out, err = track(saved, "--period", 1, "--kp", 30, "--rate", 50, "--figures", "new/figs", "--format", "pdf")
+    assert code == 0, err
+    assert "hip 30 / 3, knee 30 / 3" in out
+    for name in NAMES:
+        assert name in out
+    files = sorted(path.name for path in (tmp_path / "new/figs").iterdir())
+    assert err.count("wrote") == len(files) >= 5
+    assert {"doc2_fig8_errors.pdf", "doc2_fig9_torques.pdf", "laws_peak_errors.pdf"} <= set(files)
+    assert all((tmp_path / "new/figs" / name).read_bytes().startswith(b"%PDF") for name in files)
+
+
+def test_the_angles_of_a_log_may_be_followed(track, saved, tmp_path):
+    """One period of the log's motion, on and on."""
+    time = np.arange(200) / 100.0
+    q = np.column_stack([0.2 * np.sin(np.pi * time), 0.5 + 0.3 * np.cos(np.pi * time)])
+    exoid.Recording(time, q, joint_names=("left_hip", "left_knee")).to_csv(tmp_path / "walk.csv")
+    code, out, _ = track(saved, "--reference", "walk.csv")
+    assert code == 0
+    assert "reference of 2 s" in out
+
+
+def test_bleex_walks_too(track):
+    code, out, _ = track("bleex", "--period", 2)
+    assert code == 0
+    assert "ankle" in out
+
+
+def test_document_2s_comparison_is_printed(track, monkeypatch):
+    """The replay itself is tested with the others; here a short one stands in."""
+    short = partial(healthy_gait, period=2.0)
+    gait = short(1.2)
+    plant = reproduce.cuhk_tracking.tracking_plant()
+    laws = {"pd_30hz": control.pd(22.0, 2.2, rate=30.0), **control.standard_laws(plant, 22.0, 2.2, gait, 2.0)}
+    runs = control.compare_laws(plant, laws, gait, 4.0, settle=2.0)
+
+    def replay(seed, *, wrong, progress, rotor=0.8):
+        assert not wrong
+        progress(1.0)
+        return reproduce.TrackingReplay(None, runs, {}, rotor, seed)
+
+    monkeypatch.setattr(reproduce, "reproduce_cuhk_tracking", replay)
+    code, out, err = track("cuhk", "--json", "--seed", 3, "--rotor", 0.5)
+    assert (code, err) == (0, "")
+    data = json.loads(out)
+    assert (list(data), data["seed"]) == (["laws", "gains", "seed"], 3)
+    assert list(data["laws"]) == ["pd_30hz", *NAMES]
+    code, out, _ = track("cuhk")
+    assert code == 0
+    assert "rotors of 0.8 kg·m²" in out
+    assert "document 2 calls their power comparable" in " ".join(out.split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (("absent.json",), "no estimate 'absent.json'"),
+        (("cuhk", "--kp", "1"), "--kp has no effect"),
+        (("cuhk", "--rotor", "-1"), "rotors of -1"),
+        (("bleex", "--rotor", "0.5"), "--rotor has no effect"),
+        (("bleex", "--wrong"), "--wrong has no effect"),
+        (("bleex", "--kp", "1,2"), "--kp 1,2"),
+        (("bleex", "--kp", "stiff"), "--kp stiff"),
+        (("bleex", "--kp", "-5"), "kp ="),
+        (("bleex", "--period", "0"), "--period 0"),
+        (("bleex", "--scale", "3"), "the motion asks"),
+        (("bleex", "--speed", "VeryFast"), "VeryFast"),
+        (("bleex", "--reference", "absent.csv"), "absent.csv"),
+        (("bleex", "--reference", "absent.csv", "--scale", "1"), "--scale has no effect"),
+        (("bleex", "--payload", "-1"), "no such payload"),
+        (("bleex", "--friction", "-1"), "times the friction"),
+        (("bleex", "--rate", "0"), "0 Hz"),
+        (("est.json", "--figures", "est.json"), "no folder to write figures"),
+    ],
+    ids=lambda x: " ".join(x) if isinstance(x, tuple) else "",
+)
+@pytest.mark.usefixtures("saved")
+def test_bad_input_ends_in_one_line(track, arguments, word):
+    code, out, err = track(*arguments)
+    assert (code, out) == (2, "")
+    assert err.startswith("exoid: ")
+    assert err.count("\n") == 1
+    assert word in err
+
+
+def test_help_names_the_options(track):
+    code, out, _ = track("--help")
+    assert code == 0
+    assert "cuhk" in out
+
+
+def test_a_model_gives_the_rig_it_describes():
+    """And back again; slightly negative friction becomes none."""
+    truth = Plant.build(exoid.load_leg("cuhk"), {"c0_hip": 1.0, "d_knee": 0.2, "b1_knee": 0.5, "b0_hip": -1.0})
+    rig = control.ControlModel.of(truth).plant()
+    for name in ("parameters", "stiffness", "coulomb", "static", "viscous", "armature", "lower", "upper"):
+        np.testing.assert_allclose(getattr(rig, name), getattr(truth, name), atol=1e-12)
+    negative = control.ControlModel.of(truth).with_friction(-1.0).plant()
+    assert not negative.coulomb.any()

@@ -1,0 +1,49 @@
+"""How many cases each property is tried on: 2 400 in all, or as many as ``EXOID_PROPERTY_CASES`` says."""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections import Counter
+
+from hypothesis import HealthCheck, settings
+
+from exoid import ExoidError
+
+TOTAL = int(os.environ.get("EXOID_PROPERTY_CASES", "2400"))
+
+DONE: Counter[str] = Counter()
+"""Cases that ran, by test."""
+
+
+def cases(share):
+    """Try a property on a share of all cases; put it above ``@given``."""
+    limit = settings(
+        max_examples=max(1, round(share * TOTAL)),
+        deadline=None,
+        suppress_health_check=list(HealthCheck),
+    )
+
+    def counted(test):
+        inner = test.hypothesis.inner_test
+
+        @functools.wraps(inner)
+        def once(*args, **kwargs):
+            DONE[test.__name__] += 1
+            return inner(*args, **kwargs)
+
+        test.hypothesis.inner_test = once
+        return limit(test)
+
+    return counted
+
+
+def outcome(function, *args, **options):
+    """What a function gives, or the one error it may end in: one line, with a remedy; never anything else."""
+    try:
+        return function(*args, **options)
+    except ExoidError as error:
+        refused = error
+    assert "\n" not in str(refused)
+    assert refused.what.strip()
+    return refused

@@ -1,0 +1,169 @@
+"""Writers that are killed, that run out of disk or of rights, or that meet another of their kind."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid import Estimate, ExoidError, Leg, Recording
+from exoid.exported import read_exported
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits of POSIX")
+
+KILLS = 6 * (20 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 1)
+
+WRITER = textwrap.dedent(
+    """
+    import sys
+    import numpy as np
+    from exoid import Estimate, Recording
+    estimate = Estimate.load("old.json")
+    time = np.arange(20000) / 1000.0
+    q = np.sin(np.outer(time, [1.0, 2.0, 3.0]))
+    recording = Recording(time=time, q=q, tau=q, joint_names=("a", "b", "c"))
+    print("ready", flush=True)
+    while True:
+        if "save" in sys.argv:
+            estimate.save("new.json")
+        if "export" in sys.argv:
+            estimate.to_urdf("new.urdf")
+        if "csv" in sys.argv:
+            recording.to_csv("new.csv")
+    """
+)
+
+
+@pytest.fixture(scope="module")
+def estimate():
+    data = exoid.datasets.bleex_swing()
+    return exoid.identify(data.leg, data.train)
+
+
+@pytest.fixture
+def folder(estimate, tmp_path):
+    """A folder with an estimate to write again and again."""
+    estimate.save(tmp_path / "old.json")
+    return tmp_path
+
+
+def writer(folder, *what):
+    """Start a process that writes, and wait until it is about to."""
+    process = subprocess.Popen([sys.executable, "-c", WRITER, *what], cwd=folder, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "ready\n"
+    return process
+
+
+def assert_whole(folder, estimate):
+    """Whatever stands under its final name is complete."""
+    if (folder / "new.json").exists():
+        assert Estimate.load(folder / "new.json").values.tobytes() == estimate.values.tobytes()
+    if (folder / "new.csv").exists():
+        assert len(Recording.from_csv(folder / "new.csv")) == 20000
+    if (folder / "new.urdf").exists():
+        assert Leg.from_urdf(folder / "new.urdf").joint_names
+    if (folder / "new.exoid.json").exists():
+        assert json.loads((folder / "new.exoid.json").read_text(encoding="utf-8"))["schema"]
+
+
+@pytest.mark.parametrize("what", ["save", "export", "csv"])
+def test_a_writer_that_is_killed_leaves_nothing_half_written(folder, estimate, what):
+    rng = np.random.default_rng(KILLS)
+    for _ in range(KILLS // 3):
+        finished = {path.name for path in folder.iterdir() if not path.name.startswith(".")}
+        process = writer(folder, what)
+        time.sleep(rng.uniform(0.0, 0.3))
+        process.send_signal(signal.SIGKILL)
+        process.wait(30)
+        process.stdout.close()
+        assert_whole(folder, estimate)
+        assert finished <= {path.name for path in folder.iterdir()}, "a finished file is gone"
+    leftovers = [path for path in folder.iterdir() if path.suffix in (".part", ".before")]
+    assert all(path.name.startswith(".") for path in leftovers)
+
+
+def test_two_writers_in_one_folder_do_not_harm_each_other(folder, estimate):
+    processes = [writer(folder, "save", "csv", "export") for _ in range(2)]
+    end = time.monotonic() + 3.0
+    while time.monotonic() < end:
+        assert_whole(folder, estimate)
+    for process in processes:
+        assert process.poll() is None, "one of them failed"
+        process.kill()
+        process.wait(30)
+        process.stdout.close()
+    assert_whole(folder, estimate)
+    assert read_exported(folder / "new.urdf").leg.joint_names == estimate.joint_names
+
+
+WRITES = {
+    "save": lambda estimate, folder: estimate.save(folder / "new.json"),
+    "export": lambda estimate, folder: estimate.to_urdf(folder / "new.urdf"),
+    "csv": lambda estimate, folder: _recording().to_csv(folder / "new.csv"),
+}
+
+
+def _recording():
+    time_ = np.arange(2000) / 100.0
+    return Recording(time=time_, q=np.sin(time_)[:, None], joint_names=("hip",))
+
+
+@pytest.mark.parametrize("what", WRITES)
+def test_a_full_disk_ends_in_one_line_and_leaves_nothing(estimate, tmp_path, what):
+    """A limit on the size of files stands for the disk: writing fails midway, with an error of the system."""
+    old = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1024, old[1]))
+        with pytest.raises(ExoidError, match=r"new\.\w+: cannot be written: File too large") as caught:
+            WRITES[what](estimate, tmp_path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, old)
+        signal.signal(signal.SIGXFSZ, handler)
+    assert "disk with room" in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(hasattr(os, "geteuid") and os.geteuid() == 0, reason="root writes everywhere")
+@pytest.mark.parametrize("what", WRITES)
+def test_a_read_only_folder_ends_in_one_line(estimate, tmp_path, what):
+    tmp_path.chmod(0o500)
+    try:
+        with pytest.raises(ExoidError, match="cannot be written: Permission denied") as caught:
+            WRITES[what](estimate, tmp_path)
+    finally:
+        tmp_path.chmod(0o700)
+    assert "folder that is yours" in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("what", WRITES)
+def test_a_folder_that_takes_no_files_ends_in_one_line(estimate, what):
+    """Not even root can write into /proc."""
+    if not Path("/proc/self").is_dir():
+        pytest.skip("no /proc")
+    with pytest.raises(ExoidError, match="cannot be written"):
+        WRITES[what](estimate, Path("/proc/self"))
+
+
+@pytest.mark.parametrize("what", ["identify", "export"])
+def test_commands_that_cannot_write_exit_with_2_and_one_line(estimate, tmp_path, what):
+    target = tmp_path / "missing" / "new.json"
+    estimate.save(tmp_path / "leg.json")
+    words = ["identify", "bleex", "bleex_swing:train"] if what == "identify" else ["export", str(tmp_path / "leg.json")]
+    command = [sys.executable, "-c", "from exoid.cli import main; main()", *words, "-o", str(target)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.count("\n") == 1
+    assert "cannot be written" in done.stderr
