@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import scipy  # its parts load when they are first used
 
+from exoid._typing import FloatArray
 from exoid.tables import make_table, to_text, with_error
 
 from .estimate import Estimate
@@ -30,7 +31,7 @@ def report(estimate: Estimate) -> str:
 def parameter_rows(estimate: Estimate) -> list[tuple[str, ...]]:
     """Write each parameter, then each fitted setting of a term, as a row of a table."""
     rows = [
-        (name, *with_error(value, std, *interval), unit, judged)
+        (name, *_numbers(value, std, interval), unit, judged)
         for name, value, std, interval, unit, judged in zip(
             estimate.names,
             estimate.values,
@@ -45,10 +46,10 @@ def parameter_rows(estimate: Estimate) -> list[tuple[str, ...]]:
 
 
 def _shapes(estimate: Estimate) -> list[tuple[str, ...]]:
-    """Settings as rows of the table; those that are held have no uncertainty."""
+    """Settings as rows of the table."""
     shapes = estimate.shapes
     return [
-        (name, *(with_error(value, std, *interval) if std > 0.0 else (f"{value:.4g}", "", "", "")), unit, judged)
+        (name, *_numbers(value, std, interval), unit, judged)
         for name, value, std, interval, unit, judged in zip(
             shapes.names,
             shapes.values,
@@ -59,6 +60,11 @@ def _shapes(estimate: Estimate) -> list[tuple[str, ...]]:
             strict=True,
         )
     ]
+
+
+def _numbers(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
+    """Write a value with what is uncertain of it; what is known or held has no uncertainty."""
+    return with_error(value, std, *interval) if std > 0.0 else (f"{value:.6g}", "", "", "")
 
 
 def _remarks(estimate: Estimate) -> Iterator[str]:

@@ -56,7 +56,10 @@ def identification_report(
         Section("What the model leaves over", list(_left_over(estimate, fitted))),
         Section("The leg in motion", list(_scene(estimate, (tested or fitted)[0].recording))),
         Section("What the motion excites", list(excitation_pictures(estimate, fitted))),
-        Section("What to record next", [Words(words.advice(estimate, [each.recording for each in fitted]))]),
+        Section(
+            "What to record next",
+            [Words(lines) for lines in words.advice(estimate, [each.recording for each in fitted])],
+        ),
         Section("From what, and how", list(_origin(estimate))),
     ]
     title = f"{estimate.model.leg.description.name}: identified from {_count(len(estimate.inputs), 'recording')}"
@@ -78,7 +81,7 @@ def _friction(estimate: Estimate, evidence: Sequence[Evidence]) -> Iterator[Part
 def _left_over(estimate: Estimate, evidence: Sequence[Evidence]) -> Iterator[Part]:
     if estimate.trends:
         yield words.trend_table(estimate)
-        yield Words(words.dependence(estimate))
+    yield Words(words.dependence(estimate))
     yield from residual_pictures(estimate, evidence)
 
 

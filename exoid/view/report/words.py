@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from exoid.errors import ExoidError
-from exoid.experiments.excitation import Assessment, assess
+from exoid.experiments.excitation import Advice, assess
 from exoid.identification import Estimate
 from exoid.identification.report import HEADERS, assumptions, influences, parameter_rows
 from exoid.identification.trends import remarks
@@ -30,6 +30,25 @@ SAID = {
 
 POOR = ("weakly", "not")
 """Those which more recordings would mend."""
+
+BAND = (
+    "The band is where 95 % of newly measured torques are expected if the model is right: it has the errors of the "
+    "parameters and a residual as large as that of the fit. Measured and predicted torque have passed the same filter. "
+    "A share far below 95 % in the table says that the model, or the leg, is another there."
+)
+"""Above the figures of torque."""
+
+FRICTION = (
+    "Points in the joint's colour are measured torque less all that the model says beside friction; in blue, what its "
+    "friction terms say of the same samples. Both have passed the filter, which rounds the step at a reversal."
+)
+"""Above the figures of friction."""
+
+ADVICE = (
+    "What would help. Percentages are the standard deviation to expect over the size of the parameter (its value, or a "
+    "tenth of what would explain all torque of a joint alone), with noise such as the residuals and nothing else known."
+)
+"""Above experiments to add."""
 
 
 def verdict(estimate: Estimate, tested: Sequence[Evidence]) -> list[str]:
@@ -78,18 +97,6 @@ def error_table(estimate: Estimate, evidence: Sequence[Evidence], held_out: bool
     return DataTable(caption, ("recording", "joint", "RMSE [N·m]", "NRMSE [%]", "R²", "in 95 % band [%]"), rows)
 
 
-BAND = (
-    "The band is where 95 % of newly measured torques are expected if the model is right: it has the errors of the "
-    "parameters and a residual as large as that of the fit. Measured and predicted torque have passed the same filter. "
-    "A share far below 95 % in the table says that the model, or the leg, is another there."
-)
-
-FRICTION = (
-    "Points in the joint's colour are measured torque less all that the model says beside friction; in blue, what its "
-    "friction terms say of the same samples. Both have passed the filter, which rounds the step at a reversal."
-)
-
-
 def trend_table(estimate: Estimate) -> DataTable:
     """Table of whether residuals depend on velocity and angle."""
     rows = []
@@ -102,6 +109,11 @@ def trend_table(estimate: Estimate) -> DataTable:
 
 def dependence(estimate: Estimate) -> list[str]:
     """Say which residuals depend on velocity or angle, and what that hints at."""
+    if not estimate.trends:
+        return [
+            "There are too few independent samples to test whether residuals depend on velocity or angle. The bars "
+            "below take all samples for independent and are too short."
+        ]
     return [_sentence(remark) for remark in remarks(estimate.trends)] or [
         "No residual depends on velocity or angle by more than noise explains and by more than 1 % of the torque."
     ]
@@ -112,45 +124,51 @@ def influence_parts(estimate: Estimate) -> Iterator[DataTable | list[str]]:
     influence = estimate.influence
     if influence is None:
         return
+    uncertain = estimate.std > 0.0
     rows = []
     for recording, change, share, expected in zip(*influence, influence.expected, strict=True):
-        most = int(np.argmax(np.abs(change)))
-        moved = f"{change[most]:+.1f}".replace("-", "−") if np.isfinite(change[most]) else "not identified without it"
-        shares = f"{100 * share.min():.0f}", f"{100 * share.max():.0f}"
-        rows.append((recording, *shares, estimate.names[most], moved, f"{expected[most]:.1f}"))
-    headers = ("recording", "share of what is known from [%]", "to [%]", "without it, most moves", "by [std]", "usual")
-    yield DataTable("What each recording contributes, over all parameters", headers, rows)
-    if lines := [*map(_sentence, influences(estimate))]:
+        most = int(np.argmax(np.abs(change) / np.maximum(expected, 1.0)))
+        moved = f"{change[most]:+.1f}".replace("-", "−") if np.isfinite(change[most]) else "not known without"
+        part = "–" if len(estimate.shapes) else f"{100 * share[uncertain].mean():.0f}"  # settings share in it, too
+        usual = f"{expected[most]:.1f}" if 0.0 < share[most] < 1.0 else "–"
+        rows.append((recording, part, estimate.names[most], moved, usual))
+    headers = ("recording", "of what is known [%]", "without it, moves most", "by [std]", "by noise alone, typically")
+    yield DataTable("What each recording contributes", headers, rows)
+    if lines := [f"{line}." for line in influences(estimate)]:
         yield lines
 
 
-def advice(estimate: Estimate, recordings: Sequence[Recording]) -> list[str]:
+def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[list[str]]:
     """Name what is not well determined, what each such parameter trades against, and what to record."""
     correlation = np.abs(estimate.correlation - np.eye(len(estimate.names)))
+    poor = [name for name, judged in zip(estimate.names, estimate.verdicts, strict=True) if judged in POOR]
     lines = []
-    for k, (name, judged) in enumerate(zip(estimate.names, estimate.verdicts, strict=True)):
-        if judged not in POOR:
-            continue
+    for name in poor:
+        k = estimate.names.index(name)
         partner = int(correlation[k].argmax())
         lines.append(
-            f"{name} is {SAID[judged]} ({' ± '.join(with_error(estimate.values[k], estimate.std[k]))} "
+            f"{name} is {SAID[estimate.verdicts[k]]} ({' ± '.join(with_error(estimate.values[k], estimate.std[k]))} "
             f"{estimate.units[k]}); it trades most against {estimate.names[partner]} "
             f"(correlation {estimate.correlation[k, partner]:+.2f})."
         )
     lines += [f"{doubt}." for doubt in estimate.shapes.doubts]
     if not lines:
-        return ["Every parameter is well determined. A recording that the fit has not seen tests the model."]
-    found = _assessment(estimate, recordings)
-    experiments = [_sentence(str(each)) for each in found.advice] if found else []
-    return lines + (experiments or ["Record motions in which what trades against each other differs."])
+        yield ["Every parameter is well determined. A recording that the fit has not seen tests the model."]
+        return
+    yield lines
+    if experiments := list(_experiments(estimate, recordings, poor)):
+        yield [ADVICE]
+        yield experiments
+    else:
+        yield ["Record motions in which what trades against each other differs; exoid plan finds them."]
 
 
-def _assessment(estimate: Estimate, recordings: Sequence[Recording]) -> Assessment | None:
-    """Try simple experiments, with noise of the size and the independence of the residuals; None where that fails."""
+def _experiments(estimate: Estimate, recordings: Sequence[Recording], poor: Sequence[str]) -> Iterator[str]:
+    """Try simple experiments, with noise of the size and the independence of the residuals; none where that fails."""
     seconds = sum(recording.duration for recording in recordings)
     counts = [noise.effective_samples for noise in estimate.noise if np.isfinite(noise.effective_samples)]
     try:
-        return assess(
+        found = assess(
             estimate.model.leg,
             recordings,
             estimate.model.terms,
@@ -160,7 +178,13 @@ def _assessment(estimate: Estimate, recordings: Sequence[Recording]) -> Assessme
             preparation=estimate.preparation,
         )
     except ExoidError:  # as with limits between which nothing is left: the rest of the report stands
-        return None
+        return
+    for each in found.advice:
+        kept = [k for k, name in enumerate(each.parameters) if name in poor]
+        if kept:
+            names = tuple(each.parameters[k] for k in kept)
+            before, after = (tuple(row[k] for k in kept) for row in (each.before, each.after))
+            yield _sentence(str(Advice(each.what, names, before, after)))
 
 
 def inputs(estimate: Estimate) -> DataTable:
@@ -171,7 +195,7 @@ def inputs(estimate: Estimate) -> DataTable:
 
 def settings(estimate: Estimate) -> list[str]:
     """Say how it was identified, and what entered beside the recordings."""
-    terms = ", ".join(type(term).__name__ for term in estimate.model.terms) or "none"
+    terms = ", ".join(dict.fromkeys(type(term).__name__ for term in estimate.model.terms)) or "none"
     preparation = ", ".join(f"{key} {value}" for key, value in estimate.preparation.describe().items())
     return [
         f"Estimator: {estimate.estimator}; {estimate.dof:.0f} degrees of freedom.",
