@@ -9,7 +9,7 @@ from exoid._typing import FloatArray
 
 from .style import GUIDE, joint_colour
 
-DRAWN = 6000
+DRAWN = 4000
 """Samples drawn, at most."""
 
 
@@ -23,7 +23,7 @@ def plot_excitation(ax: Axes, q: FloatArray, v: FloatArray, joint: int, label: s
         joint: Which joint, for its colour.
         label: Its name.
     """
-    step = max(1, len(q) // DRAWN)
+    step = max(1, -(-len(q) // DRAWN))
     ax.plot(np.rad2deg(q[::step]), v[::step], ".", ms=1.0, color=joint_colour(joint), alpha=0.5, rasterized=True)
     ax.axhline(0.0, color=GUIDE, lw=0.8, zorder=0)
     ax.set(xlabel=f"{label} angle [deg]", ylabel=f"{label} velocity [rad/s]")
@@ -41,7 +41,7 @@ def plot_coverage(
         labels: Their names.
         limits: Lower and upper joint limits [rad], (2,) each, drawn as a frame where finite.
     """
-    step = max(1, len(q) // DRAWN)
+    step = max(1, -(-len(q) // DRAWN))
     first, second = np.rad2deg(q[::step]).T
     ax.plot(first, second, ".", ms=1.0, color=joint_colour(1), alpha=0.5, rasterized=True)
     if limits is not None and np.isfinite(limits).all():

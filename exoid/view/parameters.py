@@ -23,6 +23,9 @@ BESIDE = (CAD, MEASURED, LEFT_OVER)
 DIVERGING = LinearSegmentedColormap.from_list("exoid", [CAD, "#ffffff", IDENTIFIED])
 """From −1 through 0 to 1, in colours that a colour-blind reader tells apart."""
 
+LONGEST = 20
+"""Letters of a name beside an axis."""
+
 
 def plot_parameters(
     ax: Axes,
@@ -72,7 +75,12 @@ def plot_parameters(
         text = text.replace("-", "−")
         ax.annotate(text, (1.02, row), xycoords=("axes fraction", "data"), va="center", fontsize=6)
     ax.axvline(0.0, color=GUIDE, lw=0.8, zorder=0)
-    ax.set(yticks=rows, yticklabels=chosen, xlabel=f"[{units[chosen[0]]}]", ylim=(len(chosen) - 0.5, -0.5))
+    ax.set(
+        yticks=rows,
+        yticklabels=[_short(name) for name in chosen],
+        xlabel=f"[{units[chosen[0]]}]",
+        ylim=(len(chosen) - 0.5, -0.5),
+    )
     ax.grid(visible=False, axis="y")
     legend_above(ax)
     return ax
@@ -85,7 +93,7 @@ def plot_correlation(ax: Axes, estimate: Estimate) -> Axes:
         ax: Where to draw.
         estimate: The estimate.
     """
-    names, correlation = estimate.names, estimate.correlation
+    names, correlation = [_short(name) for name in estimate.names], estimate.correlation
     image = ax.imshow(correlation, cmap=DIVERGING, vmin=-1.0, vmax=1.0)
     size = max(2.5, min(6.0, 90.0 / len(names)))
     ax.set_xticks(range(len(names)), names, rotation=90, fontsize=size)
@@ -93,3 +101,8 @@ def plot_correlation(ax: Axes, estimate: Estimate) -> Axes:
     ax.grid(visible=False)
     ax.figure.colorbar(image, ax=ax, shrink=0.8, label="correlation [–]")
     return ax
+
+
+def _short(name: str) -> str:
+    """Name a sum by its first summand, which no other has: those of arms are long."""
+    return name if len(name) <= LONGEST else f"{name.split(' ', maxsplit=1)[0]} + …"

@@ -49,7 +49,7 @@ def plot_prediction(
     return ax
 
 
-def plot_residual_band(ax: Axes, time: FloatArray, residual: FloatArray, half_width: FloatArray, label: str) -> Axes:
+def plot_residual_band(ax: Axes, time: FloatArray, residual: FloatArray, half_width: FloatArray) -> Axes:
     """Residual torque of one joint over time, large, within the band in which that of a new measurement is expected.
 
     Args:
@@ -57,12 +57,11 @@ def plot_residual_band(ax: Axes, time: FloatArray, residual: FloatArray, half_wi
         time: [s], (N,).
         residual: Measured less predicted torque [N·m], (N,).
         half_width: Of the band [N·m], (N,).
-        label: Name of the joint.
     """
     ax.fill_between(time, -half_width, half_width, color=IDENTIFIED, alpha=0.25, lw=0)
     ax.plot(time, residual, color=LEFT_OVER, lw=0.6)
     ax.axhline(0.0, color=GUIDE, lw=0.6, zorder=0)
-    ax.set(xlabel="time [s]", ylabel=f"{label} residual\n[N·m]")
+    ax.set(xlabel="time [s]", ylabel="residual [N·m]")
     return ax
 
 
@@ -84,7 +83,7 @@ def plot_residual_along(
             (:attr:`exoid.Estimate.trends`). None for the means of these samples, whose standard errors take them for
             independent.
     """
-    step = max(1, len(x) // DRAWN)
+    step = max(1, -(-len(x) // DRAWN))
     ax.plot(x[::step], residual[::step], ".", ms=1.2, color=joint_colour(joint), alpha=0.4, rasterized=True)
     if trend is not None:
         edges = np.rad2deg(trend.edges) if trend.against == "angle" else trend.edges

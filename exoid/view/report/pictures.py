@@ -21,8 +21,8 @@ from .page import Picture, picture
 SHOWN = 20.0
 """Of a recording [s], as torque over time and in motion."""
 
-DRAWN = 2000
-"""Samples of a line, at most."""
+DRAWN = 1000
+"""Samples of a line, at most: 50 a second."""
 
 
 def parameter_pictures(estimate: Estimate, beside: Mapping[str, Mapping[str, float]]) -> Iterator[Picture]:
@@ -117,7 +117,7 @@ def _draw_prediction(figure: Figure, evidence: Evidence, joint: int, label: str)
     band = np.column_stack([predicted - half, predicted + half])
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.4, 1.0))
     plot_prediction(above, time[shown], measured, predicted, label, band).set_xlabel("")
-    plot_residual_band(below, time[shown], measured - predicted, half, label)
+    plot_residual_band(below, time[shown], measured - predicted, half)
 
 
 def _draw_friction(
