@@ -70,7 +70,7 @@ def test_the_commands_run(block, monkeypatch, capsys):
 
 def test_all_output_that_is_shown_is_tested():
     assert len(OUTPUT) == 2
-    assert len([block for block in SHELL if exoid_commands(block)]) == 4
+    assert len([block for block in SHELL if exoid_commands(block)]) == 5
 
 
 def test_the_first_lines_of_the_readme_have_the_two_commands():

@@ -37,8 +37,11 @@ def identify(
     inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
     joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF; default: logged.")] = None,
     terms: Annotated[str | None, typer.Option(metavar="A,B", help=f"{', '.join(TERMS)}; none for none.")] = None,
-    estimator: Annotated[str, typer.Option(help="wls, huber, gls or ols.")] = "wls",
-    cutoff: Annotated[float, typer.Option(metavar="HZ", help="Of the zero-phase low-pass.")] = 8.0,
+    estimator: Annotated[str, typer.Option(help="wls, huber, gls, ml or ols.")] = "wls",
+    cutoff: Annotated[
+        float | None,
+        typer.Option(metavar="HZ", help="Of the zero-phase low-pass; by default 8, or lower where angles are noisy."),
+    ] = None,
     preparation: Annotated[
         str | None,
         typer.Option(metavar="NAME", help="finite-difference (document 1), moving-average (document 2) or smoothed."),

@@ -67,10 +67,10 @@ class GravityFrictionPD:
     @cached_property
     def _joints(self) -> list[tuple[float, float, list[float], float, float]]:
         """Kp, Kd, spring polynomial, c0 and d of each joint; none where that is not all there is."""
-        kp, kd = self.feedback.kp, self.feedback.kd
-        if kp.ndim > 1 or kd.ndim > 1 or self.model.others:
+        kp, kd, n = self.feedback.kp, self.feedback.kd, self.model.n
+        if self.model.others or not {kp.shape, kd.shape} <= {(), (n,)}:
             return []
-        scale, n = 0.0 if self.friction is None else self.friction.scale, self.model.n
+        scale = 0.0 if self.friction is None else self.friction.scale
         springs = [np.trim_zeros(row, "f").tolist() for row in self.model.spring.T]
         rows = (np.broadcast_to(row, n).tolist() for row in (kp, kd))
         friction = ((scale * row).tolist() for row in (self.model.coulomb, self.model.viscous))

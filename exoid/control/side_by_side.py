@@ -41,9 +41,9 @@ class SideBySide:
 
     def torque(self, state: State, target: Target) -> FloatArray:
         """Torque of each law for its rig [N·m], (n, B)."""
-        if state.q.shape[-1] != len(self.laws) and state.q.ndim == 2:
-            raise ExoidError(f"{len(self.laws)} laws for {state.q.shape[-1]} rigs", remedy="give one a rig")
         q, v = np.atleast_2d(state.q.T), np.atleast_2d(state.v.T)
+        if len(q) != len(self.laws):
+            raise ExoidError(f"{len(self.laws)} laws for {len(q)} rigs", remedy="give one a rig")
         aims = [None if x is None else np.broadcast_to(x.reshape(len(x), -1), q.T.shape).T for x in target]
         columns = []
         for k, law in enumerate(self.laws):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +46,7 @@ class Prior:
         object.__setattr__(self, "values", MappingProxyType(pairs))
 
     @classmethod
-    def from_leg(cls, leg: Leg, relative_std: float = 0.2, names: Sequence[str] | None = None) -> Self:
+    def from_leg(cls, leg: Leg, relative_std: float = 0.2, names: Sequence[str] | None = None) -> Prior:
         """Take a leg's own parameters, such as those of its CAD, for right to so many parts.
 
         A value near zero, as Y of a symmetric segment, has a tenth of the uncertainty of the largest of its unit.

@@ -14,7 +14,7 @@ from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel, free_shapes, with_shapes
 
 from .assumed import NOTHING, Assumed
-from .estimators import Fit
+from .estimators import Estimator, Fit
 from .problem import Problem
 from .shapes import Shapes
 
@@ -30,7 +30,7 @@ class Task(NamedTuple):
         terms: Terms, settings of which may be free.
         data: Recordings and poses.
         preparation: How they become rows.
-        estimator: Name of the estimator.
+        estimator: The estimator, or its name.
         keep: Which rows to use; None for all.
         assumed: What is known beside them.
     """
@@ -39,7 +39,7 @@ class Task(NamedTuple):
     terms: tuple[Term, ...]
     data: Sequence[Recording | Poses]
     preparation: Preparation
-    estimator: str
+    estimator: Estimator | str
     keep: Keep | None = None
     assumed: Assumed = NOTHING
 

@@ -10,17 +10,17 @@ import numpy as np
 
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.signals import Poses, Preparation, Recording, ZeroPhase, preparation_by_name
+from exoid.signals import Poses, Preparation, Recording, ZeroPhase, choose_cutoff, preparation_by_name
 from exoid.torques import DEFAULT_TERMS, Term
 
 from .assumed import Assumed, Prior
 from .diagnostics import judge_noise, judge_sizes, negative
 from .estimate import Estimate, Input
-from .estimators import ESTIMATORS
+from .estimators import Estimator, find_estimator, name_of
 from .fitting import Task, starting_model
 from .influence import influence
 from .residuals import sandwich
-from .rows import refuse_dead_torques, refuse_still_joints, rms_residual
+from .rows import for_leg, refuse_dead_torques, refuse_still_joints, rms_residual
 from .separable import fit_model
 from .trends import remarks, residual_trends
 
@@ -31,9 +31,9 @@ def identify(
     leg: Leg,
     recordings: Recording | Poses | Iterable[Recording | Poses],
     terms: Sequence[Term] | None = None,
-    estimator: str = "wls",
+    estimator: str | Estimator = "wls",
     *,
-    cutoff: float = 8.0,
+    cutoff: float | None = None,
     preparation: Preparation | str | None = None,
     noise: str = "correlated",
     known: Mapping[str, float] | None = None,
@@ -53,8 +53,11 @@ def identify(
             inertia and offset at every joint; () for nothing. Settings that are :class:`exoid.torques.Free` are found
             by separable least squares, and stand in ``shapes`` of the estimate.
         estimator: "wls" (each joint, at rest and in motion, weighted by its residuals), "huber" (the same, and spikes
-            count less), "gls" (whitened by a model of the noise; only where the model of the leg is right) or "ols".
-        cutoff: Of the parallel filter [Hz]; above the fastest motion, below the noise.
+            count less), "gls" (whitened by a model of the noise; only where the model of the leg is right), "ml"
+            (motion and parameters together; where angles are noisy and the model is right) or "ols". Also an object
+            with settings, such as :class:`exoid.identification.OutputError`.
+        cutoff: Of the parallel filter [Hz]; above the fastest motion, below the noise. None to choose it from the noise
+            of the angles, at most 8 Hz, see :func:`exoid.signals.choose_cutoff`.
         preparation: Another way from a recording to rows, such as :class:`exoid.signals.MovingAverage`, or its name:
             "finite-difference" (doc. 1), "moving-average" (doc. 2), "smoothed"; ``cutoff`` then does not apply.
         noise: What the covariance assumes of the torque noise: "correlated" (its autocorrelation is estimated from the
@@ -76,8 +79,7 @@ def identify(
         >>> est = identify(leg, Recording.from_csv("log.csv"))  # doctest: +SKIP
     """
     recordings = _recordings(recordings)
-    if estimator not in ESTIMATORS:
-        raise ExoidError(f"no estimator {estimator!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
+    estimate = find_estimator(estimator)
     if noise not in NOISES:
         raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
     terms = _terms(terms)
@@ -87,9 +89,11 @@ def identify(
     refuse_still_joints(model, recordings, assumed.names)
     if isinstance(preparation, str):
         preparation = preparation_by_name(preparation)
-    preparation = ZeroPhase(cutoff) if preparation is None else preparation
+    if preparation is None:
+        selected = (for_leg(model, data) for data in recordings)
+        preparation = ZeroPhase(choose_cutoff(selected) if cutoff is None else cutoff)
     refuse_dead_torques(model, recordings)
-    fitted = fit_model(Task(leg, terms, recordings, preparation, estimator, assumed=assumed))
+    fitted = fit_model(Task(leg, terms, recordings, preparation, estimate, assumed=assumed))
     problem, fit = fitted.problem, fitted.fit
     solution, count = fit.solution, len(fitted.values)
     covariance, noises = solution.covariance, fit.noises
@@ -114,7 +118,7 @@ def identify(
         condition_number=solution.condition_number,
         dof=dof,
         residual_rms=np.array(residuals),
-        estimator=estimator,
+        estimator=fit.name or name_of(estimate),
         preparation=preparation,
         inputs=inputs,
         noise=judged,

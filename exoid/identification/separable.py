@@ -12,7 +12,7 @@ from exoid.errors import ExoidError
 from exoid.torques import Shape, TorqueModel, free_shapes, with_shapes
 from exoid.torques.linearised import linearise
 
-from .estimators import ESTIMATORS
+from .estimators import find_estimator
 from .fitting import Fitted, Start, Task, starting_model
 from .problem import Problem
 from .rows import join, make_triangle, refuse_empty_joints
@@ -77,7 +77,7 @@ def fit_model(task: Task, start: Start | None = None) -> Fitted:
         model = TorqueModel(leg, task.terms)
         problem = task.problem(model)
         refuse_empty_joints(model, [join(group) for group in zip(*problem.groups, strict=True)])
-        fit = ESTIMATORS[task.estimator](problem)
+        fit = find_estimator(task.estimator)(problem)
         return Fitted(model, fit.solution.values, Shapes(), problem, fit, fit.remarks)
     search = _Search(task, shapes, start)
     if start is None:
@@ -132,7 +132,7 @@ class _Search:
         unsettled: tuple[str, ...] = ()
         for _ in range(POLISH):
             problem = self._problem(tuple(held))
-            fit = ESTIMATORS[self.task.estimator](problem)
+            fit = find_estimator(self.task.estimator)(problem)
             found = dict(zip(problem.names, fit.solution.values, strict=True))
             before = self._vector(problem.names)
             moved = fit.solution.values - before

@@ -1,12 +1,14 @@
 """A virtual rig: the truth, actuators and sensors of exoskeleton legs on a jig, to try experiments on."""
 
 from .actuators import Actuator, DcMotor, Drive, HydraulicServo, IdealTorque
+from .continuous import Followed, follow
 from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
 from .payload import Payload, load_leg_with, load_plant, sandbags
 from .pinocchio_stepper import PinocchioStepper
 from .plant import Plant
 from .sensors import Sensors
 from .simulate import Energy, Rates, Run, simulate
+from .smooth_stepper import SmoothStepper
 from .stepper import PlanarStepper, Step, Stepper
 
 __all__ = [
@@ -15,6 +17,7 @@ __all__ = [
     "DcMotor",
     "Drive",
     "Energy",
+    "Followed",
     "HydraulicServo",
     "IdealTorque",
     "Payload",
@@ -27,9 +30,11 @@ __all__ = [
     "Reference",
     "Run",
     "Sensors",
+    "SmoothStepper",
     "Step",
     "Stepper",
     "Target",
+    "follow",
     "load_leg_with",
     "load_plant",
     "sandbags",

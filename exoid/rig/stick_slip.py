@@ -80,7 +80,7 @@ def solve_stick_slip(M: FloatArray, impulse: FloatArray, friction: Friction, las
         slip, right = _go_on(M, impulse, friction, last, pattern, resting)
     else:
         taken = friction.kinetic * pattern
-        slip = Slip(last + _eliminate(M, impulse - taken), taken)
+        slip = Slip(last + eliminate(M, impulse - taken), taken)
         right = slip.v * pattern > 0.0
     if not right.all():
         rigs = np.flatnonzero(~right.all(axis=0))
@@ -118,7 +118,7 @@ def _go_on(
     """Solve for a pattern with some joints at rest, and tell which joints it is right for."""
     stopped = last * resting  # not zero where a joint runs into its stop
     b = impulse + (M * stopped).sum(axis=1) if stopped.any() else impulse
-    change = _eliminate(M, b - friction.kinetic * pattern, np.abs(pattern))
+    change = eliminate(M, b - friction.kinetic * pattern, np.abs(pattern))
     taken = b - (M * change).sum(axis=1)  # M is symmetric: sums over rows and over columns are alike
     v = last - stopped
     v += change
@@ -156,7 +156,7 @@ def _turn(M: FloatArray, b: FloatArray, friction: Friction, last: FloatArray, sl
 
 def _solve(M: FloatArray, b: FloatArray, friction: Friction, pattern: FloatArray) -> Slip:
     """Solution for a pattern, right or not."""
-    v = _eliminate(M, b - friction.kinetic * pattern, np.abs(pattern))
+    v = eliminate(M, b - friction.kinetic * pattern, np.abs(pattern))
     return Slip(v, b - (M * v).sum(axis=1))
 
 
@@ -168,7 +168,7 @@ def _called_for(friction: Friction, pattern: FloatArray, slip: Slip) -> FloatArr
     return started
 
 
-def _eliminate(M: FloatArray, rhs: FloatArray, moving: FloatArray | None = None) -> FloatArray:
+def eliminate(M: FloatArray, rhs: FloatArray, moving: FloatArray | None = None) -> FloatArray:
     """Solve M v = rhs for joints with ``moving`` = 1 (None: for all), v = 0 for the others.
 
     M is definite, so no pivots are sought. Only the upper triangle is kept up, with the right-hand side as a further

@@ -1,5 +1,6 @@
 """Signals: logs become arrays that can be trusted, and arrays become kinematics."""
 
+from .cutoff import choose_cutoff
 from .differentiation import Kinematics, central_difference, second_difference
 from .filters import edge_length, exponential_moving_average, noise_bandwidth, zero_phase
 from .poses import Approaches, Poses
@@ -28,6 +29,7 @@ __all__ = [
     "Source",
     "ZeroPhase",
     "central_difference",
+    "choose_cutoff",
     "edge_length",
     "exponential_moving_average",
     "noise_bandwidth",

@@ -71,7 +71,7 @@ def document(leg: Leg, duration: float) -> Protocol:
     of Table II do not determine every parameter.
 
     Raises:
-        ExoidError: The leg is of no document.
+        ExoidError: Its joints are not called as those of either leg.
     """
     if leg.joint_labels == ("hip", "knee", "ankle"):
         every = bleex.dynamic_motions()

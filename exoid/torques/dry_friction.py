@@ -66,7 +66,8 @@ class DryFriction(Term):
         if motion.memory is not None:
             out[:] = motion.memory
         elif (smoothing := number(self.smoothing)) > 0.0:
-            np.tanh(np.divide(motion.v, smoothing, out=out), out=out)
+            with np.errstate(over="ignore"):  # a tiny smoothing: tanh of infinity is 1
+                np.tanh(np.divide(motion.v, smoothing, out=out), out=out)
         else:
             np.sign(motion.v, out=out)
         if self.dead_band > 0.0:

@@ -116,8 +116,9 @@ def test_laws_side_by_side_drive_a_leg_each():
 def test_laws_of_different_rates_do_not_go_side_by_side():
     with pytest.raises(ExoidError, match=r"30.*100"):
         SideBySide((pd(KP, KD, rate=30.0), pd(KP, KD)))
-    with pytest.raises(ExoidError, match="2 laws for 3 rigs"):
-        SideBySide((pd(KP, KD), pd(KP, KD))).torque(random_state(shape=(2, 3)), random_target())
+    for shape, word in (((2, 3), "2 laws for 3 rigs"), ((2,), "2 laws for 1 rigs")):
+        with pytest.raises(ExoidError, match=word):
+            SideBySide((pd(KP, KD), pd(KP, KD))).torque(random_state(shape=shape), random_target())
 
 
 @pytest.mark.parametrize("bad", [-1.0, np.nan, (1.0, np.inf), (1.0, -2.0), np.ones((2, 2, 2))])
@@ -143,6 +144,15 @@ def test_bad_rates_are_refused(rate):
 def test_bad_friction_compensation_is_refused(bad):
     with pytest.raises(ExoidError, match="friction compensation"):
         FrictionCompensation(**bad)
+
+
+@pytest.mark.parametrize("shape", [(2,), (2, 4)])
+def test_gains_of_another_number_of_joints_are_refused(shape):
+    state = random_state(shape=shape)
+    target = Target(*np.zeros((3, *shape)))
+    for make in (pd, lambda kp, kd: gravity_friction_pd(LEG, kp, kd)):
+        with pytest.raises(ExoidError, match="3 gains or limits for 2 joints"):
+            make((1.0, 2.0, 3.0), 0.1).torque(state, target)
 
 
 def test_gains_cannot_be_changed_afterwards():

@@ -41,13 +41,13 @@ def assert_recovered(estimate, truth, tolerance):
     assert not wrong.any(), dict(zip(np.array(estimate.names)[wrong], estimate.values[wrong], strict=True))
 
 
-@pytest.mark.parametrize("estimator", ESTIMATORS)
+@pytest.mark.parametrize("estimator", sorted(set(ESTIMATORS) - {"ml"}))
 def test_exact_kinematics_give_the_parameters_back(swing, estimator):
     estimate = exoid.identify(swing.leg, swing.recording(), TERMS, estimator, preparation=FiniteDifference())
     assert_recovered(estimate, swing.truth, 1e-8)
 
 
-@pytest.mark.parametrize("estimator", ESTIMATORS)
+@pytest.mark.parametrize("estimator", sorted(set(ESTIMATORS) - {"ml"}))
 def test_the_parallel_filter_biases_nothing(swing, estimator):
     """Columns and torque pass the same filter; with the kinematics filter out of the way nothing else is left."""
     preparation = ZeroPhase(cutoff=6.0, kinematics_cutoff=0.49 * swing.rate)

@@ -14,7 +14,7 @@ import exoid
 from exoid import Armature, Coulomb, Estimate, Offset, Recording, Stiffness, Viscous
 from exoid.identification.estimators import ESTIMATORS
 from exoid.signals import FiniteDifference
-from exoid.torques import TorqueModel
+from exoid.torques import JointMotion, TorqueModel
 
 SPEEDS = st.floats(0.0, 10.0)
 TERMS = st.one_of(
@@ -32,7 +32,7 @@ STATES = st.floats(-1e6, 1e6)
 def test_every_term_is_finite_and_friction_is_odd_and_dissipates(term, state, scale):
     q, v, a = (np.array([x, -x, 0.0, scale * x]) for x in state)
     columns = np.full((len(term.symbols), 4), np.nan)
-    term.fill(q, v, a, columns)
+    term.fill(JointMotion(q, v, a, load=q), columns)
     assert np.isfinite(columns).all()
     assert len(term.units) == len(term.symbols)
     assert term.usable(v).shape == (4,)

@@ -1,13 +1,29 @@
-"""Estimators by name: from a problem to parameters."""
+"""Estimators: from a problem to parameters."""
 
-from collections.abc import Mapping
-
-from .fit import Estimator, Fit, Reduced
+from .by_name import ESTIMATORS, find_estimator
+from .closed_loop import ClosedLoop
+from .fit import Estimator, Fit, Reduced, name_of
 from .gls import gls
 from .huber import huber
+from .instrumental import InstrumentalVariables
+from .joint_ml import JointML
 from .ols import ols
+from .output_error import OutputError
 from .wls import wls
 
-ESTIMATORS: Mapping[str, Estimator] = {"gls": gls, "huber": huber, "ols": ols, "wls": wls}
-
-__all__ = ["ESTIMATORS", "Estimator", "Fit", "Reduced", "gls", "huber", "ols", "wls"]
+__all__ = [
+    "ESTIMATORS",
+    "ClosedLoop",
+    "Estimator",
+    "Fit",
+    "InstrumentalVariables",
+    "JointML",
+    "OutputError",
+    "Reduced",
+    "find_estimator",
+    "gls",
+    "huber",
+    "name_of",
+    "ols",
+    "wls",
+]

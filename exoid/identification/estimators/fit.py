@@ -40,6 +40,7 @@ class Fit(NamedTuple):
         clip: Weighted residuals beyond this counted as this.
         noises: The noise that the covariance is for; None if it still has to be found.
         remarks: What the reader should know.
+        name: Of the estimator with the settings that it chose; "" for its own name.
     """
 
     solution: Solution
@@ -47,6 +48,7 @@ class Fit(NamedTuple):
     clip: float = np.inf
     noises: Noises | None = None
     remarks: tuple[str, ...] = ()
+    name: str = ""
 
     @property
     def point(self) -> Point:
@@ -55,3 +57,9 @@ class Fit(NamedTuple):
 
 
 Estimator = Callable[[Problem], Fit]
+"""A function, or an object with settings such as :class:`exoid.identification.estimators.JointML`."""
+
+
+def name_of(estimator: Estimator) -> str:
+    """Name of an estimator, for evidence."""
+    return str(getattr(estimator, "name", None) or getattr(estimator, "__name__", type(estimator).__name__))

@@ -1,0 +1,36 @@
+"""Estimators by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from exoid.errors import ExoidError
+
+from .fit import Estimator
+from .gls import gls
+from .huber import huber
+from .instrumental import InstrumentalVariables
+from .joint_ml import JointML
+from .ols import ols
+from .output_error import OutputError
+from .wls import wls
+
+ESTIMATORS: Mapping[str, Estimator] = {"gls": gls, "huber": huber, "ml": JointML(), "ols": ols, "wls": wls}
+"""Estimators that need no settings."""
+
+NEED_LOOP: Mapping[str, Estimator] = {"iv": InstrumentalVariables(), "output-error": OutputError()}
+"""Estimators that need a :class:`ClosedLoop`, and say so when they are used without."""
+
+
+def find_estimator(given: str | Estimator) -> Estimator:
+    """Look an estimator up by name; an estimator stays what it is.
+
+    Raises:
+        ExoidError: There is none of that name.
+    """
+    if callable(given):
+        return given
+    known = {**ESTIMATORS, **NEED_LOOP}
+    if given not in known:
+        raise ExoidError(f"no estimator {given!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
+    return known[given]

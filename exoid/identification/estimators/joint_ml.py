@@ -1,0 +1,156 @@
+"""Joint maximum likelihood: the motion and the parameters at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.identification.problem import Problem
+from exoid.identification.residuals import Point, fit_noise
+from exoid.identification.rows import for_leg, make_rows
+from exoid.signals import Poses, Recording, ZeroPhase
+from exoid.torques import Term, TorqueModel
+from exoid.torques.dry_friction import DryFriction
+
+from .default_start import default_preparation, default_start, refuse_other_friction
+from .fit import Fit
+from .motion_fit import MotionFit, fit_motion
+from .motion_system import Moving, Still
+from .wls import wls
+
+COARSE = 0.04
+"""Knot spacing [s] to begin with."""
+
+LADDER = math.sqrt(2.0)
+"""Ratio of one knot spacing that is tried to the next."""
+
+FINEST = 2.0
+"""Knots of the ladder are at least so many samples apart."""
+
+CLOSEST = 1.5
+"""Knots closer than so many samples are refused: measurements would not hold the motion."""
+
+COARSEST = 0.64
+"""Largest knot spacing that is tried [s]."""
+
+ROUGHLY = 0.05
+"""How far a fit goes on a rung of the ladder, see :data:`exoid.identification.estimators.motion_fit.SETTLED`."""
+
+SHARP = 0.01
+"""A sharp sign of the velocity is taken as a smooth one over this velocity [rad/s]."""
+
+
+@dataclass(frozen=True)
+class JointML:
+    """Joint maximum likelihood of motion and parameters.
+
+    Each joint's angle is a quintic spline q(t). Spline and parameters together minimise
+
+        Σ (q_t − q(t))² / σ_q² + Σ (τ_t − W(q(t), q̇(t), q̈(t)) β)² / σ_τ²
+
+    over unfiltered samples, with σ_q and σ_τ of each joint estimated too. The torque thus helps to find the motion, and
+    noise in the angles does not bias β as it does where W is formed from angles as measured. Right if the noise of
+    angles and of torques is white; no controller needs to be known. Torques of poses join in, their angles count as
+    exact. Recorded velocities and accelerations are not used. Where Coulomb friction has a sharp sign, it is smoothed
+    over 0.01 rad/s; samples in a dead band count as angles, not as torques.
+
+    Attributes:
+        spacing: Of the knots [s]; None to try a geometric ladder of them and take the one below that which generalised
+            cross-validation prefers: a little more variance, but no bias that intervals do not know of.
+    """
+
+    spacing: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check the spacing."""
+        if self.spacing is not None and not 0.0 < self.spacing < math.inf:
+            raise ExoidError(f"knots every {self.spacing} s", remedy="give a positive spacing in seconds, or None")
+
+    @property
+    def name(self) -> str:
+        """``"ml"``, with the spacing if it is given."""
+        return "ml" if self.spacing is None else f"ml(spacing={self.spacing:.4g})"
+
+    def __call__(self, problem: Problem) -> Fit:
+        """Start from weighted least squares on filtered rows, and fit."""
+        refuse_other_friction(problem.model, "ml")
+        first = wls(problem)
+        model = smooth(problem.model)
+        preparation = default_preparation(problem)
+        recordings = [data for data in problem.data if isinstance(data, Recording)]
+        moving = [_moving(problem.model, data, preparation) for data in recordings]
+        still = [_still(problem, data) for data in problem.data if isinstance(data, Poses)]
+        fit = partial(
+            fit_motion, model, still=still, solve=problem.solve, priors=problem.assumed.pseudo_rows(problem.names)
+        )
+        values, spacing = default_start(problem), self.spacing
+        interval = max(float(np.median(np.diff(data.time))) for data in moving)
+        if spacing is None:
+            rough = _best(fit, moving, values, FINEST * interval * (1.0 - 1e-9))
+            moving, values, spacing = _on(moving, rough), rough.solution.values, rough.spacing
+            if spacing / LADDER >= FINEST * interval * (1.0 - 1e-9):
+                spacing /= LADDER
+        elif spacing < CLOSEST * interval * (1.0 - 1e-9):
+            raise ExoidError(
+                f"knots every {spacing:g} s are closer than {CLOSEST:g} samples",
+                remedy=f"choose a spacing of at least {CLOSEST * interval:.3g} s, or None",
+            )
+        return _as_fit(problem, first, fit(moving, values=values, spacing=spacing))
+
+
+def smooth(model: TorqueModel) -> TorqueModel:
+    """The same model with friction that can be differentiated."""
+    return TorqueModel(model.leg, tuple(_smooth(term) for term in model.terms))
+
+
+def _smooth(term: Term) -> Term:
+    if isinstance(term, DryFriction):
+        return replace(term, smoothing=term.smoothing or SHARP, dead_band=0.0)
+    return term
+
+
+def _moving(model: TorqueModel, recording: Recording, preparation: ZeroPhase) -> Moving:
+    recording = replace(for_leg(model, recording).resampled(), v=None, a=None)
+    q, v, _, _ = preparation.kinematics(recording)
+    usable = model.usable(v).astype(np.float64)
+    return Moving(recording.time, recording.q, np.asarray(recording.tau), usable, q, recording.torso)
+
+
+def _still(problem: Problem, poses: Poses) -> Still:
+    rows = make_rows(problem.model, poses, problem.preparation)
+    return Still(rows.W, rows.tau)
+
+
+def _on(moving: Sequence[Moving], found: MotionFit) -> list[Moving]:
+    """Begin with the motions that were found."""
+    return [data._replace(smooth=q) for data, q in zip(moving, found.motions, strict=True)]
+
+
+def _best(fit: Callable[..., MotionFit], moving: Sequence[Moving], values: FloatArray, finest: float) -> MotionFit:
+    """Walk along the ladder of spacings, finer or else coarser, as long as the criterion falls."""
+    best = first = fit(moving, values=values, spacing=max(COARSE, finest), settled=ROUGHLY)
+    for ratio in (1.0 / LADDER, LADDER):
+        here = first.spacing * ratio
+        while finest <= here <= COARSEST:
+            found = fit(_on(moving, best), values=best.solution.values, spacing=here, settled=ROUGHLY)
+            if not found.criterion < best.criterion:
+                break
+            best, here = found, here * ratio
+        if best is not first:
+            break
+    return best
+
+
+def _as_fit(problem: Problem, first: Fit, found: MotionFit) -> Fit:
+    """Describe the noise of the filtered rows too, as for other estimators."""
+    solution = found.solution._replace(inverse=first.solution.inverse, prior_noise=first.solution.prior_noise)
+    noises = fit_noise(problem, Point(solution.values, first.weights), solution.covariance)
+    remarks = () if found.converged else ("the joint fit of motion and parameters has not converged: prefer wls",)
+    name = f"ml(spacing={found.spacing:.4g})"
+    return Fit(solution, first.weights, noises=noises, remarks=remarks, name=name)

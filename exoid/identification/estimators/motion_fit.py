@@ -1,0 +1,102 @@
+"""Motion and parameters together, for given knots: Gauss–Newton on angles and torques, noise levels in turn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.identification.least_squares import Solution
+from exoid.identification.rows import Triangle
+from exoid.torques import TorqueModel
+
+from .bordered import eliminate
+from .motion_system import Levels, Moving, Still, System
+from .trajectory import Trajectory
+
+ROUNDS = 30
+"""Gauss–Newton steps at most."""
+
+SETTLED = 1e-3
+"""Converged when no parameter moves by more than this part of its standard deviation, and no noise level by more."""
+
+
+class MotionFit(NamedTuple):
+    """Result for given knots.
+
+    Attributes:
+        solution: β, and its covariance after the motions were eliminated.
+        spacing: Of the knots [s].
+        levels: Noise.
+        motions: Fitted angles of each recording [rad], (N, n).
+        criterion: Generalised cross-validation, Σ N ln(mean squared residual / (1 − t)²) over the angles and torques of
+            each joint, t the share of their degrees of freedom that the fit took: what residuals would be at samples
+            that were left out.
+        converged: Whether steps had become small.
+    """
+
+    solution: Solution
+    spacing: float
+    levels: Levels
+    motions: list[FloatArray]
+    criterion: float
+    converged: bool
+
+
+def fit_motion(
+    model: TorqueModel,
+    moving: Sequence[Moving],
+    still: Sequence[Still],
+    values: FloatArray,
+    spacing: float,
+    solve: Callable[[Triangle], Solution],
+    priors: FloatArray,
+    settled: float = SETTLED,
+) -> MotionFit:
+    """Minimise Σ (q_t − q(t))² / σ_q² + Σ (τ_t − W(q(t), q̇(t), q̈(t)) β)² / σ_τ² over splines q(t) and β.
+
+    The noise levels follow in turn, σ² = Σ residual² / (N − what the fit took away), with that share from the trace of
+    the hat matrix, estimated by random vectors (the same in every round).
+
+    Args:
+        model: With smooth friction.
+        moving: Recordings.
+        still: Poses.
+        values: β to begin with.
+        spacing: Of the knots [s].
+        solve: For β, with what is known beside the rows.
+        priors: Rows of unit variance that it adds, as [W τ], (K, P + 1).
+        settled: When to stop.
+    """
+    system = System(model, moving, still, priors, [Trajectory.on(data.time, spacing) for data in moving])
+    state = system.begin(values)
+    levels = system.levels(system.residuals(state), None)
+    for _ in range(ROUNDS):
+        rows = system.linearise(state, levels)
+        reduced = [eliminate(trajectory, part) for trajectory, part in zip(system.trajectories, rows, strict=True)]
+        matrix, gradient = system.join(reduced, state, levels)
+        solution = solve(_as_triangle(matrix, gradient + matrix @ state.values, system.redundancy(state)))
+        before, state, full = state, *system.descend(state, levels, reduced, solution.values - state.values)
+        taken = system.taken(rows, reduced, solution.covariance, levels)
+        old, levels = levels, system.levels(system.residuals(state), taken)
+        std = np.sqrt(np.diag(solution.covariance))
+        moved = np.abs(state.values - before.values) / np.where(std > 0.0, std, np.inf)
+        changed = max(float(np.abs(np.log(a / b)).max()) for a, b in zip(levels, old, strict=True))
+        converged = full and max(float(moved.max()), changed) < settled
+        if converged:
+            break
+    motions = [t.at_samples(c)[0] for t, c in zip(system.trajectories, state.coefficients, strict=True)]
+    criterion = system.criterion(system.residuals(state), levels)
+    return MotionFit(solution._replace(values=state.values), spacing, levels, motions, criterion, converged)
+
+
+def _as_triangle(matrix: FloatArray, right: FloatArray, redundancy: int) -> Triangle:
+    """Rows of unit noise that have these normal equations."""
+    count = len(right)
+    root = np.linalg.cholesky(matrix)
+    R = np.zeros((count + 1, count + 1))
+    R[:count, :count], R[:count, count] = root.T, np.linalg.solve(root, right)
+    R[count, count] = np.sqrt(redundancy)
+    return Triangle(R, redundancy + count, float(redundancy + count))

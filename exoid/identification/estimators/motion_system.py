@@ -1,0 +1,225 @@
+"""Angles and torques of recordings as one least-squares problem in their motions and in β, for given knots."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.torques import Motion, TorqueModel
+from exoid.torso import TorsoMotion
+
+from .bordered import Reduced, Rows
+from .sensitivity import respond, torque
+from .trajectory import WIDTH, Trajectory
+
+HALVINGS = 10
+"""A step that does not reduce the sum of squares is halved so often."""
+
+PROBES = 6
+"""Random vectors with which traces are estimated."""
+
+QUIET = 1e-9
+"""Noise below this [rad], or part of the torque, is rounding."""
+
+
+class Moving(NamedTuple):
+    """What one recording says.
+
+    Attributes:
+        time: [s], (N,).
+        q: Measured angles [rad], (N, n).
+        tau: Measured torques [N·m], (N, n).
+        usable: 1, or 0 for torques that are left out, (N, n).
+        smooth: Angles to begin with [rad], (N, n).
+        torso: How the torso was held.
+    """
+
+    time: FloatArray
+    q: FloatArray
+    tau: FloatArray
+    usable: FloatArray
+    smooth: FloatArray
+    torso: TorsoMotion | None
+
+
+class Still(NamedTuple):
+    """Poses, whose angles count as exact: W (K, n, P) and torques [N·m], (K, n)."""
+
+    W: FloatArray
+    tau: FloatArray
+
+
+class Levels(NamedTuple):
+    """Standard deviations of the noise of each joint, (n,) each.
+
+    Attributes:
+        angle: [rad].
+        torque: [N·m].
+        still: Of the torques of poses [N·m].
+    """
+
+    angle: FloatArray
+    torque: FloatArray
+    still: FloatArray
+
+
+class State(NamedTuple):
+    """Splines of all recordings, and β."""
+
+    coefficients: list[FloatArray]
+    values: FloatArray
+
+
+class Residuals(NamedTuple):
+    """Unweighted: angles, torques (zero where not usable), torques of poses; those of all recordings stacked."""
+
+    angle: FloatArray
+    torque: FloatArray
+    still: FloatArray
+
+
+class System(NamedTuple):
+    """The least-squares problem for given knots."""
+
+    model: TorqueModel
+    moving: Sequence[Moving]
+    still: Sequence[Still]
+    priors: FloatArray
+    trajectories: list[Trajectory]
+
+    def begin(self, values: FloatArray) -> State:
+        """Splines through the smoothed angles."""
+        coefficients = [t.through(data.smooth) for t, data in zip(self.trajectories, self.moving, strict=True)]
+        return State(coefficients, values)
+
+    def residuals(self, state: State) -> Residuals:
+        """What is measured less what is predicted."""
+        angle, moving = [], []
+        for data, trajectory, coefficients in zip(self.moving, self.trajectories, state.coefficients, strict=True):
+            motion = Motion(*trajectory.at_samples(coefficients), data.torso)
+            angle.append(data.q - motion.q)
+            moving.append((data.tau - torque(self.model.columns(motion), state.values)) * data.usable)
+        n = moving[0].shape[1]
+        still = [data.tau - data.W @ state.values for data in self.still]
+        return Residuals(np.vstack(angle), np.vstack(moving), np.vstack([np.zeros((0, n)), *still]))
+
+    def linearise(self, state: State, levels: Levels) -> list[Rows]:
+        """Weighted residuals and derivatives, recording by recording."""
+        rows = []
+        for data, trajectory, coefficients in zip(self.moving, self.trajectories, state.coefficients, strict=True):
+            motion = Motion(*trajectory.at_samples(coefficients), data.torso)
+            W, to_motion = respond(self.model, state.values, motion)
+            weight = data.usable / levels.torque
+            to_motion *= weight[None, :, :, None]
+            J = sum(
+                d[:, :, None, :] * near[:, None, :, None] for d, near in zip(to_motion, trajectory.basis, strict=True)
+            )
+            residual = (data.tau - torque(W.transpose(2, 1, 0), state.values)) * weight
+            angle = (data.q - motion.q) / levels.angle
+            J = np.reshape(J, (len(weight), weight.shape[1], -1))
+            rows.append(Rows(residual, angle, J, W * weight[..., None], 1.0 / levels.angle))
+        return rows
+
+    def join(self, reduced: Sequence[Reduced], state: State, levels: Levels) -> tuple[FloatArray, FloatArray]:
+        """Add up recordings and poses."""
+        matrix = sum((part.matrix for part in reduced), np.zeros((len(state.values),) * 2))
+        gradient = sum((part.gradient for part in reduced), np.zeros(len(state.values)))
+        for data in self.still:
+            W = data.W / levels.still[:, None]
+            matrix = matrix + np.einsum("tip,tiq->pq", W, W)
+            gradient = gradient + np.einsum("tip,ti->p", W, (data.tau - data.W @ state.values) / levels.still)
+        return matrix, gradient
+
+    def descend(self, state: State, levels: Levels, reduced: Sequence[Reduced], step: FloatArray) -> tuple[State, bool]:
+        """Go as far along the Gauss–Newton step as the sum of squares falls, and say whether that is all of it."""
+        n = len(levels.angle)
+        turns = [(part.free - part.coupling @ step).reshape(-1, n) for part in reduced]
+        before, share = self.squares(state, levels), 1.0
+        for _ in range(HALVINGS):
+            there = State(
+                [c + share * turn for c, turn in zip(state.coefficients, turns, strict=True)],
+                state.values + share * step,
+            )
+            if self.squares(there, levels) <= before * (1.0 + 1e-12):
+                return there, share == 1.0
+            share *= 0.5
+        return state, True
+
+    def squares(self, state: State, levels: Levels) -> float:
+        """Weighted sum of squares, priors among them."""
+        believed = float(((self.priors @ np.append(state.values, -1.0)) ** 2).sum())
+        return believed + sum(
+            float(((residual / level) ** 2).sum())
+            for residual, level in zip(self.residuals(state), levels, strict=True)
+        )
+
+    def levels(self, residuals: Residuals, taken: FloatArray | None) -> Levels:
+        """Noise levels, corrected for what the fit has taken away."""
+        taken = np.zeros((3, residuals.angle.shape[1])) if taken is None else taken
+        squares = [(residual**2).sum(axis=0) for residual in residuals]
+        quiet = QUIET * max(float(np.abs(data.tau).max()) for data in self.moving)
+        return Levels(
+            *(
+                np.maximum(np.sqrt(total / np.maximum(count - lost, 1.0)), least)
+                for total, count, lost, least in zip(squares, self.counts(), taken, (QUIET, quiet, quiet), strict=True)
+            )
+        )
+
+    def redundancy(self, state: State) -> int:
+        """Measured numbers less unknowns."""
+        unknown = sum(c.size for c in state.coefficients) + len(state.values)
+        return max(1, int(np.sum(self.counts())) - unknown)
+
+    def counts(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Angles, usable torques and poses of each joint."""
+        usable = np.sum([data.usable.sum(axis=0) for data in self.moving], axis=0)
+        every = np.full_like(usable, sum(len(data.q) for data in self.moving))
+        return every, usable, np.full_like(usable, sum(len(data.tau) for data in self.still))
+
+    def criterion(self, residuals: Residuals, levels: Levels) -> float:
+        """See :attr:`MotionFit.criterion`; σ² = Σ residual² / (N (1 − t)), and of t only this is needed."""
+        total = 0.0
+        for residual, level, count in zip(residuals, levels, self.counts(), strict=True):
+            mean = np.maximum((residual**2).sum(axis=0) / np.maximum(count, 1.0), np.finfo(float).tiny)
+            total += float((count * (4.0 * np.log(level) - np.log(mean))).sum())
+        return total
+
+    def taken(
+        self, rows: Sequence[Rows], reduced: Sequence[Reduced], covariance: FloatArray, levels: Levels
+    ) -> FloatArray:
+        """Degrees of freedom that angles, torques and poses of each joint have lost to the fit, (3, n).
+
+        The trace of a block of the hat matrix A is the mean of zᵀ A z over random signs z.
+        """
+        rng = np.random.default_rng(0)
+        n = len(levels.angle)
+        still = [data.W / levels.still[:, None] for data in self.still]
+        probes, seen = [], []
+        right = np.zeros((len(covariance), PROBES))
+        for trajectory, part, eliminated in zip(self.trajectories, rows, reduced, strict=True):
+            z = rng.choice([-1.0, 1.0], (2, *part.torque.shape, PROBES))
+            local = (part.J.transpose(0, 2, 1) @ z[0]).reshape(len(z[0]), WIDTH, n, PROBES)
+            local += trajectory.basis[0][:, :, None, None] * (part.angle_weight[:, None] * z[1])[:, None]
+            of_motion = trajectory.overlap(trajectory.grouped(local).sum(axis=1)).reshape(-1, PROBES)
+            right += np.einsum("tip,tim->pm", part.W, z[0]) - eliminated.coupling.T @ of_motion
+            probes.append(z)
+            seen.append(of_motion)
+        exact = np.zeros(n)
+        for W in still:
+            exact += np.einsum("tip,pq,tiq->i", W, covariance, W)
+        values = covariance @ right
+        taken = np.zeros((3, n))
+        for trajectory, part, eliminated, z, of_motion in zip(
+            self.trajectories, rows, reduced, probes, seen, strict=True
+        ):
+            motion = (eliminated.solve(of_motion) - eliminated.coupling @ values).reshape(-1, n, PROBES)
+            near = trajectory.near(motion)
+            answer = part.J @ near.reshape(len(near), -1, PROBES) + part.W @ values
+            angles = np.einsum("tk,tkjm->tjm", trajectory.basis[0], near) * part.angle_weight[:, None]
+            taken[0] += (angles * z[1]).sum(axis=0).mean(axis=-1)
+            taken[1] += (answer * z[0]).sum(axis=0).mean(axis=-1)
+        taken[2] = exact
+        return taken

@@ -1,0 +1,213 @@
+"""Output error: the parameters with which a simulated loop behaves as the real one did (DIDIM)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.identification.least_squares import Solution, solve
+from exoid.identification.noise import AutoregressiveNoise, autocovariance_sums
+from exoid.identification.problem import Problem
+from exoid.identification.residuals import Point, fit_noise
+from exoid.identification.rows import Triangle, for_leg, make_rows, make_triangle
+from exoid.signals import Poses
+
+from .closed_loop import ClosedLoop, as_possible
+from .default_start import default_start, refuse_other_friction
+from .fit import Fit
+from .wls import wls
+
+ROUNDS = 12
+"""Gauss–Newton steps at most."""
+
+HALVINGS = 6
+"""A step that does not reduce the sum of squares is halved so often."""
+
+SETTLED = 1e-2
+"""Converged when no parameter moves by more than this part of its standard deviation,"""
+
+EXACT = 1e-9
+"""or by this part of itself."""
+
+DIFFERENCE = 1e-3
+"""Part of a parameter by which it is changed to see what the simulation answers."""
+
+LARGEST_ORDER = 30
+"""Of the autoregressive model of the residuals."""
+
+NEEDS_LOOP = "OutputError(ClosedLoop(controller, reference))"
+
+
+@dataclass(frozen=True)
+class OutputError:
+    """Output error: simulate the closed loop with the model, and match measured angles and torques.
+
+    Gauss–Newton from weighted least squares, with halved steps. Derivatives are differences of rigs simulated side by
+    side, one for each parameter. Angles and torques of each joint are weighted by their residuals. Nothing measured
+    enters the regressor, so that noise in the angles biases nothing, and no filter is needed: the most precise
+    estimator where the loop is known and the model is right. Friction and rotor inertia are kept from being negative.
+    The covariance allows for correlated residuals.
+
+    Attributes:
+        loop: Controller, reference and actuator of all recordings.
+    """
+
+    loop: ClosedLoop | None = None
+
+    @property
+    def name(self) -> str:
+        """``"output-error"``."""
+        return "output-error"
+
+    def __call__(self, problem: Problem) -> Fit:
+        """Fit.
+
+        Raises:
+            ExoidError: No loop was given, or it cannot be simulated.
+        """
+        if self.loop is None:
+            raise ExoidError(
+                "output error simulates the loop, and must know its controller and reference",
+                remedy=f"pass estimator={NEEDS_LOOP}, or use ml, which needs neither",
+            )
+        refuse_other_friction(problem.model, "output error")
+        first = wls(problem)
+        matching = _Matching(self.loop, problem)
+        values = as_possible(problem.model, default_start(problem))
+        answer = matching.answer(values, np.sqrt(np.diag(first.solution.covariance)))
+        converged = False
+        for _ in range(ROUNDS):
+            scales = answer.scales()
+            solution = matching.solve(answer, scales, values)
+            step, std = solution.values - values, np.sqrt(np.diag(solution.covariance))
+            converged = bool((np.abs(step) <= np.maximum(SETTLED * std, EXACT * np.abs(values))).all())
+            if converged:
+                break
+            moved = _descend(matching, answer, scales, values, step, std)
+            if moved is None:
+                converged = True  # no step reduces the sum of squares any further
+                break
+            values, answer = moved
+        return _as_fit(matching, first, values, answer, converged)
+
+
+class _Series(NamedTuple):
+    """Residuals of one output in time order, and its derivatives: (N,) and (N, P)."""
+
+    group: int
+    residual: FloatArray
+    J: FloatArray
+    independent: bool
+
+
+class _Answer(NamedTuple):
+    """What the simulation misses, output by output; a group of outputs shares a noise level."""
+
+    series: Sequence[_Series]
+
+    def scales(self) -> FloatArray:
+        """Root mean square residual of each group."""
+        groups = 1 + max(part.group for part in self.series)
+        total, count = np.zeros((2, groups))
+        for part in self.series:
+            total[part.group] += part.residual @ part.residual
+            count[part.group] += len(part.residual)
+        tiny = np.finfo(float).tiny
+        return np.maximum(np.sqrt(total / np.maximum(count, 1.0)), tiny**0.25)
+
+    def squares(self, scales: FloatArray) -> float:
+        """Weighted sum of squares."""
+        return sum(float(np.sum((part.residual / scales[part.group]) ** 2)) for part in self.series)
+
+    def triangle(self, scales: FloatArray, values: FloatArray) -> Triangle:
+        """Of the weighted rows, linearised about values."""
+        tables = [
+            np.column_stack([part.J, part.residual + part.J @ values]) / scales[part.group] for part in self.series
+        ]
+        table = np.vstack(tables)
+        return make_triangle(table, len(table), float(len(table)))
+
+
+class _Matching(NamedTuple):
+    loop: ClosedLoop
+    problem: Problem
+
+    def solve(self, answer: _Answer, scales: FloatArray, values: FloatArray) -> Solution:
+        """One Gauss–Newton step, with what is known beside the recordings, and nothing negative that cannot be."""
+        assumed, model = replace(self.problem.assumed, nonnegative=True), self.problem.model
+        return solve(answer.triangle(scales, values), model.names, assumed, model.nonnegative)
+
+    def squares(self, answer: _Answer, scales: FloatArray, values: FloatArray) -> float:
+        """Weighted sum of squares, priors among them."""
+        priors = self.problem.assumed.pseudo_rows(self.problem.names) @ np.append(values, -1.0)
+        return answer.squares(scales) + float(priors @ priors)
+
+    def answer(self, values: FloatArray, std: FloatArray) -> _Answer:
+        """Simulate at values and beside them."""
+        model = self.problem.model
+        change = np.maximum(DIFFERENCE * np.abs(values), 0.1 * std)
+        beside = values[:, None] + np.column_stack([np.zeros(len(values)), np.diag(change)])
+        series: list[_Series] = []
+        n = len(model.leg.joint_names)
+        for data in self.problem.data:
+            if isinstance(data, Poses):
+                rows = make_rows(model, data, self.problem.preparation)
+                residual = rows.tau - rows.W @ values
+                series += [_Series(2 * n + j, residual[:, j], rows.W[:, j], True) for j in range(n)]
+                continue
+            recording = for_leg(model, data).resampled()
+            ran = self.loop.simulate(model, beside, recording)
+            for group, (measured, simulated) in enumerate(((recording.q, ran.q), (np.asarray(recording.tau), ran.tau))):
+                J = (simulated[..., 1:] - simulated[..., :1]) / change
+                residual = measured - simulated[..., 0]
+                series += [_Series(group * n + j, residual[:, j], J[:, j], False) for j in range(n)]
+        return _Answer(series)
+
+
+def _descend(
+    matching: _Matching, answer: _Answer, scales: FloatArray, values: FloatArray, step: FloatArray, std: FloatArray
+) -> tuple[FloatArray, _Answer] | None:
+    """Halve the step until the sum of squares falls; None where it does not."""
+    before = matching.squares(answer, scales, values)
+    for halving in range(HALVINGS):
+        there = values + 0.5**halving * step
+        try:
+            found = matching.answer(there, std)
+        except ExoidError:  # a step too far diverges
+            continue
+        if matching.squares(found, scales, there) < before:
+            return there, found
+    return None
+
+
+def _as_fit(matching: _Matching, first: Fit, values: FloatArray, answer: _Answer, converged: bool) -> Fit:
+    scales, problem = answer.scales(), matching.problem
+    solution = matching.solve(answer, scales, values)
+    covariance = _sandwich(answer, scales, solution)
+    noises = fit_noise(problem, Point(values, first.weights), covariance)
+    remarks = () if converged else ("output error has not converged: check controller and reference",)
+    solution = solution._replace(
+        values=values,
+        covariance=covariance,
+        inverse=first.solution.inverse,
+        prior_noise=first.solution.prior_noise,
+        bounded=(),
+    )
+    return Fit(solution, first.weights, noises=noises, remarks=remarks)
+
+
+def _sandwich(answer: _Answer, scales: FloatArray, solution: Solution) -> FloatArray:
+    """Covariance with an autoregressive model of the residuals of each output."""
+    meat = solution.prior_noise.copy()
+    for part in answer.series:
+        residual, J = part.residual / scales[part.group], part.J.T / scales[part.group]
+        largest = 0 if part.independent else min(LARGEST_ORDER, len(residual) // 10)
+        gamma = autocovariance_sums(residual, largest) / len(residual)
+        meat += AutoregressiveNoise.from_autocovariances(gamma, len(residual)).quadratic_form(J)
+    covariance = solution.inverse @ meat @ solution.inverse
+    return np.asarray(0.5 * (covariance + covariance.T))

@@ -1,0 +1,110 @@
+"""Smooth angle trajectories: quintic B-splines on even knots, with their derivatives at the samples."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+
+DEGREE = 5
+"""Of the splines: accelerations are then cubic pieces with a continuous slope and curvature."""
+
+WIDTH = DEGREE + 1
+"""Basis functions that are not zero at a sample."""
+
+RIDGE = 1e-10
+"""Part of the diagonal that is added to normal equations: a coefficient that hardly any sample sees does no harm."""
+
+
+class Trajectory(NamedTuple):
+    """Splines q(t) = Σ_k B_k(t) c_k seen at N samples.
+
+    Attributes:
+        basis: The basis functions that are not zero at each sample, and their derivatives, (3, N, 6).
+        interval: Between which knots each sample lies; also the first of those basis functions, (N,).
+        members: Samples in each interval; N where there are fewer than M, (K − 5, M).
+        size: Number of coefficients K of each joint.
+    """
+
+    basis: FloatArray
+    interval: NDArray[np.intp]
+    members: NDArray[np.intp]
+    size: int
+
+    @classmethod
+    def on(cls, time: FloatArray, spacing: float) -> Trajectory:
+        """Lay knots over stamps.
+
+        Args:
+            time: Stamps [s], (N,), increasing.
+            spacing: Of the knots [s]; narrowed a little, so that they fit.
+        """
+        span = float(time[-1] - time[0])
+        intervals = max(1, int(np.ceil(span / spacing - 1e-9)))
+        place = (time - time[0]) * (intervals / span)
+        interval = np.minimum(place.astype(np.intp), intervals - 1)
+        u = place - interval
+        basis = np.array([pieces(u) * (intervals / span) ** k for k, pieces in enumerate(_pieces())])
+        return cls(basis, interval, _members(interval, intervals), intervals + DEGREE)
+
+    def through(self, q: FloatArray) -> FloatArray:
+        """Coefficients, (K, n), of the splines nearest to angles, (N, n)."""
+        near = self.basis[0]
+        sums = self.grouped(near).transpose(0, 2, 1) @ self.grouped(np.concatenate([near, q], axis=1))
+        band = np.zeros((WIDTH, self.size))
+        for column in range(WIDTH):
+            for row in range(column, WIDTH):
+                band[row - column, column : column + len(sums)] += sums[:, row, column]
+        band[0] *= 1.0 + RIDGE
+        right = self.overlap(sums[..., WIDTH:])
+        return np.asarray(scipy.linalg.solveh_banded(band, right, lower=True, check_finite=False))
+
+    def at_samples(self, coefficients: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Angles, velocities and accelerations, (N, n) each, from coefficients, (K, n)."""
+        q, v, a = self.basis[:, :, None, :] @ self.near(coefficients)
+        return q[:, 0], v[:, 0], a[:, 0]
+
+    def grouped(self, x: FloatArray) -> FloatArray:
+        """Sort samples by interval, (N, ...) to (K − 5, M, ...), filled up with zeros."""
+        padded = np.concatenate([x, np.zeros((1, *x.shape[1:]))])
+        return np.asarray(padded[self.members])
+
+    def overlap(self, x: FloatArray) -> FloatArray:
+        """Sum what the intervals say on the 6 coefficients near each, (K − 5, 6, ...) to (K, ...)."""
+        out = np.zeros((self.size, *x.shape[2:]))
+        for k in range(WIDTH):
+            out[k : k + len(x)] += x[:, k]
+        return out
+
+    def near(self, coefficients: FloatArray) -> FloatArray:
+        """Coefficients of the functions that are not zero at each sample, (K, ...) to (N, 6, ...)."""
+        return np.asarray(coefficients[self.interval[:, None] + np.arange(WIDTH)])
+
+
+def _members(interval: NDArray[np.intp], intervals: int) -> NDArray[np.intp]:
+    samples = len(interval)
+    first = np.searchsorted(interval, np.arange(intervals + 1))
+    place = np.arange(samples) - first[interval]
+    members = np.full((intervals, int(np.diff(first).max())), samples, dtype=np.intp)
+    members[interval, place] = np.arange(samples)
+    return members
+
+
+@cache
+def _pieces() -> tuple[scipy.interpolate.PPoly, ...]:
+    """The six pieces of the B-spline on unit knots as functions of the place in an interval, and their derivatives.
+
+    In an interval the function that started there is in its first piece, the one that started five knots before in its
+    last.
+    """
+    spline = scipy.interpolate.BSpline.basis_element(np.arange(WIDTH + 1.0), extrapolate=False)
+    whole = scipy.interpolate.PPoly.from_spline(spline.tck)
+    inner = (whole.x[:-1] >= 0.0) & (whole.x[1:] <= WIDTH) & (np.diff(whole.x) > 0.0)
+    pieces = whole.c[:, inner][:, ::-1]
+    value = scipy.interpolate.PPoly(pieces[:, None, :], np.array([0.0, 1.0]))
+    return value, value.derivative(), value.derivative(2)

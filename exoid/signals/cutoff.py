@@ -1,0 +1,89 @@
+"""The cut-off of the parallel filter, from how far the motion stands out of the noise of the angles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import FloatArray
+
+from .poses import Poses
+from .preparation import ZeroPhase
+from .recording import Recording
+
+CUTOFFS = np.linspace(1.0, 8.0, 71)
+"""Cut-offs that are compared [Hz]: below is motion, above nothing that a leg does."""
+
+NOISE_SHARE = 0.02
+"""Noise of the acceleration, over the acceleration, that rows may have, root mean square.
+
+Noise in a column weakens its parameter by about the square of this: a share of 2 % by 0.04 %.
+"""
+
+UPPER_BAND = 0.6
+"""From this part of half the sampling rate on, angles are taken to be noise."""
+
+KEPT = 0.5
+"""At least this part of each recording is to be left between the ends that filters spoil."""
+
+
+class Bends(NamedTuple):
+    """Sums of squared accelerations up to each of the cut-offs, in the same unit, (71, n) each.
+
+    Attributes:
+        noise: Of the noise of the angles.
+        total: Of the angles as they were recorded.
+    """
+
+    noise: FloatArray
+    total: FloatArray
+
+
+def choose_cutoff(recordings: Iterable[Recording | Poses]) -> float:
+    """Choose the highest cut-off [Hz] at which accelerations derived from noisy angles still are accelerations.
+
+    White noise of power density N in an angle has ω⁴ N in the acceleration. N is the median of the periodogram P of the
+    angle in the upper part of its band, over ln 2. For each joint, over all recordings, noise and signal are compared
+    below the cut-off f:
+
+        Σ ∫₀ᶠ ω⁴ N ≤ 0.02² Σ ∫₀ᶠ ω⁴ P.
+
+    Of the highest f of the joints the lowest counts, between 1 and 8 Hz; where there is none, the f where the noise has
+    the smallest share. Ten times the density of noise lowers it by 10^(1/5). In short recordings it is raised until
+    half of their samples are left between the ends.
+
+    Args:
+        recordings: From which to identify, all of the same joints; poses, and recordings that contain accelerations, do
+            not count.
+    """
+    derived = [data.resampled() for data in recordings if isinstance(data, Recording) and data.a is None]
+    if not derived:
+        return float(CUTOFFS[-1])
+    bends = [_bends(recording) for recording in derived]
+    noise, total = (np.sum(arrays, axis=0) for arrays in zip(*bends, strict=True))
+    share = noise / np.maximum(total, np.finfo(float).tiny)
+    allowed = share <= NOISE_SHARE**2
+    last = len(CUTOFFS) - 1 - np.argmax(allowed[::-1], axis=0)
+    lowest = int(np.where(allowed.any(axis=0), last, np.argmin(share, axis=0)).min())
+    long_enough = (cutoff for cutoff in CUTOFFS[lowest:] if all(_is_long(data, cutoff) for data in derived))
+    return float(next(long_enough, CUTOFFS[-1]))
+
+
+def _bends(recording: Recording) -> Bends:
+    samples = len(recording)
+    windowed = scipy.signal.detrend(recording.q, axis=0) * np.hanning(samples)[:, None]
+    power = np.abs(scipy.fft.rfft(windowed, axis=0)) ** 2 / samples
+    frequency = scipy.fft.rfftfreq(samples, 1.0 / recording.sample_rate)
+    noise = np.median(power[frequency >= UPPER_BAND * frequency[-1]], axis=0) / np.log(2.0)
+    bend = (2.0 * np.pi * frequency[:, None]) ** 4
+    below = np.searchsorted(frequency, CUTOFFS, side="right") - 1
+    return Bends(np.cumsum(bend, axis=0)[below] * noise, np.cumsum(bend * power, axis=0)[below])
+
+
+def _is_long(recording: Recording, cutoff: float) -> bool:
+    rate = recording.sample_rate
+    spoiled = 2 * ZeroPhase(cutoff).edge(rate) if cutoff < 0.4 * rate else len(recording)
+    return spoiled <= (1.0 - KEPT) * len(recording)

@@ -1,0 +1,98 @@
+"""Noise in the angles: how far from the truth the estimators are when only angles and torques are logged.
+
+CI runs few replicates; ``EXOID_FULL_STUDIES=1 pytest -s -m slow tests/identification/test_angle_noise.py`` runs twenty
+and prints the figures. The experiment is that of scripts/study_estimators.py.
+"""
+
+import os
+import sys
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.torques import TorqueModel
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+import study_estimators as study
+
+FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
+REPLICATES = 20 if FULL else 2
+SLACK = 1.0 if FULL else 2.0
+"""The mean of two absolute errors scatters more than that of twenty."""
+
+LIMITS = {
+    "wls": (1.0, 2.5, 3.5, 10.0),
+    "ml": (0.5, 1.5, 0.7, 4.0),
+    "output-error": (0.5, 1.5, 0.7, 4.0),
+}
+"""Mean relative error of the worst parameter in percent, for each of the settings."""
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module", autouse=True)
+def same_motion():
+    study.motion()
+
+
+@cache
+def outcomes(name, setting, replicates, quantised=False):
+    """Relative errors, and which intervals contain the truth."""
+    runs = [study.replicate(seed, setting, name, quantised) for seed in range(replicates)]
+    return np.array([run.errors for run in runs]), np.array([run.inside for run in runs])
+
+
+@pytest.mark.parametrize("index", range(4), ids=list(study.SETTINGS))
+@pytest.mark.parametrize("name", ["wls", "ml"])
+def test_the_worst_parameter_is_within_its_figure(name, index):
+    setting = list(study.SETTINGS)[index]
+    errors, inside = outcomes(name, setting, REPLICATES)
+    worst = 100.0 * errors.mean(axis=0).max()
+    print(f"\n{name}, {setting}: worst {worst:.2f} %, coverage {100.0 * inside.mean():.1f} %")
+    assert worst <= SLACK * LIMITS[name][index]
+
+
+@pytest.mark.parametrize("index", range(4), ids=list(study.SETTINGS))
+def test_rounded_angles_cost_no_more_than_twice_the_figures(index):
+    """Rounding of a slow motion is not white noise, and worse for least squares than noise of the same size."""
+    setting = list(study.SETTINGS)[index]
+    errors, inside = outcomes("wls", setting, REPLICATES, quantised=True)
+    worst = 100.0 * errors.mean(axis=0).max()
+    print(f"\nwls, quantised, {setting}: worst {worst:.2f} %, coverage {100.0 * inside.mean():.1f} %")
+    assert worst <= 2.0 * SLACK * LIMITS["wls"][index]
+
+
+@pytest.mark.parametrize("index", [1, 3] if not FULL else range(4))
+def test_output_error_is_at_least_as_near(index):
+    setting = list(study.SETTINGS)[index]
+    errors, _ = outcomes("output-error", setting, 3 if FULL else 1)
+    worst = 100.0 * errors.mean(axis=0).max()
+    print(f"\noutput-error, {setting}: worst {worst:.2f} %")
+    assert worst <= 2.0 * LIMITS["output-error"][index]
+
+
+def test_intervals_of_joint_maximum_likelihood_hold():
+    """All settings together; nominal 95 %."""
+    inside = np.concatenate([outcomes("ml", setting, REPLICATES)[1] for setting in study.SETTINGS])
+    mean, worst = 100.0 * inside.mean(), 100.0 * inside.mean(axis=0).min()
+    print(f"\nml: coverage {mean:.1f} %, worst parameter {worst:.0f} %, of {len(inside)} estimates")
+    assert inside.mean() > (0.90 if FULL else 0.85)
+
+
+def test_the_highest_cutoff_must_fail_with_noisy_angles():
+    """At 8 Hz whatever the noise, the worst parameter is off by tens of percent."""
+    setting = "1e-3 rad, 50 Hz"
+    log = study.recording(setting, 0, quantised=False)
+    estimate = exoid.identify(study.leg(), log, study.TERMS, cutoff=8.0)
+    assert np.abs(estimate.values / study.truth() - 1.0).max() > 0.5
+
+
+def test_the_motion_obeys_the_model():
+    """Torque of the tracked motion is W β of its exact angles, velocities and accelerations."""
+    time, q, v, a, tau = study.motion()
+    W = TorqueModel(study.leg(), study.TERMS).regressor(q, v, a)
+    np.testing.assert_allclose(W @ study.truth(), tau, atol=1e-9)
+    np.testing.assert_allclose(np.gradient(q, time, axis=0)[1:-1], v[1:-1], atol=2e-4)

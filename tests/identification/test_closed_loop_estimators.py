@@ -1,0 +1,212 @@
+"""Estimators that simulate the loop: exact where the model is, and without the bias of noisy angles."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid import Coulomb, ExoidError, Viscous
+from exoid.experiments.references import Harmonics
+from exoid.identification import ClosedLoop, InstrumentalVariables, OutputError
+from exoid.identification.estimators.instrumental import simulated_recording
+from exoid.rig import HydraulicServo, IdealTorque, Plant, Proportional, ProportionalDerivative, Rates, simulate
+from exoid.signals import Poses
+from exoid.torques import Offset, Stiffness, Term, TorqueModel
+
+RATE, SECONDS, LEAD = 100.0, 4.0, 0.5
+TERMS = (Coulomb(), Viscous())
+LEG = exoid.load_leg("cuhk")
+FRICTION = np.array([1.4, 0.6, 0.4, 0.2])
+TRUTH = np.concatenate([LEG.parameters, FRICTION])
+OMEGA = 2.0 * np.pi * np.array([0.3, 0.7, 1.1])[:, None, None]
+REFERENCE = Harmonics(
+    np.array([[0.3], [0.6]]),
+    np.array([[[0.30], [0.25]], [[0.15], [-0.20]], [[0.10], [0.10]]]),
+    OMEGA,
+    np.array([[[0.1], [1.0]], [[2.0], [0.4]], [[0.7], [3.0]]]),
+)
+PD = ProportionalDerivative(np.array([300.0, 150.0]), np.array([30.0, 12.0]))
+LOOP = ClosedLoop(PD, REFERENCE, step=2.5e-3, lead=LEAD)
+
+
+def log(loop=LOOP, terms=TERMS, truth=TRUTH):
+    """What is logged in the loop without noise, its stamps those of the reference."""
+    time = 1.5 + np.arange(round(SECONDS * RATE)) / RATE
+    zeros = np.zeros((len(time), 2))
+    empty = exoid.Recording(time, zeros, joint_names=LEG.joint_names)
+    return simulated_recording(TorqueModel(LEG, terms), loop, truth, empty)
+
+
+@pytest.fixture(scope="module")
+def exact():
+    return log()
+
+
+def noisy(recording, angle, torque, seed=0):
+    rng = np.random.default_rng(seed)
+    on_angle, on_torque = rng.standard_normal((2, *recording.q.shape))
+    return dataclasses.replace(recording, q=recording.q + angle * on_angle, tau=recording.tau + torque * on_torque)
+
+
+def relative(estimate, truth=TRUTH):
+    return np.abs(estimate.values / truth - 1.0)
+
+
+def test_the_simulated_torque_is_that_of_the_simulated_motion(exact):
+    """Inverse dynamics of the motion, derived from its angles, give the logged torque back."""
+    rate = exact.sample_rate
+    v = np.gradient(exact.q, 1.0 / rate, axis=0)
+    a = np.gradient(v, 1.0 / rate, axis=0)
+    fast = (np.abs(v) > 0.3).all(axis=1)[5:-5]
+    predicted = TorqueModel(LEG, TERMS).regressor(exact.q, v, a) @ TRUTH
+    error = (predicted - exact.tau)[5:-5][fast]
+    assert np.sqrt((error**2).mean()) < 0.02 * exact.tau.std()
+
+
+def test_a_shorter_step_changes_nothing_but_the_error_of_second_order(exact):
+    half, quarter = (log(dataclasses.replace(LOOP, step=LOOP.step / k)) for k in (2, 4))
+    assert np.abs(exact.q - half.q).max() < 5e-5
+    assert np.abs(half.q - quarter.q).max() < 0.35 * np.abs(exact.q - half.q).max()
+
+
+def test_output_error_on_an_exact_model_returns_the_truth(exact):
+    estimate = exoid.identify(LEG, exact, TERMS, OutputError(LOOP))
+    assert relative(estimate).max() < 1e-6
+    assert (estimate.estimator, estimate.warnings) == ("output-error", ())
+
+
+def test_output_error_says_how_wrong_it_is(exact):
+    estimate = exoid.identify(LEG, noisy(exact, 1e-3, 0.1), TERMS, OutputError(LOOP))
+    z = (estimate.values - TRUTH) / estimate.std
+    assert np.abs(z).max() < 4.0
+    assert estimate.std.max() < 0.2
+
+
+def test_instrumental_variables_remove_the_bias_that_noisy_angles_give_least_squares(exact):
+    """Behind a filter that lets much noise of the angles through, inertias come out too small; not so with instruments.
+
+    Viscous friction only: the noise of a smooth sign of the velocity is not additive.
+    """
+    terms, truth = (Viscous(),), np.concatenate([LEG.parameters, FRICTION[2:]])
+    recording = log(terms=terms, truth=truth)
+    inertias = [k for k, name in enumerate(LEG.parameter_names) if name.startswith("J")]
+    errors = {"wls": [], "iv": []}
+    for seed in range(4):
+        data = noisy(recording, 1e-3, 0.02, seed)
+        for name, estimator in (("wls", "wls"), ("iv", InstrumentalVariables(LOOP))):
+            estimate = exoid.identify(LEG, data, terms, estimator, cutoff=18.0)
+            assert estimate.estimator == name
+            errors[name].append(estimate.values / truth - 1.0)
+    bias = {name: np.abs(np.mean(each, axis=0))[inertias].max() for name, each in errors.items()}
+    assert bias["wls"] > 0.2
+    assert bias["iv"] < 0.1 * bias["wls"]
+
+
+def test_without_noise_instrumental_variables_are_least_squares(exact):
+    instrumental, weighted = (exoid.identify(LEG, exact, TERMS, e) for e in (InstrumentalVariables(LOOP), "wls"))
+    np.testing.assert_allclose(instrumental.values, weighted.values, rtol=2e-3)
+
+
+def sticking(control_rate=1000.0):
+    """A log of joints that truly stick, in a sampled loop, without noise."""
+    names = [f"{symbol}_{label}" for symbol in ("c0", "d") for label in LEG.joint_labels]
+    plant = Plant.build(LEG, dict(zip(names, FRICTION, strict=True)), end_stops=False)
+    rates = Rates(control_rate, RATE, 1e-3)
+    run = simulate(plant, REFERENCE, PD, IdealTorque(), 3.0, rates=rates)
+    return run.recording().slice(round(LEAD * RATE))
+
+
+def test_output_error_of_joints_that_stick_in_a_sampled_loop():
+    loop = ClosedLoop(PD, REFERENCE, control_rate=1000.0, step=1e-3, lead=LEAD)
+    estimate = exoid.identify(LEG, sticking(), (Coulomb(smoothing=0.0), Viscous()), OutputError(loop))
+    assert relative(estimate).max() < 2e-3
+
+
+def test_a_hydraulic_servo_is_part_of_the_loop():
+    servo = HydraulicServo()
+    loop = ClosedLoop(Proportional(10.0), REFERENCE, servo, step=2.5e-3, lead=LEAD)
+    estimate = exoid.identify(LEG, noisy(log(loop), 0.0, 0.01), TERMS, OutputError(loop))
+    assert relative(estimate).max() < 0.1
+
+
+def test_springs_offsets_and_poses_join_in():
+    terms = (*TERMS, Stiffness(degree=1, joints=("knee",)), Offset(joints=("hip",)))
+    model = TorqueModel(LEG, terms)
+    truth = np.concatenate([TRUTH, [2.0, -0.5, 0.3]])
+    q = np.random.default_rng(1).uniform(-0.5, 0.5, (8, 2))
+    at_rest = Poses(q, model.regressor(q, 0 * q, 0 * q) @ truth, LEG.joint_names)
+    estimate = exoid.identify(LEG, [log(terms=terms, truth=truth), at_rest], terms, OutputError(LOOP))
+    assert relative(estimate, truth).max() < 1e-5
+
+
+def test_friction_that_would_feed_energy_in_is_kept_at_zero(exact):
+    terms = (Viscous(),)
+    truth = np.concatenate([LEG.parameters, [0.0, 0.2]])
+    data = noisy(log(terms=terms, truth=truth), 1e-3, 0.5, 3)
+    estimate = exoid.identify(LEG, data, terms, OutputError(LOOP))
+    friction = estimate.values[-2:]
+    assert (friction >= 0.0).all()
+    assert friction[1] > 0.0
+
+
+def test_output_error_takes_what_is_known_and_believed(exact):
+    data = noisy(exact, 1e-3, 0.1)
+    free = exoid.identify(LEG, data, TERMS, OutputError(LOOP))
+    told = exoid.identify(
+        LEG, data, TERMS, OutputError(LOOP), known={"X1": TRUTH[0]}, prior={"J2": (LEG.parameters[5], 1e-5)}
+    )
+    assert told.value("X1") == TRUTH[0]
+    assert told.std[told.names.index("J2")] < 0.1 * free.std[free.names.index("J2")]
+    assert abs(told.value("J2") - LEG.parameters[5]) < 3e-5
+
+
+def test_instrumental_variables_refuse_what_they_cannot_take(exact):
+    with pytest.raises(ExoidError, match="no known parameters, priors or bounds"):
+        exoid.identify(LEG, exact, TERMS, InstrumentalVariables(LOOP), known={"X1": TRUTH[0]})
+
+
+@pytest.mark.parametrize("name", ["iv", "output-error"])
+@pytest.mark.parametrize("by_name", [True, False])
+def test_without_a_loop_they_say_what_to_give(exact, name, by_name):
+    estimator = name if by_name else {"iv": InstrumentalVariables, "output-error": OutputError}[name]()
+    with pytest.raises(ExoidError, match=r"controller and reference.*ClosedLoop\(controller, reference\)"):
+        exoid.identify(LEG, exact, TERMS, estimator)
+
+
+@pytest.mark.parametrize("wrong", [{"step": 0.0}, {"lead": -1.0}, {"control_rate": np.inf}, {"step": np.nan}])
+def test_an_impossible_loop_is_refused(wrong):
+    with pytest.raises(ExoidError, match="give step and lead"):
+        ClosedLoop(PD, REFERENCE, **wrong)
+
+
+class Cubic(Term):
+    """Friction that no rig knows."""
+
+    @property
+    def symbols(self):
+        return ("e",)
+
+    @property
+    def units(self):
+        return ("N·m·s³/rad³",)
+
+    def fill(self, motion, out):
+        out[0] = motion.v**3
+
+
+def test_a_term_that_no_rig_knows_is_refused_by_name(exact):
+    with pytest.raises(ExoidError, match="no rig has the parameter e_hip"):
+        exoid.identify(LEG, exact, (*TERMS, Cubic()), OutputError(LOOP))
+
+
+def test_different_smoothing_is_refused(exact):
+    terms = (Coulomb(joints=("hip",)), Coulomb(smoothing=0.0, joints=("knee",)), Viscous())
+    with pytest.raises(ExoidError, match="different smoothing"):
+        exoid.identify(LEG, exact, terms, OutputError(LOOP))
+
+
+def test_a_loop_that_diverges_is_refused(exact):
+    unstable = ClosedLoop(Proportional(-300.0), REFERENCE, step=2.5e-3)
+    with pytest.raises(ExoidError, match="diverged"):
+        exoid.identify(LEG, exact, TERMS, OutputError(unstable))

@@ -1,0 +1,222 @@
+"""Motion and parameters fitted together: right without noise, better with it, and honest about it."""
+
+import dataclasses
+from functools import partial
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline
+from swings import TERMS, Swing
+
+import exoid
+from exoid import Coulomb, ExoidError, Viscous
+from exoid.identification import JointML
+from exoid.identification.estimators.bordered import eliminate
+from exoid.identification.estimators.joint_ml import smooth
+from exoid.identification.estimators.motion_fit import fit_motion
+from exoid.identification.estimators.motion_system import Levels, Moving, State, Still, System
+from exoid.identification.estimators.sensitivity import respond
+from exoid.identification.estimators.trajectory import Trajectory
+from exoid.identification.least_squares import solve
+from exoid.signals import Poses
+from exoid.torques import Motion, TorqueModel
+
+ANGLE, TORQUE = 1e-3, 0.05
+NO_PRIORS = np.zeros((0, 16))
+
+
+def solver(swing):
+    return partial(solve, names=TorqueModel(swing.leg, TERMS).names)
+
+
+@pytest.fixture(scope="module")
+def swing():
+    """12 s at 50 Hz."""
+    return Swing(exoid.load_leg("bleex", inertias="cad"), 50.0, 12.0, base=0.15)
+
+
+def noisy(swing, seed, angle=ANGLE, torque=TORQUE):
+    rng = np.random.default_rng(seed)
+    q, _, _ = swing.motion
+    return swing.recording(
+        q=q + angle * rng.standard_normal(q.shape),
+        v=None,
+        a=None,
+        tau=swing.torque + torque * rng.standard_normal(q.shape),
+    )
+
+
+def poses(swing, count=40):
+    rng = np.random.default_rng(5)
+    q = rng.uniform(-0.5, 0.5, (count, len(swing.leg.joint_names)))
+    tau = swing.leg.inverse_dynamics(q, 0.0 * q, 0.0 * q) + 0.02 * rng.standard_normal(q.shape)
+    return Poses(q, tau, swing.leg.joint_names)
+
+
+def relative(estimate, swing):
+    return np.abs(estimate.values / swing.truth - 1.0)
+
+
+def test_a_trajectory_is_the_quintic_spline_and_its_derivatives():
+    time = np.linspace(1.0, 3.0, 57)
+    trajectory = Trajectory.on(time, 0.1)
+    coefficients = np.random.default_rng(0).standard_normal((trajectory.size, 2))
+    knots = 1.0 + 0.1 * np.arange(-5, trajectory.size + 1)
+    for order, found in enumerate(trajectory.at_samples(coefficients)):
+        np.testing.assert_allclose(found, BSpline(knots, coefficients, 5)(time, order), atol=1e-9)
+
+
+def test_splines_through_their_own_angles_have_the_same_coefficients():
+    trajectory = Trajectory.on(np.linspace(0.0, 2.0, 101), 0.06)
+    coefficients = np.random.default_rng(1).standard_normal((trajectory.size, 3))
+    q, _, _ = trajectory.at_samples(coefficients)
+    np.testing.assert_allclose(trajectory.at_samples(trajectory.through(q))[0], q, atol=1e-6)
+
+
+def test_the_torque_answers_to_the_motion_as_pinocchio_says(swing):
+    """∂τ/∂a is the mass matrix; along a direction the derivative is that of a much smaller step."""
+    model = TorqueModel(swing.leg, TERMS)
+    motion = Motion(*(x[:30] for x in swing.motion))
+    _, to_motion = respond(model, swing.truth, motion)
+    np.testing.assert_allclose(to_motion[2], swing.leg.mass_matrix(motion.q), rtol=1e-7, atol=1e-8)
+    rng = np.random.default_rng(2)
+    for kind, name in enumerate(("q", "v")):
+        way = rng.standard_normal(motion.q.shape)
+        there, back = (
+            model.columns(motion._replace(**{name: getattr(motion, name) + step * way})) for step in (3e-6, -3e-6)
+        )
+        expected = np.tensordot(swing.truth, there - back, axes=1).T / 6e-6
+        np.testing.assert_allclose((to_motion[kind] @ way[..., None])[..., 0], expected, rtol=1e-5, atol=1e-5)
+
+
+@pytest.fixture
+def system(swing):
+    """Two recordings and poses at noise levels that are all different."""
+    model = TorqueModel(swing.leg, TERMS)
+    moving = []
+    for seed, rows in ((3, slice(0, 150)), (4, slice(150, 260))):
+        log = noisy(swing, seed).slice(rows.start, rows.stop)
+        usable = (np.random.default_rng(seed).random(log.q.shape) > 0.1).astype(float)
+        moving.append(Moving(log.time, log.q, log.tau, usable, swing.motion[0][rows], None))
+    static = poses(swing, 5)
+    still = Still(model.regressor(static.q, 0 * static.q, 0 * static.q), static.tau)
+    return System(model, moving, [still], NO_PRIORS, [Trajectory.on(data.time, 0.07) for data in moving])
+
+
+LEVELS = Levels(np.array([1e-3, 2e-3, 3e-3]), np.array([0.05, 0.1, 0.02]), np.array([0.01, 0.02, 0.03]))
+
+
+def test_the_score_is_the_derivative_of_the_sum_of_squares(system, swing):
+    """Gradient of what the motions leave over, against finite differences in motion and parameters."""
+    state = system.begin(1.1 * swing.truth)
+    rows = system.linearise(state, LEVELS)
+    reduced = [eliminate(*pair) for pair in zip(system.trajectories, rows, strict=True)]
+    _, gradient = system.join(reduced, state, LEVELS)
+
+    def squares(share, values, coefficients):
+        moved = [c + share * x for c, x in zip(state.coefficients, coefficients, strict=True)]
+        return system.squares(State(moved, state.values + share * values), LEVELS)
+
+    rng = np.random.default_rng(6)
+    for _ in range(3):
+        values = rng.standard_normal(len(swing.truth)) * np.abs(swing.truth)
+        # a direction in which the motions answer to β as the normal equations say
+        turns = [-(part.coupling @ values).reshape(-1, 3) for part in reduced]
+        slope = (squares(1e-5, values, turns) - squares(-1e-5, values, turns)) / 2e-5
+        assert slope == pytest.approx(-2.0 * gradient @ values, rel=2e-4)
+
+
+def test_at_the_optimum_no_direction_reduces_the_sum_of_squares(system, swing):
+    found = fit_motion(system.model, system.moving, system.still, swing.truth, 0.07, solver(swing), NO_PRIORS, 1e-6)
+    trajectories = system.trajectories
+    state = State([t.through(q) for t, q in zip(trajectories, found.motions, strict=True)], found.solution.values)
+    found_std = np.sqrt(np.diag(found.solution.covariance))
+    least, rng = system.squares(state, found.levels), np.random.default_rng(7)
+    for size in (1e-3, 1e-2):
+        for _ in range(5):
+            moved = [c + 1e-3 * size * rng.standard_normal(c.shape) for c in state.coefficients]
+            values = state.values + size * rng.standard_normal(len(state.values)) * found_std
+            assert system.squares(State(moved, values), found.levels) > least
+
+
+def test_without_noise_it_is_the_truth_and_what_the_default_says(swing):
+    log = swing.encoders_only()
+    joint, default = (exoid.identify(swing.leg, log, TERMS, estimator) for estimator in ("ml", "wls"))
+    assert relative(joint, swing).max() < 1e-3
+    np.testing.assert_allclose(joint.values, default.values, rtol=2e-3)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_noise_levels_and_parameters_are_found_from_noisy_angles(swing, seed):
+    estimate = exoid.identify(swing.leg, noisy(swing, seed), TERMS, "ml")
+    assert estimate.estimator.startswith("ml(spacing=")
+    assert estimate.warnings == ()
+    assert np.abs((estimate.values - swing.truth) / estimate.std).max() < 4.0
+    assert estimate.std.max() < 0.1
+    again = exoid.identify(swing.leg, noisy(swing, seed), TERMS, estimator=JointML(float(estimate.estimator[11:-1])))
+    np.testing.assert_allclose(again.values, estimate.values, rtol=0.02)
+
+
+def test_it_is_nearer_to_the_truth_than_least_squares_at_a_cutoff_that_is_too_high(swing):
+    """Errors in variables: noise in the columns weakens least squares, not the joint fit."""
+    joint, filtered = (exoid.identify(swing.leg, noisy(swing, 3), TERMS, e, cutoff=8.0) for e in ("ml", "wls"))
+    assert relative(joint, swing).max() < 0.1 * relative(filtered, swing).max()
+
+
+def test_levels_are_those_of_the_noise(swing):
+    model, log = TorqueModel(swing.leg, TERMS), noisy(swing, 4)
+    moving = Moving(log.time, log.q, log.tau, np.ones_like(log.q), swing.motion[0], None)
+    levels = fit_motion(model, [moving], [], swing.truth, 0.05, solver(swing), NO_PRIORS).levels
+    np.testing.assert_allclose(levels.angle, ANGLE, rtol=0.1)
+    np.testing.assert_allclose(levels.torque, TORQUE, rtol=0.25)
+
+
+def test_poses_join_in(swing):
+    """Their torques say more on X and Y than the motion alone."""
+    alone = exoid.identify(swing.leg, noisy(swing, 5), TERMS, JointML(0.05))
+    both = exoid.identify(swing.leg, [noisy(swing, 5), poses(swing)], TERMS, JointML(0.05))
+    gain = dict(zip(both.names, both.std / alone.std, strict=True))
+    assert max(gain[name] for name in ("X1", "X2", "X3", "Y1", "Y2", "Y3")) < 0.9
+    assert np.abs((both.values - swing.truth) / both.std).max() < 4.0
+
+
+def test_a_sharp_sign_is_smoothed_and_dead_bands_are_left_to_the_angles(swing):
+    sharp = TorqueModel(swing.leg, (Coulomb(smoothing=0.0, dead_band=0.05), Viscous()))
+    coulomb, viscous = smooth(sharp).terms
+    assert (coulomb.smoothing, coulomb.dead_band, viscous) == (0.01, 0.0, Viscous())
+    estimate = exoid.identify(swing.leg, noisy(swing, 6), sharp.terms, JointML(0.05))
+    assert relative(estimate, swing).max() < 0.1
+
+
+def test_what_is_known_and_believed_enters(swing):
+    free = exoid.identify(swing.leg, noisy(swing, 7), TERMS, JointML(0.05))
+    prior = {"J3": (swing.truth[8], 1e-5)}
+    told = exoid.identify(swing.leg, noisy(swing, 7), TERMS, JointML(0.05), known={"X1": 3.783}, prior=prior)
+    assert told.value("X1") == 3.783
+    assert abs(told.value("J3") - swing.truth[8]) < 3e-5
+    assert told.std[8] < 0.1 * free.std[8]
+
+
+def test_an_estimate_by_ml_survives_its_file(swing, tmp_path):
+    estimate = exoid.identify(swing.leg, noisy(swing, 7), TERMS, JointML(0.05))
+    estimate.save(tmp_path / "est.json")
+    again = exoid.Estimate.load(tmp_path / "est.json")
+    assert (again.estimator, str(again)) == ("ml(spacing=0.05)", str(estimate))
+
+
+@pytest.mark.parametrize("spacing", [0.0, -1.0, float("nan"), float("inf")])
+def test_an_impossible_spacing_is_refused(spacing):
+    with pytest.raises(ExoidError, match="positive spacing"):
+        JointML(spacing)
+
+
+def test_knots_closer_than_samples_can_hold_are_refused(swing):
+    with pytest.raises(ExoidError, match=r"closer than 1\.5 samples"):
+        exoid.identify(swing.leg, noisy(swing, 8), TERMS, JointML(0.02))
+
+
+def test_recorded_velocities_are_not_used(swing):
+    log = noisy(swing, 9)
+    wrong = dataclasses.replace(log, v=1.01 * swing.motion[1])
+    estimates = [exoid.identify(swing.leg, data, TERMS, JointML(0.05)) for data in (log, wrong)]
+    np.testing.assert_allclose(estimates[0].values, estimates[1].values, rtol=1e-6)

@@ -1,0 +1,92 @@
+"""Rigs with smooth friction, and loops without sampling, against an independent integration."""
+
+from functools import partial
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from rigs import BLEEX, FRICTION, Swing
+from scipy.integrate import solve_ivp
+
+from exoid import ExoidError
+from exoid.rig import (
+    IdealTorque,
+    Plant,
+    Proportional,
+    ProportionalDerivative,
+    Rates,
+    SmoothStepper,
+    follow,
+    simulate,
+)
+
+SMOOTHING = 0.05
+PD = ProportionalDerivative(np.array([400.0, 200.0, 40.0]), np.array([40.0, 20.0, 3.0]))
+SECONDS = 1.0
+
+
+@pytest.fixture(scope="module")
+def plant():
+    return Plant.build(BLEEX, {**FRICTION, "d_knee": 0.3, "b1_hip": 5.0, "Ia_ankle": 0.02}, end_stops=False)
+
+
+def began(plant, dt):
+    first = Swing().at(0.0)
+    q, v = (np.tile(x, (1, plant.count)) for x in (first.q, first.v))
+    return SmoothStepper(plant, q, v, dt, SMOOTHING)
+
+
+def followed(plant, dt, controller=PD):
+    every = round(0.01 / dt)
+    return follow(began(plant, dt), Swing(), controller, IdealTorque(), 0.0, every, round(SECONDS / 0.01) + 1)
+
+
+@pytest.fixture(scope="module")
+def expected(plant):
+    """Pinocchio and an eighth-order integrator."""
+    leg = BLEEX
+    model = pin.Model(leg.model)
+    model.armature = plant.armature[:, 0]
+    data = model.createData()
+
+    def rate(time, state):
+        q, v = state[:3], state[3:]
+        target = Swing().at(time)
+        tau = PD.stiffness * (target.q[:, 0] - q) + PD.damping * (target.v[:, 0] - v)
+        tau = tau - plant.coulomb[:, 0] * np.tanh(v / SMOOTHING) - plant.viscous[:, 0] * v
+        b2, b1, b0 = plant.stiffness[..., 0]
+        return np.concatenate([v, pin.aba(model, data, q, v, tau - (b2 * q + b1) * q - b0)])
+
+    first = Swing().at(0.0)
+    time = np.linspace(0.0, SECONDS, round(SECONDS / 0.01) + 1)
+    start = np.concatenate([first.q, first.v])[:, 0]
+    return solve_ivp(rate, (0.0, SECONDS), start, "DOP853", time, rtol=1e-10, atol=1e-12, max_step=2e-3).y[:3].T
+
+
+def test_a_continuous_loop_is_integrated_to_second_order(plant, expected):
+    errors = [np.abs(followed(plant, dt).q[..., 0] - expected).max() for dt in (2e-3, 1e-3)]
+    assert errors[0] < 2e-4
+    assert errors[1] < 0.35 * errors[0]
+
+
+def test_the_torque_is_that_of_the_controller_at_the_sample(plant):
+    ran = followed(plant, 1e-3)
+    for k in (0, 17, 100):
+        target = Swing().at(0.01 * k)
+        np.testing.assert_allclose(ran.tau[k], PD.command(target, ran.q[k], ran.v[k]), rtol=1e-12)
+
+
+def test_many_rigs_do_what_each_does_alone(plant):
+    np.testing.assert_allclose(followed(plant.each(3), 2e-3).q[..., 2:], followed(plant, 2e-3).q, atol=1e-13)
+
+
+def test_energy_is_balanced_in_a_sampled_run(plant):
+    stepper = partial(SmoothStepper, smoothing=SMOOTHING)
+    run = simulate(plant, Swing(), PD, IdealTorque(), SECONDS, rates=Rates(step=2.5e-4), stepper=stepper)
+    assert run.energy.relative_error.max() < 2e-3
+    assert run.energy.dissipated.min() > 0.0
+
+
+def test_a_loop_that_diverges_is_refused(plant):
+    with pytest.raises(ExoidError, match="diverged"):
+        followed(plant, 2e-3, Proportional(-1e6))

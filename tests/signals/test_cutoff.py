@@ -1,0 +1,82 @@
+"""The cut-off follows the noise of the angles."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from exoid.signals import Poses, Recording, ZeroPhase, choose_cutoff
+
+
+def log(noise=0.0, rate=500.0, seconds=20.0, seed=0, amplitude=0.4, joints=2):
+    """Sines of 0.5 and 0.3 Hz, and white noise of so many radians."""
+    time = np.arange(round(seconds * rate)) / rate
+    q = amplitude * np.sin(2.0 * np.pi * np.array([0.5, 0.3]) * time[:, None])[:, :joints]
+    q = q + noise * np.random.default_rng(seed).standard_normal(q.shape)
+    return Recording(time, q, joint_names=("a", "b")[:joints])
+
+
+def noise_of_acceleration(recording, cutoff, noise):
+    """Noise over acceleration of the rows, root mean square, from the two recordings themselves."""
+    preparation = ZeroPhase(cutoff, kinematics_cutoff=2.0 * cutoff)
+
+    def acceleration(data):
+        a = preparation.kinematics(data).a
+        return preparation.filter(a, data.sample_rate)[preparation.kinematics(data).valid]
+
+    quiet, loud = (acceleration(data) for data in (recording(0.0), recording(noise)))
+    return np.sqrt(((loud - quiet) ** 2).mean(axis=0) / (quiet**2).mean(axis=0))
+
+
+def test_quiet_angles_get_the_highest():
+    assert choose_cutoff([log()]) == 8.0
+    assert choose_cutoff([log(1e-6)]) == 8.0
+
+
+@pytest.mark.parametrize(("noise", "rate"), [(1e-3, 500.0), (1e-4, 50.0), (1e-3, 50.0)])
+def test_the_acceleration_of_the_rows_has_about_two_percent_of_noise(noise, rate):
+    cutoff = choose_cutoff([log(noise, rate)])
+    assert 1.0 < cutoff < 8.0
+    share = noise_of_acceleration(lambda level: log(level, rate), cutoff, noise)
+    assert 0.01 < share.max() < 0.03
+
+
+def test_ten_times_the_density_of_noise_lowers_it_by_the_fifth_root_of_ten():
+    fast, slow = (choose_cutoff([log(1e-3, rate)]) for rate in (500.0, 50.0))
+    assert fast / slow == pytest.approx(10.0**0.2, rel=0.1)
+
+
+def test_a_joint_that_rests_in_one_of_several_recordings_does_not_count_there():
+    """As in experiments that move one joint at a time."""
+    whole = log(1e-4)
+    first, second = (dataclasses.replace(whole, q=whole.q * mask + 1e-5) for mask in ([1.0, 1e-3], [1e-3, 1.0]))
+    assert choose_cutoff([first, second]) == pytest.approx(choose_cutoff([whole]), abs=1.5)
+
+
+def test_the_noisiest_joint_decides():
+    loud, quiet = log(1e-3), log()
+    q = np.column_stack([quiet.q[:, 0], loud.q[:, 1]])
+    assert choose_cutoff([dataclasses.replace(quiet, q=q)]) == pytest.approx(choose_cutoff([loud]), abs=0.3)
+
+
+def test_quantisation_counts_as_noise():
+    step = np.sqrt(12.0) * 1e-3
+    rounded = dataclasses.replace(log(), q=np.rint(log().q / step) * step)
+    assert choose_cutoff([rounded]) == pytest.approx(choose_cutoff([log(1e-3)]), abs=2.0)
+
+
+def test_a_short_recording_keeps_half_of_its_samples():
+    short = log(3e-3, 100.0, 3.0)
+    cutoff = choose_cutoff([short])
+    assert cutoff > choose_cutoff([log(3e-3, 100.0, 30.0)])
+    assert 2 * ZeroPhase(cutoff).edge(100.0) <= 0.5 * len(short)
+
+
+def test_recorded_accelerations_and_poses_do_not_count():
+    noisy = log(1e-2)
+    assert choose_cutoff([dataclasses.replace(noisy, a=np.zeros_like(noisy.q))]) == 8.0
+    assert choose_cutoff([Poses(np.zeros((4, 2)), np.zeros((4, 2)), ("a", "b"))]) == 8.0
+
+
+def test_noise_alone_gives_a_number_all_the_same():
+    assert 1.0 <= choose_cutoff([log(1e-2, amplitude=0.0)]) <= 8.0
