@@ -29,8 +29,7 @@ from scipy.integrate import solve_ivp
 import exoid
 from exoid._typing import FloatArray
 from exoid.experiments.references import Harmonics
-from exoid.identification import ClosedLoop, InstrumentalVariables, OutputError
-from exoid.identification.estimators import Estimator
+from exoid.identification.estimators import ClosedLoop, Estimator, InstrumentalVariables, OutputError
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors, simulate
 from exoid.signals import FiniteDifference
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import Annotated
 
 import typer
+from rich.console import Console
 
 from exoid import identification
+from exoid.files import refuse_unwritable
+from exoid.signals import Recording
 from exoid.torques import TERMS
 
 from .inputs import (
@@ -16,6 +20,7 @@ from .inputs import (
     Degrees,
     LogOptions,
     Received,
+    Report,
     Start,
     Stop,
     Topic,
@@ -58,6 +63,10 @@ def identify(
     nonnegative: Annotated[
         bool, typer.Option("--nonnegative", help="Keep friction and rotor inertia from 0 up.")
     ] = False,
+    test: Annotated[
+        list[str] | None, typer.Option(metavar="LOG", help="Predict a log that is not fitted. Repeatable.")
+    ] = None,
+    report: Report = None,
     column: Column = None,
     degrees: Degrees = False,
     start: Start = None,
@@ -67,7 +76,10 @@ def identify(
     as_json: AsJson = False,
 ) -> None:
     """Identify the parameters of LEG from the LOGs: columns time, q_<joint>, tau_<joint>, optionally v_ and a_."""
-    recordings = read_logs(logs, LogOptions(column, degrees, start, stop, topic, received))
+    if report is not None:
+        refuse_unwritable(report)
+    options = LogOptions(column, degrees, start, stop, topic, received)
+    recordings, held_out = read_logs(logs, options), read_logs(test or [], options)
     found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names)
     estimate = identification.identify(
         found,
@@ -81,11 +93,27 @@ def identify(
         prior=parse_prior(prior),
         nonnegative=nonnegative,
     )
+    predicted = [identification.validate(estimate, recording) for recording in held_out]
     if output is not None:
         estimate.save(output)
+    if report is not None:
+        _report(estimate, recordings, held_out, report)
     if as_json:
         data = identification.estimate_to_json(estimate)
         del data["leg"]["urdf"]
+        if predicted:
+            data["tests"] = [identification.validation_to_json(each) for each in predicted]
         typer.echo(json.dumps(data, indent=1))
     else:
-        typer.echo(str(estimate))
+        typer.echo("\n\n".join(map(str, [estimate, *predicted])))
+
+
+def _report(
+    estimate: identification.Estimate, recordings: Sequence[Recording], held_out: Sequence[Recording], path: str
+) -> None:
+    """Write the report."""
+    from exoid.view.report import identification_report  # noqa: PLC0415 - matplotlib would slow down every command
+
+    with Console(stderr=True).status("writing the report"):
+        identification_report(estimate, recordings, held_out).write(path)
+    typer.echo(f"wrote {path}", err=True)

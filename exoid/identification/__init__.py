@@ -6,7 +6,7 @@ from .comparison import Comparison, compare, comparison_to_json
 from .diagnostics import JointNoise
 from .estimate import Estimate, Input
 from .estimate_file import estimate_from_json, estimate_to_json
-from .estimators import ESTIMATORS, ClosedLoop, InstrumentalVariables, JointML, OutputError
+from .estimators import ESTIMATORS
 from .export import Export, export_to_json
 from .identify import identify
 from .influence import Influence
@@ -19,16 +19,12 @@ from .validation import Validation, validate, validation_to_json
 __all__ = [
     "ESTIMATORS",
     "Candidate",
-    "ClosedLoop",
     "Comparison",
     "Estimate",
     "Export",
     "Influence",
     "Input",
-    "InstrumentalVariables",
-    "JointML",
     "JointNoise",
-    "OutputError",
     "Prior",
     "Selection",
     "Shapes",

@@ -55,7 +55,7 @@ def identify(
         estimator: "wls" (each joint, at rest and in motion, weighted by its residuals), "huber" (the same, and spikes
             count less), "gls" (whitened by a model of the noise; only where the model of the leg is right), "ml"
             (motion and parameters together; where angles are noisy and the model is right) or "ols". Also an object
-            with settings, such as :class:`exoid.identification.OutputError`.
+            with settings, such as :class:`exoid.identification.estimators.OutputError`.
         cutoff: Of the parallel filter [Hz]; above the fastest motion, below the noise. None to choose it from the noise
             of the angles, at most 8 Hz, see :func:`exoid.signals.choose_cutoff`.
         preparation: Another way from a recording to rows, such as :class:`exoid.signals.MovingAverage`, or its name:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import scipy  # its parts load when they are first used
 
+from exoid._typing import FloatArray
 from exoid.tables import make_table, to_text, with_error
 
 from .estimate import Estimate
@@ -17,11 +18,20 @@ ILL_CONDITIONED = 100.0
 NOT_WHITE = 0.01
 """Residuals with a smaller probability of being white are said not to be."""
 
+HEADERS = ("parameter", "value", "± std", "95 % from", "to", "unit", "determined")
+"""Of :func:`parameter_rows`."""
+
 
 def report(estimate: Estimate) -> str:
     """Print an estimate."""
+    title = f"{estimate.model.leg.description.name}: {estimate.estimator} estimate of {len(estimate.names)} parameters"
+    return to_text(title, make_table(HEADERS, parameter_rows(estimate)), *_remarks(estimate))
+
+
+def parameter_rows(estimate: Estimate) -> list[tuple[str, ...]]:
+    """Write each parameter, then each fitted setting of a term, as a row of a table."""
     rows = [
-        (name, *with_error(value, std, *interval), unit, judged)
+        (name, *_numbers(value, std, interval), unit, judged)
         for name, value, std, interval, unit, judged in zip(
             estimate.names,
             estimate.values,
@@ -32,17 +42,14 @@ def report(estimate: Estimate) -> str:
             strict=True,
         )
     ]
-    rows += _shapes(estimate)
-    title = f"{estimate.model.leg.description.name}: {estimate.estimator} estimate of {len(estimate.names)} parameters"
-    headers = ("parameter", "value", "± std", "95 % from", "to", "unit", "determined")
-    return to_text(title, make_table(headers, rows), *_remarks(estimate))
+    return rows + _shapes(estimate)
 
 
 def _shapes(estimate: Estimate) -> list[tuple[str, ...]]:
-    """Settings as rows of the table; those that are held have no uncertainty."""
+    """Settings as rows of the table."""
     shapes = estimate.shapes
     return [
-        (name, *(with_error(value, std, *interval) if std > 0.0 else (f"{value:.4g}", "", "", "")), unit, judged)
+        (name, *_numbers(value, std, interval), unit, judged)
         for name, value, std, interval, unit, judged in zip(
             shapes.names,
             shapes.values,
@@ -55,6 +62,11 @@ def _shapes(estimate: Estimate) -> list[tuple[str, ...]]:
     ]
 
 
+def _numbers(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
+    """Write a value with what is uncertain of it; what is known or held has no uncertainty."""
+    return with_error(value, std, *interval) if std > 0.0 else (f"{value:.6g}", "", "", "")
+
+
 def _remarks(estimate: Estimate) -> Iterator[str]:
     residuals = zip(estimate.joint_names, estimate.residual_rms, strict=True)
     yield "residual RMS [N·m]: " + ", ".join(f"{joint} {rms:.3g}" for joint, rms in residuals)
@@ -64,8 +76,8 @@ def _remarks(estimate: Estimate) -> Iterator[str]:
     yield from _noise(estimate)
     names = ", ".join(source.name for source in estimate.inputs)
     yield f"from {names}; {estimate.preparation.name} preparation"
-    yield from _assumed(estimate)
-    yield from _influence(estimate)
+    yield from assumptions(estimate)
+    yield from influences(estimate)
     yield from (f"warning: {warning}" for warning in estimate.warnings)
     yield from (f"note: {merged}" for merged in estimate.merged)
 
@@ -79,7 +91,7 @@ def _noise(estimate: Estimate) -> Iterator[str]:
         yield f"effective samples: {counts}" + (f"; residuals not white: {coloured}" if coloured else "")
 
 
-def _assumed(estimate: Estimate) -> Iterator[str]:
+def assumptions(estimate: Estimate) -> Iterator[str]:
     """Say what entered beside the recordings."""
     assumed = estimate.assumed
     if assumed.known:
@@ -91,7 +103,7 @@ def _assumed(estimate: Estimate) -> Iterator[str]:
         yield f"kept at zero: {', '.join(estimate.bounded)}; intervals are as wide as without the bound"
 
 
-def _influence(estimate: Estimate) -> Iterator[str]:
+def influences(estimate: Estimate) -> Iterator[str]:
     """Name recordings that move a parameter out of its interval, or without which it could not be identified."""
     influence = estimate.influence
     if influence is None:

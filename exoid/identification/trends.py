@@ -57,9 +57,14 @@ class Trend:
     share: float
 
     @property
+    def significant(self) -> bool:
+        """Whether the residual depends on it by more than noise explains."""
+        return self.p_value < SIGNIFICANT
+
+    @property
     def matters(self) -> bool:
         """Whether the residual depends on it, by more than noise explains and by more than a trifle."""
-        return self.p_value < SIGNIFICANT and self.share > TRIFLE
+        return self.significant and self.share > TRIFLE
 
 
 def residual_trends(

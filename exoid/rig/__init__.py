@@ -1,7 +1,6 @@
 """A virtual rig: the truth, actuators and sensors of exoskeleton legs on a jig, to try experiments on."""
 
 from .actuators import Actuator, DcMotor, Drive, HydraulicServo, IdealTorque
-from .continuous import Followed, follow
 from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
 from .payload import Payload, load_leg_with, load_plant, sandbags
 from .pinocchio_stepper import PinocchioStepper
@@ -17,7 +16,6 @@ __all__ = [
     "DcMotor",
     "Drive",
     "Energy",
-    "Followed",
     "HydraulicServo",
     "IdealTorque",
     "Payload",
@@ -34,7 +32,6 @@ __all__ = [
     "Step",
     "Stepper",
     "Target",
-    "follow",
     "load_leg_with",
     "load_plant",
     "sandbags",

@@ -51,6 +51,11 @@ class DryFriction(Term):
             )
 
     @property
+    def friction(self) -> bool:
+        """It is."""
+        return True
+
+    @property
     def shape_symbols(self) -> Mapping[str, tuple[str, str]]:
         """Smoothing and presliding."""
         return {"smoothing": ("ws", "rad/s"), "presliding": ("delta", "rad")}

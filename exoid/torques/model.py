@@ -178,6 +178,12 @@ class TorqueModel:
         }
         return np.array([name in never for name in self.names], dtype=np.bool_)
 
+    @cached_property
+    def friction(self) -> NDArray[np.bool_]:
+        """Which parameters are those of friction, (P,)."""
+        names = {name for block in self.blocks if block.term.friction for name in block.names}
+        return np.array([name in names for name in self.names], dtype=np.bool_)
+
     def own_parameters(self, joint: int) -> tuple[str, ...]:
         """Parameters that only a motion of the joint shows; none if the leg's cannot be told by joint.
 
@@ -213,6 +219,20 @@ class TorqueModel:
         A model that is linearised has one more: torque that is known.
         """
         return self._fill(motion, self.names)
+
+    def friction_torque(self, motion: Motion, values: FloatArray) -> FloatArray:
+        """Part of the torque that is friction [N·m], (N, n), of a motion however long.
+
+        Args:
+            motion: See :meth:`motion`.
+            values: Of all parameters, (P,).
+        """
+        torque = np.zeros(motion.q.shape)
+        for start in range(0, len(torque), BLOCK):
+            rows = slice(start, start + BLOCK)
+            columns = self.columns(motion.rows(rows))[self.friction]
+            torque[rows] = np.tensordot(values[self.friction], columns, axes=1).T
+        return torque
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
         """Say which joint's sample can be identified from, given velocities [rad/s], (N, n)."""

@@ -47,6 +47,11 @@ class Term(ABC):
         return ()
 
     @property
+    def friction(self) -> bool:
+        """Whether it is friction, which takes energy out of the motion: what figures draw over velocity."""
+        return False
+
+    @property
     def loaded(self) -> bool:
         """Whether it depends on the rigid-body torque of its joint, so that the model is no longer linear."""
         return False

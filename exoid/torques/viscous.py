@@ -23,6 +23,11 @@ class Viscous(Term):
     asymmetric: bool = False
 
     @property
+    def friction(self) -> bool:
+        """It is."""
+        return True
+
+    @property
     def symbols(self) -> tuple[str, ...]:
         """Return d, or dp forwards and dn backwards."""
         return ("dp", "dn") if self.asymmetric else ("d",)

@@ -67,7 +67,9 @@ def plot_parameters(
         if known:
             ax.plot(*zip(*known, strict=True), marker, ms=4, mfc="none", color=colour, label=label)
     for row, k in zip(rows, index, strict=True):
-        text = " ± ".join(with_error(estimate.values[k], estimate.std[k])).replace("-", "−")
+        exact = estimate.std[k] == 0.0
+        text = f"{estimate.values[k]:.6g}" if exact else " ± ".join(with_error(estimate.values[k], estimate.std[k]))
+        text = text.replace("-", "−")
         ax.annotate(text, (1.02, row), xycoords=("axes fraction", "data"), va="center", fontsize=6)
     ax.axvline(0.0, color=GUIDE, lw=0.8, zorder=0)
     ax.set(yticks=rows, yticklabels=chosen, xlabel=f"[{units[chosen[0]]}]", ylim=(len(chosen) - 0.5, -0.5))

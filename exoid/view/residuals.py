@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from exoid._typing import FloatArray
+from exoid.identification import Trend
 
 from .style import GUIDE, IDENTIFIED, LEFT_OVER, MEASURED, joint_colour, legend_above
 
@@ -48,11 +49,29 @@ def plot_prediction(
     return ax
 
 
-def plot_residual_along(ax: Axes, x: FloatArray, residual: FloatArray, joint: int, xlabel: str, label: str) -> Axes:
+def plot_residual_band(ax: Axes, time: FloatArray, residual: FloatArray, half_width: FloatArray, label: str) -> Axes:
+    """Residual torque of one joint over time, large, within the band in which that of a new measurement is expected.
+
+    Args:
+        ax: Where to draw.
+        time: [s], (N,).
+        residual: Measured less predicted torque [N·m], (N,).
+        half_width: Of the band [N·m], (N,).
+        label: Name of the joint.
+    """
+    ax.fill_between(time, -half_width, half_width, color=IDENTIFIED, alpha=0.25, lw=0)
+    ax.plot(time, residual, color=LEFT_OVER, lw=0.6)
+    ax.axhline(0.0, color=GUIDE, lw=0.6, zorder=0)
+    ax.set(xlabel="time [s]", ylabel=f"{label} residual\n[N·m]")
+    return ax
+
+
+def plot_residual_along(
+    ax: Axes, x: FloatArray, residual: FloatArray, joint: int, xlabel: str, label: str, trend: Trend | None = None
+) -> Axes:
     """Residual against velocity or angle, and its mean ± 2 standard errors in bins of equal count.
 
-    A mean that leaves zero shows what the model lacks: friction, a spring, a wrong geometry. Standard errors take
-    samples for independent.
+    A mean that leaves zero shows what the model lacks: friction, a spring, a wrong geometry.
 
     Args:
         ax: Where to draw.
@@ -61,16 +80,32 @@ def plot_residual_along(ax: Axes, x: FloatArray, residual: FloatArray, joint: in
         joint: Which joint, for its colour.
         xlabel: Of the axis, with unit.
         label: Name of the joint.
+        trend: Means and what noise explains of them, as the estimate has tested them on its own recordings
+            (:attr:`exoid.Estimate.trends`). None for the means of these samples, whose standard errors take them for
+            independent.
     """
     step = max(1, len(x) // DRAWN)
     ax.plot(x[::step], residual[::step], ".", ms=1.2, color=joint_colour(joint), alpha=0.4, rasterized=True)
-    order = np.argsort(x, kind="stable")
-    parts = [part for part in np.array_split(order, BINS) if len(part) >= FEWEST]
-    if parts:
-        centre = [x[part].mean() for part in parts]
+    if trend is not None:
+        edges = np.rad2deg(trend.edges) if trend.against == "angle" else trend.edges
+        centre, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
+        ax.errorbar(
+            centre,
+            trend.mean,
+            yerr=2.0 * trend.std,
+            xerr=half,
+            fmt="o",
+            ms=2.5,
+            lw=1.0,
+            color=MEASURED,
+            label="mean ± 2 std of what noise leaves",
+        )
+        legend_above(ax)
+    elif parts := [part for part in np.array_split(np.argsort(x, kind="stable"), BINS) if len(part) >= FEWEST]:
+        centres = [x[part].mean() for part in parts]
         mean = np.array([residual[part].mean() for part in parts])
         error = 2.0 * np.array([residual[part].std(ddof=1) / np.sqrt(len(part)) for part in parts])
-        ax.errorbar(centre, mean, yerr=error, fmt="o-", ms=2.5, lw=1.0, color=MEASURED, label="mean ± 2 s.e.")
+        ax.errorbar(centres, mean, yerr=error, fmt="o-", ms=2.5, lw=1.0, color=MEASURED, label="mean ± 2 s.e.")
         legend_above(ax)
     ax.axhline(0.0, color=GUIDE, lw=0.8, zorder=0)
     ax.set(xlabel=xlabel, ylabel=f"{label} residual [N·m]")

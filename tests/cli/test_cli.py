@@ -17,6 +17,7 @@ from exoid import Coulomb, Estimate, Recording, Stiffness
 from exoid.cli import app, main
 from exoid.cli.identify import identify
 from exoid.identification import estimate_to_json, validation_to_json
+from exoid.view.report import identification_report
 
 TRAIN, TEST = "bleex_swing:train", "bleex_swing:test"
 
@@ -184,6 +185,39 @@ def test_links_that_do_not_move_need_no_inertia(exoid_, data, tmp_path):
     axis = '<axis xyz="0 0 1"/></joint></robot>'
     (tmp_path / "my.urdf").write_text(text.replace("</robot>", tail + axis), encoding="utf-8")
     assert exoid_("identify", "my.urdf", TRAIN).code == 0
+
+
+def test_identify_predicts_logs_that_it_does_not_fit(exoid_, estimate, data):
+    predicted = exoid.validate(estimate, data.test)
+    assert exoid_("identify", "bleex", TRAIN, "--test", TEST) == (0, f"{estimate}\n\n{predicted}\n", "")
+    found = json.loads(exoid_("identify", "bleex", TRAIN, "--test", TEST, "--test", TRAIN, "--json").out)
+    assert found["tests"] == [validation_to_json(exoid.validate(estimate, each)) for each in (data.test, data.train)]
+    assert found["values"] == pytest.approx(dict(zip(estimate.names, estimate.values, strict=True)))
+
+
+def test_identify_reads_held_out_logs_as_the_others(exoid_, estimate, data):
+    run = exoid_("identify", "bleex", TRAIN, "--test", TRAIN, "--start", "5", "--stop", "25", "--json")
+    part = data.train.between(5.0, 25.0)
+    assert json.loads(run.out)["tests"] == [validation_to_json(exoid.validate(exoid.identify(data.leg, part), part))]
+
+
+def test_identify_writes_a_report(exoid_, estimate, data, tmp_path):
+    run = exoid_("identify", "bleex", TRAIN, "--test", TEST, "--report", "leg.html", "--json")
+    assert (run.code, run.err) == (0, "wrote leg.html\n")
+    assert "tests" in json.loads(run.out)
+    page = identification_report(estimate, [data.train], [data.test])
+    assert (tmp_path / "leg.html").read_text(encoding="utf-8") == page.html()
+
+
+@pytest.mark.parametrize("report", ["missing/report.html", "."])
+def test_identify_refuses_a_report_that_cannot_be_written_before_it_works(exoid_, report, monkeypatch):
+    monkeypatch.setattr("exoid.identification.identify", lambda *_, **__: pytest.fail("it worked in vain"))
+    assert_refused(exoid_("identify", "bleex", TRAIN, "--report", report), "cannot be written")
+
+
+def test_identify_refuses_a_held_out_log_before_it_works(exoid_, monkeypatch):
+    monkeypatch.setattr("exoid.identification.identify", lambda *_, **__: pytest.fail("it worked in vain"))
+    assert_refused(exoid_("identify", "bleex", TRAIN, "--test", "absent.csv"), "absent.csv")
 
 
 # ------------------------------------------------------------------------------------------- validate
@@ -380,7 +414,7 @@ def test_help_names_every_option():
     """As the function has them: what is not in the help cannot be found."""
     text = CliRunner().invoke(app, ["identify", "--help"], env={"COLUMNS": "200"}).output
     names = [name for name in inspect.signature(identify).parameters if name not in ("leg", "logs", "as_json")]
-    assert len(names) == 18
+    assert len(names) == 20
     for option in (*names, "json"):
         assert f"--{option}" in text
 

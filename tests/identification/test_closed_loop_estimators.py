@@ -8,7 +8,7 @@ import pytest
 import exoid
 from exoid import Coulomb, ExoidError, Viscous
 from exoid.experiments.references import Harmonics
-from exoid.identification import ClosedLoop, InstrumentalVariables, OutputError
+from exoid.identification.estimators import ClosedLoop, InstrumentalVariables, OutputError
 from exoid.identification.estimators.instrumental import simulated_recording
 from exoid.rig import HydraulicServo, IdealTorque, Plant, Proportional, ProportionalDerivative, Rates, simulate
 from exoid.signals import Poses

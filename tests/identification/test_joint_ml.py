@@ -10,7 +10,7 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Coulomb, ExoidError, Viscous
-from exoid.identification import JointML
+from exoid.identification.estimators import JointML
 from exoid.identification.estimators.bordered import eliminate
 from exoid.identification.estimators.joint_ml import smooth
 from exoid.identification.estimators.motion_fit import fit_motion

@@ -16,9 +16,9 @@ from exoid.rig import (
     ProportionalDerivative,
     Rates,
     SmoothStepper,
-    follow,
     simulate,
 )
+from exoid.rig.continuous import follow
 
 SMOOTHING = 0.05
 PD = ProportionalDerivative(np.array([400.0, 200.0, 40.0]), np.array([40.0, 20.0, 3.0]))

@@ -128,4 +128,6 @@ def _experiments(model: TorqueModel, limits: MotionLimits) -> Iterator[tuple[str
 
 
 def _percent(x: float) -> str:
-    return f"{100.0 * x:.2g} %" if x < 10.0 else "nothing known" if np.isinf(x) else "unknown"
+    if x < 10.0:
+        return f"{100.0 * x:.2g} %" if x < 0.995 else f"{100.0 * x:.0f} %"
+    return "nothing known" if np.isinf(x) else "unknown"

@@ -21,9 +21,9 @@ from exoid.rig import (
     Reference,
     SmoothStepper,
     Target,
-    follow,
     simulate,
 )
+from exoid.rig.continuous import follow
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
 from exoid.torques.dry_friction import DryFriction
