@@ -41,7 +41,15 @@ def make_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
 def to_text(*parts: Table | DataTable | str) -> str:
     """Render tables, with their captions, and lines as plain text."""
     file = io.StringIO()
-    console = Console(file=file, width=WIDTH, color_system=None, highlight=False, markup=False, emoji=False)
+    console = Console(
+        file=file,
+        width=WIDTH,
+        color_system=None,
+        force_jupyter=False,  # there Rich would display the parts instead of writing them to the file
+        highlight=False,
+        markup=False,
+        emoji=False,
+    )
     for part in parts:
         if isinstance(part, DataTable):
             console.print(part.caption)

@@ -53,3 +53,10 @@ def test_text_is_plain_and_fits():
     assert "\033" not in text
     assert max(map(len, text.splitlines())) <= WIDTH
     assert not any(line.endswith(" ") for line in text.splitlines())
+
+
+def test_a_notebook_gets_text_too_and_shows_nothing_by_itself(monkeypatch):
+    """In Jupyter, Rich would display the parts and leave the string empty."""
+    monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
+    monkeypatch.setattr("rich.jupyter.display", lambda *_: pytest.fail("displayed"))
+    assert "longer" in to_text("title", make_table(("name", "value"), [("longer", "10.0")]))
