@@ -59,7 +59,7 @@ def verdict(estimate: Estimate, tested: Sequence[Evidence]) -> list[str]:
     for evidence in tested:
         errors = evidence.validation.nrmse
         joints = ", ".join(f"{joint} {100 * e:.1f} %" for joint, e in zip(estimate.joint_names, errors, strict=True))
-        judgement = "predicts well" if (errors <= GOOD_NRMSE).all() else "does not predict every joint well:"
+        judgement = "predicts well" if (errors <= GOOD_NRMSE).all() else "does not predict every joint well"
         lines.append(
             f"On {evidence.validation.source}, which it was not fitted to, it {judgement} "
             f"(torque error over the spread of the torque: {joints})."
