@@ -121,9 +121,11 @@ def verdict_beside(name: str, assumed: Assumed, std: float, of_data: str) -> str
 
 
 def negative(model: TorqueModel, values: FloatArray, std: FloatArray) -> tuple[str, ...]:
-    """Name friction and rotor inertia that are negative by more than their error."""
+    """Name friction, rotor inertia and a segment's J that are negative by more than their error."""
     limit = float(scipy.stats.norm.ppf(1.0 - BELOW_ZERO))
-    below = model.nonnegative & (values < 0.0) & (values < -limit * std)
+    planar = model.leg.chain is not None
+    inertia = np.array([planar and name in model.leg.parameter_names and name[0] == "J" for name in model.names])
+    below = (model.nonnegative | inertia) & (values < 0.0) & (values < -limit * std)
     if not below.any():
         return ()
     names = ", ".join(name for name, is_below in zip(model.names, below, strict=True) if is_below)

@@ -131,6 +131,18 @@ def test_friction_that_is_negative_beyond_its_error_is_named_not_hidden(swing):
     assert not fine.warnings
 
 
+def test_an_inertia_that_cannot_be_is_named_in_a_warning():
+    """Torque of an ankle that its own acceleration helps along, as a sensor behind the foot would give it."""
+    data = exoid.datasets.bleex_swing()
+    q, tau = np.array(data.train.q), np.array(data.train.tau)
+    a = np.array(exoid.signals.ZeroPhase().kinematics(data.train).a)
+    tau[:, 2] -= 0.5 * a[:, 2]
+    odd = exoid.Recording(time=data.train.time, q=q, tau=tau, joint_names=data.train.joint_names)
+    estimate = exoid.identify(data.leg, odd, (exoid.Coulomb(), exoid.Viscous()))
+    assert estimate.value("J3") < 0.0
+    assert any("J3 negative beyond error" in warning for warning in estimate.warnings)
+
+
 @pytest.mark.parametrize("estimator", ["ols", "wls", "huber", "gls"])
 def test_bounds_keep_friction_at_zero_and_say_so(swing, estimator):
     """The same as the fit without that column."""
