@@ -152,7 +152,7 @@ def comparison_to_json(comparison: Comparison) -> dict[str, Any]:
     }
 
 
-def welch(v1: FloatArray, v2: FloatArray, dof1: float, dof2: float) -> FloatArray:
+def welch(v1: FloatArray, v2: FloatArray, dof1: float | FloatArray, dof2: float | FloatArray) -> FloatArray:
     """Degrees of freedom of sums of two variances (Welch and Satterthwaite); 1 where both are zero."""
     known = v1 + v2 == 0.0
     return np.asarray(np.where(known, 1.0, v1 + v2) ** 2 / np.where(known, 1.0, v1**2 / dof1 + v2**2 / dof2))
