@@ -46,12 +46,14 @@ class Block(NamedTuple):
         rows: The rows.
         begins: Whether these are the first of the recording.
         ends: Whether these are the last of it.
+        first: Index of the first joint of the rows among those of the problem.
     """
 
     kind: Kind
     rows: Rows
     begins: bool
     ends: bool
+    first: int = 0
 
 
 @dataclass(frozen=True, eq=False)
