@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from exoid.errors import ExoidError
 from exoid.identification.identify import check_recordings
-from exoid.identification.rows import SMALLEST_MOTION, for_leg, refuse_still_joints
+from exoid.identification.survey import SMALLEST_MOTION, Survey, refuse_still_joints
 from exoid.leg import Leg
 from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
@@ -35,7 +35,7 @@ class Group(NamedTuple):
 
     name: str
     leg: Leg
-    data: list[Recording | Poses]
+    data: Sequence[Recording | Poses]
 
 
 def make_groups(
@@ -94,12 +94,15 @@ def refuse_other_designs(groups: Sequence[Group]) -> None:
 
 
 def refuse_still_groups(
-    groups: Sequence[Group], models: Sequence[TorqueModel], shared: Sequence[str], assumed: Sequence[Sequence[str]]
+    surveys: Mapping[str, Sequence[Survey]],
+    models: Sequence[TorqueModel],
+    shared: Sequence[str],
+    assumed: Sequence[Sequence[str]],
 ) -> None:
     """Refuse joints that stand still in all groups, and in one of them where that leaves own parameters unknown.
 
     Args:
-        groups: The groups.
+        surveys: Of the recordings of each group, by its name.
         models: Of each.
         shared: Parameters that another group may tell.
         assumed: Parameters of each that are known or have a prior.
@@ -107,19 +110,17 @@ def refuse_still_groups(
     Raises:
         ExoidError: Names group and joint.
     """
-    moves = np.any([_moving(group, model) for group, model in zip(groups, models, strict=True)], axis=0)
+    moves = np.any([_moving(of_group) for of_group in surveys.values()], axis=0)
     unseen = {name for joint in np.flatnonzero(~moves) for name in models[0].own_parameters(int(joint))}
     told = [name for name in shared if name not in unseen]
-    for group, model, known in zip(groups, models, assumed, strict=True):
-        with within(group.name):
-            refuse_still_joints(model, group.data, (*known, *told))
+    for (group, of_group), model, known in zip(surveys.items(), models, assumed, strict=True):
+        with within(group):
+            refuse_still_joints(model, of_group, (*known, *told))
 
 
-def _moving(group: Group, model: TorqueModel) -> NDArray[np.bool_]:
+def _moving(surveys: Sequence[Survey]) -> NDArray[np.bool_]:
     """Which joints move in the recordings of a group, (n,)."""
-    with within(group.name):
-        ends = [(q.min(axis=0), q.max(axis=0)) for q in (for_leg(model, data).q for data in group.data)]
-    lowest, highest = (np.array(values) for values in zip(*ends, strict=True))
+    lowest, highest = (np.array([getattr(one, side) for one in surveys]) for side in ("lowest", "highest"))
     return np.asarray(highest.max(axis=0) - lowest.min(axis=0) >= SMALLEST_MOTION)
 
 
