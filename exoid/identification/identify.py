@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.signals import Poses, Preparation, Recording, Recordings, ZeroPhase, preparation_by_name
+from exoid.signals import Cluster, Poses, Preparation, Recording, Recordings, ZeroPhase, preparation_by_name
 from exoid.signals.cutoff import cutoff_from
 from exoid.torques import DEFAULT_TERMS, Term
 
@@ -23,7 +23,7 @@ from .influence import influence
 from .residuals import sandwich
 from .rows import rms_residual
 from .separable import fit_model
-from .sources import Cluster, go_over
+from .sources import go_over
 from .survey import Survey, refuse_dead_torques, refuse_still_joints, survey
 from .trends import remarks, residual_trends
 
@@ -52,7 +52,7 @@ def identify(
         leg: The leg; its inertias do not enter, only its geometry.
         recordings: One recording or several of the same leg, with torques; also :class:`exoid.signals.Poses`. Velocity
             and acceleration are derived where they are missing. :class:`exoid.signals.Recordings` stay on disk, and a
-            :class:`Cluster` keeps them on its workers.
+            :class:`exoid.signals.Cluster` keeps them on its workers.
         terms: What acts on the joints besides rigid-body dynamics; None for Coulomb and viscous friction, rotor
             inertia and offset at every joint; () for nothing. Settings that are :class:`exoid.torques.Free` are found
             by separable least squares, and stand in ``shapes`` of the estimate.
