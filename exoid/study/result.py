@@ -135,9 +135,9 @@ class StudyResult:
         course = self.study.course
         if course is None:
             return []
-        parts: list[DataTable | str] = []
+        parts: list[DataTable | str] = [""]
         for (protocol, noise), each in itertools.groupby(self.laws, lambda one: (one.protocol, one.noise)):
-            parts.append(laws_table(f"\nThe same leg under laws that were told of it: {protocol}, {noise} noise", each))
+            parts.append(laws_table(f"The same leg under laws that were told of it: {protocol}, {noise} noise", each))
         lost = [f"{one.law} told by {one.knows}: {one.diverged}" for one in self.laws if one.diverged]
         parts += [f"Diverged, and not counted: {', '.join(lost)}."] if lost else []
         gains = ", ".join(
