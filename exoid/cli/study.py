@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from exoid.study import Course, Protocol
 
 PROTOCOLS = ("planned", "document")
+
 SCALE, PERIOD = 0.8, 10.0
-"""Of the gait that laws follow [s], as in ``exoid track``."""
+"""Of the gait that laws follow: factor of the amplitudes and seconds, as in ``exoid track``."""
 
 OTHER = 1
 """Seed of a planned course; that of a planned protocol is 0."""
@@ -97,6 +98,7 @@ def study(
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         planning = {"noise": std, "duration": duration, "rate": rate}
+        follow = None if laws is None else _course(laws, course or "gait", model, truth, (kp, kd), planning)
         what = studies.Study(
             leg=studies.LegText.of(found),
             terms=chosen,
@@ -109,7 +111,7 @@ def study(
             rate=rate,
             cutoff=cutoff,
             followed="exactly" if followed == "exactly" else "by a rig",
-            course=None if laws is None else _course(laws, course or "gait", model, truth, (kp, kd), planning),
+            course=follow,
         )
         told = partial(_tell, bar, bar.add_task("identifying", total=1.0))
         result = studies.run_study(what, folder, who, told)
@@ -147,9 +149,10 @@ def _course(
     names, known = split_names(laws) or (), ControlModel.of_parameters(model, np.array(truth))
     if motion == "gait":
         try:
-            return studies.Course.of(names, on_leg(model.leg, healthy_gait(SCALE, PERIOD)), PERIOD, known, kp, kd)
+            gait = on_leg(model.leg, healthy_gait(SCALE, PERIOD))
         except ExoidError as error:
             raise ExoidError(error.what, where=error.where, remedy=f"{error.remedy}, or --course planned") from None
+        return studies.Course.of(names, gait, PERIOD, known, kp, kd)
     plan = _plan(model.leg, model.terms, {**planning, "duration": PERIOD, "seed": OTHER}).motions[0]
     return studies.Course.of(names, plan.reference, plan.period, known, kp, kd)
 

@@ -14,7 +14,6 @@ from exoid.control.law import RATE
 from exoid.control.standard_laws import refuse_unknown_laws
 from exoid.errors import ExoidError
 from exoid.experiments import Harmonics, refuse_motion_beyond_limits
-from exoid.leg import Leg
 from exoid.torques import TorqueModel
 
 from .protocol import motion_to_json
@@ -95,7 +94,7 @@ class Course:
         Raises:
             ExoidError: It leaves the limits, gains do not fit, or no rig has such terms.
         """
-        leg: Leg = model.leg
+        leg = model.leg
         if {len(self.kp), len(self.kd)} != {len(leg.joint_names)}:
             raise ExoidError(
                 f"{len(self.kp)} Kp and {len(self.kd)} Kd for {len(leg.joint_names)} joints", remedy="give one a joint"

@@ -64,7 +64,10 @@ def _laws(course: Course, driver: Driver, known: Sequence[ControlModel]) -> Laws
 
 
 def _runs(plant: Plant, course: Course, laws: Sequence[Laws], seed: tuple[int, ...]) -> list[FloatArray]:
-    """Run all drivers side by side; where one diverges each by itself, and its replicates one by one."""
+    """Run all drivers side by side; where one diverges each by itself, and its replicates one by one.
+
+    Each by itself meets the same noise still; replicates one by one have noise of their own.
+    """
     if plant.leg.chain is not None and all(law is not None for each in laws for law in each):
         try:
             return _side_by_side(plant, course, laws, seed)
