@@ -216,8 +216,15 @@ def test_terms_that_no_rig_has_are_refused():
         study(terms=terms, truth=truth)
 
 
-def test_the_command_prints_laws_as_a_table_or_json(capsys, monkeypatch, tmp_path):
+@pytest.fixture
+def quick(monkeypatch, tmp_path):
+    """Strides of 4 s, in a folder of its own."""
+    monkeypatch.setattr(sys.modules["exoid.cli.study"], "PERIOD", 4.0)
     monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.usefixtures("quick")
+def test_the_command_prints_laws_as_a_table_or_json(capsys, monkeypatch):
     options = ["--replicates", "2", "--duration", "12", "--protocols", "document", "--noise", "0.3"]
 
     def run(*more):
@@ -245,12 +252,12 @@ def test_the_command_prints_laws_as_a_table_or_json(capsys, monkeypatch, tmp_pat
         assert words in err
 
 
+@pytest.mark.usefixtures("quick")
 def test_a_leg_that_has_no_gait_follows_a_plan(capsys, monkeypatch, tmp_path):
     """Joints of another name: the error says which option helps."""
     text = LEG.description.text.replace("left_hip", "left_shoulder").replace("left_knee", "left_elbow")
     (tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
     options = ["arm.urdf", "--joints", "left_shoulder,left_elbow", "--replicates", "2", "--duration", "12"]
-    monkeypatch.chdir(tmp_path)
     for more, code in (((), 2), (("--course", "planned"), 0)):
         monkeypatch.setattr(sys, "argv", ["exoid", "study", *options, "--laws", "pd", *more])
         with pytest.raises(SystemExit) as stop:
