@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 from . import datasets, published, signals, torques
 from .catalog import load_leg
 from .errors import ExoidError
-from .identification import Comparison, Estimate, Validation, compare, identify, validate
+from .identification import Comparison, Estimate, Validation, compare, identify, identify_together, validate
 from .leg import Leg
 from .signals import Recording
 from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
@@ -33,6 +33,7 @@ __all__ = [
     "control",
     "datasets",
     "identify",
+    "identify_together",
     "load_leg",
     "published",
     "signals",

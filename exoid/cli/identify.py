@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from functools import partial
 from typing import Annotated
 
 import typer
@@ -27,9 +28,11 @@ from .inputs import (
     find_leg,
     parse_terms,
     read_logs,
+    refuse,
     split_names,
 )
 from .numbers import parse_known, parse_prior
+from .together import Settings, Together, log_names
 
 
 def identify(
@@ -54,6 +57,12 @@ def identify(
     noise: Annotated[
         str, typer.Option(help="correlated, or white: intervals for noise without memory.")
     ] = "correlated",
+    own: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A,B", help="Parameters that each log has of its own (offset, c0_hip); others are shared."
+        ),
+    ] = None,
     known: Annotated[
         list[str] | None, typer.Option(metavar="NAME=VALUE", help="Hold a parameter fixed. Repeatable.")
     ] = None,
@@ -79,13 +88,12 @@ def identify(
     if report is not None:
         refuse_unwritable(report)
     options = LogOptions(column, degrees, start, stop, topic, received)
+    together = None if own is None else _together(logs, own, output, test, report)
     recordings, held_out = read_logs(logs, options), read_logs(test or [], options)
-    found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names)
-    estimate = identification.identify(
-        found,
-        recordings,
-        parse_terms(terms),
-        estimator,
+    find = partial(find_leg, leg, side, inertias, split_names(joints))
+    settings = Settings(
+        terms=parse_terms(terms),
+        estimator=estimator,
         cutoff=cutoff,
         preparation=preparation,
         noise=noise,
@@ -93,6 +101,10 @@ def identify(
         prior=parse_prior(prior),
         nonnegative=nonnegative,
     )
+    if together is not None:
+        typer.echo(together.identify(recordings, find, settings, as_json=as_json))
+        return
+    estimate = identification.identify(find(recordings[0].joint_names), recordings, **settings)
     predicted = [identification.validate(estimate, recording) for recording in held_out]
     if output is not None:
         estimate.save(output)
@@ -106,6 +118,12 @@ def identify(
         typer.echo(json.dumps(data, indent=1))
     else:
         typer.echo("\n\n".join(map(str, [estimate, *predicted])))
+
+
+def _together(logs: list[str], own: str, output: str | None, test: list[str] | None, report: str | None) -> Together:
+    """Prepare to identify logs each with parameters of its own."""
+    refuse({"--test": test, "--report": report}, "with --own there is an estimate of each log")
+    return Together.of(log_names(logs), split_names(own) or (), output)
 
 
 def _report(

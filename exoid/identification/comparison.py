@@ -113,10 +113,32 @@ def compare(first: Estimate, second: Estimate) -> Comparison:
         raise ExoidError("units of the common parameters differ", remedy="compare estimates of legs of one kind")
     difference = second.values[other] - first.values[one]
     C1, C2 = first.covariance[np.ix_(one, one)], second.covariance[np.ix_(other, other)]
-    std = np.sqrt(np.diag(C1 + C2))
-    p_values = _each(difference, np.diag(C1), np.diag(C2), first.dof, second.dof)
-    statistic, p_value = _together(difference, C1 + C2, min(first.dof, second.dof))
-    return Comparison(names, units, difference, std, p_values, _holm(p_values), statistic, p_value)
+    dof = welch(np.diag(C1), np.diag(C2), first.dof, second.dof)
+    return wald(names, units, difference, C1 + C2, dof, min(first.dof, second.dof))
+
+
+def wald(
+    names: tuple[str, ...],
+    units: tuple[str, ...],
+    difference: FloatArray,
+    covariance: FloatArray,
+    dof: FloatArray,
+    least: float,
+) -> Comparison:
+    """Test whether differences are zero, each alone and all together.
+
+    Args:
+        names: Parameters, (P,).
+        units: Their units.
+        difference: (P,).
+        covariance: Of the differences, (P, P).
+        dof: Degrees of freedom of each, (P,).
+        least: Of all together.
+    """
+    std = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    p_values = _each(difference, std, dof)
+    statistic, p_value = hotelling(difference, covariance, least)
+    return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value)
 
 
 def comparison_to_json(comparison: Comparison) -> dict[str, Any]:
@@ -130,17 +152,20 @@ def comparison_to_json(comparison: Comparison) -> dict[str, Any]:
     }
 
 
-def _each(difference: FloatArray, v1: FloatArray, v2: FloatArray, dof1: float, dof2: float) -> FloatArray:
-    """Welch's test of each parameter; two that are known exactly differ or they do not."""
-    variance = v1 + v2
-    known = variance == 0.0
-    spread = np.where(known, 1.0, variance)
-    dof = spread**2 / np.where(known, 1.0, v1**2 / dof1 + v2**2 / dof2)
-    p = 2.0 * scipy.stats.t.sf(np.abs(difference) / np.sqrt(spread), dof)
+def welch(v1: FloatArray, v2: FloatArray, dof1: float | FloatArray, dof2: float | FloatArray) -> FloatArray:
+    """Degrees of freedom of sums of two variances (Welch and Satterthwaite); 1 where both are zero."""
+    known = v1 + v2 == 0.0
+    return np.asarray(np.where(known, 1.0, v1 + v2) ** 2 / np.where(known, 1.0, v1**2 / dof1 + v2**2 / dof2))
+
+
+def _each(difference: FloatArray, std: FloatArray, dof: FloatArray) -> FloatArray:
+    """Student's test of each parameter; two that are known exactly differ or they do not."""
+    known = std == 0.0
+    p = 2.0 * scipy.stats.t.sf(np.abs(difference) / np.where(known, 1.0, std), dof)
     return np.where(known, np.where(difference == 0.0, 1.0, 0.0), p)
 
 
-def _together(difference: FloatArray, covariance: FloatArray, dof: float) -> tuple[float, float]:
+def hotelling(difference: FloatArray, covariance: FloatArray, dof: float) -> tuple[float, float]:
     """Hotelling's T² as F, with the smaller degrees of freedom of the two."""
     std = np.sqrt(np.diag(covariance))
     std = np.where(std > 0.0, std, 1.0)
@@ -155,7 +180,7 @@ def _together(difference: FloatArray, covariance: FloatArray, dof: float) -> tup
     return statistic, float(scipy.stats.f.sf(statistic, rank, left))
 
 
-def _holm(p_values: FloatArray) -> FloatArray:
+def holm(p_values: FloatArray) -> FloatArray:
     """Adjust for the number of tests, the smallest first."""
     order = np.argsort(p_values)
     steps = np.arange(len(p_values), 0, -1) * p_values[order]

@@ -31,7 +31,12 @@ SCHEMA = "exoid-estimate-1"
 
 def write_estimate(estimate: Estimate, path: str | os.PathLike[str]) -> None:
     """Write an estimate; see :meth:`Estimate.save`."""
-    write_whole(path, [json.dumps(estimate_to_json(estimate), indent=1, ensure_ascii=False), "\n"])
+    write_whole(path, [estimate_text(estimate)])
+
+
+def estimate_text(estimate: Estimate) -> str:
+    """Write what :func:`read_estimate` reads."""
+    return json.dumps(estimate_to_json(estimate), indent=1, ensure_ascii=False) + "\n"
 
 
 def read_estimate(path: str | os.PathLike[str]) -> Estimate:

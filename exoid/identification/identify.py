@@ -11,7 +11,7 @@ import numpy as np
 from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, choose_cutoff, preparation_by_name
-from exoid.torques import DEFAULT_TERMS, Term
+from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .assumed import Assumed, Prior
 from .diagnostics import judge_noise, judge_sizes, negative
@@ -78,20 +78,15 @@ def identify(
     Example:
         >>> est = identify(leg, Recording.from_csv("log.csv"))  # doctest: +SKIP
     """
-    recordings = _recordings(recordings)
+    recordings = check_recordings(recordings)
     estimate = find_estimator(estimator)
-    if noise not in NOISES:
-        raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
-    terms = _terms(terms)
+    check_noise(noise)
+    terms = check_terms(terms)
     model = starting_model(leg, terms)
     assumed = Assumed(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
     assumed.check(model)
     refuse_still_joints(model, recordings, assumed.names)
-    if isinstance(preparation, str):
-        preparation = preparation_by_name(preparation)
-    if preparation is None:
-        selected = (for_leg(model, data) for data in recordings)
-        preparation = ZeroPhase(choose_cutoff(selected) if cutoff is None else cutoff)
+    preparation = choose_preparation(model, recordings, preparation, cutoff)
     refuse_dead_torques(model, recordings)
     fitted = fit_model(Task(leg, terms, recordings, preparation, estimate, assumed=assumed))
     problem, fit = fitted.problem, fitted.fit
@@ -106,7 +101,7 @@ def identify(
         covariance, dof = solution.covariance, solution.dof
     else:
         dof = max(1.0, independent - int(assumed.free(problem.names).sum()))
-    inputs = tuple(_evidence(recording) for recording in recordings)
+    inputs = tuple(evidence(recording) for recording in recordings)
     trends = residual_trends(problem, fit.point, noises, solution, covariance, whitened=fit.noises is not None)
     std = np.sqrt(np.diag(covariance))
     shapes = fitted.shapes.with_covariance(problem.names[count:], covariance[count:, count:])
@@ -132,7 +127,24 @@ def identify(
     )
 
 
-def _recordings(given: Recording | Poses | Iterable[Recording | Poses]) -> list[Recording | Poses]:
+def check_noise(noise: str) -> None:
+    """Check the name of what a covariance assumes."""
+    if noise not in NOISES:
+        raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
+
+
+def choose_preparation(
+    model: TorqueModel, recordings: Sequence[Recording | Poses], given: Preparation | str | None, cutoff: float | None
+) -> Preparation:
+    """Take the preparation that was given, or the parallel filter with a cut-off given or chosen from recordings."""
+    if isinstance(given, str):
+        return preparation_by_name(given)
+    if given is not None:
+        return given
+    return ZeroPhase(choose_cutoff(for_leg(model, data) for data in recordings) if cutoff is None else cutoff)
+
+
+def check_recordings(given: Recording | Poses | Iterable[Recording | Poses]) -> list[Recording | Poses]:
     """Check that there is at least one recording, and nothing else."""
     several = [given] if isinstance(given, (Recording, Poses, str, PathLike)) else list(given)
     wrong = [item for item in several if not isinstance(item, (Recording, Poses))]
@@ -142,7 +154,7 @@ def _recordings(given: Recording | Poses | Iterable[Recording | Poses]) -> list[
     return several
 
 
-def _terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
+def check_terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
     """Check that terms are terms, not names of terms."""
     if given is None:
         return DEFAULT_TERMS
@@ -153,7 +165,8 @@ def _terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
     return terms
 
 
-def _evidence(data: Recording | Poses) -> Input:
+def evidence(data: Recording | Poses) -> Input:
+    """Describe a recording by its name, hash and size."""
     rate = data.sample_rate if isinstance(data, Recording) else 0.0
     if data.source is not None:
         return Input(data.source.name, data.source.sha256, len(data), rate)

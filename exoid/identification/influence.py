@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
@@ -48,7 +49,11 @@ class Influence(NamedTuple):
 
     def of(self, count: int) -> Influence:
         """Keep the first so many parameters."""
-        return Influence(self.recordings, self.change[:, :count], self.share[:, :count])
+        return self.at(slice(count))
+
+    def at(self, places: slice | NDArray[np.intp]) -> Influence:
+        """Keep the parameters at these places."""
+        return Influence(self.recordings, self.change[:, places], self.share[:, places])
 
     def strongest(self, limit: float) -> list[tuple[str, list[int]]]:
         """Name recordings that move parameters by more than so many standard deviations, and which.
@@ -76,18 +81,42 @@ def influence(problem: Problem, names: Sequence[str], fit: Fit, std: FloatArray,
     """
     if len(problem.data) < 2:
         return None
-    each = [_weighted(problem, index, fit.weights) for index in range(len(problem.data))]
-    whole = problem.solve(join(each)).values
+    each = [weighted(problem, index, fit.weights) for index in range(len(problem.data))]
+
+    def without(_: int, others: Triangle) -> FloatArray:
+        return problem.solve(others).values
+
+    return leave_out(each, names, without, problem.solve(join(each)).values, fit.solution.inverse, std).of(count)
+
+
+def leave_out(
+    each: Sequence[Triangle],
+    names: Sequence[str],
+    without: Callable[[int, Triangle], FloatArray],
+    whole: FloatArray,
+    inverse: FloatArray,
+    std: FloatArray,
+) -> Influence:
+    """Solve for the weighted rows of all recordings but one, each in turn.
+
+    Args:
+        each: Weighted rows of each recording, at least two.
+        names: Of the recordings.
+        without: Values for the rows of all recordings but one, given its index; infinite where there are none.
+        whole: Values for all rows, (P,).
+        inverse: (WᵀW)⁻¹ of all rows, (P, P).
+        std: Of the parameters, (P,).
+    """
     change, share = [], []
     for index, of_one in enumerate(each):
         W = of_one.R[:, : len(std)]
-        share.append(np.einsum("ij,ji->i", fit.solution.inverse, W.T @ W)[:count])
+        share.append(np.einsum("ij,ji->i", inverse, W.T @ W))
         try:
-            without = problem.solve(join(each[:index] + each[index + 1 :])).values
+            values = without(index, join([*each[:index], *each[index + 1 :]]))
         except ExoidError:
-            change.append(np.full(count, NO_ESTIMATE))
+            change.append(np.full(len(std), NO_ESTIMATE))
             continue
-        change.append(np.divide(without - whole, std, out=np.zeros(len(std)), where=std > 0.0)[:count])
+        change.append(np.divide(values - whole, std, out=np.zeros(len(std)), where=std > 0.0))
     return Influence(tuple(names), np.array(change), np.array(share))
 
 
@@ -114,7 +143,7 @@ def influence_from_json(data: Sequence[dict[str, Any]], names: Sequence[str]) ->
     return Influence(tuple(str(one["recording"]) for one in data), np.array(change), np.array(share))
 
 
-def _weighted(problem: Problem, index: int, weights: Sequence[float]) -> Triangle:
+def weighted(problem: Problem, index: int, weights: Sequence[float]) -> Triangle:
     """Triangle of all joints' rows of one recording."""
     at_rest, triangles = problem.at_rest(index), problem.each[index]
     return join(triangles, [weights[problem.place(at_rest, joint)] for joint in range(len(triangles))])

@@ -46,12 +46,14 @@ class Block(NamedTuple):
         rows: The rows.
         begins: Whether these are the first of the recording.
         ends: Whether these are the last of it.
+        first: Index of the first joint of the rows among those of the problem.
     """
 
     kind: Kind
     rows: Rows
     begins: bool
     ends: bool
+    first: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,15 +146,17 @@ class Problem:
     def _make(self, index: int, thinned: bool) -> Iterator[Rows]:
         """Make rows stretch by stretch, and keep them and what is left of them after thinning where there is room."""
         prepared = self._prepare(index)
-        count, step = len(prepared.valid), thinning(prepared.independence)
+        count, step = len(prepared.rows), thinning(prepared.independence)
         size = 8 * count * prepared.tau.shape[1] * len(self.names)
         room = KEPT_BYTES - sum(rows.W.nbytes for kept in self._kept.values() for rows in kept)
         keep_few = size / step <= room
         keep_whole = size * (1.0 + 1.0 / step) <= room
         whole, few = [], []
+        before = 0
         for stretch in prepared.stretches():
             rows = form_rows(self.model, prepared, stretch)
-            fewer = thin(rows, stretch.start - prepared.valid.start, count)
+            fewer = thin(rows, before, count)
+            before += len(stretch)
             if keep_few and len(fewer.time):
                 few.append(fewer)
             if keep_whole:

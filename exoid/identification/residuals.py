@@ -12,7 +12,8 @@ from exoid._typing import FloatArray
 
 from .least_squares import Solution
 from .noise import LARGEST_ORDER, AutoregressiveNoise, LagSums, QuadraticForm
-from .problem import Kind, Problem
+from .problem import Kind
+from .stacked import Stacked
 
 PASSES = 5
 """Noise and covariance depend on each other, and are computed in turn at most so often."""
@@ -69,16 +70,16 @@ Noises = Mapping[tuple[Kind, int], AutoregressiveNoise]
 """Noise of each kind and joint, in units of the weighted rows."""
 
 
-def series(problem: Problem, point: Point) -> Iterator[Series]:
+def series(problem: Stacked, point: Point) -> Iterator[Series]:
     """Go over all recordings and joints, in rows thinned to the pace of independent noise."""
-    for kind, rows, begins, ends in problem.blocks(thinned=True):
-        for joint in range(rows.tau.shape[1]):
+    for kind, rows, begins, ends, first in problem.blocks(thinned=True):
+        for own, acting in enumerate(rows.acting):
+            joint = first + own
             weight = point.weights[problem.weight_index(kind, joint)]
-            usable = rows.usable[:, joint].astype(np.float64)
-            W = rows.W[:, joint].T
+            usable = rows.usable[:, own].astype(np.float64)
             columns = problem.columns[joint]
-            X = weight * W[columns] * usable
-            residual = weight * rows.tau[:, joint] * usable - point.values[columns] @ X
+            X = weight * rows.W[:, own].T[acting] * usable
+            residual = weight * rows.tau[:, own] * usable - point.values[columns] @ X
             residual = np.clip(residual, -point.clip, point.clip)
             yield Series(
                 kind,
@@ -87,15 +88,15 @@ def series(problem: Problem, point: Point) -> Iterator[Series]:
                 X,
                 residual,
                 usable,
-                rows.q[:, joint],
-                rows.v[:, joint],
+                rows.q[:, own],
+                rows.v[:, own],
                 rows.stands_for,
                 begins,
                 ends,
             )
 
 
-def fit_noise(problem: Problem, point: Point, covariance: FloatArray) -> dict[tuple[Kind, int], AutoregressiveNoise]:
+def fit_noise(problem: Stacked, point: Point, covariance: FloatArray) -> dict[tuple[Kind, int], AutoregressiveNoise]:
     """Fit an autoregressive model to the residuals of each kind and joint.
 
     Residuals are smaller than the noise, and less alike, since the fit has taken part of it away; on average
@@ -131,7 +132,7 @@ class Sandwich(NamedTuple):
     noises: Noises
 
 
-def sandwich(problem: Problem, point: Point, solution: Solution) -> Sandwich:
+def sandwich(problem: Stacked, point: Point, solution: Solution) -> Sandwich:
     """Compute (WᵀW)⁻¹ Wᵀ Γ W (WᵀW)⁻¹ with Γ that of the autoregressive noise in the residuals.
 
     Rows of priors are among those of W, with the noise that the priors say.

@@ -28,8 +28,8 @@ SIGNIFICANT = 1e-3
 TRIFLE = 0.01
 """unless its size is below this part of the joint's torque."""
 
-RANK = 1e-8
-"""Directions of less variance than this part of the largest are those that the fit has set to zero."""
+LEFT = 0.02
+"""Of directions in which the fit has left less than this part of the noise, as an offset of the sum, none is tested."""
 
 Against = Literal["velocity", "angle"]
 
@@ -211,16 +211,18 @@ def _trends(
         mean = total / count / weight
         share = float(np.sqrt(np.average(mean**2, weights=count))) / (torque or 1.0)
         std = np.sqrt(np.clip(np.diag(cov)[rows], 0.0, None)) / count / weight
+        noise = np.sqrt(np.diag(found.noise)[rows])
         name = problem.model.leg.joint_names[joint]
-        trends.append(Trend(name, against, edges[k], mean, std, _p_value(total, cov[rows, rows]), share))
+        trends.append(Trend(name, against, edges[k], mean, std, _p_value(total, cov[rows, rows], noise), share))
     return trends
 
 
-def _p_value(total: FloatArray, cov: FloatArray) -> float:
-    """Probability of sums as large as these."""
-    sizes, vectors = np.linalg.eigh(0.5 * (cov + cov.T))
-    kept = sizes > RANK * max(sizes[-1], 0.0)
+def _p_value(total: FloatArray, cov: FloatArray, noise: FloatArray) -> float:
+    """Probability of sums as large as these, given what noise would make of each of them were nothing fitted."""
+    scale = np.where(noise > 0.0, noise, 1.0)
+    sizes, vectors = np.linalg.eigh(0.5 * (cov + cov.T) / np.multiply.outer(scale, scale))
+    kept = sizes > LEFT
     if not kept.any():
         return 1.0
-    statistic = float(np.sum((vectors[:, kept].T @ total) ** 2 / sizes[kept]))
+    statistic = float(np.sum((vectors[:, kept].T @ (total / scale)) ** 2 / sizes[kept]))
     return float(scipy.stats.chi2.sf(statistic, int(kept.sum())))

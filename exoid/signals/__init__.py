@@ -3,6 +3,7 @@
 from .cutoff import choose_cutoff
 from .differentiation import Kinematics, central_difference, second_difference
 from .filters import edge_length, exponential_moving_average, noise_bandwidth, zero_phase
+from .parallel_filter import ParallelFilter
 from .poses import Approaches, Poses
 from .preparation import (
     PREPARATIONS,
@@ -22,6 +23,7 @@ __all__ = [
     "FiniteDifference",
     "Kinematics",
     "MovingAverage",
+    "ParallelFilter",
     "Poses",
     "Preparation",
     "Recording",

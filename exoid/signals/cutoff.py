@@ -26,6 +26,9 @@ Noise in a column weakens its parameter by about the square of this: a share of 
 UPPER_BAND = 0.6
 """From this part of half the sampling rate on, angles are taken to be noise."""
 
+PIECE = 2**16
+"""Longer recordings are looked at in pieces of so many samples."""
+
 KEPT = 0.5
 """At least this part of each recording is to be left between the ends that filters spoil."""
 
@@ -46,8 +49,8 @@ def choose_cutoff(recordings: Iterable[Recording | Poses]) -> float:
     """Choose the highest cut-off [Hz] at which accelerations derived from noisy angles still are accelerations.
 
     White noise of power density N in an angle has ω⁴ N in the acceleration. N is the median of the periodogram P of the
-    angle in the upper part of its band, over ln 2. For each joint, over all recordings, noise and signal are compared
-    below the cut-off f:
+    angle in the upper part of its band, over ln 2. For each joint, over all recordings, long ones piece by piece, noise
+    and signal are compared below the cut-off f:
 
         Σ ∫₀ᶠ ω⁴ N ≤ 0.02² Σ ∫₀ᶠ ω⁴ P.
 
@@ -62,7 +65,7 @@ def choose_cutoff(recordings: Iterable[Recording | Poses]) -> float:
     derived = [data.resampled() for data in recordings if isinstance(data, Recording) and data.a is None]
     if not derived:
         return float(CUTOFFS[-1])
-    bends = [_bends(recording) for recording in derived]
+    bends = [_bends(piece, recording.sample_rate) for recording in derived for piece in _pieces(recording.q)]
     noise, total = (np.sum(arrays, axis=0) for arrays in zip(*bends, strict=True))
     share = noise / np.maximum(total, np.finfo(float).tiny)
     allowed = share <= NOISE_SHARE**2
@@ -72,15 +75,25 @@ def choose_cutoff(recordings: Iterable[Recording | Poses]) -> float:
     return float(next(long_enough, CUTOFFS[-1]))
 
 
-def _bends(recording: Recording) -> Bends:
-    samples = len(recording)
-    windowed = scipy.signal.detrend(recording.q, axis=0) * np.hanning(samples)[:, None]
-    power = np.abs(scipy.fft.rfft(windowed, axis=0)) ** 2 / samples
-    frequency = scipy.fft.rfftfreq(samples, 1.0 / recording.sample_rate)
+def _pieces(q: FloatArray) -> list[FloatArray]:
+    """Cut a long recording into equal pieces."""
+    return np.array_split(q, -(-len(q) // PIECE))
+
+
+def _bends(q: FloatArray, rate: float) -> Bends:
+    """Compare noise and signal in a piece of a recording, (N, n)."""
+    samples = len(q)
+    window = np.hanning(samples)
+    t = np.linspace(-1.0, 1.0, samples)
+    level = q - q.mean(axis=0)
+    level -= np.multiply.outer(t, t @ level / (t @ t))
+    power = np.abs(scipy.fft.rfft(level.T * window)).T ** 2 / samples
+    frequency = scipy.fft.rfftfreq(samples, 1.0 / rate)
     noise = np.median(power[frequency >= UPPER_BAND * frequency[-1]], axis=0) / np.log(2.0)
-    bend = (2.0 * np.pi * frequency[:, None]) ** 4
     below = np.searchsorted(frequency, CUTOFFS, side="right") - 1
-    return Bends(np.cumsum(bend, axis=0)[below] * noise, np.cumsum(bend * power, axis=0)[below])
+    slow = slice(0, below[-1] + 1)
+    bend = (2.0 * np.pi * frequency[slow, None]) ** 4
+    return Bends(np.cumsum(bend, axis=0)[below] * noise, np.cumsum(bend * power[slow], axis=0)[below])
 
 
 def _is_long(recording: Recording, cutoff: float) -> bool:
