@@ -1,7 +1,7 @@
 """Least squares from given q, v, a, τ, against a loop over Pinocchio's regressor and ``numpy.linalg.lstsq``.
 
-``pytest tests/benchmarks/test_least_squares.py -s`` prints the ratios. Ours goes from samples to estimate and covariance
-block by block, on orthogonal factorisations, which need no refinement. What :func:`exoid.identify` does
+``pytest tests/benchmarks/test_least_squares.py -s`` prints the ratios. Ours goes from samples to estimate and
+covariance block by block, on orthogonal factorisations, which need no refinement. What :func:`exoid.identify` does
 beyond (a model of the noise, diagnostics, trends, influence, a hash of the data) has no counterpart in the loop.
 """
 

@@ -1,6 +1,6 @@
 """How fast and how sparing the batched regressor is, against loops over Pinocchio's and against FIGAROH's.
 
-``pytest tests/benchmarks/test_regressor.py -s`` prints the ratios; FIGAROH's if it is installed (``pip install figaroh``).
+``pytest tests/benchmarks/test_regressor.py -s`` prints the ratios; FIGAROH's if ``pip install figaroh`` was run before.
 """
 
 from __future__ import annotations

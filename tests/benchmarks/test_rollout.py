@@ -1,8 +1,8 @@
 """Many virtual rigs at once against MuJoCo's rollout of the same leg: ``pytest tests/benchmarks/test_rollout.py -s``.
 
-The same one leg, friction, rotor and torques, the same steps, every state kept, one thread each. Our joints stick exactly
-and our step is of second order; MuJoCo's friction is its softened constraint, its integrator semi-implicit Euler, both
-as by default.
+The same one leg, friction, rotor and torques, the same steps, every state kept, one thread each. Our joints stick
+exactly and our step is of second order; MuJoCo's friction is its softened constraint, its integrator semi-implicit
+Euler, both as by default.
 """
 
 from __future__ import annotations
