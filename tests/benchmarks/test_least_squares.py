@@ -24,7 +24,7 @@ from exoid.signals import FiniteDifference
 from exoid.torques import TorqueModel
 
 SAMPLES, RATE, ROUNDS = 200_000, 500.0, 4
-RATIO, WHOLE = 7.0, 0.7
+RATIO, WHOLE = 9.0, 0.7
 """Below these something has become slower."""
 BYTES = 40.0
 """Growth of memory with each sample beyond the data."""

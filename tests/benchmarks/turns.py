@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import gc
+import math
 import time
 from collections.abc import Callable, Mapping
 
 import numpy as np
 from threadpoolctl import threadpool_limits
+
+TURN = 0.25
+"""A turn takes at least so long [s]: what is short is repeated, or it alone would find a quiet moment."""
 
 
 def best_of_turns(works: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
@@ -15,21 +19,25 @@ def best_of_turns(works: Mapping[str, Callable[[], object]], rounds: int) -> dic
 
     In each round every work has its turn, so that other load on the machine meets all alike. One thread each.
     """
-    best = dict.fromkeys(works, np.inf)
     with threadpool_limits(1):
         for work in works.values():
             work()  # imports, caches
+        repeats = {name: math.ceil(TURN / seconds(work, 1)) for name, work in works.items()}
         gc.collect()
         gc.disable()
         try:
-            for _ in range(rounds):
-                for name, work in works.items():
-                    start = time.process_time()
-                    work()
-                    best[name] = min(best[name], time.process_time() - start)
+            turns = [[seconds(work, repeats[name]) for name, work in works.items()] for _ in range(rounds)]
         finally:
             gc.enable()
-    return best
+    return dict(zip(works, np.min(turns, axis=0).tolist(), strict=True))
+
+
+def seconds(work: Callable[[], object], repeats: int) -> float:
+    """Processor time of one of several runs, on average [s]."""
+    start = time.process_time()
+    for _ in range(repeats):
+        work()
+    return (time.process_time() - start) / repeats
 
 
 def show(title: str, best: Mapping[str, float], ours: str) -> None:
