@@ -181,4 +181,5 @@ def autocovariance_sums(x: FloatArray, largest: int) -> FloatArray:
         pieces.reshape(-1)[: len(row)] = row
         within += pieces.T @ pieces
         across += pieces[:-1].T @ pieces[1:]
-    return np.array([np.trace(within, k) + np.trace(across, k - length) for k in range(length)])
+    pairs = np.pad(np.hstack([within, across]).ravel(), (0, length))  # those of lag k stand k beyond the diagonal
+    return np.asarray(pairs.reshape(length, -1)[:, :length].sum(axis=0))
