@@ -341,3 +341,14 @@ def test_what_is_part_of_a_shared_parameter_is_said_to_be(legs, sides):
     assert any("Ia_hip" in note and "the same in all groups" in note for note in together.notes)
     apart = identify_together(legs, record(sides), terms, own=("Ia", "J1"), preparation=PLAIN)
     assert not any("the same in all groups" in note for note in apart.notes)
+
+
+@pytest.mark.parametrize("estimator", ["wls", "huber", "gls"])
+def test_rows_that_are_made_again_stretch_by_stretch_give_the_same(legs, sides, monkeypatch, estimator):
+    recordings = record(sides, left=Noise(0.2, 0.9), right=Noise(0.3))
+    whole = identify_together(legs, recordings, TERMS, estimator)
+    monkeypatch.setattr("exoid.identification.problem.KEPT_BYTES", 0)
+    monkeypatch.setattr("exoid.identification.rows.BLOCK", 300)
+    pieces = identify_together(legs, recordings, TERMS, estimator)
+    np.testing.assert_allclose(pieces.values, whole.values, rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(pieces.std, whole.std, rtol=1e-5)

@@ -90,8 +90,9 @@ def identify_together(
         with within(group.name):
             way = choose_preparation(model, group.data, preparation, cutoff)
             refuse_dead_torques(model, group.data)
-            problem = Problem(model, group.data, way, assumed=Assumed(of_group.known))  # for the group alone
+            problem = Problem(model, group.data, way, assumed=Assumed(of_group.known), room=1.0 / len(members))
             refuse_empty_joints(model, [join(triangles) for triangles in zip(*problem.groups, strict=True)])
+            problem.forget()
         problems.append(problem)
     return _solve(JointProblem(tuple(problems), layout, spread), chosen, name_of(chosen), white=noise == "white")
 

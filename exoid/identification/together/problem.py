@@ -73,6 +73,7 @@ class JointProblem:
         for first, problem in zip(self._joints, self.problems, strict=False):
             for block in problem.blocks(thinned=thinned):
                 yield block._replace(first=int(first))
+            problem.forget()  # or memory would hold the kinematics of a recording of each group
 
     def widened(self, triangle: Triangle, group: int) -> Triangle:
         """Put the columns of a triangle of one group where its parameters stand."""
