@@ -23,6 +23,9 @@ REACHES = 8.0
 SMALLEST_MOTION = 2e-3
 """A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""
 
+COLUMNS = 4
+"""Columns that are factorised at once: of so few as a joint has, fastest."""
+
 MOST = 0.5
 """Torque that has one and the same value in more than this part of the samples was not measured."""
 
@@ -329,10 +332,10 @@ def joint_table(rows: Rows, joint: int) -> tuple[NDArray[np.intp], FloatArray]:
     W, use = rows.W[:, joint].T, rows.usable[:, joint]
     columns = np.flatnonzero(rows.acting[joint])
     table = np.empty((len(columns) + 1, int(np.count_nonzero(use))))
-    everything = use.all()
+    used = slice(None) if use.all() else use
     for row, column in zip(table, columns, strict=False):
-        row[:] = W[column] if everything else W[column, use]
-    table[-1] = rows.tau[use, joint]
+        row[:] = W[column, used]
+    table[-1] = rows.tau[used, joint]
     return np.append(columns, len(W)), table
 
 
@@ -341,7 +344,7 @@ def make_triangle(table: FloatArray, rows: int, samples: float) -> Triangle:
     width = table.shape[1]
     if len(table) < width:
         table = np.vstack([table, np.zeros((width - len(table), width))])
-    factored, *_ = scipy.linalg.lapack.dgeqrf(table)
+    factored, *_ = scipy.linalg.lapack.dgeqrt(min(COLUMNS, width), table)
     return Triangle(np.triu(factored[:width]), rows, samples)
 
 
