@@ -82,6 +82,7 @@ def identify_together(
     if any(name in layout.names[: layout.shared] for name in members[0].leg.parameter_names):
         refuse_other_designs(members)
     assumed = Assumed(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
+    assumed.check_merged(models[members[0].name])
     spread = layout.spread(assumed)
     local = [layout.assumed_by(k, spread) for k in range(len(members))]
     refuse_still_groups(members, list(models.values()), layout.names[: layout.shared], [a.names for a in local])
@@ -130,9 +131,9 @@ def _of_groups(estimates: Mapping[str, Estimate], common: int) -> tuple[str, ...
 
 def _merged(problem: JointProblem) -> tuple[str, ...]:
     """Say what is part of other parameters, and therefore shared if these are."""
-    own = problem.layout.own
+    apart = set(problem.names if len(problem.problems) < 2 else problem.layout.own)
     return tuple(
-        f"{merged}" + ("" if set(merged.into) <= set(own) else ", and so the same in all groups")
+        f"{merged}" + ("" if set(merged.into) <= apart else ", and so the same in all groups")
         for merged in problem.problems[0].model.merged
     )
 
