@@ -76,6 +76,7 @@ class Problem:
         preparation: How they become rows.
         assumed: What is known beside them.
         keep: Which rows to use, given the index of the recording and their times [s], (N,); None for all.
+        room: Part of the memory for rows that are kept, where there are several problems.
     """
 
     model: TorqueModel
@@ -83,6 +84,7 @@ class Problem:
     preparation: Preparation
     keep: Callable[[int, FloatArray], NDArray[np.bool_]] | None = None
     assumed: Assumed = NOTHING
+    room: float = 1.0
     _kept: dict[tuple[int, bool], list[Rows]] = field(default_factory=dict, init=False, repr=False)
     _filed: dict[int, RowsFile] = field(default_factory=dict, init=False, repr=False)
     _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)
@@ -181,12 +183,16 @@ class Problem:
             kind = kind or Kind(self.at_rest(index), _pace(rows.time))
             yield Block(kind, rows, begins, ends)
 
+    def forget(self) -> None:
+        """Let go of the recording that was prepared last; rows that are kept stay."""
+        self._prepared.clear()
+
     def _make(self, index: int, thinned: bool) -> Iterator[Rows]:
         """Make rows stretch by stretch, and keep them and what is left of them after thinning where there is room."""
         prepared = self._prepare(index)
         count, step = len(prepared.rows), thinning(prepared.independence)
         size = 8 * count * prepared.tau.shape[1] * len(self.names)
-        room = KEPT_BYTES - sum(rows.W.nbytes for kept in self._kept.values() for rows in kept)
+        room = self.room * KEPT_BYTES - sum(rows.W.nbytes for kept in self._kept.values() for rows in kept)
         keep_few = size / step <= room
         keep_whole = size * (1.0 + 1.0 / step) <= room
         file = RowsFile() if not keep_few and step >= WORTH_FILING else None

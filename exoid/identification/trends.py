@@ -32,7 +32,7 @@ SIGNIFICANT = 1e-3
 TRIFLE = 0.01
 """unless its size is below this part of the joint's torque."""
 
-LEFT = 0.02
+LEFT = 1e-4
 """Of directions in which the fit has left less than this part of the noise, as an offset of the sum, none is tested."""
 
 Against = Literal["velocity", "angle"]

@@ -83,6 +83,7 @@ def identify_together(
     if any(name in layout.names[: layout.shared] for name in members[0].leg.parameter_names):
         refuse_other_designs(members)
     assumed = Assumed(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
+    assumed.check_merged(models[members[0].name])
     spread = layout.spread(assumed)
     local = [layout.assumed_by(k, spread) for k in range(len(members))]
     surveys, listen = {}, preparation is None and cutoff is None
@@ -95,8 +96,9 @@ def identify_together(
         with within(group.name):
             way = choose_preparation(surveys[group.name], preparation, cutoff)
             refuse_dead_torques(model, surveys[group.name])
-            problem = Problem(model, group.data, way, assumed=Assumed(of_group.known))  # for the group alone
+            problem = Problem(model, group.data, way, assumed=Assumed(of_group.known), room=1.0 / len(members))
             refuse_empty_joints(model, [join(triangles) for triangles in zip(*problem.groups, strict=True)])
+            problem.forget()
         problems.append(problem)
     return _solve(JointProblem(tuple(problems), layout, spread), chosen, name_of(chosen), white=noise == "white")
 
@@ -134,9 +136,9 @@ def _of_groups(estimates: Mapping[str, Estimate], common: int) -> tuple[str, ...
 
 def _merged(problem: JointProblem) -> tuple[str, ...]:
     """Say what is part of other parameters, and therefore shared if these are."""
-    own = problem.layout.own
+    apart = set(problem.names if len(problem.problems) < 2 else problem.layout.own)
     return tuple(
-        f"{merged}" + ("" if set(merged.into) <= set(own) else ", and so the same in all groups")
+        f"{merged}" + ("" if set(merged.into) <= apart else ", and so the same in all groups")
         for merged in problem.problems[0].model.merged
     )
 

@@ -76,6 +76,7 @@ class JointProblem:
         for first, problem in zip(self._joints, self.problems, strict=False):
             for block in problem.blocks(thinned=thinned):
                 yield block._replace(first=int(first))
+            problem.forget()  # or memory would hold the kinematics of a recording of each group
 
     def gather(self, work: Callable[[Iterable[Block]], T]) -> Iterator[T]:
         """Let work go over the thinned rows of each recording, group by group, and bring back what it finds."""
