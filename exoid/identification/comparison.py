@@ -114,7 +114,7 @@ def compare(first: Estimate, second: Estimate) -> Comparison:
     difference = second.values[other] - first.values[one]
     C1, C2 = first.covariance[np.ix_(one, one)], second.covariance[np.ix_(other, other)]
     std = np.sqrt(np.diag(C1 + C2))
-    p_values = _each(difference, np.diag(C1), np.diag(C2), first.dof, second.dof)
+    p_values = _each(difference, np.diag(C1), np.diag(C2), first.dof_each[one], second.dof_each[other])
     statistic, p_value = _together(difference, C1 + C2, min(first.dof, second.dof))
     return Comparison(names, units, difference, std, p_values, _holm(p_values), statistic, p_value)
 
@@ -130,7 +130,7 @@ def comparison_to_json(comparison: Comparison) -> dict[str, Any]:
     }
 
 
-def _each(difference: FloatArray, v1: FloatArray, v2: FloatArray, dof1: float, dof2: float) -> FloatArray:
+def _each(difference: FloatArray, v1: FloatArray, v2: FloatArray, dof1: FloatArray, dof2: FloatArray) -> FloatArray:
     """Welch's test of each parameter; two that are known exactly differ or they do not."""
     variance = v1 + v2
     known = variance == 0.0
