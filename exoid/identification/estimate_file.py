@@ -71,6 +71,7 @@ def estimate_to_json(estimate: Estimate) -> dict[str, Any]:
         "units": dict(zip(estimate.names, estimate.units, strict=True)),
         "condition_number": estimate.condition_number,
         "degrees_of_freedom": estimate.dof,
+        "degrees_of_freedom_each": dict(zip(estimate.names, estimate.dof_each.tolist(), strict=True)),
         "residual_rms": dict(zip(estimate.joint_names, estimate.residual_rms.tolist(), strict=True)),
         "merged": {merged.name: merged.into for merged in estimate.merged},
         "estimator": estimate.estimator,
@@ -139,6 +140,7 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
         trends=trends_from_json(data.get("trends", [])),
         influence=influence_from_json(data.get("influence", []), model.names),
         shapes=_shapes(data.get("shapes", {})),
+        dof_each=_dof_each(data.get("degrees_of_freedom_each"), model.names),
     )
 
 
@@ -194,6 +196,11 @@ def _input(name: str, sha256: str, samples: int, sample_rate: float) -> Input:
 
 def _sizes(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray | None:
     return None if data is None else np.array([data[name] for name in names], dtype=np.float64)
+
+
+def _dof_each(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray:
+    """Read degrees of freedom by name; older files have one number for all."""
+    return np.zeros(0) if data is None else np.array([data[name] for name in names], dtype=np.float64)
 
 
 def _warnings(data: Sequence[str]) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from exoid.signals.cutoff import cutoff_from
 from exoid.torques import DEFAULT_TERMS, Term
 
 from .assumed import Assumed, Prior
+from .degrees_of_freedom import degrees_of_freedom
 from .diagnostics import judge_noise, judge_sizes, negative
 from .estimate import Estimate
 from .estimators import Estimator, find_estimator, name_of
@@ -97,14 +98,16 @@ def identify(
     fitted = fit_model(Task(leg, terms, recordings, preparation, estimate, assumed=assumed))
     problem, fit = fitted.problem, fitted.fit
     solution, count = fit.solution, len(fitted.values)
-    covariance, noises = solution.covariance, fit.noises
+    covariance, noises, dofs = solution.covariance, fit.noises, fit.dofs
     if noises is None:
         covariance, noises = sandwich(problem, fit.point, solution)
+        settled = solution._replace(covariance=covariance)
+        dofs = degrees_of_freedom(problem, fit.point, noises, settled, whitened=False)
     judged = judge_noise(problem, fit.point, noises)
     independent = sum(of_joint.effective_samples for of_joint in judged)
     residuals = [rms_residual(of_joint, solution.values) for of_joint in zip(*problem.groups, strict=True)]
     if noise == "white":
-        covariance, dof = solution.covariance, solution.dof
+        covariance, dof, dofs = solution.covariance, solution.dof, None
     else:
         dof = max(1.0, independent - int(assumed.free(problem.names).sum()))
     inputs = tuple(one.evidence for one in surveys)
@@ -118,6 +121,7 @@ def identify(
         covariance=covariance[:count, :count],
         condition_number=solution.condition_number,
         dof=dof,
+        dof_each=np.full(count, dof) if dofs is None else np.clip(dofs[:count], 1.0, dof),
         residual_rms=np.array(residuals),
         estimator=fit.name or name_of(estimate),
         preparation=preparation,
