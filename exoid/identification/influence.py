@@ -32,23 +32,20 @@ class Influence(NamedTuple):
         recordings: Their names.
         change: Estimate without the recording less the estimate with it, in standard deviations of the latter;
             infinite where the others do not suffice, (R, P).
-        share: Part of what is known of a parameter that comes from the recording; they add up to 1 where there is no
-            prior, (R, P).
+        share: Part of what is known of a parameter that comes from the recording, between 0 and 1; with the part of
+            priors they add up to 1, (R, P).
+        expected: Standard deviation of the change where all recordings are of the same leg; 0 where the others do not
+            suffice, (R, P).
     """
 
     recordings: tuple[str, ...]
     change: FloatArray
     share: FloatArray
-
-    @property
-    def expected(self) -> FloatArray:
-        """Standard deviation of the change where all recordings are of the same leg, √(share / (1 − share)), (R, P)."""
-        share = np.clip(self.share, 0.0, 1.0 - TINY)
-        return np.asarray(np.sqrt(share / (1.0 - share)))
+    expected: FloatArray
 
     def of(self, count: int) -> Influence:
         """Keep the first so many parameters."""
-        return Influence(self.recordings, self.change[:, :count], self.share[:, :count])
+        return Influence(self.recordings, *(array[:, :count] for array in self[1:]))
 
     def strongest(self, limit: float | FloatArray) -> list[tuple[str, list[int]]]:
         """Name recordings that move parameters by more than so many standard deviations, one or (P,), and which.
@@ -64,6 +61,10 @@ class Influence(NamedTuple):
 def influence(problem: Problem, names: Sequence[str], fit: Fit, std: FloatArray, count: int) -> Influence | None:
     """Leave out one recording after the other, with the weights of the whole.
 
+    With A = Σ A_r the information WᵀW of all recordings, and of priors, the share of recording r in parameter i is the
+    part that its noise has in the variance, (A⁻¹ A_r A⁻¹)_ii / (A⁻¹)_ii. The change without it has the variance
+    ((A − A_r)⁻¹ − A⁻¹)_ii.
+
     Args:
         problem: The problem.
         names: Of its recordings.
@@ -77,41 +78,56 @@ def influence(problem: Problem, names: Sequence[str], fit: Fit, std: FloatArray,
     if len(problem.data) < 2:
         return None
     each = [_weighted(problem, index, fit.weights) for index in range(len(problem.data))]
-    whole = problem.solve(join(each)).values
-    change, share = [], []
+    whole = problem.solve(join(each))
+    variance = np.diag(whole.inverse)
+    free = variance > 0.0
+    change, share, expected = np.zeros((3, len(each), len(std)))
     for index, of_one in enumerate(each):
-        W = of_one.R[:, : len(std)]
-        share.append(np.einsum("ij,ji->i", fit.solution.inverse, W.T @ W)[:count])
+        carried = of_one.R[:, : len(std)] @ whole.inverse
+        np.divide((carried**2).sum(axis=0), variance, out=share[index], where=free)
         try:
-            without = problem.solve(join(each[:index] + each[index + 1 :])).values
+            without = problem.solve(join(each[:index] + each[index + 1 :]))
         except ExoidError:
-            change.append(np.full(count, NO_ESTIMATE))
+            change[index] = NO_ESTIMATE
             continue
-        change.append(np.divide(without - whole, std, out=np.zeros(len(std)), where=std > 0.0)[:count])
-    return Influence(tuple(names), np.array(change), np.array(share))
+        np.divide(without.values - whole.values, std, out=change[index], where=std > 0.0)
+        more = np.clip(np.diag(without.inverse) - variance, 0.0, None)
+        np.divide(more, variance, out=expected[index], where=free)
+        expected[index] **= 0.5
+    return Influence(tuple(names), change, share, expected).of(count)
 
 
 def influence_to_json(found: Influence | None, names: Sequence[str]) -> list[dict[str, Any]]:
     """Turn influences into what JSON can hold; what is infinite becomes null."""
     if found is None:
         return []
+    finite = ([[x if np.isfinite(x) else None for x in row] for row in a.tolist()] for a in found[1:])
     return [
         {
             "recording": recording,
-            "change": {n: float(x) if np.isfinite(x) else None for n, x in zip(names, change, strict=True)},
-            "share": dict(zip(names, share.tolist(), strict=True)),
+            "change": dict(zip(names, change, strict=True)),
+            "share": dict(zip(names, share, strict=True)),
+            "expected": dict(zip(names, expected, strict=True)),
         }
-        for recording, change, share in zip(*found, strict=True)
+        for recording, change, share, expected in zip(found.recordings, *finite, strict=True)
     ]
 
 
 def influence_from_json(data: Sequence[dict[str, Any]], names: Sequence[str]) -> Influence | None:
-    """Read what :func:`influence_to_json` wrote."""
+    """Read what :func:`influence_to_json` wrote.
+
+    In older files the expected change follows from the share, √(share / (1 − share)), which is right for one parameter.
+    """
     if not data:
         return None
-    change = [[NO_ESTIMATE if one["change"][n] is None else one["change"][n] for n in names] for one in data]
-    share = [[one["share"][n] for n in names] for one in data]
-    return Influence(tuple(str(one["recording"]) for one in data), np.array(change), np.array(share))
+    change, share, expected = (
+        np.array([[one[key][n] if key in one else np.nan for n in names] for one in data], dtype=np.float64)
+        for key in ("change", "share", "expected")
+    )
+    change[np.isnan(change)] = NO_ESTIMATE
+    part = np.clip(share, 0.0, 1.0 - TINY)
+    expected = np.where(np.isnan(expected), np.sqrt(part / (1.0 - part)), expected)
+    return Influence(tuple(str(one["recording"]) for one in data), change, share, expected)
 
 
 def _weighted(problem: Problem, index: int, weights: Sequence[float]) -> Triangle:
