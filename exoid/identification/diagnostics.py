@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,13 +10,15 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
 
 from .assumed import Assumed
+from .collinearity import HOPELESS, ILL_CONDITIONED
 from .noise import LagSums
 from .problem import Problem
 from .residuals import Noises, Point, series
-from .rows import Triangle
+from .rows import Triangle, for_leg
 
 WELL = 0.1
 """A parameter is well determined if its standard deviation is at most this part of its size,"""
@@ -34,6 +37,12 @@ BELOW_ZERO = 0.005
 
 CANCELS = 3.0
 """A value that alone would give so many times all torque of a joint only cancels another, whatever its error."""
+
+SPEED, ACCELERATION = 1.0, np.pi
+"""Up to which joints move in a calm exercise, 0.5 Hz and ±18° [rad/s, rad/s²]."""
+
+STATES = 1000
+"""Of calm exercises are looked at."""
 
 LAGS = 10
 """Autocorrelations that are tested for whiteness."""
@@ -102,14 +111,40 @@ def judge_sizes(triangles: Sequence[Triangle]) -> FloatArray:
     return np.where(np.isfinite(sizes), sizes, 0.0)
 
 
-def verdict(value: float, std: float, size: float) -> str:
-    """Say how well a parameter is determined: "well", "weakly" or "not"."""
-    if abs(value) > CANCELS * size > 0.0:
+def calm_sizes(model: TorqueModel, data: Sequence[Recording | Poses], triangles: Sequence[Triangle]) -> FloatArray:
+    """Return what :func:`judge_sizes` would if joints had moved as in a calm exercise at the angles recorded, (P,).
+
+    A parameter that the recordings hardly excite would have to be huge to explain their torque, and any error of it
+    would look small: a slow motion does not make an inertia sure. Nor does friction that acts for moments only: such a
+    column counts by its largest value, over √3 like one that is spread evenly.
+    """
+    rng = np.random.default_rng(0)
+    angles = [for_leg(model, item).q for item in data]
+    lowest, highest = np.min([q.min(axis=0) for q in angles], axis=0), np.max([q.max(axis=0) for q in angles], axis=0)
+    q, v, a = rng.uniform(-1.0, 1.0, (3, STATES, len(lowest)))
+    q = 0.5 * (lowest + highest) + 0.5 * (highest - lowest) * q
+    columns = np.abs(model.regressor(q, SPEED * v, ACCELERATION * a)).max(axis=0) / math.sqrt(3.0)
+    joints = len(columns)
+    squares = np.array([[t.R[:, -1] @ t.R[:, -1], t.rows] for t in triangles]).reshape(-1, joints, 2).sum(axis=0)
+    torques = np.sqrt(squares[:, :1] / np.maximum(squares[:, 1:], 1.0))
+    sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=columns > 0.0).min(axis=0)
+    return np.where(np.isfinite(sizes), sizes, 0.0)
+
+
+def verdict(value: float, std: float, size: float, calm: float = np.inf, index: float = 1.0) -> str:
+    """Say how well a parameter is determined: "well", "weakly" or "not".
+
+    Args:
+        value: Of the parameter.
+        std: Its standard deviation.
+        size: See :func:`judge_sizes`.
+        calm: See :func:`calm_sizes`.
+        index: Its condition index, see :class:`~exoid.identification.collinearity.Collinearity`.
+    """
+    scale = max(abs(value), SIZE * min(size, calm))
+    if abs(value) > CANCELS * size > 0.0 or std > WEAKLY * scale or index > HOPELESS:
         return "not"
-    scale = max(abs(value), SIZE * size)
-    if std <= WELL * scale:
-        return "well"
-    return "weakly" if std <= WEAKLY * scale else "not"
+    return "weakly" if std > WELL * scale or index > ILL_CONDITIONED else "well"
 
 
 def verdict_beside(name: str, assumed: Assumed, std: float, of_data: str) -> str:

@@ -73,6 +73,8 @@ def estimate_to_json(estimate: Estimate) -> dict[str, Any]:
         "preparation": preparation_to_json(estimate.preparation),
         "noise": {name: asdict(of_joint) for name, of_joint in zip(estimate.joint_names, estimate.noise, strict=False)},
         "sizes": dict(zip(estimate.names, np.asarray(estimate.sizes).tolist(), strict=True)),
+        "calm_sizes": dict(zip(estimate.names, estimate.calm_sizes.tolist(), strict=True)),
+        "collinearity": dict(zip(estimate.names, estimate.collinearity.tolist(), strict=True)),
         "determined": dict(zip(estimate.names, estimate.verdicts, strict=True)),
         "warnings": list(estimate.warnings),
         "known": dict(estimate.assumed.known),
@@ -135,7 +137,9 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
         trends=trends_from_json(data.get("trends", [])),
         influence=influence_from_json(data.get("influence", []), model.names),
         shapes=_shapes(data.get("shapes", {})),
-        dof_each=_dof_each(data.get("degrees_of_freedom_each"), model.names),
+        dof_each=_of_each(data.get("degrees_of_freedom_each"), model.names),
+        calm_sizes=_of_each(data.get("calm_sizes"), model.names),
+        collinearity=_of_each(data.get("collinearity"), model.names),
     )
 
 
@@ -181,8 +185,8 @@ def _sizes(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray
     return None if data is None else np.array([data[name] for name in names], dtype=np.float64)
 
 
-def _dof_each(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray:
-    """Read degrees of freedom by name; older files have one number for all."""
+def _of_each(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray:
+    """Read numbers by name; nothing of what older files do not have."""
     return np.zeros(0) if data is None else np.array([data[name] for name in names], dtype=np.float64)
 
 

@@ -15,7 +15,7 @@ from exoid.torques import DEFAULT_TERMS, Term
 
 from .assumed import Assumed, Prior
 from .degrees_of_freedom import degrees_of_freedom
-from .diagnostics import judge_noise, judge_sizes, negative
+from .diagnostics import calm_sizes, judge_noise, judge_sizes, negative
 from .estimate import Estimate, Input
 from .estimators import Estimator, find_estimator, name_of
 from .fitting import Task, starting_model
@@ -113,7 +113,13 @@ def identify(
     trends = residual_trends(problem, fit.point, noises, solution, covariance, whitened=fit.noises is not None)
     std = np.sqrt(np.diag(covariance))
     shapes = fitted.shapes.with_covariance(problem.names[count:], covariance[count:, count:])
-    doubts = (*shapes.doubts, *negative(fitted.model, fitted.values, std[:count]), *remarks(trends))
+    collinearity = solution.collinearity
+    doubts = (
+        *shapes.doubts,
+        *collinearity.remarks(problem.names),
+        *negative(fitted.model, fitted.values, std[:count]),
+        *remarks(trends),
+    )
     return Estimate(
         model=fitted.model,
         values=fitted.values,
@@ -127,6 +133,8 @@ def identify(
         inputs=inputs,
         noise=judged,
         sizes=judge_sizes(problem.triangles)[:count],
+        calm_sizes=calm_sizes(fitted.model.loaded_by(fitted.values), recordings, problem.triangles),
+        collinearity=collinearity.indices[:count],
         warnings=(*fitted.remarks, *doubts),
         shapes=shapes,
         assumed=assumed,

@@ -20,6 +20,9 @@ PASSES = 5
 SETTLED = 1e-3
 """They have converged when no standard deviation changes by more than this part."""
 
+TINY = 1e-300
+"""Smallest variance to divide by."""
+
 
 class Series(NamedTuple):
     """Weighted rows of one recording and joint in time order, or a stretch of them.
@@ -152,10 +155,11 @@ def sandwich(problem: Problem, point: Point, solution: Solution) -> Sandwich:
             running[part.joint].add(part.X)
             if part.ends:
                 meat[np.ix_(part.columns, part.columns)] += part.stands_for**2 * running[part.joint].total()
-        before, covariance = covariance, inverse @ meat @ inverse
+        half = inverse @ _root(meat)  # so that no variance is negative, however ill-conditioned the rows
+        before, covariance = covariance, half @ half.T
         if settled(before, covariance):
             break
-    return Sandwich(0.5 * (covariance + covariance.T), noises)
+    return Sandwich(covariance, noises)
 
 
 def settled(before: FloatArray, covariance: FloatArray) -> bool:
@@ -175,6 +179,7 @@ def _model(products: FloatArray, pairs: FloatArray) -> AutoregressiveNoise:
 
 
 def _root(covariance: FloatArray) -> FloatArray:
-    """L with L Lᵀ = C, whatever rounding has done to C."""
-    sizes, vectors = np.linalg.eigh(covariance)
-    return np.asarray(vectors * np.sqrt(np.clip(sizes, 0.0, None)))
+    """L with L Lᵀ = C, whatever rounding has done to C, and whatever the units."""
+    scale = np.sqrt(np.clip(np.diag(covariance), TINY, None))
+    sizes, vectors = np.linalg.eigh(covariance / np.multiply.outer(scale, scale))
+    return np.asarray(scale[:, None] * vectors * np.sqrt(np.clip(sizes, 0.0, None)))
