@@ -72,6 +72,8 @@ class Estimate:
         calm_sizes: The same had joints moved as in a calm exercise; as good as infinite in older files, (P,).
         collinearity: Condition index of each parameter: half of its variance comes from directions that the recordings
             see so many times worse than the best; 1 in older files, (P,).
+        prior_gains: How far each parameter follows the value of each prior, ∂β/∂p, (P, K); empty where that is not
+            known, as of ``ml``, output error and older files.
         warnings: What makes this estimate doubtful.
         assumed: What was known beside the recordings.
         bounded: Parameters that would have become negative and were kept at zero. Intervals are then centred there, as
@@ -102,6 +104,7 @@ class Estimate:
     dof_each: FloatArray = field(default_factory=lambda: np.zeros(0))
     calm_sizes: FloatArray = field(default_factory=lambda: np.zeros(0))
     collinearity: FloatArray = field(default_factory=lambda: np.zeros(0))
+    prior_gains: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
@@ -114,6 +117,7 @@ class Estimate:
                 object.__setattr__(self, name, np.full(count, number))
         shapes = {"values": (count,), "covariance": (count, count), "residual_rms": (joints,), "sizes": (count,)}
         shapes.update(dict.fromkeys(missing, (count,)))
+        shapes["prior_gains"] = (count, len(self.assumed.prior.values)) if np.size(self.prior_gains) else (0, 0)
         for name, shape in shapes.items():
             array = np.array(getattr(self, name), dtype=np.float64)
             if array.shape != shape or not np.isfinite(array).all():

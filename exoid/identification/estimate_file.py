@@ -79,6 +79,7 @@ def estimate_to_json(estimate: Estimate) -> dict[str, Any]:
         "warnings": list(estimate.warnings),
         "known": dict(estimate.assumed.known),
         "prior": {name: list(pair) for name, pair in estimate.assumed.prior.values.items()},
+        "prior_gains": estimate.prior_gains.tolist(),
         "nonnegative": estimate.assumed.nonnegative,
         "bounded": list(estimate.bounded),
         "trends": trends_to_json(estimate.trends),
@@ -139,6 +140,7 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
         shapes=_shapes(data.get("shapes", {})),
         dof_each=_of_each(data.get("degrees_of_freedom_each"), model.names),
         calm_sizes=_of_each(data.get("calm_sizes"), model.names),
+        prior_gains=_prior_gains(data.get("prior_gains", [])),
         collinearity=_of_each(data.get("collinearity"), model.names),
     )
 
@@ -188,6 +190,11 @@ def _sizes(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray
 def _of_each(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray:
     """Read numbers by name; nothing of what older files do not have."""
     return np.zeros(0) if data is None else np.array([data[name] for name in names], dtype=np.float64)
+
+
+def _prior_gains(data: Sequence[Sequence[float]]) -> FloatArray:
+    """Read how far parameters follow priors; older files do not say."""
+    return np.array(data, dtype=np.float64) if np.size(data) else np.zeros((0, 0))
 
 
 def _warnings(data: Sequence[str]) -> tuple[str, ...]:

@@ -109,6 +109,7 @@ def identify(
         covariance, dof, dofs = solution.covariance, solution.dof, None
     else:
         dof = max(1.0, independent - int(assumed.free(problem.names).sum()))
+    followed = prior and (fit.noises is None or fit.dofs is not None)  # ml and output error minimise something else
     inputs = tuple(_evidence(recording) for recording in recordings)
     trends = residual_trends(problem, fit.point, noises, solution, covariance, whitened=fit.noises is not None)
     std = np.sqrt(np.diag(covariance))
@@ -135,6 +136,7 @@ def identify(
         sizes=judge_sizes(problem.triangles)[:count],
         calm_sizes=calm_sizes(fitted.model.loaded_by(fitted.values), recordings, problem.triangles),
         collinearity=collinearity.indices[:count],
+        prior_gains=solution.prior_gains(problem.names, assumed)[:count] if followed else np.zeros((0, 0)),
         warnings=(*fitted.remarks, *doubts),
         shapes=shapes,
         assumed=assumed,

@@ -53,6 +53,12 @@ class Solution(NamedTuple):
     bounded: tuple[int, ...] = ()
     collinearity: Collinearity = Collinearity()
 
+    def prior_gains(self, names: Sequence[str], assumed: Assumed) -> FloatArray:
+        """How far parameters follow priors p, ∂β/∂p = (WᵀW)⁻¹ s² / σ² of rows (s/σ) β = (s/σ) p, (P, K)."""
+        places = [list(names).index(name) for name in assumed.prior.values]
+        std = np.array([std for _, std in assumed.prior.values.values()])
+        return np.asarray(self.inverse[:, places] * (np.sqrt(np.diag(self.prior_noise)[places]) / std))
+
 
 def solve(
     triangle: Triangle, names: Sequence[str], assumed: Assumed = NOTHING, nonnegative: NDArray[np.bool_] | None = None
