@@ -9,6 +9,7 @@ import typer
 
 from exoid import codegen, identification
 from exoid.errors import ExoidError
+from exoid.identification.export import export_to_json
 
 from .inputs import AsJson
 
@@ -33,7 +34,7 @@ def export(
     written: identification.Export | codegen.CSource
     if output is not None:
         written = found.to_urdf(output)
-        as_data = identification.export_to_json(written)
+        as_data = export_to_json(written)
     else:
         written = found.to_c(str(c), precision=precision or "double")
         as_data = codegen.c_source_to_json(written)

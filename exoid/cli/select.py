@@ -12,7 +12,7 @@ from rich.progress import Progress, TaskID
 
 from exoid import identification
 from exoid.errors import ExoidError
-from exoid.identification.selection import Candidate, friction_candidates
+from exoid.identification.selection import Candidate, friction_candidates, selection_to_json
 
 from .inputs import AsJson, Column, Degrees, LogOptions, Start, Stop, find_leg, read_logs, split_names
 
@@ -55,7 +55,7 @@ def select(
     estimate = selection.identify(recordings)
     if output is not None:
         estimate.save(output)
-    data, text = identification.selection_to_json(selection), [str(selection), str(estimate)]
+    data, text = selection_to_json(selection), [str(selection), str(estimate)]
     if tested is not None:
         validation = selection.validate(estimate, tested)
         data["test"] = identification.validation_to_json(validation)

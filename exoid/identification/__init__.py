@@ -7,12 +7,13 @@ from .diagnostics import JointNoise
 from .estimate import Estimate, Input
 from .estimate_file import estimate_from_json, estimate_to_json
 from .estimators import ESTIMATORS
-from .export import Export, export_to_json
+from .export import Export
 from .identify import identify
 from .influence import Influence
 from .prediction import predict_motion
-from .selection import Candidate, Selection, select_terms, selection_to_json
+from .selection import Candidate, Selection, select_terms
 from .shapes import Shapes
+from .together import Together, identify_together
 from .trends import Trend
 from .validation import Validation, validate, validation_to_json
 
@@ -28,6 +29,7 @@ __all__ = [
     "Prior",
     "Selection",
     "Shapes",
+    "Together",
     "TorqueBand",
     "Trend",
     "Validation",
@@ -35,11 +37,10 @@ __all__ = [
     "comparison_to_json",
     "estimate_from_json",
     "estimate_to_json",
-    "export_to_json",
     "identify",
+    "identify_together",
     "predict_motion",
     "select_terms",
-    "selection_to_json",
     "validate",
     "validation_to_json",
 ]

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
@@ -130,13 +131,42 @@ def compare(first: Estimate, second: Estimate) -> Comparison:
     of_both = _priors_of_both(first, second)
     common = [name for name in of_both if all(name in of_one for of_one in spread)]
     C = own[0] + own[1] + _of_priors(*spread, common, len(names))
-    dofs = first.dof_each[one], second.dof_each[other]
-    p_values = _each(difference, np.diag(C), np.diag(own[0]), np.diag(own[1]), *dofs)
+    v1, v2 = (np.diag(each) for each in own)
+    dof = welch(v1, v2, first.dof_each[one], second.dof_each[other])
+    dof *= np.divide(np.diag(C), v1 + v2, out=np.ones(len(names)), where=v1 + v2 > 0.0) ** 2  # priors are certain
     held = np.array([name in first.assumed.known and name in second.assumed.known for name in names])
-    p_values[held] = 1.0
-    statistic, p_value = _together(difference[~held], C[np.ix_(~held, ~held)], min(first.dof, second.dof))
-    std, told = np.sqrt(np.diag(C)), _told(first, second, [name for name in of_both if name not in common])
-    return Comparison(names, units, difference, std, p_values, _holm(p_values), statistic, p_value, told)
+    told = _told(first, second, [name for name in of_both if name not in common])
+    return wald(names, units, difference, C, dof, min(first.dof, second.dof), held=held, remarks=told)
+
+
+def wald(
+    names: tuple[str, ...],
+    units: tuple[str, ...],
+    difference: FloatArray,
+    covariance: FloatArray,
+    dof: FloatArray,
+    least: float,
+    *,
+    held: NDArray[np.bool_] | None = None,
+    remarks: tuple[str, ...] = (),
+) -> Comparison:
+    """Test whether differences are zero, each alone and all together.
+
+    Args:
+        names: Parameters, (P,).
+        units: Their units.
+        difference: (P,).
+        covariance: Of the differences, (P, P).
+        dof: Degrees of freedom of each, (P,).
+        least: Of all together.
+        held: Parameters that are not tested, (P,).
+        remarks: For the reader.
+    """
+    std = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    tested = np.ones(len(names), dtype=np.bool_) if held is None else ~held
+    p_values = np.where(tested, _each(difference, std, dof), 1.0)
+    statistic, p_value = hotelling(difference[tested], covariance[np.ix_(tested, tested)], least)
+    return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value, remarks)
 
 
 def _own(estimate: Estimate) -> FloatArray:
@@ -196,19 +226,20 @@ def comparison_to_json(comparison: Comparison) -> dict[str, Any]:
     }
 
 
-def _each(
-    difference: FloatArray, variance: FloatArray, v1: FloatArray, v2: FloatArray, dof1: FloatArray, dof2: FloatArray
-) -> FloatArray:
-    """Welch's test of each parameter, v being of the recordings' noise; two that are known exactly differ or do not."""
-    known = variance == 0.0
-    spread = np.where(known, 1.0, variance)
-    uncertain = v1**2 / dof1 + v2**2 / dof2
-    dof = np.divide(spread**2, uncertain, out=np.full(len(spread), np.inf), where=uncertain > 0.0)
-    p = 2.0 * scipy.stats.t.sf(np.abs(difference) / np.sqrt(spread), dof)
+def welch(v1: FloatArray, v2: FloatArray, dof1: float | FloatArray, dof2: float | FloatArray) -> FloatArray:
+    """Degrees of freedom of sums of two variances (Welch and Satterthwaite); 1 where both are zero."""
+    known = v1 + v2 == 0.0
+    return np.asarray(np.where(known, 1.0, v1 + v2) ** 2 / np.where(known, 1.0, v1**2 / dof1 + v2**2 / dof2))
+
+
+def _each(difference: FloatArray, std: FloatArray, dof: FloatArray) -> FloatArray:
+    """Student's test of each parameter; two that are known exactly differ or they do not."""
+    known = std == 0.0
+    p = 2.0 * scipy.stats.t.sf(np.abs(difference) / np.where(known, 1.0, std), dof)
     return np.where(known, np.where(difference == 0.0, 1.0, 0.0), p)
 
 
-def _together(difference: FloatArray, covariance: FloatArray, dof: float) -> tuple[float, float]:
+def hotelling(difference: FloatArray, covariance: FloatArray, dof: float) -> tuple[float, float]:
     """Hotelling's T² as F, with the smaller degrees of freedom of the two."""
     if not len(difference):
         return 0.0, 1.0
@@ -225,7 +256,7 @@ def _together(difference: FloatArray, covariance: FloatArray, dof: float) -> tup
     return statistic, float(scipy.stats.f.sf(statistic, rank, left))
 
 
-def _holm(p_values: FloatArray) -> FloatArray:
+def holm(p_values: FloatArray) -> FloatArray:
     """Adjust for the number of tests, the smallest first."""
     order = np.argsort(p_values)
     steps = np.arange(len(p_values), 0, -1) * p_values[order]

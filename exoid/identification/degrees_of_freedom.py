@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import partial
+
 import numpy as np
 import scipy  # its parts load when they are first used
 
@@ -9,15 +12,16 @@ from exoid._typing import FloatArray
 
 from .least_squares import Solution
 from .noise import AutoregressiveNoise
-from .problem import Kind, Problem
-from .residuals import Noises, Point, series
+from .problem import Kind
+from .residuals import Noises, Point, Series, over_recordings
+from .stacked import Stacked
 
 TINY = 1e-300
 """Smallest variance to divide by."""
 
 
 def degrees_of_freedom(
-    problem: Problem, point: Point, noises: Noises, solution: Solution, *, whitened: bool
+    problem: Stacked, point: Point, noises: Noises, solution: Solution, *, whitened: bool
 ) -> FloatArray:
     """Satterthwaite's ν_i = 2 V_i² / var V_i of each parameter's variance V_i, (P,); infinite where V_i is exact.
 
@@ -36,20 +40,30 @@ def degrees_of_freedom(
     """
     rows = solution.covariance if whitened else solution.inverse
     slopes: dict[tuple[Kind, int], FloatArray] = {}
-    running: dict[int, _Slope] = {}
-    for part in series(problem, point):
-        key = (part.kind, part.joint)
-        if part.begins:
-            running[part.joint] = _Slope(noises[key], len(rows), whitened)
-        running[part.joint].add(rows[:, part.columns] @ part.X, part.usable)
-        if part.ends:
-            scale = 1.0 if whitened else part.stands_for**2
-            slopes[key] = slopes.get(key, 0.0) + scale * running[part.joint].total()
+    for of_recording in over_recordings(problem, point, partial(_slopes, noises, rows, whitened)):
+        for key, slope in of_recording.items():
+            slopes[key] = slopes.get(key, 0.0) + slope
     samples = sum(noises[key].samples for key in slopes)
     left = max(1.0 - float(np.count_nonzero(np.diag(rows))) / max(samples, 1.0), TINY)
     spread = sum(_spread(noises[key], slope) for key, slope in slopes.items()) / left
     variance = np.diag(solution.covariance)
     return np.asarray(np.divide(2.0 * variance**2, spread, out=np.full(len(variance), np.inf), where=spread > TINY))
+
+
+def _slopes(
+    noises: Noises, rows: FloatArray, whitened: bool, parts: Iterator[Series]
+) -> dict[tuple[Kind, int], FloatArray]:
+    """Slopes of what one recording adds to V_i, by kind and joint."""
+    slopes: dict[tuple[Kind, int], FloatArray] = {}
+    running: dict[int, _Slope] = {}
+    for part in parts:
+        key = (part.kind, part.joint)
+        if part.begins:
+            running[part.joint] = _Slope(noises[key], len(rows), whitened)
+        running[part.joint].add(rows[:, part.columns] @ part.X, part.usable)
+        if part.ends:
+            slopes[key] = (1.0 if whitened else part.stands_for**2) * running[part.joint].total()
+    return slopes
 
 
 def _spread(noise: AutoregressiveNoise, slope: FloatArray) -> FloatArray:

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
 
 from .assumed import Assumed
 from .collinearity import HOPELESS, ILL_CONDITIONED
 from .noise import LagSums
-from .problem import Problem
-from .residuals import Noises, Point, series
-from .rows import Triangle, for_leg
+from .problem import Kind, Problem
+from .residuals import Noises, Point, Series, over_recordings
+from .rows import Triangle
 
 WELL = 0.1
 """A parameter is well determined if its standard deviation is at most this part of its size,"""
@@ -73,21 +72,15 @@ def judge_noise(problem: Problem, point: Point, noises: Noises) -> tuple[JointNo
     joints = len(problem.model.leg.joint_names)
     samples, effective, statistic, lags = np.zeros((4, joints))
     products = np.zeros((joints, 2))
-    running: dict[int, tuple[LagSums, LagSums]] = {}
-    for part in series(problem, point):
-        joint, count = part.joint, part.usable.sum()
-        samples[joint] += count
-        effective[joint] += count * noises[part.kind, joint].effective_share
-        if part.begins:
-            running[joint] = (LagSums(LAGS), LagSums(LAGS))
-        for lag_sums, x in zip(running[joint], (part.residual, part.usable), strict=True):
-            lag_sums.add(x)
-        sums, pairs = (lag_sums.sums for lag_sums in running[joint])
-        if part.ends and not part.kind.at_rest and pairs[0] > 2 * LAGS and sums[0] > 0.0:
-            correlations = sums[1:] / np.maximum(pairs[1:], 1.0) * pairs[0] / sums[0]
-            statistic[joint] += (pairs[1:] * correlations**2).sum()
-            lags[joint] += LAGS
-            products[joint] += sums[:2]
+    for found in over_recordings(problem, point, _autocorrelate):
+        for (kind, joint), (sums, pairs) in found.items():
+            samples[joint] += pairs[0]
+            effective[joint] += pairs[0] * noises[kind, joint].effective_share
+            if not kind.at_rest and pairs[0] > 2 * LAGS and sums[0] > 0.0:
+                correlations = sums[1:] / np.maximum(pairs[1:], 1.0) * pairs[0] / sums[0]
+                statistic[joint] += (pairs[1:] * correlations**2).sum()
+                lags[joint] += LAGS
+                products[joint] += sums[:2]
     return tuple(
         JointNoise(
             samples=int(samples[joint]),
@@ -98,6 +91,16 @@ def judge_noise(problem: Problem, point: Point, noises: Noises) -> tuple[JointNo
         )
         for joint in range(joints)
     )
+
+
+def _autocorrelate(parts: Iterator[Series]) -> dict[tuple[Kind, int], tuple[FloatArray, FloatArray]]:
+    """Sums over residuals, and pairs of usable samples, by lag, of each joint of one recording."""
+    running: dict[tuple[Kind, int], tuple[LagSums, LagSums]] = {}
+    for part in parts:
+        residuals, pairs = running.setdefault((part.kind, part.joint), (LagSums(LAGS), LagSums(LAGS)))
+        residuals.add(part.residual)
+        pairs.add(part.usable)
+    return {key: (residuals.sums, np.rint(pairs.sums)) for key, (residuals, pairs) in running.items()}
 
 
 def judge_sizes(triangles: Sequence[Triangle]) -> FloatArray:
@@ -111,16 +114,22 @@ def judge_sizes(triangles: Sequence[Triangle]) -> FloatArray:
     return np.where(np.isfinite(sizes), sizes, 0.0)
 
 
-def calm_sizes(model: TorqueModel, data: Sequence[Recording | Poses], triangles: Sequence[Triangle]) -> FloatArray:
+def calm_sizes(
+    model: TorqueModel, lowest: FloatArray, highest: FloatArray, triangles: Sequence[Triangle]
+) -> FloatArray:
     """Return what :func:`judge_sizes` would if joints had moved as in a calm exercise at the angles recorded, (P,).
 
     A parameter that the recordings hardly excite would have to be huge to explain their torque, and any error of it
     would look small: a slow motion does not make an inertia sure. Nor does friction that acts for moments only: such a
     column counts by its largest value, over √3 like one that is spread evenly.
+
+    Args:
+        model: The model.
+        lowest: Smallest angle of each joint in all recordings [rad], (n,).
+        highest: Largest.
+        triangles: Rows of each joint, in motion and at rest.
     """
     rng = np.random.default_rng(0)
-    angles = [for_leg(model, item).q for item in data]
-    lowest, highest = np.min([q.min(axis=0) for q in angles], axis=0), np.max([q.max(axis=0) for q in angles], axis=0)
     q, v, a = rng.uniform(-1.0, 1.0, (3, STATES, len(lowest)))
     q = 0.5 * (lowest + highest) + 0.5 * (highest - lowest) * q
     columns = np.abs(model.regressor(q, SPEED * v, ACCELERATION * a)).max(axis=0) / math.sqrt(3.0)

@@ -31,7 +31,12 @@ SCHEMA = "exoid-estimate-1"
 
 def write_estimate(estimate: Estimate, path: str | os.PathLike[str]) -> None:
     """Write an estimate; see :meth:`Estimate.save`."""
-    write_whole(path, [json.dumps(estimate_to_json(estimate), indent=1, ensure_ascii=False), "\n"])
+    write_whole(path, [estimate_text(estimate)])
+
+
+def estimate_text(estimate: Estimate) -> str:
+    """Write what :func:`read_estimate` reads."""
+    return json.dumps(estimate_to_json(estimate), indent=1, ensure_ascii=False) + "\n"
 
 
 def read_estimate(path: str | os.PathLike[str]) -> Estimate:
@@ -129,7 +134,7 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
         residual_rms=np.array([data["residual_rms"][name] for name in leg.joint_names], dtype=np.float64),
         estimator=str(data["estimator"]),
         preparation=preparation,
-        inputs=tuple(Input(**source) for source in data["inputs"]),
+        inputs=tuple(_input(**source) for source in data["inputs"]),
         noise=_noise(data.get("noise", {}), leg.joint_names),
         sizes=_sizes(data.get("sizes"), model.names),
         warnings=_warnings(data.get("warnings", [])),
@@ -180,7 +185,19 @@ def _shapes(data: Mapping[str, Any]) -> Shapes:
 
 def _noise(data: Mapping[str, Any], joints: Sequence[str]) -> tuple[JointNoise, ...]:
     """Read the noise of the joints; files of version 0.1 have none."""
-    return tuple(JointNoise(**data[name]) for name in joints) if data else ()
+    return tuple(_joint_noise(**data[name]) for name in joints) if data else ()
+
+
+def _joint_noise(
+    samples: int, effective_samples: float, order: int, correlation: float, whiteness: float
+) -> JointNoise:
+    """Make numbers of what a file says are some."""
+    return JointNoise(int(samples), float(effective_samples), int(order), float(correlation), float(whiteness))
+
+
+def _input(name: str, sha256: str, samples: int, sample_rate: float) -> Input:
+    """As for the noise."""
+    return Input(str(name), str(sha256), int(samples), float(sample_rate))
 
 
 def _sizes(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray | None:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .estimators import Fit
+from .least_squares import Solution
 from .problem import Problem
 from .rows import Triangle, join
 
@@ -45,7 +47,11 @@ class Influence(NamedTuple):
 
     def of(self, count: int) -> Influence:
         """Keep the first so many parameters."""
-        return Influence(self.recordings, *(array[:, :count] for array in self[1:]))
+        return self.at(slice(count))
+
+    def at(self, places: slice | NDArray[np.intp]) -> Influence:
+        """Keep the parameters at these places."""
+        return Influence(self.recordings, *(array[:, places] for array in self[1:]))
 
     def strongest(self, limit: float | FloatArray) -> list[tuple[str, list[int]]]:
         """Name recordings that move parameters by more than so many standard deviations, one or (P,), and which.
@@ -77,24 +83,51 @@ def influence(problem: Problem, names: Sequence[str], fit: Fit, std: FloatArray,
     """
     if len(problem.data) < 2:
         return None
-    each = [_weighted(problem, index, fit.weights) for index in range(len(problem.data))]
-    whole = problem.solve(join(each))
-    variance = np.diag(whole.inverse)
-    free = variance > 0.0
+    each = [weighted(problem, index, fit.weights) for index in range(len(problem.data))]
+
+    def without(_: int, others: Triangle) -> FloatArray:
+        return problem.solve(others).values
+
+    return leave_out(each, names, without, problem.solve(join(each)), std).of(count)
+
+
+def leave_out(
+    each: Sequence[Triangle],
+    names: Sequence[str],
+    without: Callable[[int, Triangle], FloatArray],
+    whole: Solution,
+    std: FloatArray,
+) -> Influence:
+    """Solve for the weighted rows of all recordings but one, each in turn.
+
+    Args:
+        each: Weighted rows of each recording, at least two.
+        names: Of the recordings.
+        without: Values for the rows of all recordings but one, given its index; infinite where there are none.
+        whole: Solution for all rows.
+        std: Of the parameters, (P,).
+    """
     change, share, expected = np.zeros((3, len(each), len(std)))
     for index, of_one in enumerate(each):
-        carried = of_one.R[:, : len(std)] @ whole.inverse
-        np.divide((carried**2).sum(axis=0), variance, out=share[index], where=free)
         try:
-            without = problem.solve(join(each[:index] + each[index + 1 :]))
+            values = without(index, join([*each[:index], *each[index + 1 :]]))
         except ExoidError:
-            change[index] = NO_ESTIMATE
-            continue
-        np.divide(without.values - whole.values, std, out=change[index], where=std > 0.0)
-        more = np.clip(np.diag(without.inverse) - variance, 0.0, None)
-        np.divide(more, variance, out=expected[index], where=free)
-        expected[index] **= 0.5
-    return Influence(tuple(names), change, share, expected).of(count)
+            values = np.full(len(std), NO_ESTIMATE)
+        np.divide(values - whole.values, std, out=change[index], where=std > 0.0)
+        share[index], expected[index] = _information(of_one.R[:, : len(std)], whole.inverse)
+    return Influence(tuple(names), change, share, np.where(np.isfinite(change), expected, 0.0))
+
+
+def _information(R: FloatArray, inverse: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Share of a recording with A_r = RᵀR, and standard deviation of the change without it, (P,) each.
+
+    (A − A_r)⁻¹ − A⁻¹ = A⁻¹ Rᵀ (I − R A⁻¹ Rᵀ)⁻¹ R A⁻¹, so that both are sums over eigenvectors u of R A⁻¹ Rᵀ.
+    """
+    sizes, vectors = np.linalg.eigh(R @ inverse @ R.T)
+    parts = (inverse @ R.T @ vectors) ** 2
+    variance = np.diag(inverse)
+    parts = np.divide(parts.T, variance, out=np.zeros_like(parts.T), where=variance > 0.0)
+    return parts.sum(axis=0), np.sqrt((parts.T / np.clip(1.0 - sizes, TINY, 1.0)).sum(axis=1))
 
 
 def influence_to_json(found: Influence | None, names: Sequence[str]) -> list[dict[str, Any]]:
@@ -130,7 +163,7 @@ def influence_from_json(data: Sequence[dict[str, Any]], names: Sequence[str]) ->
     return Influence(tuple(str(one["recording"]) for one in data), change, share, expected)
 
 
-def _weighted(problem: Problem, index: int, weights: Sequence[float]) -> Triangle:
+def weighted(problem: Problem, index: int, weights: Sequence[float]) -> Triangle:
     """Triangle of all joints' rows of one recording."""
     at_rest, triangles = problem.at_rest(index), problem.each[index]
     return join(triangles, [weights[problem.place(at_rest, joint)] for joint in range(len(triangles))])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -10,6 +10,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.tables import make_table, to_text, with_error
 
+from .assumed import Assumed
 from .collinearity import ILL_CONDITIONED
 from .estimate import Estimate
 
@@ -29,7 +30,7 @@ def report(estimate: Estimate) -> str:
 def parameter_rows(estimate: Estimate) -> list[tuple[str, ...]]:
     """Write each parameter, then each fitted setting of a term, as a row of a table."""
     rows = [
-        (name, *_numbers(value, std, interval), unit, judged)
+        (name, *written(value, std, interval), unit, judged)
         for name, value, std, interval, unit, judged in zip(
             estimate.names,
             estimate.values,
@@ -47,7 +48,7 @@ def _shapes(estimate: Estimate) -> list[tuple[str, ...]]:
     """Settings as rows of the table."""
     shapes = estimate.shapes
     return [
-        (name, *_numbers(value, std, interval), unit, judged)
+        (name, *written(value, std, interval), unit, judged)
         for name, value, std, interval, unit, judged in zip(
             shapes.names,
             shapes.values,
@@ -60,7 +61,7 @@ def _shapes(estimate: Estimate) -> list[tuple[str, ...]]:
     ]
 
 
-def _numbers(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
+def written(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
     """Write a value with what is uncertain of it; what is known or held has no uncertainty."""
     return with_error(value, std, *interval) if std > 0.0 else (f"{value:.6g}", "", "", "")
 
@@ -68,16 +69,20 @@ def _numbers(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
 def _remarks(estimate: Estimate) -> Iterator[str]:
     residuals = zip(estimate.joint_names, estimate.residual_rms, strict=True)
     yield "residual RMS [N·m]: " + ", ".join(f"{joint} {rms:.3g}" for joint, rms in residuals)
-    condition = estimate.condition_number
-    advice = "" if condition < ILL_CONDITIONED else " (ill-conditioned: excite more, or plan a motion)"
-    yield f"condition number {condition:.1f}{advice}; {estimate.dof:.0f} degrees of freedom"
+    yield f"{condition(estimate.condition_number)}; {estimate.dof:.0f} degrees of freedom"
     yield from _noise(estimate)
     names = ", ".join(source.name for source in estimate.inputs)
     yield f"from {names}; {estimate.preparation.name} preparation"
-    yield from assumptions(estimate)
+    yield from assumptions(estimate.assumed, estimate.bounded)
     yield from influences(estimate)
     yield from (f"warning: {warning}" for warning in estimate.warnings)
     yield from (f"note: {merged}" for merged in estimate.merged)
+
+
+def condition(number: float) -> str:
+    """Say a condition number, and what to do if it is large."""
+    advice = "" if number < ILL_CONDITIONED else " (ill-conditioned: excite more, or plan a motion)"
+    return f"condition number {number:.1f}{advice}"
 
 
 def _noise(estimate: Estimate) -> Iterator[str]:
@@ -89,16 +94,15 @@ def _noise(estimate: Estimate) -> Iterator[str]:
         yield f"effective samples: {counts}" + (f"; residuals not white: {coloured}" if coloured else "")
 
 
-def assumptions(estimate: Estimate) -> Iterator[str]:
-    """Say what entered beside the recordings."""
-    assumed = estimate.assumed
+def assumptions(assumed: Assumed, bounded: Sequence[str]) -> Iterator[str]:
+    """Say what entered beside the recordings, and what was kept from falling below zero."""
     if assumed.known:
         yield "known: " + ", ".join(f"{name} = {value:.6g}" for name, value in assumed.known.items())
     if assumed.prior.values:
         pairs = assumed.prior.values.items()
         yield "prior: " + ", ".join(f"{name} = {value:.4g} ± {std:.2g}" for name, (value, std) in pairs)
-    if estimate.bounded:
-        yield f"kept at zero: {', '.join(estimate.bounded)}; intervals are as wide as without the bound"
+    if bounded:
+        yield f"kept at zero: {', '.join(bounded)}; intervals are as wide as without the bound"
 
 
 def influences(estimate: Estimate) -> Iterator[str]:

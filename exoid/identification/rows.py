@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.signals import Poses, Preparation, Recording
+from exoid.signals import ParallelFilter, Poses, Preparation, Recording
 from exoid.torques import Motion, TorqueModel
 
 BLOCK = 16384
@@ -20,16 +20,12 @@ BLOCK = 16384
 REACHES = 8.0
 """or so many times the reach of the filter where that is more."""
 
-SMALLEST_MOTION = 2e-3
-"""A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""
-
-
-MOST = 0.5
-"""Torque that has one and the same value in more than this part of the samples was not measured."""
+COLUMNS = 4
+"""Columns that are factorised at once: of so few as a joint has, fastest."""
 
 
 class Rows(NamedTuple):
-    """Both sides of τ = W β for each sample and joint of one recording, filtered alike, ends removed.
+    """Both sides of τ = W β for samples and joints of one recording, filtered alike, ends removed.
 
     Attributes:
         time: [s], (N,).
@@ -39,7 +35,7 @@ class Rows(NamedTuple):
         v: Velocity [rad/s], (N, n).
         usable: Which samples of which joint may be fitted, (N, n).
         acting: Which parameters can act on which joint, (n, P); the regressor is zero elsewhere.
-        independence: Share of the samples that carry independent noise; a low-pass leaves fewer.
+        independence: Share of the rows that carry independent noise; a low-pass leaves fewer.
         stands_for: How many rows each of these stands for; 1 unless thinned.
     """
 
@@ -84,33 +80,40 @@ class Prepared(NamedTuple):
     Attributes:
         time: [s], (N,).
         motion: What the columns depend on.
-        tau: Measured torque, filtered [N·m], (N, n).
+        tau: Measured torque [N·m], (N, n), filtered unless by ``parallel``.
         usable: Which samples of which joint may be fitted, (N, n).
-        valid: Samples that the ends of the record do not spoil, in order.
-        independence: Share of the samples that carry independent noise.
-        reach: Samples beside a stretch that its filtered columns draw on.
-        rate: [Hz].
-        preparation: Whose filter the columns pass; None for poses.
+        rows: Samples that become rows: not spoilt by the ends of the record, evenly spaced.
+        independence: Share of the rows that carry independent noise.
+        parallel: Filter that columns and torque still have to pass; None for none.
     """
 
     time: FloatArray
     motion: Motion
     tau: FloatArray
     usable: NDArray[np.bool_]
-    valid: range
+    rows: range
     independence: float = 1.0
-    reach: int = 0
-    rate: float = 0.0
-    preparation: Preparation | None = None
+    parallel: ParallelFilter | None = None
+
+    @property
+    def reach(self) -> int:
+        """Samples beside a stretch that its filtered columns draw on."""
+        return 0 if self.parallel is None else self.parallel.reach
 
     def stretches(self) -> Iterator[range]:
-        """Cut the valid samples into stretches that are worked on at once."""
-        length = max(BLOCK, int(REACHES * self.reach))
-        return (self.valid[start : start + length] for start in range(0, len(self.valid), length))
+        """Cut the rows into stretches that are worked on at once."""
+        count = -(-max(BLOCK, int(REACHES * self.reach)) // self.rows.step)
+        return (self.rows[start : start + count] for start in range(0, len(self.rows), count))
 
 
-def prepare(model: TorqueModel, data: Recording | Poses, preparation: Preparation) -> Prepared:
-    """Derive the kinematics of a recording and filter its torque; poses have no velocity and need no filter.
+def prepare(model: TorqueModel, data: Recording | Poses, preparation: Preparation, *, every: bool = False) -> Prepared:
+    """Derive the kinematics of a recording; poses have no velocity and need no filter.
+
+    Args:
+        model: Whose rows are wanted.
+        data: The recording.
+        preparation: How it becomes rows.
+        every: Whether each sample is to be a row; else only as many as are not redundant behind the filter.
 
     Raises:
         ExoidError: The recording has no torque, lacks a joint of the leg, or is too short for the filter.
@@ -124,67 +127,78 @@ def prepare(model: TorqueModel, data: Recording | Poses, preparation: Preparatio
     if recording.tau is None:
         raise ExoidError(
             "there is no torque in the recording",
-            where=_sources([recording]),
+            where=source_of(recording),
             remedy=f"record tau, in columns {', '.join('tau_' + n for n in recording.joint_names)}",
         )
     rate = recording.sample_rate
     q, v, a, valid = preparation.kinematics(recording)
+    parallel, rows = preparation.parallel(rate), range(len(recording))[valid]
+    pace = 1 if parallel is None or every else parallel.pace
     return Prepared(
         recording.time,
         model.motion(q, v, a, recording.torso),
-        preparation.filter(recording.tau, rate),
+        preparation.filter(recording.tau, rate) if parallel is None else recording.tau,
         model.usable(v),
-        range(len(recording))[valid],
-        preparation.independence(rate),
-        preparation.reach(rate),
-        rate,
-        preparation,
+        rows[(len(rows) - 1) % pace // 2 :: pace],
+        min(1.0, preparation.independence(rate) * pace),
+        parallel,
     )
 
 
 def form_rows(model: TorqueModel, prepared: Prepared, stretch: range) -> Rows:
-    """Form the regressor columns of a stretch of samples and pass them through the filter that the torque has passed.
+    """Form the regressor columns of a stretch of rows, and let columns and torque pass the filter.
 
     Columns are formed as far beyond both ends of the stretch as the filter reaches, so that they come out as if those
     of the whole recording had been filtered. Columns beyond those of the parameters are torque that is known, and is
     taken to the other side.
     """
-    first = max(0, stretch.start - prepared.reach)
-    around = slice(first, min(len(prepared.time), stretch.stop + prepared.reach))
-    columns = model.columns(prepared.motion.rows(around))
-    count, known = len(model.names), len(columns) - len(model.names)
-    if prepared.preparation is not None:
-        acting = np.vstack([model.acting.T, np.ones((known, columns.shape[1]), dtype=np.bool_)])
-        signals = [columns[parameter, joint] for parameter, joint in np.argwhere(acting)]
-        distinct, places = _distinct(signals)
-        filtered = prepared.preparation.filter_columns(distinct.T, prepared.rate).T
-        for signal, place in zip(signals, places, strict=True):
-            signal[:] = filtered[place]
-    rows = slice(stretch.start, stretch.stop)
-    W = columns[:, :, stretch.start - first : stretch.stop - first].transpose(2, 1, 0)
-    tau, motion = prepared.tau[rows], prepared.motion.rows(rows)
-    if known:
-        W, tau = W[..., :count], tau - W[..., count:].sum(axis=2)
-    time, usable = prepared.time[rows], prepared.usable[rows]
-    return Rows(time, W, tau, motion.q, motion.v, usable, model.acting, prepared.independence)
+    around = slice(max(0, stretch[0] - prepared.reach), stretch[-1] + 1 + prepared.reach)
+    columns, tau = model.columns(prepared.motion.rows(around)), prepared.tau[around].T
+    inside = range(stretch[0] - around.start, stretch[-1] + 1 - around.start, stretch.step)
+    if prepared.parallel is None:
+        rows = slice(inside.start, inside.stop, inside.step)
+        columns, tau = columns[..., rows], tau[:, rows]
+    else:
+        columns, tau = _filtered(prepared.parallel, columns, tau, model.acting, inside)
+    count = len(model.names)
+    W, tau = columns[:count].transpose(2, 1, 0), tau.T
+    if len(columns) > count:
+        tau = tau - columns[count:].sum(axis=0).T
+    rows = slice(stretch.start, stretch.stop, stretch.step)
+    q, v, usable = prepared.motion.q[rows], prepared.motion.v[rows], prepared.usable[rows]
+    return Rows(prepared.time[rows], W, tau, q, v, usable, model.acting, prepared.independence)
+
+
+def _filtered(
+    parallel: ParallelFilter, columns: FloatArray, tau: FloatArray, acting: NDArray[np.bool_], rows: range
+) -> tuple[FloatArray, FloatArray]:
+    """Some rows of columns (P or more, n, N) and torques (n, N) behind the filter; what does not act stays zero."""
+    known = np.ones((len(columns) - acting.shape[1], len(tau)), dtype=np.bool_)
+    places = np.argwhere(np.vstack([acting.T, known]))
+    distinct, twins = _distinct([*(columns[parameter, joint] for parameter, joint in places), *tau])
+    filtered = parallel(distinct, rows)
+    out = np.zeros((*columns.shape[:2], len(rows)))
+    for (parameter, joint), twin in zip(places, twins, strict=False):
+        out[parameter, joint] = filtered[twin]
+    return out, filtered[twins[len(places) :]]
 
 
 def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
     """Signals that differ, and which of them each one is: filters are slow, and some parameters act on joints alike."""
     kept: list[FloatArray] = []
-    places = []
+    twins = []
     for signal in signals:
-        twins = (k for k, other in enumerate(kept) if other[0] == signal[0] and np.array_equal(other, signal))
-        places.append(next(twins, len(kept)))
-        if places[-1] == len(kept):
+        alike = (k for k, other in enumerate(kept) if other[0] == signal[0] and np.array_equal(other, signal))
+        twins.append(next(alike, len(kept)))
+        if twins[-1] == len(kept):
             kept.append(signal)
-    return np.array(kept), places
+    return np.array(kept), twins
 
 
 def make_rows(model: TorqueModel, data: Recording | Poses, preparation: Preparation) -> Rows:
-    """Make all rows of a recording, or of poses, at once."""
-    prepared = prepare(model, data, preparation)
-    return form_rows(model, prepared, prepared.valid)
+    """Make a row of each sample of a recording that its ends do not spoil, or of poses, all at once."""
+    prepared = prepare(model, data, preparation, every=True)
+    return form_rows(model, prepared, prepared.rows)
 
 
 def thinning(independence: float) -> int:
@@ -256,41 +270,9 @@ def for_leg(model: TorqueModel, recording: Measured) -> Measured:
     missing = [name for name in names if name not in recording.joint_names]
     raise ExoidError(
         f"the leg's {', '.join(missing)} not in the recording, which has {', '.join(recording.joint_names)}",
-        where=_sources([recording]),
+        where=source_of(recording),
         remedy="rename its columns, or map them: columns={'q_" + missing[0] + "': '<header>', ...}",
     )
-
-
-def refuse_dead_torques(model: TorqueModel, recordings: Sequence[Recording | Poses]) -> None:
-    """Refuse torques of a joint that never change, or stand still most of the time: a channel that was not connected.
-
-    A recording in which a joint swings freely throughout, beside others, is none.
-
-    Raises:
-        ExoidError: Names the joint and the value.
-    """
-    torques = [for_leg(model, recording).tau for recording in recordings]
-    for index, joint in enumerate(model.leg.joint_names):
-        columns = [tau[:, index] for tau in torques if tau is not None]
-        if not columns:
-            return  # preparing them says so, and which column is missing
-        value = columns[0][0]
-        if all((column == value).all() for column in columns):
-            raise ExoidError(
-                f"the torque of joint {joint} is {value + 0.0:.6g} N·m in every sample although the joint moves",
-                where=_sources(recordings),
-                remedy="connect its torque channel, or map the right column to tau_" + joint,
-            )
-        for recording, column in zip(recordings, columns, strict=False):
-            middle = np.median(column)
-            share = np.count_nonzero(column == middle) / len(column)
-            if MOST < share < 1.0:
-                raise ExoidError(
-                    f"the torque of joint {joint} is {middle + 0.0:.6g} N·m in {share:.0%} of the samples although "
-                    "the joint moves: these say nothing, or something wrong",
-                    where=_sources([recording]),
-                    remedy="use the part of the recording in which torque was measured, see Recording.between",
-                )
 
 
 def make_triangles(rows: Rows) -> list[Triangle]:
@@ -309,10 +291,10 @@ def joint_table(rows: Rows, joint: int) -> tuple[NDArray[np.intp], FloatArray]:
     W, use = rows.W[:, joint].T, rows.usable[:, joint]
     columns = np.flatnonzero(rows.acting[joint])
     table = np.empty((len(columns) + 1, int(np.count_nonzero(use))))
-    everything = use.all()
+    used = slice(None) if use.all() else use
     for row, column in zip(table, columns, strict=False):
-        row[:] = W[column] if everything else W[column, use]
-    table[-1] = rows.tau[use, joint]
+        row[:] = W[column, used]
+    table[-1] = rows.tau[used, joint]
     return np.append(columns, len(W)), table
 
 
@@ -321,7 +303,7 @@ def make_triangle(table: FloatArray, rows: int, samples: float) -> Triangle:
     width = table.shape[1]
     if len(table) < width:
         table = np.vstack([table, np.zeros((width - len(table), width))])
-    factored, *_ = scipy.linalg.lapack.dgeqrf(table)
+    factored, *_ = scipy.linalg.lapack.dgeqrt(min(COLUMNS, width), table)
     return Triangle(np.triu(factored[:width]), rows, samples)
 
 
@@ -338,33 +320,6 @@ def join(triangles: Sequence[Triangle], weights: Sequence[float] | None = None) 
     return make_triangle(table, sum(t.rows for t in triangles), sum(t.samples for t in triangles))
 
 
-def refuse_still_joints(
-    model: TorqueModel, recordings: Sequence[Recording | Poses], assumed: Sequence[str] = ()
-) -> None:
-    """Refuse recordings in which a joint of the leg never moves, unless all of it is known beside them.
-
-    Args:
-        model: What is to be identified.
-        recordings: All recordings and poses.
-        assumed: Parameters that are known or have a prior.
-
-    Raises:
-        ExoidError: Names the joint, how little it moves, and how to lock it.
-    """
-    angles = [for_leg(model, recording).q for recording in recordings]
-    lowest, highest = np.min([q.min(axis=0) for q in angles], axis=0), np.max([q.max(axis=0) for q in angles], axis=0)
-    means, names = np.mean([q.mean(axis=0) for q in angles], axis=0), model.leg.joint_names
-    for joint, (name, span, mean) in enumerate(zip(names, highest - lowest, means, strict=True)):
-        own = model.own_parameters(joint)
-        if span < SMALLEST_MOTION and not (own and set(own) <= set(assumed)):
-            others = tuple(other for other in names if other != name)
-            raise ExoidError(
-                f"joint {name} stands still: its angle spans {span:.2g} rad, so nothing of it can be identified",
-                where=_sources(recordings),
-                remedy=f"move it, or lock it: Leg.from_urdf(..., joints={others}, locked={{{name!r}: {mean:.4g}}})",
-            )
-
-
 def refuse_empty_joints(model: TorqueModel, triangles: Sequence[Triangle]) -> None:
     """Refuse a fit in which the terms' dead bands left no sample of a joint.
 
@@ -379,5 +334,6 @@ def refuse_empty_joints(model: TorqueModel, triangles: Sequence[Triangle]) -> No
         )
 
 
-def _sources(recordings: Sequence[Recording | Poses]) -> str:
-    return ", ".join(recording.source.name for recording in recordings if recording.source)
+def source_of(data: Recording | Poses) -> str:
+    """Name of the file, for errors; "" for one made in memory."""
+    return data.source.name if data.source else ""

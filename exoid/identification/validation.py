@@ -105,9 +105,9 @@ def validate(estimate: Estimate, recording: Recording, *, preparation: Preparati
     Raises:
         ExoidError: The recording lacks a joint or the torque, or is too short for the filter.
     """
-    prepared = prepare(estimate.model, recording, preparation or estimate.preparation)
-    stretches = (form_rows(estimate.model, prepared, stretch) for stretch in prepared.stretches())
-    predicted = np.concatenate([rows.W @ estimate.values for rows in stretches])
-    valid = slice(prepared.valid.start, prepared.valid.stop)
+    prepared = prepare(estimate.model, recording, preparation or estimate.preparation, every=True)
+    rows = (form_rows(estimate.model, prepared, stretch) for stretch in prepared.stretches())
+    parts = [(of_some.time, of_some.tau, of_some.W @ estimate.values) for of_some in rows]
+    time, measured, predicted = (np.concatenate(part) for part in zip(*parts, strict=True))
     source = recording.source.name if recording.source else "array"
-    return Validation(estimate.joint_names, prepared.time[valid], prepared.tau[valid], predicted, source)
+    return Validation(estimate.joint_names, time, measured, predicted, source)

@@ -24,7 +24,7 @@ from exoid._typing import ComplexArray, FloatArray
 GRAVITY = 9.81
 """Standard of the documents and of Pinocchio [m/s²]."""
 
-BLOCK = 4096
+BLOCK = 8192
 """Samples worked on at once: the temporaries of one block stay in the processor's cache."""
 
 TOLERANCE = 1e-9
@@ -125,81 +125,102 @@ def fill_regressor(
     workspace = _Workspace.allocate(chain.n, block)  # once: fresh memory costs more than the arithmetic
     for start in range(0, len(q), block):
         rows = slice(start, start + block)
-        work = workspace.first(len(q[rows]))
-        for target, x in ((work.angle, q), (work.rate, v), (work.acceleration, a)):
-            np.multiply(x[rows].T, chain.signs[:, None], out=target)
-        relative = work.acceleration.copy() if cumulative else None
-        moved = None if torso is None else TorsoSamples(*(x[rows] for x in torso))
-        _make_absolute(work, moved)
-        _fill_block(chain, work, relative, moved, out[..., rows])
+        work, columns = workspace.first(len(q[rows])), out[..., rows]
+        _begin(work, None if torso is None else TorsoSamples(*(x[rows] for x in torso)))
+        for j in range(chain.n):
+            _add_segment(chain, j, _OfJoint(q[rows, j], v[rows, j], a[rows, j]), work, columns, cumulative=cumulative)
+        for k, sign in enumerate(chain.signs):
+            if sign < 0.0:
+                columns[3 * k :, k] *= -1.0
+
+
+class _OfJoint(NamedTuple):
+    """Motion of one joint relative to the segment before, (B,) each."""
+
+    angle: FloatArray
+    rate: FloatArray
+    acceleration: FloatArray
 
 
 class _Workspace(NamedTuple):
-    """Memory for one block of B samples, (n, B) each; the last six are complex."""
+    """Memory for one block of B samples; what is of segment j is written over by the next one's.
+
+    Attributes:
+        angle: φ_j, (B,).
+        rate: φ̇_j, (B,).
+        acceleration: φ̈_j, (B,).
+        scratch: (2, B).
+        origin: i conj(p̈_j + i g), (B,).
+        direction: e^{iφ_j}, (B,).
+        turn: e^{iφ_j}(φ̈_j + i φ̇_j²), (B,).
+        moment: What is multiplied by h_j, or what a lever adds to it, (B,).
+        levers: conj(d_k e^{iφ_k}) of the segments k above, (n, B).
+    """
 
     angle: FloatArray
     rate: FloatArray
     acceleration: FloatArray
     scratch: FloatArray
+    origin: ComplexArray
     direction: ComplexArray
     turn: ComplexArray
-    lever: ComplexArray
-    origin: ComplexArray
-    swing: ComplexArray
     moment: ComplexArray
+    levers: ComplexArray
 
     @classmethod
     def allocate(cls, n: int, block: int) -> _Workspace:
         """Ask for the memory."""
-        angle, rate, acceleration, scratch = np.empty((4, n, block))
-        return cls(angle, rate, acceleration, scratch, *np.empty((6, n, block), dtype=np.complex128))
+        angle, rate, acceleration, *_ = real = np.empty((5, block))
+        origin, direction, turn, moment, *_ = numbers = np.empty((4 + n, block), dtype=np.complex128)
+        return cls(angle, rate, acceleration, real[3:], origin, direction, turn, moment, numbers[4:])
 
     def first(self, count: int) -> _Workspace:
         """View the memory as that of a smaller block."""
-        return _Workspace._make(x[:, :count] for x in self)
+        return _Workspace._make(x[..., :count] for x in self)
 
 
-def _make_absolute(work: _Workspace, torso: TorsoSamples | None) -> None:
-    """Add up the motions of the joints from the torso downwards, in place."""
-    if torso is not None:
-        work.angle[0] += torso.pitch
-        work.rate[0] += torso.pitch_rate
-        work.acceleration[0] += torso.pitch_acceleration
-    for j in range(1, len(work.angle)):
-        for x in (work.angle, work.rate, work.acceleration):
-            x[j] += x[j - 1]
+def _begin(work: _Workspace, torso: TorsoSamples | None) -> None:
+    """Start with the motion of the torso."""
+    if torso is None:
+        work.angle[:] = work.rate[:] = work.acceleration[:] = 0.0
+        work.origin[:] = GRAVITY
+    else:
+        work.angle[:], work.rate[:], work.acceleration[:] = torso[:3]
+        work.origin.real, work.origin.imag = torso.hip_acceleration_z + GRAVITY, torso.hip_acceleration_x
 
 
-def _fill_block(
-    chain: PlanarChain, work: _Workspace, relative: FloatArray | None, torso: TorsoSamples | None, out: FloatArray
+def _add_segment(
+    chain: PlanarChain, j: int, joint: _OfJoint, work: _Workspace, out: FloatArray, *, cumulative: bool
 ) -> None:
-    """Fill the columns of one block; ``relative`` are the joints' own accelerations where J is cumulative."""
-    n, d = chain.n, (chain.offsets[:, 0] + 1j * chain.offsets[:, 1])[:, None]
-    direction, turn, lever, origin, swing = work.direction, work.turn, work.lever, work.origin, work.swing
-    _direct(work.angle, out=direction, scratch=work.scratch)  # e^{iφ}
-    turn.real = work.acceleration
-    np.multiply(work.rate, work.rate, out=turn.imag)
-    turn *= direction  # e^{iφ}(φ̈ + i φ̇²)
-    np.multiply(np.conjugate(direction[:-1], out=lever[:-1]), d.conj(), out=lever[:-1])  # conj(d e^{iφ})
-    np.conjugate(np.multiply(turn[:-1], d, out=swing[:-1]), out=swing[:-1])
-    origin[0] = GRAVITY if torso is None else torso.hip_acceleration_z + GRAVITY + 1j * torso.hip_acceleration_x
-    for j in range(1, n):
-        np.add(origin[j - 1], swing[j - 1], out=origin[j])  # i conj(p̈ + i g), as p̈ grows by i d e^{iφ}(φ̈ + i φ̇²)
-    moment = np.multiply(direction, origin, out=work.moment)
-    for j in range(n):
-        X, Y, J = out[3 * j : 3 * j + 3]
-        for k in range(j, -1, -1):
-            if k < j:  # each joint further up has the lever of one more segment
-                moment[j] += np.multiply(turn[j], lever[k], out=swing[k])
-            X[k], Y[k] = moment[j].imag, moment[j].real
-            J[k] = work.acceleration[j] if k == j or relative is None else relative[j]
-    for row in np.flatnonzero(chain.signs < 0.0):
-        out[:, row] *= -1.0
+    """Fill the columns of segment j, but for the signs s_k, and go on to the next segment."""
+    angle, rate, acceleration, scratch, origin, direction, turn, moment, levers = work
+    add = np.add if chain.signs[j] > 0.0 else np.subtract
+    for absolute, relative in zip((angle, rate, acceleration), joint, strict=True):
+        add(absolute, relative, out=absolute)
+    _direct(angle, out=direction, scratch=scratch)
+    turn.real = acceleration
+    np.multiply(rate, rate, out=turn.imag)
+    turn *= direction
+    X, Y, J = out[3 * j : 3 * j + 3]
+    np.multiply(direction, origin, out=moment)
+    X[j], Y[j], J[j] = moment.imag, moment.real, acceleration
+    if cumulative:
+        np.multiply(joint.acceleration, chain.signs[j], out=J[:j])
+    else:
+        J[:j] = acceleration
+    for k in range(j - 1, -1, -1):  # each joint further up has the lever of one more segment
+        np.multiply(turn, levers[k], out=moment)
+        np.add(X[k + 1], moment.imag, out=X[k])
+        np.add(Y[k + 1], moment.real, out=Y[k])
+    if j < chain.n - 1:
+        d = complex(*chain.offsets[j])
+        np.conjugate(np.multiply(direction, d, out=direction), out=levers[j])
+        origin += np.conjugate(np.multiply(turn, d, out=turn), out=turn)  # p̈ grows by i d e^{iφ}(φ̈ + i φ̇²)
 
 
 def _direct(angle: FloatArray, *, out: ComplexArray, scratch: FloatArray) -> None:
     """e^{iφ} from t = tan(φ/2): cos φ = 2/(1 + t²) − 1, sin φ = 2t/(1 + t²); a third of the time of cos and sin."""
-    t, double = angle, scratch
+    t, double = scratch
     np.tan(np.multiply(angle, 0.5, out=t), out=t)
     np.multiply(t, t, out=double)
     double += 1.0

@@ -1,8 +1,10 @@
 """Signals: logs become arrays that can be trusted, and arrays become kinematics."""
 
+from .cluster import Cluster
 from .cutoff import choose_cutoff
 from .differentiation import Kinematics, central_difference, second_difference
 from .filters import edge_length, exponential_moving_average, noise_bandwidth, zero_phase
+from .parallel_filter import ParallelFilter
 from .poses import Approaches, Poses
 from .preparation import (
     PREPARATIONS,
@@ -14,17 +16,21 @@ from .preparation import (
     preparation_by_name,
 )
 from .recording import Recording
+from .recordings import Recordings
 from .source import Source
 
 __all__ = [
     "PREPARATIONS",
     "Approaches",
+    "Cluster",
     "FiniteDifference",
     "Kinematics",
     "MovingAverage",
+    "ParallelFilter",
     "Poses",
     "Preparation",
     "Recording",
+    "Recordings",
     "Smoothed",
     "Source",
     "ZeroPhase",

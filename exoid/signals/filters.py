@@ -130,9 +130,25 @@ def noise_bandwidth(rate: float, cutoff: float, order: int = 4) -> float:
         cutoff: −3 dB frequency of the two passes together [Hz].
         order: Order of one pass.
     """
-    half_turn = (np.arange(20_000) + 0.5) * (0.5 * np.pi / 20_000)  # π f / rate, midpoints
-    ratio = np.tan(half_turn) / math.tan(math.pi * _design_frequency(rate, cutoff, order) / rate)
-    return float(np.mean(1.0 / (1.0 + ratio ** (2 * order)) ** 2))
+    midpoints = (np.arange(20_000, dtype=np.float64) + 0.5) * (0.5 * rate / 20_000)
+    return float(np.mean(zero_phase_gain(midpoints, rate, cutoff, order) ** 2))
+
+
+def zero_phase_gain(frequency: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
+    """Return what `zero_phase` leaves of an amplitude, |H|² = 1 / (1 + (Ω/Ω_d)^(2·order)).
+
+    Args:
+        frequency: From 0 to half the rate [Hz], any shape.
+        rate: Sampling rate [Hz].
+        cutoff: −3 dB frequency of the two passes together [Hz].
+        order: Order of one pass.
+
+    Raises:
+        ExoidError: The cut-off is not between 0 and half the rate.
+    """
+    ratio = np.tan(math.pi * frequency / rate) / math.tan(math.pi * _design_frequency(rate, cutoff, order) / rate)
+    with np.errstate(over="ignore"):  # at half the rate nothing is left
+        return np.asarray(1.0 / (1.0 + ratio ** (2 * order)))
 
 
 def exponential_moving_average(x: FloatArray, alpha: float) -> FloatArray:

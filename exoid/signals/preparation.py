@@ -11,7 +11,8 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .differentiation import Accuracy, Kinematics, central_difference, second_difference
-from .filters import TOLERANCE, edge_length, exponential_moving_average, noise_bandwidth, reach, zero_phase
+from .filters import TOLERANCE, edge_length, exponential_moving_average, zero_phase
+from .parallel_filter import ParallelFilter
 from .recording import Recording
 
 KINEMATICS_MULTIPLE = 2.0
@@ -49,8 +50,11 @@ class Preparation(Protocol):
         """Filter regressor columns, (N, ...), unless `kinematics` has filtered them like the torques."""
         ...
 
-    def reach(self, rate: float) -> int:
-        """Return how many samples to each side `filter_columns` draws on; so columns can be filtered in stretches."""
+    def parallel(self, rate: float) -> ParallelFilter | None:
+        """Return the filter of `filter` and `filter_columns`, if they are alike and it can run on any stretch.
+
+        None where torques pass `filter` from the first sample on and columns stay as they are.
+        """
         ...
 
     def independence(self, rate: float) -> float:
@@ -128,13 +132,13 @@ class ZeroPhase:
         """Low-pass columns exactly as the torques."""
         return self.filter(x, rate)
 
-    def reach(self, rate: float) -> int:
-        """Length of the parallel filter's response, to rounding."""
-        return reach(rate, self.cutoff, self.order)
+    def parallel(self, rate: float) -> ParallelFilter:
+        """Low-pass at ``cutoff``."""
+        return ParallelFilter(rate, self.cutoff, self.order)
 
     def independence(self, rate: float) -> float:
         """Noise bandwidth of the parallel filter over half the rate."""
-        return noise_bandwidth(rate, self.cutoff, self.order)
+        return self.parallel(rate).independence
 
     def describe(self) -> dict[str, float | str]:
         """Name and settings."""
@@ -188,9 +192,8 @@ class Smoothed:
         """Return the columns as they are."""
         return x
 
-    def reach(self, rate: float) -> int:
+    def parallel(self, rate: float) -> None:
         """None: columns are not filtered."""
-        return 0
 
     def independence(self, rate: float) -> float:
         """All samples: no torque is filtered."""
@@ -230,9 +233,8 @@ class FiniteDifference:
         """Return the columns as they are."""
         return x
 
-    def reach(self, rate: float) -> int:
+    def parallel(self, rate: float) -> None:
         """None: columns are not filtered."""
-        return 0
 
     def independence(self, rate: float) -> float:
         """All samples: nothing is filtered."""
@@ -285,9 +287,8 @@ class MovingAverage:
         """Return the columns as they are: their signals were smoothed before."""
         return x
 
-    def reach(self, rate: float) -> int:
+    def parallel(self, rate: float) -> None:
         """None: columns are not filtered."""
-        return 0
 
     def independence(self, rate: float) -> float:
         """Σ h² of the average, α / (2 − α)."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -120,12 +121,12 @@ class Recording:
         """Time from the first stamp to the last [s]."""
         return float(self.time[-1] - self.time[0])
 
-    @property
+    @cached_property
     def is_uniform(self) -> bool:
         """Whether every interval is the median one to within a thousandth of it."""
         return timebase.is_uniform(self.time)
 
-    @property
+    @cached_property
     def sample_rate(self) -> float:
         """Sampling rate [Hz]: the mean rate when uniform, else one over the median interval."""
         return timebase.sampling_rate(self.time)

@@ -282,7 +282,7 @@ class TorqueModel:
 
     def _leg_motion(self, motion: Motion, columns: FloatArray) -> LegMotion:
         """Samples of a motion with their loads, from the rigid bodies' columns, (p or more, n, N)."""
-        load = np.zeros(motion.q.shape[::-1])
+        load = np.broadcast_to(0.0, motion.q.shape[::-1])
         if self.loaded:
             rigid = self.leg.parameters if self.rigid is None else self.rigid
             load = np.tensordot(rigid, columns[: len(rigid)], axes=1)

@@ -62,9 +62,10 @@ def test_the_effective_share_is_the_formula(noise, gamma):
     assert noise.effective_share == pytest.approx(gamma[0] ** 2 / (gamma[0] ** 2 + 2.0 * (gamma[1:] ** 2).sum()), 1e-6)
 
 
-def test_autocovariance_sums_are_sums_of_products():
-    x = np.random.default_rng(3).standard_normal((2, 50))
-    expected = [sum((row[: 50 - k] * row[k:]).sum() for row in x) for k in range(6)]
+@pytest.mark.parametrize("samples", [1, 5, 6, 7, 50, 60, 61])
+def test_autocovariance_sums_are_sums_of_products(samples):
+    x = np.random.default_rng(3).standard_normal((2, samples))
+    expected = [sum((row[: max(0, samples - k)] * row[k:]).sum() for row in x) for k in range(6)]
     np.testing.assert_allclose(autocovariance_sums(x, 5), expected, rtol=1e-10, atol=1e-12)
 
 

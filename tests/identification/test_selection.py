@@ -11,8 +11,13 @@ from typer.testing import CliRunner
 import exoid
 from exoid import Coulomb, ExoidError, Recording, Viscous
 from exoid.cli import app
-from exoid.identification import Candidate, select_terms, selection_to_json
-from exoid.identification.selection import estimator_candidates, filter_candidates, friction_candidates
+from exoid.identification import Candidate, select_terms
+from exoid.identification.selection import (
+    estimator_candidates,
+    filter_candidates,
+    friction_candidates,
+    selection_to_json,
+)
 from exoid.identification.selection.cross_validation import GAP, blocked_folds, evaluation, fast_blocks
 from exoid.signals import MovingAverage, Poses, Smoothed, ZeroPhase
 from exoid.torques import LoadFriction, Presliding

@@ -1,8 +1,10 @@
 """Estimators: from a problem to parameters."""
 
+from exoid.identification.stacked import Reduced
+
 from .by_name import ESTIMATORS, find_estimator
 from .closed_loop import ClosedLoop
-from .fit import Estimator, Fit, Reduced, name_of
+from .fit import Estimator, Fit, name_of
 from .gls import gls
 from .huber import huber
 from .instrumental import InstrumentalVariables

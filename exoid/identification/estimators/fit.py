@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,25 +11,6 @@ from exoid._typing import FloatArray
 from exoid.identification.least_squares import Solution
 from exoid.identification.problem import Problem
 from exoid.identification.residuals import Noises, Point
-from exoid.identification.rows import Triangle
-
-
-class Reduced(Protocol):
-    """A problem reduced to triangles, which is all that least squares asks for."""
-
-    @property
-    def names(self) -> Sequence[str]:
-        """Names of the parameters."""
-        ...
-
-    @property
-    def triangles(self) -> Sequence[Triangle]:
-        """Triangle of the rows of each joint, in motion and at rest."""
-        ...
-
-    def solve(self, triangle: Triangle) -> Solution:
-        """Solve for rows, with what is known beside them."""
-        ...
 
 
 class Fit(NamedTuple):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -10,9 +10,9 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.identification.degrees_of_freedom import degrees_of_freedom
 from exoid.identification.least_squares import Solution
-from exoid.identification.problem import Problem
 from exoid.identification.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
 from exoid.identification.rows import Triangle, join, make_triangle
+from exoid.identification.stacked import Stacked
 
 from .fit import Fit
 from .wls import wls
@@ -24,7 +24,7 @@ DISAGREEMENT = 0.05
 """Probability with which GLS and WLS would be said to disagree although both are right."""
 
 
-def gls(problem: Problem) -> Fit:
+def gls(problem: Stacked) -> Fit:
     """Whiten each joint's rows by an autoregressive model of its noise, and solve; in turn, until both settle.
 
     Of all unbiased linear estimators the one of smallest variance, *if* the residual is noise beside a right model. If
@@ -53,7 +53,7 @@ def _unbiased(noises: Noises) -> Noises:
     }
 
 
-def _solve(problem: Problem, point: Point, noises: Noises) -> Solution:
+def _solve(problem: Stacked, point: Point, noises: Noises) -> Solution:
     """Solve with the rows of every uninterrupted run of samples whitened."""
     count = len(problem.names)
     total: Triangle | None = None
@@ -93,7 +93,7 @@ def _runs(usable: FloatArray) -> Iterator[tuple[int, int]]:
     return ((int(start), int(stop)) for start, stop in zip(edges[::2], edges[1::2], strict=True))
 
 
-def _disagreement(names: tuple[str, ...], difference: FloatArray, covariance: FloatArray) -> tuple[str, ...]:
+def _disagreement(names: Sequence[str], difference: FloatArray, covariance: FloatArray) -> tuple[str, ...]:
     """Compare with weighted least squares, whose variance bounds that of the difference (Hausman)."""
     limit = scipy.stats.norm.ppf(1.0 - 0.5 * DISAGREEMENT / len(names))
     far = [n for n, d, s in zip(names, difference, np.sqrt(np.diag(covariance)), strict=True) if abs(d) > limit * s]

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.identification.problem import Problem
 from exoid.identification.rows import Triangle, join, joint_table, make_triangle
+from exoid.identification.stacked import Stacked
 
 from .fit import Fit
 from .wls import noise_floor, wls
@@ -24,7 +27,7 @@ SETTLED = 1e-4
 """They have converged when no parameter moves by more than this part of its standard deviation."""
 
 
-def huber(problem: Problem) -> Fit:
+def huber(problem: Stacked) -> Fit:
     """Minimise Σ ρ(r) over residuals r = (τ − W β) / s of each joint, ρ quadratic up to 1.345 and linear beyond.
 
     s is 1.4826 times the median of the joint's absolute residuals. Solved by reweighting: rows count
@@ -46,29 +49,32 @@ def huber(problem: Problem) -> Fit:
     return Fit(solution, [1.0 / scale for scale in scales], TUNING)
 
 
-def _scales(problem: Problem, values: FloatArray) -> FloatArray:
+def _scales(problem: Stacked, values: FloatArray) -> FloatArray:
     """Robust standard deviation of the residuals of each triangle's rows [N·m]."""
     sizes: list[list[FloatArray]] = [[] for _ in problem.triangles]
-    for kind, rows, *_ in problem.blocks():
-        residual = np.abs(rows.tau - rows.W @ values)
-        for joint in range(residual.shape[1]):
-            sizes[problem.weight_index(kind, joint)].append(residual[rows.usable[:, joint], joint])
+    for index, columns, table, _ in _tables(problem):
+        sizes[index].append(np.abs(table[-1] - values[columns] @ table[:-1]))
     return np.array([MAD_TO_STD * np.median(np.concatenate(size)) for size in sizes])
 
 
-def _reweighted(problem: Problem, values: FloatArray, scales: FloatArray) -> tuple[list[Triangle], FloatArray]:
+def _reweighted(problem: Stacked, values: FloatArray, scales: FloatArray) -> tuple[list[Triangle], FloatArray]:
     """Triangles of reweighted rows, and the share of residuals that are not clipped."""
     found: list[list[Triangle]] = [[] for _ in scales]
     inside, total = np.zeros((2, len(scales)))
     count = len(problem.names)
-    for kind, rows, *_ in problem.blocks():
-        for joint in range(rows.tau.shape[1]):
-            index = problem.weight_index(kind, joint)
-            columns, table = joint_table(rows, joint)
-            r = np.abs(table[-1] - values[columns[:-1]] @ table[:-1]) / scales[index]
-            table *= np.sqrt(TUNING / np.maximum(r, TUNING)) / scales[index]
-            triangle = make_triangle(table.T, len(r), len(r) * rows.independence)
-            found[index] = [join([*found[index], triangle.among(columns, count + 1)])]
-            inside[index] += np.count_nonzero(r <= TUNING)
-            total[index] += len(r)
+    for index, columns, table, independence in _tables(problem):
+        r = np.abs(table[-1] - values[columns] @ table[:-1]) / scales[index]
+        scaled = table * (np.sqrt(TUNING / np.maximum(r, TUNING)) / scales[index])
+        triangle = make_triangle(scaled.T, len(r), len(r) * independence)
+        found[index] = [join([*found[index], triangle.among(np.append(columns, count), count + 1)])]
+        inside[index] += np.count_nonzero(r <= TUNING)
+        total[index] += len(r)
     return [triangle for one in found for triangle in one], inside / np.maximum(total, 1.0)
+
+
+def _tables(problem: Stacked) -> Iterator[tuple[int, NDArray[np.intp], FloatArray, float]]:
+    """Go over usable rows [W τ] joint by joint: place among the triangles, parameters, rows, their independence."""
+    for kind, rows, _, _, first in problem.blocks():
+        for joint in range(rows.tau.shape[1]):
+            _, table = joint_table(rows, joint)
+            yield problem.weight_index(kind, first + joint), problem.columns[first + joint], table, rows.independence

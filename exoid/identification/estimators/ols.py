@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from exoid.identification.rows import join
+from exoid.identification.stacked import Reduced
 
-from .fit import Fit, Reduced
+from .fit import Fit
 
 
 def ols(problem: Reduced) -> Fit:

@@ -8,8 +8,9 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.identification.rows import Triangle, join
+from exoid.identification.stacked import Reduced
 
-from .fit import Fit, Reduced
+from .fit import Fit
 from .ols import ols
 
 NOISELESS = 1e-9

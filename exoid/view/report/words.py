@@ -201,7 +201,7 @@ def settings(estimate: Estimate) -> list[str]:
         f"Estimator: {estimate.estimator}; {estimate.dof:.0f} degrees of freedom.",
         f"Terms beside the rigid bodies: {terms}.",
         f"Preparation: {preparation}.",
-        *map(_sentence, assumptions(estimate)),
+        *map(_sentence, assumptions(estimate.assumed, estimate.bounded)),
         *(f"{merged}." for merged in estimate.merged),
     ]
 

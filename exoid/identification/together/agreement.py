@@ -1,0 +1,92 @@
+"""Whether groups have the same parameters: those of their own, and those that they are made to share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.identification.estimators import Fit
+from exoid.identification.residuals import sandwich
+from exoid.identification.stacked import Stacked
+
+from .equality import Equality, equality_of
+from .layout import Layout
+from .problem import JointProblem
+
+DISAGREE = 0.01
+"""Probability with which groups that do share their parameters would be said not to."""
+
+
+class Agreement(NamedTuple):
+    """Whether groups, each identified alone, agree on what they share.
+
+    Attributes:
+        equality: The test; None where there is none.
+        note: Why there is none.
+    """
+
+    equality: Equality | None
+    note: str = ""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Name parameters on which they do not agree."""
+        names = () if self.equality is None else self.equality.below(DISAGREE)
+        if not names:
+            return ()
+        return (
+            f"groups do not agree on {', '.join(names)}, which they share, by more than noise explains: "
+            "make these own, or find out what else differs",
+        )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Say why there is no test."""
+        return (self.note,) if self.note else ()
+
+
+def own_equality(layout: Layout, values: FloatArray, covariance: FloatArray, dofs: FloatArray) -> Equality:
+    """Test whether own parameters are the same in all groups, with their joint covariance."""
+    groups = range(len(layout.groups))
+    places = {name: [layout.place(name, group) for group in groups] for name in layout.own}
+    return equality_of(places, values, covariance, dofs)
+
+
+def shared_agreement(
+    problem: JointProblem, estimator: Callable[[Stacked], Fit], samples: Sequence[float], *, white: bool
+) -> Agreement:
+    """Identify each group alone, without priors and bounds, and test whether shared parameters are the same.
+
+    Args:
+        problem: The problem of all groups.
+        estimator: The estimator.
+        samples: Independent samples of each group.
+        white: Whether the covariance assumes white noise.
+    """
+    layout, groups = problem.layout, problem.layout.groups
+    if len(groups) < 2 or not layout.shared:
+        return Agreement(None)
+    values, blocks, dofs = [], [], []
+    for group, alone, count in zip(groups, problem.problems, samples, strict=True):
+        try:
+            fit = estimator(alone)
+        except ExoidError as error:
+            why = f"{group} cannot be identified alone ({error.what})"
+            return Agreement(None, f"whether groups agree on what they share was not tested: {why}")
+        given = white or fit.noises is not None
+        blocks.append(fit.solution.covariance if given else sandwich(alone, fit.point, fit.solution).covariance)
+        values.append(fit.solution.values)
+        dofs.append(np.full(len(alone.names), max(1.0, count - len(alone.names))))
+    names, count = problem.problems[0].names, len(problem.problems[0].names)
+    places = {
+        name: [group * count + names.index(name) for group in range(len(groups))]
+        for name in layout.names[: layout.shared]
+        if name not in problem.assumed.known
+    }
+    covariance = scipy.linalg.block_diag(*blocks)
+    return Agreement(equality_of(places, np.concatenate(values), covariance, np.concatenate(dofs)))

@@ -1,0 +1,147 @@
+"""What a fit of several groups says of each of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.identification.degrees_of_freedom import degrees_of_freedom
+from exoid.identification.diagnostics import JointNoise, judge_noise, judge_sizes, negative
+from exoid.identification.estimate import Estimate, Input
+from exoid.identification.estimators import Fit
+from exoid.identification.influence import Influence, leave_out
+from exoid.identification.residuals import Noises, Point, sandwich
+from exoid.identification.rows import Triangle, join, rms_residual
+from exoid.identification.survey import evidence
+from exoid.identification.trends import Trend, remarks, residual_trends
+
+from .problem import JointProblem
+from .trust import condition_number
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """A fit of several groups.
+
+    Attributes:
+        problem: The problem.
+        fit: Its solution.
+        estimator: Name of the estimator.
+        covariance: Of all parameters, (P, P).
+        noises: Noise of each kind and joint.
+        white: Whether the covariance assumes white noise.
+    """
+
+    problem: JointProblem
+    fit: Fit
+    estimator: str
+    covariance: FloatArray
+    noises: Noises
+    white: bool
+
+    @staticmethod
+    def of(problem: JointProblem, fit: Fit, estimator: str, *, white: bool) -> Outcome:
+        """Find noise and covariance of a fit."""
+        covariance, noises = fit.solution.covariance, fit.noises
+        if noises is None:
+            found = sandwich(problem, fit.point, fit.solution)
+            covariance, noises = covariance if white else found.covariance, found.noises
+        return Outcome(problem, fit, estimator, covariance, noises, white)
+
+    @cached_property
+    def noise(self) -> list[tuple[JointNoise, ...]]:
+        """What the residuals of each group's joints look like."""
+        return [
+            judge_noise(problem, self.point(group), self.problem.noises_of(group, self.noises))
+            for group, problem in enumerate(self.problem.problems)
+        ]
+
+    @property
+    def samples(self) -> list[float]:
+        """Independent samples of each group."""
+        if self.white:
+            counts = np.array([sum(triangle.samples for triangle in p.triangles) for p in self.problem.problems])
+            total = self.fit.solution.dof + np.count_nonzero(self.problem.assumed.free(self.problem.names))
+            return list(counts * total / counts.sum())
+        return [sum(joint.effective_samples for joint in joints) for joints in self.noise]
+
+    @cached_property
+    def inputs(self) -> tuple[Input, ...]:
+        """All recordings: the errors of every group come from all of them."""
+        return tuple(evidence(data) for problem in self.problem.problems for data in problem.here)
+
+    @cached_property
+    def influence(self) -> Influence | None:
+        """Influence of each recording on all parameters; nothing for one recording."""
+        if len(self.inputs) < 2:
+            return None
+        each = self.problem.recordings(self.fit.weights)
+        whole = self.problem.solve(join(each))
+        names, std = [source.name for source in self.inputs], np.sqrt(np.diag(self.covariance))
+
+        def without(index: int, others: Triangle) -> FloatArray:
+            return self.problem.without(index, others, whole.values)
+
+        return leave_out(each, names, without, whole, std)
+
+    def dofs(self, most: FloatArray) -> FloatArray:
+        """Degrees of freedom of the variance of each parameter, at most so many, (P,)."""
+        found = self.fit.dofs
+        if self.white:
+            return most
+        if found is None:
+            solution = self.fit.solution._replace(covariance=self.covariance)
+            found = degrees_of_freedom(self.problem, self.fit.point, self.noises, solution, whitened=False)
+        return np.clip(found, 1.0, np.maximum(most, 1.0))
+
+    def point(self, group: int) -> Point:
+        """Where residuals of one group are to be looked at."""
+        values = self.fit.solution.values[self.problem.layout.places[group]]
+        return Point(values, self.problem.weights_of(group, self.fit.weights), self.fit.clip)
+
+    def trends(self, group: int) -> tuple[Trend, ...]:
+        """Residuals of one group against velocity and angle."""
+        places, noises = self.problem.layout.places[group], self.problem.noises_of(group, self.noises)
+        block = np.ix_(places, places)
+        solution = self.fit.solution._replace(inverse=self.fit.solution.inverse[block])
+        alone, whitened = self.problem.problems[group], self.fit.noises is not None
+        return residual_trends(alone, self.point(group), noises, solution, self.covariance[block], whitened=whitened)
+
+    def estimate(self, group: int, dofs: FloatArray, dof_each: FloatArray, doubts: tuple[str, ...]) -> Estimate:
+        """Make the estimate of one group, its covariance the group's block of the whole.
+
+        Args:
+            group: Its index.
+            dofs: Degrees of freedom of all parameters; the smallest of the group's counts, (P,).
+            dof_each: Of their variances, (P,).
+            doubts: Warnings that all groups have in common.
+        """
+        layout, solution = self.problem.layout, self.fit.solution
+        alone, places = self.problem.problems[group], layout.places[group]
+        values, covariance = solution.values[places], self.covariance[np.ix_(places, places)]
+        trends, names = self.trends(group), layout.names_of(group)
+        bounded = [self.problem.names[k] for k in solution.bounded]
+        own_doubts = (*negative(alone.model, values, np.sqrt(np.diag(covariance))), *remarks(trends))
+        return Estimate(
+            model=alone.model,
+            values=values,
+            covariance=covariance,
+            condition_number=condition_number(solution.inverse, places),
+            dof=float(dofs[places].min()),
+            dof_each=np.minimum(dof_each[places], dofs[places].min()),
+            residual_rms=np.array([rms_residual(joint, values) for joint in zip(*alone.groups, strict=True)]),
+            estimator=self.fit.name or self.estimator,
+            preparation=alone.preparation,
+            inputs=self.inputs,
+            noise=self.noise[group],
+            sizes=judge_sizes(alone.triangles),
+            collinearity=solution.collinearity.indices[places],
+            warnings=(*doubts, *own_doubts),
+            assumed=layout.assumed_by(group, self.problem.assumed),
+            bounded=tuple(names[name] for name in bounded if name in names),
+            influence=None if self.influence is None else self.influence.at(places),
+            trends=trends,
+        )

@@ -1,0 +1,109 @@
+"""Several logs with parameters of their own, on the command line."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid import Estimate, Recording
+from exoid.cli import main
+from exoid.identification.together import together_to_json
+
+ZERO = (2.0, -1.0, 0.5)
+"""By which torque sensors differ between the two logs [N·m]."""
+
+
+@pytest.fixture
+def exoid_(capsys, monkeypatch, tmp_path):
+    """Run ``exoid ARGUMENTS`` in this process, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["exoid", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        return int(stop.value.code or 0), *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture
+def logs(tmp_path):
+    """Two logs of one leg; before the second its torque sensors were zeroed anew."""
+    data = exoid.datasets.bleex_swing()
+    data.train.to_csv(tmp_path / "monday.csv")
+    second = data.test
+    arrays = {"time": second.time, "q": second.q, "v": second.v, "a": second.a, "tau": np.add(second.tau, ZERO)}
+    Recording(**arrays, joint_names=second.joint_names).to_csv(tmp_path / "tuesday.csv")
+    return ["monday.csv", "tuesday.csv"]
+
+
+def test_each_log_has_its_own_and_the_table_says_so(exoid_, logs):
+    code, out, err = exoid_("identify", "bleex", *logs, "--own", "offset", "-o", "leg.json")
+    together = exoid.identify_together(
+        exoid.load_leg("bleex"), {log[:-4]: Recording.from_csv(log) for log in logs}, own="offset"
+    )
+    assert (code, out, err) == (0, f"{together}\n", "")
+    for log in ("monday", "tuesday"):
+        saved = Estimate.load(f"leg-{log}.json")
+        np.testing.assert_array_equal(saved.values, together[log].values)
+        np.testing.assert_array_equal(saved.covariance, together[log].covariance)
+    moved = together.compare("monday", "tuesday")
+    np.testing.assert_allclose(moved.difference, ZERO, atol=0.1)
+
+
+def test_json_equals_the_api(exoid_, logs):
+    code, out, err = exoid_("identify", "bleex", *logs, "--own", "offset,c0_hip", "--terms", "coulomb,offset", "--json")
+    together = exoid.identify_together(
+        exoid.load_leg("bleex"),
+        {log[:-4]: Recording.from_csv(log) for log in logs},
+        (exoid.Coulomb(), exoid.Offset()),
+        own=("offset", "c0_hip"),
+    )
+    expected = json.loads(json.dumps(together_to_json(together), allow_nan=False))
+    for estimate in expected["groups"].values():
+        del estimate["leg"]["urdf"]
+    assert (code, err) == (0, "")
+    assert json.loads(out) == expected
+
+
+def test_left_and_right_logs_find_their_legs(exoid_, logs, tmp_path):
+    text = (tmp_path / "tuesday.csv").read_text(encoding="utf-8")
+    (tmp_path / "right.csv").write_text(text.replace("left_", "right_"), encoding="utf-8")
+    code, _, _ = exoid_("identify", "bleex", "monday.csv", "right.csv", "--own", "c0,d,offset", "-o", "leg.json")
+    assert code == 0
+    assert Estimate.load("leg-right.json").joint_names == ("right_hip", "right_knee", "right_ankle")
+    assert Estimate.load("leg-monday.json").joint_names == ("left_hip", "left_knee", "left_ankle")
+
+
+def test_logs_of_one_name_in_several_folders_are_told_apart(exoid_, logs, tmp_path):
+    for log in logs:
+        folder = tmp_path / log[:-4]
+        folder.mkdir()
+        (tmp_path / log).rename(folder / "log.csv")
+    code, out, _ = exoid_("identify", "bleex", "monday/log.csv", "tuesday/log.csv", "--own", "offset", "-o", "e.json")
+    assert code == 0
+    assert "offset_hip[monday/log.csv]" in out
+    assert Estimate.load("e-tuesday-log.csv.json").value("offset_hip") > 1.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("monday.csv", "--own", "offset"), "there is one log only"),
+        (("monday.csv", "monday.csv", "--own", "offset"), "one log was given twice"),
+        (("monday.csv", "tuesday.csv", "--own", "zero"), "no parameter 'zero'"),
+        (("monday.csv", "tuesday.csv", "--own", "offset", "--test", "monday.csv"), "--test has no effect"),
+        (("monday.csv", "tuesday.csv", "--own", "offset", "--report", "r.html"), "--report has no effect"),
+        (("monday.csv", "tuesday.csv", "--own", "offset", "-o", "no/where/e.json"), "where"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_in_one_line(exoid_, logs, tmp_path, arguments, words):
+    code, out, err = exoid_("identify", "bleex", *arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert words in err
+    assert {path.name for path in tmp_path.iterdir()} == set(logs)

@@ -1,0 +1,84 @@
+"""Sessions of legs of one design whose joints differ in friction, and whose torque sensors differ in their zero."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from swings import SMOOTHING, Swing
+
+from exoid import Leg, Recording
+from exoid.torques import Coulomb, Offset, TorqueModel, Viscous
+
+TERMS = (Coulomb(), Viscous(), Offset())
+"""What acts on the joints."""
+
+
+class Noise(NamedTuple):
+    """Torque noise e_t = φ e_{t−1} + ε_t.
+
+    Attributes:
+        std: Of e [N·m], one for each joint or one for all.
+        memory: φ.
+    """
+
+    std: float | tuple[float, ...] = 0.0
+    memory: float = 0.0
+
+    def draw(self, rng, shape):
+        white = rng.standard_normal(shape) * np.sqrt(1.0 - self.memory**2)
+        out = np.empty(shape)
+        out[0] = rng.standard_normal(shape[1:])
+        for k in range(1, len(out)):
+            out[k] = self.memory * out[k - 1] + white[k]
+        return out * self.std
+
+
+SILENCE = Noise()
+
+
+@dataclass(frozen=True)
+class Session:
+    """One session with one leg.
+
+    Attributes:
+        leg: The leg.
+        seed: Of the motion.
+        offset: Of the torque sensors [N·m], (n,).
+        coulomb: Friction [N·m], (n,).
+        viscous: Friction [N·m·s/rad], (n,).
+        seconds: Duration.
+        rate: Of the samples [Hz].
+    """
+
+    leg: Leg
+    seed: int = 1
+    offset: tuple[float, ...] = (0.0, 0.0, 0.0)
+    coulomb: tuple[float, ...] = (0.8, 0.6, 0.4)
+    viscous: tuple[float, ...] = (0.5, 0.3, 0.2)
+    seconds: float = 12.0
+    rate: float = 100.0
+
+    @property
+    def truth(self):
+        """Values by name of the parameters that the session has."""
+        model = TorqueModel(self.leg, TERMS)
+        return dict(zip(model.names, [*self.leg.parameters, *self.coulomb, *self.viscous, *self.offset], strict=True))
+
+    def recording(self, rng=None, noise=SILENCE):
+        """Exact motion, torque with noise if any."""
+        swing = Swing(self.leg, self.rate, self.seconds, self.seed, base=0.15)
+        q, v, a = swing.motion
+        tau = self.leg.inverse_dynamics(q, v, a) + self.offset
+        tau += np.multiply(self.coulomb, np.tanh(v / SMOOTHING)) + np.multiply(self.viscous, v)
+        if rng is not None:
+            tau = tau + noise.draw(rng, tau.shape)
+        return Recording(time=swing.time, q=q, v=v, a=a, tau=tau, joint_names=self.leg.joint_names)
+
+
+def truth_of(together, sessions):
+    """True values of all parameters of several sessions, in the order of ``together.names``."""
+    first = next(iter(sessions.values())).truth
+    own = {f"{name}[{group}]": value for group, session in sessions.items() for name, value in session.truth.items()}
+    return np.array([first.get(name, own.get(name)) for name in together.names], dtype=float)

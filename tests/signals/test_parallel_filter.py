@@ -1,0 +1,72 @@
+"""The parallel filter is the zero-phase filter, worked out at some rows only."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from exoid.signals import ParallelFilter, zero_phase
+
+SETTINGS = [(500.0, 8.0, 4), (500.0, 3.0, 2), (100.0, 8.0, 4), (50.0, 8.0, 4), (1000.0, 20.0, 6), (40.0, 19.0, 3)]
+
+
+def signals(count: int = 3, samples: int = 20_011) -> np.ndarray:
+    return np.random.default_rng(0).standard_normal((count, samples))
+
+
+@pytest.mark.parametrize(("rate", "cutoff", "order"), SETTINGS)
+@pytest.mark.parametrize("step", [1, 2, 3, 7, 16])
+def test_rows_far_from_the_ends_are_those_of_the_filter_that_runs_forwards_and_backwards(rate, cutoff, order, step):
+    parallel, x = ParallelFilter(rate, cutoff, order), signals()
+    whole = zero_phase(x.T, rate, cutoff, order).T
+    for first, last in ((parallel.reach, 20_011 - parallel.reach), (9_000, 9_001), (9_000, 9_100)):
+        found = parallel(x, range(first, last, step))
+        np.testing.assert_allclose(found, whole[:, first:last:step], rtol=0, atol=1e-12)
+
+
+def test_rows_near_the_ends_are_those_of_the_filter_too_but_for_what_any_continuation_spoils():
+    parallel, rate = ParallelFilter(500.0, 8.0, 4), 500.0
+    t = np.arange(5_000) / rate
+    smooth = np.array([np.sin(2.0 * t), t, 0 * t + 3.0])
+    found = parallel(smooth, range(0, 5_000, parallel.pace))
+    whole = zero_phase(smooth.T, rate, 8.0).T[:, :: parallel.pace]
+    np.testing.assert_allclose(found[1:], smooth[1:, :: parallel.pace], atol=1e-12)  # straight lines stay as they are
+    np.testing.assert_allclose(found[:, 80:-80], whole[:, 80:-80], atol=1e-9)
+    np.testing.assert_allclose(found, whole, atol=1e-4)
+
+
+def test_a_stretch_is_the_same_in_whatever_surroundings_beyond_the_reach():
+    parallel, x = ParallelFilter(500.0, 8.0, 4), signals()
+    part = parallel(x[:, 4_000 - parallel.reach : 5_000 + parallel.reach], range(parallel.reach, parallel.reach + 1000))
+    np.testing.assert_allclose(part, parallel(x, range(4_000, 5_000)), rtol=0, atol=1e-13)
+    short = parallel.reach // 3
+    cut = parallel(x[:, 4_000 - short : 5_000 + short], range(short, short + 1000))
+    assert np.abs(cut - parallel(x, range(4_000, 5_000))).max() > 1e-9, "less than the reach must show"
+
+
+@pytest.mark.parametrize(("rate", "cutoff"), [(500.0, 8.0), (1000.0, 3.0)])
+def test_sums_of_products_over_every_pace_th_row_are_those_over_all_rows(rate, cutoff):
+    """Rows between are redundant, also for signals with jumps such as the sign of a velocity."""
+    parallel, rng = ParallelFilter(rate, cutoff, 4), np.random.default_rng(1)
+    x = np.sign(np.cumsum(rng.standard_normal((4, 60_000)), axis=1))
+    x[3] = rng.standard_normal(60_000)
+    assert parallel.pace > 5
+    rows = range(2_000, 2_000 + 56_000 // parallel.pace * parallel.pace)
+    every = parallel(x, rows)
+    few = parallel(x, rows[:: parallel.pace])
+    scale = np.sqrt(np.multiply.outer(np.mean(every**2, axis=1), np.mean(every**2, axis=1)))
+    np.testing.assert_allclose(few @ few.T / few.shape[1] / scale, every @ every.T / every.shape[1] / scale, atol=2e-3)
+
+
+def test_it_is_linear():
+    parallel, x = ParallelFilter(200.0, 8.0, 4), signals(2)
+    rows = range(0, 20_011, parallel.pace)
+    both = parallel(np.array([2.0 * x[0] - 3.0 * x[1]]), rows)[0]
+    np.testing.assert_allclose(both, [2.0, -3.0] @ parallel(x, rows), atol=1e-12)
+
+
+def test_a_record_shorter_than_the_reach_is_filtered_still():
+    parallel = ParallelFilter(500.0, 8.0, 4)
+    assert parallel.reach > 300
+    found = parallel(np.ones((1, 300)), range(0, 300, 7))
+    np.testing.assert_allclose(found, 1.0, atol=1e-12)
