@@ -130,7 +130,8 @@ class Estimate:
         object.__setattr__(self, "model", self.model.loaded_by(self.values))
         if len(self.noise) not in (0, joints):
             raise ExoidError(f"noise of {len(self.noise)} joints, not {joints}", remedy="identify again")
-        if not (self.dof > 0.0 and self.condition_number >= 1.0 and (np.diag(self.covariance) >= 0.0).all()):
+        positive = min(self.dof, *self.dof_each) > 0.0 and (np.diag(self.covariance) >= 0.0).all()
+        if not (positive and self.condition_number >= 1.0):
             raise ExoidError(
                 "degrees of freedom, condition number or a variance is not what a least-squares fit gives",
                 remedy="identify again",
