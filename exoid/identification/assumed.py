@@ -107,13 +107,17 @@ class Assumed:
         both = [name for name in self.known if name in self.prior.values]
         if both:
             raise ExoidError(f"{', '.join(both)} is known and has a prior", remedy="use one of the two")
+        self.check_merged(model)
         for name in self.names:
-            for merged in model.merged:
-                if merged.name == name:
-                    into = " and ".join(merged.into)
-                    raise ExoidError(f"{merged}", remedy=f"say what is known of {into} instead")
             if name not in model.names:
                 raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(model.names)}")
+
+    def check_merged(self, model: TorqueModel) -> None:
+        """Check that no name is that of a parameter that a model has merged into others."""
+        for merged in model.merged:
+            if merged.name in self.names:
+                into = " and ".join(merged.into)
+                raise ExoidError(f"{merged}", remedy=f"say what is known of {into} instead")
 
     def free(self, names: Sequence[str]) -> NDArray[np.bool_]:
         """Which of the parameters are not known, (P,)."""

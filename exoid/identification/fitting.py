@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.leg import Leg
-from exoid.signals import Poses, Preparation, Recording
+from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel, free_shapes, with_shapes
 
 from .assumed import NOTHING, Assumed
@@ -37,7 +37,7 @@ class Task(NamedTuple):
 
     leg: Leg
     terms: tuple[Term, ...]
-    data: Sequence[Recording | Poses]
+    data: Sequence[Recording | Poses] | Cluster
     preparation: Preparation
     estimator: Estimator | str
     keep: Keep | None = None

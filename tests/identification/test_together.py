@@ -129,6 +129,22 @@ def test_one_group_is_the_same_as_identify(leg, days, estimator, noise):
 
 
 @pytest.mark.parametrize("estimator", ["wls", "huber", "gls"])
+def test_recordings_and_poses_of_one_group_are_weighted_as_by_identify(leg, days, estimator):
+    rng = np.random.default_rng(3)
+    q = rng.uniform(-0.8, 0.8, (80, 3))
+    tau = leg.inverse_dynamics(q, 0 * q, 0 * q) + ZEROS["monday"] + rng.normal(scale=0.02, size=q.shape)
+    data = [days["monday"].recording(rng, Noise(0.3)), Poses(q, tau, leg.joint_names)]
+    expected = identify(leg, data, TERMS, estimator)
+    found = identify_together(leg, {"all": data}, TERMS, estimator)["all"]
+    np.testing.assert_allclose(found.values, expected.values, rtol=1e-8, atol=1e-10)
+    np.testing.assert_allclose(found.std, expected.std, rtol=1e-6)
+    other = {"all": data, "friday": days["friday"].recording(rng, Noise(0.2))}  # whose triangles come after
+    both = identify_together(leg, other, TERMS, estimator, own="offset")
+    error = both.values - truth_of(both, {"all": days["monday"], "friday": days["friday"]})
+    assert (np.abs(error) < 4.0 * both.std).all()
+
+
+@pytest.mark.parametrize("estimator", ["wls", "huber", "gls"])
 def test_where_nothing_is_shared_each_group_is_identified_as_alone(legs, sides, estimator):
     """Up to where the iterations of noise and covariance stop: for all groups at once."""
     recordings = record(sides, left=Noise(0.1), right=Noise((0.6, 0.4, 0.2), 0.9))
@@ -341,3 +357,14 @@ def test_what_is_part_of_a_shared_parameter_is_said_to_be(legs, sides):
     assert any("Ia_hip" in note and "the same in all groups" in note for note in together.notes)
     apart = identify_together(legs, record(sides), terms, own=("Ia", "J1"), preparation=PLAIN)
     assert not any("the same in all groups" in note for note in apart.notes)
+
+
+@pytest.mark.parametrize("estimator", ["wls", "huber", "gls"])
+def test_rows_that_are_made_again_stretch_by_stretch_give_the_same(legs, sides, monkeypatch, estimator):
+    recordings = record(sides, left=Noise(0.2, 0.9), right=Noise(0.3))
+    whole = identify_together(legs, recordings, TERMS, estimator)
+    monkeypatch.setattr("exoid.identification.problem.KEPT_BYTES", 0)
+    monkeypatch.setattr("exoid.identification.rows.BLOCK", 300)
+    pieces = identify_together(legs, recordings, TERMS, estimator)
+    np.testing.assert_allclose(pieces.values, whole.values, rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(pieces.std, whole.std, rtol=1e-5)

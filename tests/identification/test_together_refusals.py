@@ -79,6 +79,11 @@ def test_names_of_legs_and_recordings_that_differ(leg, two):
         identify_together({"a": leg, "c": leg}, two, TERMS)
 
 
+def test_two_groups_of_one_name(leg, two):
+    with pytest.raises(ExoidError, match="two groups have the same name"):
+        identify_together(leg, {1: two["a"], "1": two["b"]}, TERMS)
+
+
 @pytest.mark.parametrize("groups", [{}, [], {"a": []}])
 def test_no_recordings(leg, groups):
     with pytest.raises(ExoidError, match="no recordings"):
@@ -132,6 +137,11 @@ def test_estimators_of_one_leg_alone(leg, two, estimator):
 def test_assumptions_about_what_does_not_exist_or_twice(leg, two, known, prior, match):
     with pytest.raises(ExoidError, match=match):
         identify_together(leg, two, TERMS, known=known, prior=prior)
+
+
+def test_a_known_parameter_that_is_part_of_another(leg, two):
+    with pytest.raises(ExoidError, match=r"Ia_hip cannot be told from J1.*say what is known of J1 instead"):
+        identify_together(leg, two, known={"Ia_hip": 0.1})
 
 
 def test_groups_and_comparisons_that_do_not_exist(leg, two):

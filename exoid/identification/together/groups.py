@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from itertools import combinations
+from itertools import combinations, product
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from exoid.errors import ExoidError
 from exoid.identification.identify import check_recordings
-from exoid.identification.rows import SMALLEST_MOTION, for_leg, refuse_still_joints
+from exoid.identification.survey import SMALLEST_MOTION, Survey, refuse_still_joints
 from exoid.leg import Leg
 from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
@@ -35,7 +35,7 @@ class Group(NamedTuple):
 
     name: str
     leg: Leg
-    data: list[Recording | Poses]
+    data: Sequence[Recording | Poses]
 
 
 def make_groups(
@@ -44,8 +44,7 @@ def make_groups(
     """Bring legs and recordings together by the names of the groups; a recording without a name has a number.
 
     Raises:
-        ExoidError: Names of legs and of recordings differ, two groups have the same name or the same recording, or the
-            legs are not of one design.
+        ExoidError: Names of legs and of recordings differ, or two groups have the same name or the same recording.
     """
     named = recordings if isinstance(recordings, Mapping) else _by_source(check_recordings(recordings))
     if not named:
@@ -54,6 +53,8 @@ def make_groups(
         raise ExoidError(
             f"legs are of {', '.join(legs)}, recordings of {', '.join(named)}", remedy="use the same names for both"
         )
+    if len({str(name) for name in named}) < len(named):
+        raise ExoidError(f"two groups have the same name: {', '.join(map(str, named))}", remedy="name them otherwise")
     groups = []
     for name, data in named.items():
         with within(name):
@@ -94,12 +95,15 @@ def refuse_other_designs(groups: Sequence[Group]) -> None:
 
 
 def refuse_still_groups(
-    groups: Sequence[Group], models: Sequence[TorqueModel], shared: Sequence[str], assumed: Sequence[Sequence[str]]
+    surveys: Mapping[str, Sequence[Survey]],
+    models: Sequence[TorqueModel],
+    shared: Sequence[str],
+    assumed: Sequence[Sequence[str]],
 ) -> None:
     """Refuse joints that stand still in all groups, and in one of them where that leaves own parameters unknown.
 
     Args:
-        groups: The groups.
+        surveys: Of the recordings of each group, by its name.
         models: Of each.
         shared: Parameters that another group may tell.
         assumed: Parameters of each that are known or have a prior.
@@ -107,19 +111,17 @@ def refuse_still_groups(
     Raises:
         ExoidError: Names group and joint.
     """
-    moves = np.any([_moving(group, model) for group, model in zip(groups, models, strict=True)], axis=0)
+    moves = np.any([_moving(of_group) for of_group in surveys.values()], axis=0)
     unseen = {name for joint in np.flatnonzero(~moves) for name in models[0].own_parameters(int(joint))}
     told = [name for name in shared if name not in unseen]
-    for group, model, known in zip(groups, models, assumed, strict=True):
-        with within(group.name):
-            refuse_still_joints(model, group.data, (*known, *told))
+    for (group, of_group), model, known in zip(surveys.items(), models, assumed, strict=True):
+        with within(group):
+            refuse_still_joints(model, of_group, (*known, *told))
 
 
-def _moving(group: Group, model: TorqueModel) -> NDArray[np.bool_]:
+def _moving(surveys: Sequence[Survey]) -> NDArray[np.bool_]:
     """Which joints move in the recordings of a group, (n,)."""
-    with within(group.name):
-        ends = [(q.min(axis=0), q.max(axis=0)) for q in (for_leg(model, data).q for data in group.data)]
-    lowest, highest = (np.array(values) for values in zip(*ends, strict=True))
+    lowest, highest = (np.array([getattr(one, side) for one in surveys]) for side in ("lowest", "highest"))
     return np.asarray(highest.max(axis=0) - lowest.min(axis=0) >= SMALLEST_MOTION)
 
 
@@ -136,9 +138,9 @@ def _by_source(recordings: Sequence[Recording | Poses]) -> dict[str, list[Record
 
 def _refuse_same_recording(one: Group, other: Group) -> None:
     """Refuse a recording that would count twice."""
-    for a in one.data:
-        for b in other.data:
-            same = len(a) == len(b) and all(np.array_equal(getattr(a, x), getattr(b, x)) for x in ("q", "tau"))
-            if a is b or same:
-                name = f"recording {a.source.name}" if a.source else "the same recording"
-                raise ExoidError(f"{name} is in {one.name} and in {other.name}", remedy="put it into one of them")
+    for a, b in product(one.data, other.data):
+        alike = len(a) == len(b) and np.array_equal(a.q[:1], b.q[:1])  # which hardly any others are
+        pairs = ((a.q, b.q), (a.tau, b.tau))
+        if alike and all(x is y or (x is not None and y is not None and np.array_equal(x, y)) for x, y in pairs):
+            name = f"recording {a.source.name}" if a.source else "the same recording"
+            raise ExoidError(f"{name} is in {one.name} and in {other.name}", remedy="put it into one of them")

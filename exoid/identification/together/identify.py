@@ -11,8 +11,9 @@ from exoid.identification.estimate import Estimate
 from exoid.identification.estimators import Estimator, Fit, find_estimator, gls, huber, name_of, ols, wls
 from exoid.identification.identify import check_noise, check_terms, choose_preparation
 from exoid.identification.problem import Problem
-from exoid.identification.rows import join, refuse_dead_torques, refuse_empty_joints
+from exoid.identification.rows import join, refuse_empty_joints
 from exoid.identification.stacked import Stacked
+from exoid.identification.survey import refuse_dead_torques, survey
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel, free_shapes
@@ -82,16 +83,22 @@ def identify_together(
     if any(name in layout.names[: layout.shared] for name in members[0].leg.parameter_names):
         refuse_other_designs(members)
     assumed = Assumed(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
+    assumed.check_merged(models[members[0].name])
     spread = layout.spread(assumed)
     local = [layout.assumed_by(k, spread) for k in range(len(members))]
-    refuse_still_groups(members, list(models.values()), layout.names[: layout.shared], [a.names for a in local])
+    surveys, listen = {}, preparation is None and cutoff is None
+    for group, model in zip(members, models.values(), strict=True):
+        with within(group.name):
+            surveys[group.name] = [survey(model, data, listen=listen) for data in group.data]
+    refuse_still_groups(surveys, list(models.values()), layout.names[: layout.shared], [a.names for a in local])
     problems = []
     for group, model, of_group in zip(members, models.values(), local, strict=True):
         with within(group.name):
-            way = choose_preparation(model, group.data, preparation, cutoff)
-            refuse_dead_torques(model, group.data)
-            problem = Problem(model, group.data, way, assumed=Assumed(of_group.known))  # for the group alone
+            way = choose_preparation(surveys[group.name], preparation, cutoff)
+            refuse_dead_torques(model, surveys[group.name])
+            problem = Problem(model, group.data, way, assumed=Assumed(of_group.known), room=1.0 / len(members))
             refuse_empty_joints(model, [join(triangles) for triangles in zip(*problem.groups, strict=True)])
+            problem.forget()
         problems.append(problem)
     return _solve(JointProblem(tuple(problems), layout, spread), chosen, name_of(chosen), white=noise == "white")
 
@@ -129,9 +136,9 @@ def _of_groups(estimates: Mapping[str, Estimate], common: int) -> tuple[str, ...
 
 def _merged(problem: JointProblem) -> tuple[str, ...]:
     """Say what is part of other parameters, and therefore shared if these are."""
-    own = problem.layout.own
+    apart = set(problem.names if len(problem.problems) < 2 else problem.layout.own)
     return tuple(
-        f"{merged}" + ("" if set(merged.into) <= set(own) else ", and so the same in all groups")
+        f"{merged}" + ("" if set(merged.into) <= apart else ", and so the same in all groups")
         for merged in problem.problems[0].model.merged
     )
 

@@ -11,10 +11,10 @@ from exoid._typing import FloatArray
 from exoid.identification.diagnostics import JointNoise, judge_noise, judge_sizes, negative
 from exoid.identification.estimate import Estimate, Input
 from exoid.identification.estimators import Fit
-from exoid.identification.identify import evidence
 from exoid.identification.influence import Influence, leave_out
 from exoid.identification.residuals import Noises, Point, sandwich
 from exoid.identification.rows import Triangle, join, rms_residual
+from exoid.identification.survey import evidence
 from exoid.identification.trends import Trend, remarks, residual_trends
 
 from .problem import JointProblem
@@ -70,7 +70,7 @@ class Outcome:
     @cached_property
     def inputs(self) -> tuple[Input, ...]:
         """All recordings: the errors of every group come from all of them."""
-        return tuple(evidence(data) for problem in self.problem.problems for data in problem.data)
+        return tuple(evidence(data) for problem in self.problem.problems for data in problem.here)
 
     @cached_property
     def influence(self) -> Influence | None:
