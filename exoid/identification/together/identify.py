@@ -111,13 +111,14 @@ def _solve(problem: JointProblem, estimator: Callable[[Stacked], Fit], name: str
     agreement = shared_agreement(problem, estimator, samples, white=white)
     dofs = degrees_of_freedom(problem, fit.solution, fit.weights, samples)
     doubts = (*fit.remarks, *agreement.warnings)
-    estimates = {group: outcome.estimate(k, dofs, doubts) for k, group in enumerate(groups)}
+    dof_each = outcome.dofs(dofs)
+    estimates = {group: outcome.estimate(k, dofs, dof_each, doubts) for k, group in enumerate(groups)}
     return Together(
         estimates=estimates,
         layout=layout,
         values=fit.solution.values,
         covariance=covariance,
-        dofs=dofs,
+        dofs=dof_each,
         sizes=judge_sizes(problem.triangles),
         condition_number=fit.solution.condition_number,
         assumed=problem.assumed,

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.identification.degrees_of_freedom import degrees_of_freedom
 from exoid.identification.diagnostics import JointNoise, judge_noise, judge_sizes, negative
 from exoid.identification.estimate import Estimate, Input
 from exoid.identification.estimators import Fit
@@ -78,13 +79,23 @@ class Outcome:
         if len(self.inputs) < 2:
             return None
         each = self.problem.recordings(self.fit.weights)
-        whole = self.problem.solve(join(each)).values
+        whole = self.problem.solve(join(each))
         names, std = [source.name for source in self.inputs], np.sqrt(np.diag(self.covariance))
 
         def without(index: int, others: Triangle) -> FloatArray:
-            return self.problem.without(index, others, whole)
+            return self.problem.without(index, others, whole.values)
 
-        return leave_out(each, names, without, whole, self.fit.solution.inverse, std)
+        return leave_out(each, names, without, whole, std)
+
+    def dofs(self, most: FloatArray) -> FloatArray:
+        """Degrees of freedom of the variance of each parameter, at most so many, (P,)."""
+        found = self.fit.dofs
+        if self.white:
+            return most
+        if found is None:
+            solution = self.fit.solution._replace(covariance=self.covariance)
+            found = degrees_of_freedom(self.problem, self.fit.point, self.noises, solution, whitened=False)
+        return np.clip(found, 1.0, np.maximum(most, 1.0))
 
     def point(self, group: int) -> Point:
         """Where residuals of one group are to be looked at."""
@@ -99,12 +110,13 @@ class Outcome:
         alone, whitened = self.problem.problems[group], self.fit.noises is not None
         return residual_trends(alone, self.point(group), noises, solution, self.covariance[block], whitened=whitened)
 
-    def estimate(self, group: int, dofs: FloatArray, doubts: tuple[str, ...]) -> Estimate:
+    def estimate(self, group: int, dofs: FloatArray, dof_each: FloatArray, doubts: tuple[str, ...]) -> Estimate:
         """Make the estimate of one group, its covariance the group's block of the whole.
 
         Args:
             group: Its index.
             dofs: Degrees of freedom of all parameters; the smallest of the group's counts, (P,).
+            dof_each: Of their variances, (P,).
             doubts: Warnings that all groups have in common.
         """
         layout, solution = self.problem.layout, self.fit.solution
@@ -119,12 +131,14 @@ class Outcome:
             covariance=covariance,
             condition_number=condition_number(solution.inverse, places),
             dof=float(dofs[places].min()),
+            dof_each=np.minimum(dof_each[places], dofs[places].min()),
             residual_rms=np.array([rms_residual(joint, values) for joint in zip(*alone.groups, strict=True)]),
             estimator=self.fit.name or self.estimator,
             preparation=alone.preparation,
             inputs=self.inputs,
             noise=self.noise[group],
             sizes=judge_sizes(alone.triangles),
+            collinearity=solution.collinearity.indices[places],
             warnings=(*doubts, *own_doubts),
             assumed=layout.assumed_by(group, self.problem.assumed),
             bounded=tuple(names[name] for name in bounded if name in names),
