@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +13,8 @@ from exoid.torques import TorqueModel
 
 from .assumed import Assumed
 from .noise import LagSums
-from .problem import Problem
-from .residuals import Noises, Point, series
+from .problem import Kind, Problem
+from .residuals import Noises, Point, Series, over_recordings
 from .rows import Triangle
 
 WELL = 0.1
@@ -64,21 +64,15 @@ def judge_noise(problem: Problem, point: Point, noises: Noises) -> tuple[JointNo
     joints = len(problem.model.leg.joint_names)
     samples, effective, statistic, lags = np.zeros((4, joints))
     products = np.zeros((joints, 2))
-    running: dict[int, tuple[LagSums, LagSums]] = {}
-    for part in series(problem, point):
-        joint, count = part.joint, part.usable.sum()
-        samples[joint] += count
-        effective[joint] += count * noises[part.kind, joint].effective_share
-        if part.begins:
-            running[joint] = (LagSums(LAGS), LagSums(LAGS))
-        for lag_sums, x in zip(running[joint], (part.residual, part.usable), strict=True):
-            lag_sums.add(x)
-        sums, pairs = (lag_sums.sums for lag_sums in running[joint])
-        if part.ends and not part.kind.at_rest and pairs[0] > 2 * LAGS and sums[0] > 0.0:
-            correlations = sums[1:] / np.maximum(pairs[1:], 1.0) * pairs[0] / sums[0]
-            statistic[joint] += (pairs[1:] * correlations**2).sum()
-            lags[joint] += LAGS
-            products[joint] += sums[:2]
+    for found in over_recordings(problem, point, _autocorrelate):
+        for (kind, joint), (sums, pairs) in found.items():
+            samples[joint] += pairs[0]
+            effective[joint] += pairs[0] * noises[kind, joint].effective_share
+            if not kind.at_rest and pairs[0] > 2 * LAGS and sums[0] > 0.0:
+                correlations = sums[1:] / np.maximum(pairs[1:], 1.0) * pairs[0] / sums[0]
+                statistic[joint] += (pairs[1:] * correlations**2).sum()
+                lags[joint] += LAGS
+                products[joint] += sums[:2]
     return tuple(
         JointNoise(
             samples=int(samples[joint]),
@@ -89,6 +83,16 @@ def judge_noise(problem: Problem, point: Point, noises: Noises) -> tuple[JointNo
         )
         for joint in range(joints)
     )
+
+
+def _autocorrelate(parts: Iterator[Series]) -> dict[tuple[Kind, int], tuple[FloatArray, FloatArray]]:
+    """Sums over residuals, and pairs of usable samples, by lag, of each joint of one recording."""
+    running: dict[tuple[Kind, int], tuple[LagSums, LagSums]] = {}
+    for part in parts:
+        residuals, pairs = running.setdefault((part.kind, part.joint), (LagSums(LAGS), LagSums(LAGS)))
+        residuals.add(part.residual)
+        pairs.add(part.usable)
+    return {key: (residuals.sums, np.rint(pairs.sums)) for key, (residuals, pairs) in running.items()}
 
 
 def judge_sizes(triangles: Sequence[Triangle]) -> FloatArray:

@@ -17,6 +17,7 @@ from .assumed import NOTHING, Assumed
 from .estimators import Estimator, Fit
 from .problem import Problem
 from .shapes import Shapes
+from .sources import Cluster
 
 Keep = Callable[[int, FloatArray], NDArray[np.bool_]]
 """Which rows to use: recording index, times [s] → mask."""
@@ -37,7 +38,7 @@ class Task(NamedTuple):
 
     leg: Leg
     terms: tuple[Term, ...]
-    data: Sequence[Recording | Poses]
+    data: Sequence[Recording | Poses] | Cluster
     preparation: Preparation
     estimator: Estimator | str
     keep: Keep | None = None

@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from os import PathLike
 
 import numpy as np
 
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.signals import Poses, Preparation, Recording, ZeroPhase, choose_cutoff, preparation_by_name
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+from exoid.signals import Poses, Preparation, Recording, Recordings, ZeroPhase, preparation_by_name
+from exoid.signals.cutoff import cutoff_from
+from exoid.torques import DEFAULT_TERMS, Term
 
 from .assumed import Assumed, Prior
 from .diagnostics import judge_noise, judge_sizes, negative
-from .estimate import Estimate, Input
+from .estimate import Estimate
 from .estimators import Estimator, find_estimator, name_of
 from .fitting import Task, starting_model
 from .influence import influence
 from .residuals import sandwich
-from .rows import for_leg, refuse_dead_torques, refuse_still_joints, rms_residual
+from .rows import rms_residual
 from .separable import fit_model
+from .sources import Cluster, go_over
+from .survey import Survey, refuse_dead_torques, refuse_still_joints, survey
 from .trends import remarks, residual_trends
 
 NOISES = ("correlated", "white")
@@ -29,7 +32,7 @@ NOISES = ("correlated", "white")
 
 def identify(
     leg: Leg,
-    recordings: Recording | Poses | Iterable[Recording | Poses],
+    recordings: Recording | Poses | Iterable[Recording | Poses] | Cluster,
     terms: Sequence[Term] | None = None,
     estimator: str | Estimator = "wls",
     *,
@@ -48,7 +51,8 @@ def identify(
     Args:
         leg: The leg; its inertias do not enter, only its geometry.
         recordings: One recording or several of the same leg, with torques; also :class:`exoid.signals.Poses`. Velocity
-            and acceleration are derived where they are missing.
+            and acceleration are derived where they are missing. :class:`exoid.signals.Recordings` stay on disk, and a
+            :class:`Cluster` keeps them on its workers.
         terms: What acts on the joints besides rigid-body dynamics; None for Coulomb and viscous friction, rotor
             inertia and offset at every joint; () for nothing. Settings that are :class:`exoid.torques.Free` are found
             by separable least squares, and stand in ``shapes`` of the estimate.
@@ -78,16 +82,18 @@ def identify(
     Example:
         >>> est = identify(leg, Recording.from_csv("log.csv"))  # doctest: +SKIP
     """
-    recordings = check_recordings(recordings)
+    recordings = recordings if isinstance(recordings, Cluster) else check_recordings(recordings)
     estimate = find_estimator(estimator)
     check_noise(noise)
     terms = check_terms(terms)
     model = starting_model(leg, terms)
     assumed = Assumed(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
     assumed.check(model)
-    refuse_still_joints(model, recordings, assumed.names)
-    preparation = choose_preparation(model, recordings, preparation, cutoff)
-    refuse_dead_torques(model, recordings)
+    listen = preparation is None and cutoff is None
+    surveys = go_over(recordings, partial(survey, model, listen=listen))
+    refuse_still_joints(model, surveys, assumed.names)
+    preparation = choose_preparation(surveys, preparation, cutoff)
+    refuse_dead_torques(model, surveys)
     fitted = fit_model(Task(leg, terms, recordings, preparation, estimate, assumed=assumed))
     problem, fit = fitted.problem, fitted.fit
     solution, count = fit.solution, len(fitted.values)
@@ -101,7 +107,7 @@ def identify(
         covariance, dof = solution.covariance, solution.dof
     else:
         dof = max(1.0, independent - int(assumed.free(problem.names).sum()))
-    inputs = tuple(evidence(recording) for recording in recordings)
+    inputs = tuple(one.evidence for one in surveys)
     trends = residual_trends(problem, fit.point, noises, solution, covariance, whitened=fit.noises is not None)
     std = np.sqrt(np.diag(covariance))
     shapes = fitted.shapes.with_covariance(problem.names[count:], covariance[count:, count:])
@@ -133,24 +139,27 @@ def check_noise(noise: str) -> None:
         raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
 
 
-def choose_preparation(
-    model: TorqueModel, recordings: Sequence[Recording | Poses], given: Preparation | str | None, cutoff: float | None
-) -> Preparation:
+def choose_preparation(surveys: Sequence[Survey], given: Preparation | str | None, cutoff: float | None) -> Preparation:
     """Take the preparation that was given, or the parallel filter with a cut-off given or chosen from recordings."""
     if isinstance(given, str):
         return preparation_by_name(given)
     if given is not None:
         return given
-    return ZeroPhase(choose_cutoff(for_leg(model, data) for data in recordings) if cutoff is None else cutoff)
+    return ZeroPhase(cutoff_from([one.bends for one in surveys if one.bends]) if cutoff is None else cutoff)
 
 
-def check_recordings(given: Recording | Poses | Iterable[Recording | Poses]) -> list[Recording | Poses]:
-    """Check that there is at least one recording, and nothing else."""
+def check_recordings(given: Recording | Poses | Iterable[Recording | Poses]) -> Sequence[Recording | Poses]:
+    """Check that there is at least one recording, and nothing else; those on disk stay there."""
+    if isinstance(given, Recordings) and len(given):
+        return given
     several = [given] if isinstance(given, (Recording, Poses, str, PathLike)) else list(given)
-    wrong = [item for item in several if not isinstance(item, (Recording, Poses))]
+    wrong = [item for item in several if not isinstance(item, (Recording, Poses, Recordings))]
     if wrong or not several:
         what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"
         raise ExoidError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
+    if any(isinstance(item, Recordings) for item in several):
+        items = (item.items if isinstance(item, Recordings) else (item,) for item in several)
+        return Recordings(tuple(each for of_item in items for each in of_item))
     return several
 
 
@@ -163,16 +172,3 @@ def check_terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
     if wrong:
         raise ExoidError(f"{wrong[0]!r} is no term", remedy="pass terms such as (exoid.Coulomb(), exoid.Viscous())")
     return terms
-
-
-def evidence(data: Recording | Poses) -> Input:
-    """Describe a recording by its name, hash and size."""
-    rate = data.sample_rate if isinstance(data, Recording) else 0.0
-    if data.source is not None:
-        return Input(data.source.name, data.source.sha256, len(data), rate)
-    digest = hashlib.sha256()
-    for name in ("time", "q", "v", "a", "tau"):
-        array = getattr(data, name, None)
-        if array is not None:
-            digest.update(np.ascontiguousarray(array).data)
-    return Input("array", digest.hexdigest(), len(data), rate)

@@ -5,25 +5,31 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import NamedTuple
+from functools import cached_property, partial
+from operator import attrgetter
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.errors import ExoidError
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 
 from .assumed import NOTHING, Assumed
 from .least_squares import Solution, solve
 from .rows import Prepared, Rows, Triangle, chain, form_rows, join, make_triangles, prepare, thin, thinning
+from .rows_file import RowsFile
+from .sources import Cluster, at_rest
 
 KEPT_BYTES = 2**26
-"""Rows are kept between passes as long as together they stay below this, and made again otherwise."""
+"""Rows are kept between passes as long as together they stay below this, and made again otherwise,"""
 
-KINDS = (Recording, Poses)
-"""What rows come from; each kind has noise of its own."""
+WORTH_FILING = 4
+"""unless thinning leaves no more than one of so many: these go to a temporary file."""
+
+T = TypeVar("T")
 
 
 class Kind(NamedTuple):
@@ -66,7 +72,7 @@ class Problem:
 
     Attributes:
         model: What is to be identified.
-        data: Recordings and poses.
+        data: Recordings and poses, in memory, on disk, or on a cluster.
         preparation: How they become rows.
         assumed: What is known beside them.
         keep: Which rows to use, given the index of the recording and their times [s], (N,); None for all.
@@ -74,12 +80,13 @@ class Problem:
     """
 
     model: TorqueModel
-    data: Sequence[Recording | Poses]
+    data: Sequence[Recording | Poses] | Cluster
     preparation: Preparation
     keep: Callable[[int, FloatArray], NDArray[np.bool_]] | None = None
     assumed: Assumed = NOTHING
     room: float = 1.0
     _kept: dict[tuple[int, bool], list[Rows]] = field(default_factory=dict, init=False, repr=False)
+    _filed: dict[int, RowsFile] = field(default_factory=dict, init=False, repr=False)
     _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)
 
     @property
@@ -92,22 +99,31 @@ class Problem:
         bounds = self.model.nonnegative if self.assumed.nonnegative else None
         return solve(triangle, self.names, self.assumed, bounds)
 
+    @property
+    def here(self) -> Sequence[Recording | Poses]:
+        """Recordings and poses.
+
+        Raises:
+            ExoidError: They are on a cluster, which does not let them go.
+        """
+        if isinstance(self.data, Cluster):
+            raise ExoidError(
+                "recordings stay on the workers of the cluster, and this estimator wants them here",
+                remedy="use wls or ols, or pass Recordings on disk",
+            )
+        return self.data
+
     @cached_property
     def each(self) -> list[list[Triangle]]:
         """One triangle a joint for each recording."""
-        found: list[list[Triangle]] = []
-        for block in self.blocks():
-            new = make_triangles(block.rows)
-            if block.begins:
-                found.append(new)
-            else:
-                found[-1] = [join(pair) for pair in zip(found[-1], new, strict=True)]
-        return found
+        if isinstance(self.data, Cluster):
+            return self._pieces.map(attrgetter("triangles"))
+        return [_triangles(self._blocks_of(index, thinned=False)) for index in range(len(self.data))]
 
     @cached_property
     def groups(self) -> list[list[Triangle]]:
         """One triangle a joint over all recordings, and one over all poses, which have noise of their own."""
-        groups = ([t for d, t in zip(self.data, self.each, strict=True) if isinstance(d, kind)] for kind in KINDS)
+        groups = ([t for k, t in enumerate(self.each) if self.at_rest(k) is still] for still in (False, True))
         return [[join(of_joint) for of_joint in zip(*group, strict=True)] for group in groups if group]
 
     @property
@@ -130,20 +146,42 @@ class Problem:
 
     def at_rest(self, index: int) -> bool:
         """Say whether one of the recordings is poses."""
-        return isinstance(self.data[index], Poses)
+        return at_rest(self.data, index)
 
     def blocks(self, *, thinned: bool = False) -> Iterator[Block]:
         """Go over the rows, recording by recording, each in order of time.
 
         Args:
             thinned: Only as many as carry independent noise, see :func:`exoid.identification.rows.thin`.
+
+        Raises:
+            ExoidError: They are on a cluster, which does not let them go.
         """
-        for index, data in enumerate(self.data):
-            stretches = self._kept.get((index, thinned)) or self._make(index, thinned)
-            kind = None
-            for rows, begins, ends in _with_ends(stretches):
-                kind = kind or Kind(isinstance(data, Poses), _pace(rows.time))
-                yield Block(kind, rows, begins, ends)
+        for index in range(len(self.here)):
+            yield from self._blocks_of(index, thinned=thinned)
+
+    def gather(self, work: Callable[[Iterable[Block]], T]) -> Iterator[T]:
+        """Let work go over the thinned rows of each recording, wherever they are, and bring back what it finds."""
+        if isinstance(self.data, Cluster):
+            yield from self._pieces.map(partial(_on_blocks, work))
+            return
+        for index in range(len(self.data)):
+            yield work(self._blocks_of(index, thinned=True))
+
+    @cached_property
+    def _pieces(self) -> Cluster:
+        """Rows of each recording of a cluster, where they are."""
+        assert isinstance(self.data, Cluster)
+        return self.data.keep(partial(_make_piece, self.model, self.preparation))
+
+    def _blocks_of(self, index: int, *, thinned: bool) -> Iterator[Block]:
+        """Go over the rows of one recording."""
+        filed = self._filed.get(index) if thinned else None
+        stretches = filed or self._kept.get((index, thinned)) or self._make(index, thinned)
+        kind = None
+        for rows, begins, ends in _with_ends(stretches):
+            kind = kind or Kind(self.at_rest(index), _pace(rows.time))
+            yield Block(kind, rows, begins, ends)
 
     def forget(self) -> None:
         """Let go of the recording that was prepared last; rows that are kept stay."""
@@ -157,14 +195,18 @@ class Problem:
         room = self.room * KEPT_BYTES - sum(rows.W.nbytes for kept in self._kept.values() for rows in kept)
         keep_few = size / step <= room
         keep_whole = size * (1.0 + 1.0 / step) <= room
+        file = RowsFile() if not keep_few and step >= WORTH_FILING else None
         whole, few = [], []
         before = 0
         for stretch in prepared.stretches():
             rows = form_rows(self.model, prepared, stretch)
             fewer = thin(rows, before, count)
             before += len(stretch)
-            if keep_few and len(fewer.time):
-                few.append(fewer)
+            if len(fewer.time):
+                if keep_few:
+                    few.append(fewer)
+                elif file is not None:
+                    file.add(fewer)
             if keep_whole:
                 whole.append(rows)
             if not thinned:
@@ -175,16 +217,49 @@ class Problem:
             self._kept[index, True] = [chain(few)]
         if keep_whole:
             self._kept[index, False] = whole
+        if file is not None:
+            self._filed[index] = file
 
     def _prepare(self, index: int) -> Prepared:
         """Prepare a recording, and remember the last one."""
         if index not in self._prepared:
             self._prepared.clear()
-            prepared = prepare(self.model, self.data[index], self.preparation)
+            prepared = prepare(self.model, self.here[index], self.preparation)
             if self.keep is not None:
                 prepared = prepared._replace(usable=prepared.usable & self.keep(index, prepared.time)[:, None])
             self._prepared[index] = prepared
         return self._prepared[index]
+
+
+class Piece(NamedTuple):
+    """What is made of one recording on a worker, and stays there.
+
+    Attributes:
+        triangles: One a joint.
+        blocks: Thinned rows.
+    """
+
+    triangles: list[Triangle]
+    blocks: tuple[Block, ...]
+
+
+def _make_piece(model: TorqueModel, preparation: Preparation, data: Recording) -> Piece:
+    """Make the rows of one recording."""
+    alone = Problem(model, [data], preparation)
+    return Piece(alone.each[0], tuple(alone.blocks(thinned=True)))
+
+
+def _on_blocks(work: Callable[[Iterable[Block]], T], piece: Piece) -> T:
+    return work(piece.blocks)
+
+
+def _triangles(blocks: Iterable[Block]) -> list[Triangle]:
+    """Triangles of the rows of one recording, joint by joint."""
+    found: list[Triangle] = []
+    for block in blocks:
+        new = make_triangles(block.rows)
+        found = [join(pair) for pair in zip(found, new, strict=True)] if found else new
+    return found
 
 
 def _pace(time: FloatArray) -> int:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from exoid._typing import FloatArray
 
 from .least_squares import Solution
 from .noise import LARGEST_ORDER, AutoregressiveNoise, LagSums, QuadraticForm
-from .problem import Kind
+from .problem import Block, Kind
 from .stacked import Stacked
 
 PASSES = 5
@@ -70,14 +71,53 @@ Noises = Mapping[tuple[Kind, int], AutoregressiveNoise]
 """Noise of each kind and joint, in units of the weighted rows."""
 
 
+class Layout(NamedTuple):
+    """Where the rows of joints belong in a problem, without the rows.
+
+    Attributes:
+        columns: Parameters that can act on each joint.
+        weights: Place of the weight of a joint's rows in motion, and at rest, (joints, 2).
+    """
+
+    columns: Sequence[NDArray[np.intp]]
+    weights: NDArray[np.intp]
+
+    @staticmethod
+    def of(problem: Stacked) -> Layout:
+        """Ask a problem."""
+        kinds = (Kind(at_rest, 0) for at_rest in (False, True))
+        places = [[problem.weight_index(kind, joint) for joint in range(len(problem.columns))] for kind in kinds]
+        return Layout(problem.columns, np.transpose(places))
+
+
+T = TypeVar("T")
+
+
+def over_recordings(problem: Stacked, point: Point, work: Callable[[Iterator[Series]], T]) -> Iterator[T]:
+    """Let work go over the rows of each recording, joint by joint, thinned to the pace of independent noise.
+
+    The rows may be elsewhere, on a disk or on a cluster: what the work finds should be small.
+    """
+    yield from problem.gather(partial(_on_series, work, Layout.of(problem), point))
+
+
+def _on_series(work: Callable[[Iterator[Series]], T], layout: Layout, point: Point, blocks: Iterable[Block]) -> T:
+    return work(_series(blocks, layout, point))
+
+
 def series(problem: Stacked, point: Point) -> Iterator[Series]:
     """Go over all recordings and joints, in rows thinned to the pace of independent noise."""
-    for kind, rows, begins, ends, first in problem.blocks(thinned=True):
+    return _series(problem.blocks(thinned=True), Layout.of(problem), point)
+
+
+def _series(blocks: Iterable[Block], layout: Layout, point: Point) -> Iterator[Series]:
+    """Weigh rows joint by joint."""
+    for kind, rows, begins, ends, first in blocks:
         for own, acting in enumerate(rows.acting):
             joint = first + own
-            weight = point.weights[problem.weight_index(kind, joint)]
+            weight = point.weights[layout.weights[joint, int(kind.at_rest)]]
             usable = rows.usable[:, own].astype(np.float64)
-            columns = problem.columns[joint]
+            columns = layout.columns[joint]
             X = weight * rows.W[:, own].T[acting] * usable
             residual = weight * rows.tau[:, own] * usable - point.values[columns] @ X
             residual = np.clip(residual, -point.clip, point.clip)
@@ -103,10 +143,19 @@ def fit_noise(problem: Stacked, point: Point, covariance: FloatArray) -> dict[tu
     γ̂_k falls short by (1/N) Σ_t x_t C x_{t+k}ᵀ with C the covariance of the estimate, which is put back (as restricted
     maximum likelihood does). Samples left out do not count.
     """
+    roots = [_root(covariance[np.ix_(columns, columns)]).T for columns in problem.columns]
+    sums: dict[tuple[Kind, int], FloatArray] = {}
+    for found in over_recordings(problem, point, partial(_lag_sums, roots)):
+        for key, of_joint in found.items():
+            sums[key] = sums.get(key, 0.0) + of_joint
+    return {key: _model(*found) for key, found in sums.items()}
+
+
+def _lag_sums(roots: Sequence[FloatArray], parts: Iterator[Series]) -> dict[tuple[Kind, int], FloatArray]:
+    """Sums of products of residuals and what the fit has taken, and of pairs of usable samples, by lag, (2, K + 1)."""
     sums: dict[tuple[Kind, int], FloatArray] = {}
     running: dict[int, tuple[LagSums, LagSums]] = {}
-    roots = [_root(covariance[np.ix_(columns, columns)]).T for columns in problem.columns]
-    for part in series(problem, point):
+    for part in parts:
         if part.begins:
             running[part.joint] = (LagSums(LARGEST_ORDER), LagSums(LARGEST_ORDER))
         products, pairs = running[part.joint]
@@ -115,9 +164,8 @@ def fit_noise(problem: Stacked, point: Point, covariance: FloatArray) -> dict[tu
         if part.ends:
             found = np.array([products.sums, np.rint(pairs.sums)])
             found[:, 1 + (0 if part.kind.at_rest else int(found[1, 0]) // 10) :] = 0.0
-            key = (part.kind, part.joint)
-            sums[key] = sums.get(key, 0.0) + found
-    return {key: _model(*found) for key, found in sums.items()}
+            sums[part.kind, part.joint] = found
+    return sums
 
 
 class Sandwich(NamedTuple):
@@ -146,17 +194,25 @@ def sandwich(problem: Stacked, point: Point, solution: Solution) -> Sandwich:
     for _ in range(PASSES):
         noises = fit_noise(problem, point, covariance)
         meat = solution.prior_noise.copy()
-        running: dict[int, QuadraticForm] = {}
-        for part in series(problem, point):
-            if part.begins:
-                running[part.joint] = QuadraticForm(noises[part.kind, part.joint], len(part.columns))
-            running[part.joint].add(part.X)
-            if part.ends:
-                meat[np.ix_(part.columns, part.columns)] += part.stands_for**2 * running[part.joint].total()
+        for found in over_recordings(problem, point, partial(_meat, noises, len(meat))):
+            meat += found
         before, covariance = covariance, inverse @ meat @ inverse
         if settled(before, covariance):
             break
     return Sandwich(0.5 * (covariance + covariance.T), noises)
+
+
+def _meat(noises: Noises, count: int, parts: Iterator[Series]) -> FloatArray:
+    """Wᵀ Γ W of one recording."""
+    meat = np.zeros((count, count))
+    running: dict[int, QuadraticForm] = {}
+    for part in parts:
+        if part.begins:
+            running[part.joint] = QuadraticForm(noises[part.kind, part.joint], len(part.columns))
+        running[part.joint].add(part.X)
+        if part.ends:
+            meat[np.ix_(part.columns, part.columns)] += part.stands_for**2 * running[part.joint].total()
+    return meat
 
 
 def settled(before: FloatArray, covariance: FloatArray) -> bool:

@@ -20,17 +20,8 @@ BLOCK = 16384
 REACHES = 8.0
 """or so many times the reach of the filter where that is more."""
 
-SMALLEST_MOTION = 2e-3
-"""A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""
-
 COLUMNS = 4
 """Columns that are factorised at once: of so few as a joint has, fastest."""
-
-MOST = 0.5
-"""Torque that has one and the same value in more than this part of the samples was not measured."""
-
-LOOKED_AT = 100_000
-"""Samples spread over a long recording that are looked at to find that value."""
 
 
 class Rows(NamedTuple):
@@ -136,7 +127,7 @@ def prepare(model: TorqueModel, data: Recording | Poses, preparation: Preparatio
     if recording.tau is None:
         raise ExoidError(
             "there is no torque in the recording",
-            where=_sources([recording]),
+            where=source_of(recording),
             remedy=f"record tau, in columns {', '.join('tau_' + n for n in recording.joint_names)}",
         )
     rate = recording.sample_rate
@@ -279,41 +270,9 @@ def for_leg(model: TorqueModel, recording: Measured) -> Measured:
     missing = [name for name in names if name not in recording.joint_names]
     raise ExoidError(
         f"the leg's {', '.join(missing)} not in the recording, which has {', '.join(recording.joint_names)}",
-        where=_sources([recording]),
+        where=source_of(recording),
         remedy="rename its columns, or map them: columns={'q_" + missing[0] + "': '<header>', ...}",
     )
-
-
-def refuse_dead_torques(model: TorqueModel, recordings: Sequence[Recording | Poses]) -> None:
-    """Refuse torques of a joint that never change, or stand still most of the time: a channel that was not connected.
-
-    A recording in which a joint swings freely throughout, beside others, is none.
-
-    Raises:
-        ExoidError: Names the joint and the value.
-    """
-    torques = [for_leg(model, recording).tau for recording in recordings]
-    for index, joint in enumerate(model.leg.joint_names):
-        columns = [tau[:, index] for tau in torques if tau is not None]
-        if not columns:
-            return  # preparing them says so, and which column is missing
-        value = columns[0][0]
-        if all((column == value).all() for column in columns):
-            raise ExoidError(
-                f"the torque of joint {joint} is {value + 0.0:.6g} N·m in every sample although the joint moves",
-                where=_sources(recordings),
-                remedy="connect its torque channel, or map the right column to tau_" + joint,
-            )
-        for recording, column in zip(recordings, columns, strict=False):
-            middle = np.median(column[:: 1 + len(column) // LOOKED_AT])
-            share = np.count_nonzero(column == middle) / len(column)
-            if MOST < share < 1.0:
-                raise ExoidError(
-                    f"the torque of joint {joint} is {middle + 0.0:.6g} N·m in {share:.0%} of the samples although "
-                    "the joint moves: these say nothing, or something wrong",
-                    where=_sources([recording]),
-                    remedy="use the part of the recording in which torque was measured, see Recording.between",
-                )
 
 
 def make_triangles(rows: Rows) -> list[Triangle]:
@@ -361,33 +320,6 @@ def join(triangles: Sequence[Triangle], weights: Sequence[float] | None = None) 
     return make_triangle(table, sum(t.rows for t in triangles), sum(t.samples for t in triangles))
 
 
-def refuse_still_joints(
-    model: TorqueModel, recordings: Sequence[Recording | Poses], assumed: Sequence[str] = ()
-) -> None:
-    """Refuse recordings in which a joint of the leg never moves, unless all of it is known beside them.
-
-    Args:
-        model: What is to be identified.
-        recordings: All recordings and poses.
-        assumed: Parameters that are known or have a prior.
-
-    Raises:
-        ExoidError: Names the joint, how little it moves, and how to lock it.
-    """
-    angles = [for_leg(model, recording).q for recording in recordings]
-    lowest, highest = np.min([q.min(axis=0) for q in angles], axis=0), np.max([q.max(axis=0) for q in angles], axis=0)
-    means, names = np.mean([q.mean(axis=0) for q in angles], axis=0), model.leg.joint_names
-    for joint, (name, span, mean) in enumerate(zip(names, highest - lowest, means, strict=True)):
-        own = model.own_parameters(joint)
-        if span < SMALLEST_MOTION and not (own and set(own) <= set(assumed)):
-            others = tuple(other for other in names if other != name)
-            raise ExoidError(
-                f"joint {name} stands still: its angle spans {span:.2g} rad, so nothing of it can be identified",
-                where=_sources(recordings),
-                remedy=f"move it, or lock it: Leg.from_urdf(..., joints={others}, locked={{{name!r}: {mean:.4g}}})",
-            )
-
-
 def refuse_empty_joints(model: TorqueModel, triangles: Sequence[Triangle]) -> None:
     """Refuse a fit in which the terms' dead bands left no sample of a joint.
 
@@ -402,5 +334,6 @@ def refuse_empty_joints(model: TorqueModel, triangles: Sequence[Triangle]) -> No
         )
 
 
-def _sources(recordings: Sequence[Recording | Poses]) -> str:
-    return ", ".join(recording.source.name for recording in recordings if recording.source)
+def source_of(data: Recording | Poses) -> str:
+    """Name of the file, for errors; "" for one made in memory."""
+    return data.source.name if data.source else ""

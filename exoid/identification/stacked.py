@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Protocol
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from .least_squares import Solution
 from .problem import Block, Kind
 from .rows import Triangle
+
+T = TypeVar("T")
 
 
 class Reduced(Protocol):
@@ -45,4 +47,8 @@ class Stacked(Reduced, Protocol):
 
     def blocks(self, *, thinned: bool = False) -> Iterator[Block]:
         """Go over the rows, recording by recording, each in order of time."""
+        ...
+
+    def gather(self, work: Callable[[Iterable[Block]], T]) -> Iterator[T]:
+        """Let work go over the thinned rows of each recording, wherever they are, and bring back what it finds."""
         ...

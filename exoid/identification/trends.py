@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Literal
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import partial
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -14,13 +15,16 @@ from exoid._typing import FloatArray
 from .least_squares import Solution
 from .noise import QuadraticForm
 from .problem import Problem
-from .residuals import Noises, Point, Series, series
+from .residuals import Noises, Point, Series, over_recordings
 
 BINS = 10
 """Equally filled intervals of velocity or angle in which residuals are averaged."""
 
 ENOUGH = 10
 """Independent samples wanted in each on average."""
+
+QUANTILES = 1001
+"""Of a longer recording so many values of velocity and angle stand for all, to find the intervals."""
 
 SIGNIFICANT = 1e-3
 """A smaller probability is called a dependence,"""
@@ -85,24 +89,12 @@ def residual_trends(
         whitened: Whether rows were whitened.
     """
     edges = _edges(problem, point)
-    sums = {joint: _Sums.zero(2 * BINS, len(problem.columns[joint])) for joint in edges}
-    forms: dict[int, QuadraticForm] = {}
-    for part in series(problem, point):
-        if part.joint not in edges or part.kind.at_rest:
-            continue
-        D, found = _indicators(part, edges[part.joint]), sums[part.joint]
-        if part.begins:
-            forms[part.joint] = QuadraticForm(noises[part.kind, part.joint], len(D) + len(part.X))
-        forms[part.joint].add(np.vstack([D, part.X]))
-        found.residual += D @ part.residual
-        found.count += D.sum(axis=1)
-        found.columns += D @ part.X.T
-        if part.ends:
-            form = forms[part.joint].total()
-            found.noise += form[: len(D), : len(D)]
-            found.cross += part.stands_for * form[: len(D), len(D) :]
+    sums: dict[int, _Sums] = {}
+    for of_recording in over_recordings(problem, point, partial(_sum_up, edges, noises)):
+        for joint, found in of_recording.items():
+            sums[joint] = found.plus(sums[joint]) if joint in sums else found
     trends = []
-    for joint, found in sums.items():
+    for joint, found in sorted(sums.items()):
         own = np.ix_(problem.columns[joint], problem.columns[joint])
         G = found.columns
         both = 0.0 if whitened else found.cross @ solution.inverse[own] @ G.T
@@ -175,16 +167,80 @@ class _Sums:
         shapes = ((rows,), (rows,), (rows, columns), (rows, rows), (rows, columns))
         return cls(*(np.zeros(shape) for shape in shapes))
 
+    def plus(self, other: _Sums) -> _Sums:
+        return _Sums(*(getattr(self, field.name) + getattr(other, field.name) for field in fields(self)))
+
+
+def _sum_up(edges: Mapping[int, FloatArray], noises: Noises, parts: Iterator[Series]) -> dict[int, _Sums]:
+    """Sum over the intervals, joint by joint, what one recording in motion has there."""
+    sums: dict[int, _Sums] = {}
+    forms: dict[int, QuadraticForm] = {}
+    for part in parts:
+        if part.joint not in edges or part.kind.at_rest:
+            continue
+        D = _indicators(part, edges[part.joint])
+        if part.begins:
+            forms[part.joint] = QuadraticForm(noises[part.kind, part.joint], len(D) + len(part.X))
+            sums[part.joint] = _Sums.zero(len(D), len(part.X))
+        forms[part.joint].add(np.vstack([D, part.X]))
+        found = sums[part.joint]
+        found.residual += D @ part.residual
+        found.count += D.sum(axis=1)
+        found.columns += D @ part.X.T
+        if part.ends:
+            form = forms[part.joint].total()
+            found.noise += form[: len(D), : len(D)]
+            found.cross += part.stands_for * form[: len(D), len(D) :]
+    return sums
+
+
+class _Spread(NamedTuple):
+    """Velocities and angles of a joint in one recording, in ascending order, each for so many rows, (2, K)."""
+
+    values: FloatArray
+    stands_for: float
+
 
 def _edges(problem: Problem, point: Point) -> dict[int, FloatArray]:
     """Edges of the intervals of velocity and angle of each joint that has enough rows in motion, (2, B + 1)."""
+    seen: dict[int, list[_Spread]] = {}
+    for of_recording in over_recordings(problem, point, _spreads):
+        for joint, spread in of_recording.items():
+            seen.setdefault(joint, []).append(spread)
+    return {joint: _quantiles(spreads) for joint, spreads in seen.items() if _count(spreads) >= ENOUGH * BINS}
+
+
+def _spreads(parts: Iterator[Series]) -> dict[int, _Spread]:
+    """Sort the velocities and angles of the rows of one recording in motion, and keep at most so many."""
     seen: dict[int, list[FloatArray]] = {}
-    for part in series(problem, point):
+    for part in parts:
         if not part.kind.at_rest:
             seen.setdefault(part.joint, []).append(np.array([part.v, part.q])[:, part.usable > 0.0])
-    levels = np.linspace(0.0, 1.0, BINS + 1)
-    together = {joint: np.concatenate(parts, axis=1) for joint, parts in seen.items()}
-    return {j: np.quantile(x, levels, axis=1).T for j, x in together.items() if x.shape[1] >= ENOUGH * BINS}
+    spreads = {}
+    for joint, several in seen.items():
+        values = np.sort(np.concatenate(several, axis=1), axis=1)
+        count = values.shape[1]
+        if count > QUANTILES:
+            values = values[:, np.linspace(0, count - 1, QUANTILES).round().astype(np.intp)]
+        spreads[joint] = _Spread(values, count / max(values.shape[1], 1))
+    return spreads
+
+
+def _count(spreads: Sequence[_Spread]) -> float:
+    return float(sum(spread.values.shape[1] * spread.stands_for for spread in spreads))
+
+
+def _quantiles(spreads: Sequence[_Spread]) -> FloatArray:
+    """Values that so many parts of all rows are below, (2, B + 1)."""
+    values = np.concatenate([spread.values for spread in spreads], axis=1)
+    weights = np.concatenate([np.full(spread.values.shape[1], spread.stands_for) for spread in spreads])
+    edges = []
+    for of_one in values:
+        order = np.argsort(of_one, kind="stable")
+        share = np.cumsum(weights[order]) - 0.5 * weights[order]
+        share = (share - share[0]) / (share[-1] - share[0])
+        edges.append(np.interp(np.linspace(0.0, 1.0, BINS + 1), share, of_one[order]))
+    return np.array(edges)
 
 
 def _indicators(part: Series, edges: FloatArray) -> FloatArray:

@@ -15,6 +15,7 @@ from .preparation import (
     preparation_by_name,
 )
 from .recording import Recording
+from .recordings import Recordings
 from .source import Source
 
 __all__ = [
@@ -27,6 +28,7 @@ __all__ = [
     "Poses",
     "Preparation",
     "Recording",
+    "Recordings",
     "Smoothed",
     "Source",
     "ZeroPhase",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -34,15 +34,19 @@ KEPT = 0.5
 
 
 class Bends(NamedTuple):
-    """Sums of squared accelerations up to each of the cut-offs, in the same unit, (71, n) each.
+    """Sums of squared accelerations in a recording, up to each of the cut-offs, in the same unit, (71, n) each.
 
     Attributes:
         noise: Of the noise of the angles.
         total: Of the angles as they were recorded.
+        samples: Of the recording.
+        rate: [Hz].
     """
 
     noise: FloatArray
     total: FloatArray
+    samples: int
+    rate: float
 
 
 def choose_cutoff(recordings: Iterable[Recording | Poses]) -> float:
@@ -62,26 +66,38 @@ def choose_cutoff(recordings: Iterable[Recording | Poses]) -> float:
         recordings: From which to identify, all of the same joints; poses, and recordings that contain accelerations, do
             not count.
     """
-    derived = [data.resampled() for data in recordings if isinstance(data, Recording) and data.a is None]
-    if not derived:
+    return cutoff_from([found for found in map(bends_of, recordings) if found is not None])
+
+
+def bends_of(recording: Recording | Poses) -> Bends | None:
+    """Compare noise and signal in a recording; None where its acceleration is not derived from angles.
+
+    Raises:
+        ExoidError: Time has a gap.
+    """
+    if isinstance(recording, Poses) or recording.a is not None:
+        return None
+    even = recording.resampled()
+    pieces = [_sums(piece, even.sample_rate) for piece in np.array_split(even.q, -(-len(even) // PIECE))]
+    noise, total = (np.sum(sums, axis=0) for sums in zip(*pieces, strict=True))
+    return Bends(noise, total, len(even), even.sample_rate)
+
+
+def cutoff_from(bends: Sequence[Bends]) -> float:
+    """Choose the cut-off [Hz] by what was found in each recording, see :func:`choose_cutoff`."""
+    if not bends:
         return float(CUTOFFS[-1])
-    bends = [_bends(piece, recording.sample_rate) for recording in derived for piece in _pieces(recording.q)]
-    noise, total = (np.sum(arrays, axis=0) for arrays in zip(*bends, strict=True))
+    noise, total = np.sum([each.noise for each in bends], axis=0), np.sum([each.total for each in bends], axis=0)
     share = noise / np.maximum(total, np.finfo(float).tiny)
     allowed = share <= NOISE_SHARE**2
     last = len(CUTOFFS) - 1 - np.argmax(allowed[::-1], axis=0)
     lowest = int(np.where(allowed.any(axis=0), last, np.argmin(share, axis=0)).min())
-    long_enough = (cutoff for cutoff in CUTOFFS[lowest:] if all(_is_long(data, cutoff) for data in derived))
+    long_enough = (cutoff for cutoff in CUTOFFS[lowest:] if all(_is_long(each, cutoff) for each in bends))
     return float(next(long_enough, CUTOFFS[-1]))
 
 
-def _pieces(q: FloatArray) -> list[FloatArray]:
-    """Cut a long recording into equal pieces."""
-    return np.array_split(q, -(-len(q) // PIECE))
-
-
-def _bends(q: FloatArray, rate: float) -> Bends:
-    """Compare noise and signal in a piece of a recording, (N, n)."""
+def _sums(q: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
+    """Sums of noise and of signal in a piece of a recording, (N, n)."""
     samples = len(q)
     window = np.hanning(samples)
     t = np.linspace(-1.0, 1.0, samples)
@@ -93,10 +109,9 @@ def _bends(q: FloatArray, rate: float) -> Bends:
     below = np.searchsorted(frequency, CUTOFFS, side="right") - 1
     slow = slice(0, below[-1] + 1)
     bend = (2.0 * np.pi * frequency[slow, None]) ** 4
-    return Bends(np.cumsum(bend, axis=0)[below] * noise, np.cumsum(bend * power[slow], axis=0)[below])
+    return np.cumsum(bend, axis=0)[below] * noise, np.cumsum(bend * power[slow], axis=0)[below]
 
 
-def _is_long(recording: Recording, cutoff: float) -> bool:
-    rate = recording.sample_rate
-    spoiled = 2 * ZeroPhase(cutoff).edge(rate) if cutoff < 0.4 * rate else len(recording)
-    return spoiled <= (1.0 - KEPT) * len(recording)
+def _is_long(bends: Bends, cutoff: float) -> bool:
+    spoiled = 2 * ZeroPhase(cutoff).edge(bends.rate) if cutoff < 0.4 * bends.rate else bends.samples
+    return spoiled <= (1.0 - KEPT) * bends.samples

@@ -16,7 +16,7 @@ from .wls import wls
 
 def default_preparation(problem: Problem) -> ZeroPhase:
     """How recordings are prepared by default."""
-    return ZeroPhase(choose_cutoff([for_leg(problem.model, data) for data in problem.data]))
+    return ZeroPhase(choose_cutoff([for_leg(problem.model, data) for data in problem.here]))
 
 
 def default_start(problem: Problem) -> FloatArray:

@@ -92,7 +92,7 @@ def _instruments(problem: Problem, loop: ClosedLoop, values: FloatArray) -> Prob
     """The same problem from simulated recordings; poses, whose angles are exact, are their own instruments."""
     data = [
         simulated_recording(problem.model, loop, values, item) if isinstance(item, Recording) else item
-        for item in problem.data
+        for item in problem.here
     ]
     return replace(problem, data=data)
 

@@ -83,9 +83,9 @@ class JointML:
         first = wls(problem)
         model = smooth(problem.model)
         preparation = default_preparation(problem)
-        recordings = [data for data in problem.data if isinstance(data, Recording)]
+        recordings = [data for data in problem.here if isinstance(data, Recording)]
         moving = [_moving(problem.model, data, preparation) for data in recordings]
-        still = [_still(problem, data) for data in problem.data if isinstance(data, Poses)]
+        still = [_still(problem, data) for data in problem.here if isinstance(data, Poses)]
         fit = partial(
             fit_motion, model, still=still, solve=problem.solve, priors=problem.assumed.pseudo_rows(problem.names)
         )

@@ -154,7 +154,7 @@ class _Matching(NamedTuple):
         beside = values[:, None] + np.column_stack([np.zeros(len(values)), np.diag(change)])
         series: list[_Series] = []
         n = len(model.leg.joint_names)
-        for data in self.problem.data:
+        for data in self.problem.here:
             if isinstance(data, Poses):
                 rows = make_rows(model, data, self.problem.preparation)
                 residual = rows.tau - rows.W @ values

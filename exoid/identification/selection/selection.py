@@ -15,8 +15,8 @@ from exoid.identification.estimate import Estimate
 from exoid.identification.estimate_file import preparation_to_json
 from exoid.identification.fitting import Start, Task
 from exoid.identification.identify import identify
-from exoid.identification.rows import refuse_dead_torques, refuse_still_joints
 from exoid.identification.separable import fit_model
+from exoid.identification.survey import refuse_dead_torques, refuse_still_joints, survey
 from exoid.identification.validation import Validation, validate
 from exoid.leg import Leg
 from exoid.signals import Recording
@@ -175,8 +175,10 @@ def select_terms(
         )
     if not all(isinstance(recording, Recording) for recording in several):
         raise ExoidError("poses cannot be cut into stretches of time", remedy="pass recordings only")
-    refuse_still_joints(TorqueModel(leg, ()), several)
-    refuse_dead_torques(TorqueModel(leg, ()), several)
+    model = TorqueModel(leg, ())
+    surveys = [survey(model, recording, listen=False) for recording in several]
+    refuse_still_joints(model, surveys)
+    refuse_dead_torques(model, surveys)
     bench = _Bench(leg, several, folds, cutoff)
     scores = bench.scores(candidates, _part(progress, 0.0, 0.6 if tune else 1.0))
     chosen = _choose(scores)

@@ -7,18 +7,27 @@ from collections.abc import Callable, Mapping, Sequence
 from exoid.errors import ExoidError
 from exoid.identification.assumed import Assumed, Prior
 from exoid.identification.diagnostics import judge_sizes
-from exoid.identification.estimate import Estimate
+from exoid.identification.estimate import Estimate, Input
 from exoid.identification.estimators import Estimator, Fit, find_estimator, gls, huber, name_of, ols, wls
 from exoid.identification.identify import check_noise, check_terms, choose_preparation
 from exoid.identification.problem import Problem
-from exoid.identification.rows import join, refuse_dead_torques, refuse_empty_joints
+from exoid.identification.rows import join, refuse_empty_joints
 from exoid.identification.stacked import Stacked
+from exoid.identification.survey import refuse_dead_torques, survey
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel, free_shapes
 
 from .agreement import own_equality, shared_agreement
-from .groups import Group, Recordings, make_groups, refuse_other_designs, refuse_still_groups, within
+from .groups import (
+    Group,
+    Recordings,
+    make_groups,
+    refuse_other_designs,
+    refuse_same_recordings,
+    refuse_still_groups,
+    within,
+)
 from .layout import Layout
 from .outcome import Outcome
 from .problem import JointProblem
@@ -85,23 +94,31 @@ def identify_together(
     assumed.check_merged(models[members[0].name])
     spread = layout.spread(assumed)
     local = [layout.assumed_by(k, spread) for k in range(len(members))]
-    refuse_still_groups(members, list(models.values()), layout.names[: layout.shared], [a.names for a in local])
+    surveys, listen = {}, preparation is None and cutoff is None
+    for group, model in zip(members, models.values(), strict=True):
+        with within(group.name):
+            surveys[group.name] = [survey(model, data, listen=listen) for data in group.data]
+    refuse_same_recordings(surveys)
+    refuse_still_groups(surveys, list(models.values()), layout.names[: layout.shared], [a.names for a in local])
     problems = []
     for group, model, of_group in zip(members, models.values(), local, strict=True):
         with within(group.name):
-            way = choose_preparation(model, group.data, preparation, cutoff)
-            refuse_dead_torques(model, group.data)
+            way = choose_preparation(surveys[group.name], preparation, cutoff)
+            refuse_dead_torques(model, surveys[group.name])
             problem = Problem(model, group.data, way, assumed=Assumed(of_group.known), room=1.0 / len(members))
             refuse_empty_joints(model, [join(triangles) for triangles in zip(*problem.groups, strict=True)])
             problem.forget()
         problems.append(problem)
-    return _solve(JointProblem(tuple(problems), layout, spread), chosen, name_of(chosen), white=noise == "white")
+    inputs = tuple(one.evidence for of_group in surveys.values() for one in of_group)
+    return _solve(JointProblem(tuple(problems), layout, spread), inputs, chosen, white=noise == "white")
 
 
-def _solve(problem: JointProblem, estimator: Callable[[Stacked], Fit], name: str, *, white: bool) -> Together:
+def _solve(
+    problem: JointProblem, inputs: tuple[Input, ...], estimator: Callable[[Stacked], Fit], *, white: bool
+) -> Together:
     """Fit, and look at what is left over, group by group."""
     layout, groups = problem.layout, problem.layout.groups
-    outcome = Outcome.of(problem, estimator(problem), name, white=white)
+    outcome = Outcome.of(problem, inputs, estimator(problem), name_of(estimator), white=white)
     fit, covariance, samples = outcome.fit, outcome.covariance, outcome.samples
     agreement = shared_agreement(problem, estimator, samples, white=white)
     dofs = degrees_of_freedom(problem, fit.solution, fit.weights, samples)

@@ -11,7 +11,6 @@ from exoid._typing import FloatArray
 from exoid.identification.diagnostics import JointNoise, judge_noise, judge_sizes, negative
 from exoid.identification.estimate import Estimate, Input
 from exoid.identification.estimators import Fit
-from exoid.identification.identify import evidence
 from exoid.identification.influence import Influence, leave_out
 from exoid.identification.residuals import Noises, Point, sandwich
 from exoid.identification.rows import Triangle, join, rms_residual
@@ -27,6 +26,7 @@ class Outcome:
 
     Attributes:
         problem: The problem.
+        inputs: All recordings: the errors of every group come from all of them.
         fit: Its solution.
         estimator: Name of the estimator.
         covariance: Of all parameters, (P, P).
@@ -35,6 +35,7 @@ class Outcome:
     """
 
     problem: JointProblem
+    inputs: tuple[Input, ...]
     fit: Fit
     estimator: str
     covariance: FloatArray
@@ -42,13 +43,13 @@ class Outcome:
     white: bool
 
     @staticmethod
-    def of(problem: JointProblem, fit: Fit, estimator: str, *, white: bool) -> Outcome:
+    def of(problem: JointProblem, inputs: tuple[Input, ...], fit: Fit, estimator: str, *, white: bool) -> Outcome:
         """Find noise and covariance of a fit."""
         covariance, noises = fit.solution.covariance, fit.noises
         if noises is None:
             found = sandwich(problem, fit.point, fit.solution)
             covariance, noises = covariance if white else found.covariance, found.noises
-        return Outcome(problem, fit, estimator, covariance, noises, white)
+        return Outcome(problem, inputs, fit, estimator, covariance, noises, white)
 
     @cached_property
     def noise(self) -> list[tuple[JointNoise, ...]]:
@@ -66,11 +67,6 @@ class Outcome:
             total = self.fit.solution.dof + np.count_nonzero(self.problem.assumed.free(self.problem.names))
             return list(counts * total / counts.sum())
         return [sum(joint.effective_samples for joint in joints) for joints in self.noise]
-
-    @cached_property
-    def inputs(self) -> tuple[Input, ...]:
-        """All recordings: the errors of every group come from all of them."""
-        return tuple(evidence(data) for problem in self.problem.problems for data in problem.data)
 
     @cached_property
     def influence(self) -> Influence | None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,8 @@ from exoid.identification.residuals import Noises
 from exoid.identification.rows import Triangle, join
 
 from .layout import Layout
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +78,12 @@ class JointProblem:
                 yield block._replace(first=int(first))
             problem.forget()  # or memory would hold the kinematics of a recording of each group
 
+    def gather(self, work: Callable[[Iterable[Block]], T]) -> Iterator[T]:
+        """Let work go over the thinned rows of each recording, group by group, and bring back what it finds."""
+        for first, problem in zip(self._joints, self.problems, strict=False):
+            yield from problem.gather(partial(_work_from, work, int(first)))
+            problem.forget()
+
     def widened(self, triangle: Triangle, group: int) -> Triangle:
         """Put the columns of a triangle of one group where its parameters stand."""
         count = len(self.names)
@@ -112,7 +121,7 @@ class JointProblem:
         Returns:
             Values, infinite for what was lost.
         """
-        group = [g for g, problem in enumerate(self.problems) for _ in problem.data][index]
+        group = [g for g, problem in enumerate(self.problems) for _ in problem.each][index]
         if len(self.problems[group].data) > 1:
             return self.solve(others).values
         places = [self.layout.place(name, group) for name in self.layout.own]
@@ -134,3 +143,8 @@ class JointProblem:
     def _triangles(self) -> NDArray[np.intp]:
         """First triangle of each group, and how many there are in all."""
         return np.cumsum([0, *(len(problem.triangles) for problem in self.problems)])
+
+
+def _work_from(work: Callable[[Iterable[Block]], T], first: int, blocks: Iterable[Block]) -> T:
+    """Count joints from that one on."""
+    return work(block._replace(first=first) for block in blocks)
