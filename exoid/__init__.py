@@ -7,7 +7,7 @@ from .catalog import load_leg
 from .errors import ExoidError
 from .identification import Comparison, Estimate, Validation, compare, identify, identify_together, validate
 from .leg import Leg
-from .signals import Recording
+from .signals import Recording, Recordings
 from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
 from .torso import TorsoMotion
 
@@ -25,6 +25,7 @@ __all__ = [
     "Leg",
     "Offset",
     "Recording",
+    "Recordings",
     "Stiffness",
     "TorsoMotion",
     "Validation",

@@ -10,7 +10,7 @@ uv venv --quiet --python "${PYTHON:-3.10}" "$folder/venv"
 VIRTUAL_ENV="$folder/venv" uv pip install --quiet --resolution lowest-direct '.[test]'
 export PATH="$folder/venv/bin:$PATH" PYTHONPYCACHEPREFIX="$folder/pyc" OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 unset PYTHONPATH PYTHONHOME
-cd "$folder" && cp -r "$OLDPWD"/{tests,pyproject.toml} . # against the wheel that was installed
+cd "$folder" && cp -r "$OLDPWD"/{tests,scripts,pyproject.toml} . # against the wheel that was installed
 if [[ $# -eq 0 ]]; then
     set -- tests/torques tests/signals tests/cli tests/identification tests/test_leg.py tests/test_description.py tests/test_exported.py
 fi

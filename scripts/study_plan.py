@@ -23,7 +23,7 @@ import time
 import numpy as np
 
 import exoid
-from exoid.experiments import Bench, Harmonics, bleex, cuhk, run_motion
+from exoid.experiments import Bench, Harmonics, bleex, cuhk, run_motion, stiff_servo
 from exoid.experiments.excitation import (
     MotionLimits,
     Plan,
@@ -33,7 +33,7 @@ from exoid.experiments.excitation import (
     plan_excitation,
     predict,
 )
-from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
+from exoid.rig import IdealTorque, Plant, Rates, Sensors
 from exoid.signals import Poses
 
 NOISE = {"bleex": (0.3, 0.2, 0.1), "cuhk": (0.3, 0.3)}
@@ -105,7 +105,7 @@ def measure(name: str, plan: Plan, replicates: int) -> None:
     """Let rigs carry the plan out, identify each, and compare the scatter with the prediction."""
     leg, rng = plan.model.leg, np.random.default_rng(1)
     bench = Bench(
-        ProportionalDerivative(2000.0, 100.0),
+        stiff_servo(Plant.build(leg, TRUTH[name])),
         IdealTorque(),
         Sensors(encoder_counts=2.0**16, torque_noise=NOISE[name]),
         Rates(control=500.0, log=RATE, step=1e-3),

@@ -35,3 +35,9 @@ def test_the_page_runs_from_top_to_bottom(page, tmp_path, monkeypatch, capsys):
     shown = [" ".join(block.split()) for language, block in blocks if language == "text"]
     assert all(block in printed for block in shown)
     assert {"python", "bash"} <= {language for language, _ in blocks}
+
+
+def test_the_page_of_benchmarks_names_every_benchmark_and_no_other():
+    page = (DOCS.parent / "BENCHMARKS.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"tests/benchmarks/test_\w+\.py", page))
+    assert named == {f"tests/benchmarks/{path.name}" for path in (DOCS.parent / "tests/benchmarks").glob("test_*.py")}

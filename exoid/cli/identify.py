@@ -15,6 +15,7 @@ from exoid.files import refuse_unwritable
 from exoid.signals import Recording
 from exoid.torques import TERMS
 
+from .far_logs import all_at_once, at_hand, each_log, is_folder_of_logs, logs_on_disk
 from .inputs import (
     AsJson,
     Column,
@@ -37,7 +38,10 @@ from .together import Settings, Together, log_names
 
 def identify(
     leg: Annotated[str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset's name, or a URDF file.")],
-    logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="Logs of any kind, or a dataset's name:train.")],
+    logs: Annotated[
+        list[str],
+        typer.Argument(metavar="LOG...", help="Logs of any kind, folders of them, or a dataset's name:train."),
+    ],
     output: Annotated[
         str | None, typer.Option("--output", "-o", metavar="EST.JSON", help="Write the estimate.")
     ] = None,
@@ -75,6 +79,10 @@ def identify(
     test: Annotated[
         list[str] | None, typer.Option(metavar="LOG", help="Predict a log that is not fitted. Repeatable.")
     ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="TCP://HOST:PORT", help="Let a Dask cluster read the logs, on a disk its workers see."),
+    ] = None,
     report: Report = None,
     column: Column = None,
     degrees: Degrees = False,
@@ -88,8 +96,11 @@ def identify(
     if report is not None:
         refuse_unwritable(report)
     options = LogOptions(column, degrees, start, stop, topic, received)
-    together = None if own is None else _together(logs, own, output, test, report)
-    recordings, held_out = read_logs(logs, options), read_logs(test or [], options)
+    far = scheduler is not None or (own is None and any(map(is_folder_of_logs, logs)))
+    logs = each_log(logs)
+    together = None if own is None else _together(logs, own, output, test, report, scheduler)
+    recordings = logs_on_disk(logs, options) if far else read_logs(logs, options)
+    held_out = read_logs(test or [], options)
     find = partial(find_leg, leg, side, inertias, split_names(joints))
     settings = Settings(
         terms=parse_terms(terms),
@@ -102,14 +113,16 @@ def identify(
         nonnegative=nonnegative,
     )
     if together is not None:
-        typer.echo(together.identify(recordings, find, settings, as_json=as_json))
+        typer.echo(together.identify(all_at_once(recordings), find, settings, as_json=as_json))
         return
-    estimate = identification.identify(find(recordings[0].joint_names), recordings, **settings)
+    found = find(recordings[0].joint_names)
+    with at_hand(recordings, scheduler) as source:
+        estimate = identification.identify(found, source, **settings)
     predicted = [identification.validate(estimate, recording) for recording in held_out]
     if output is not None:
         estimate.save(output)
     if report is not None:
-        _report(estimate, recordings, held_out, report)
+        _report(estimate, all_at_once(recordings), held_out, report)
     if as_json:
         data = identification.estimate_to_json(estimate)
         del data["leg"]["urdf"]
@@ -120,9 +133,17 @@ def identify(
         typer.echo("\n\n".join(map(str, [estimate, *predicted])))
 
 
-def _together(logs: list[str], own: str, output: str | None, test: list[str] | None, report: str | None) -> Together:
+def _together(
+    logs: list[str],
+    own: str,
+    output: str | None,
+    test: list[str] | None,
+    report: str | None,
+    scheduler: str | None,
+) -> Together:
     """Prepare to identify logs each with parameters of its own."""
     refuse({"--test": test, "--report": report}, "with --own there is an estimate of each log")
+    refuse({"--scheduler": scheduler}, "logs with parameters of their own are read here")
     return Together.of(log_names(logs), split_names(own) or (), output)
 
 

@@ -67,7 +67,7 @@ def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] |
         options: How to read files.
         joints: Joints wanted; None for all in the file.
     """
-    return [_read_log(name, options, joints) for name in names]
+    return [read_log(name, options, joints) for name in names]
 
 
 def find_leg(
@@ -159,7 +159,8 @@ def parse_numbers(text: str | None, option: str) -> tuple[float, ...] | None:
         raise ExoidError(f"{option} {text}", remedy="write numbers, separated by commas, e.g. 0.3,0.2,0.1") from None
 
 
-def _read_log(name: str, options: LogOptions, joints: Sequence[str] | None) -> Recording:
+def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None) -> Recording:
+    """Read a log, or a part of a built-in dataset; arguments as for :func:`read_logs`."""
     dataset, _, part = name.partition(":")
     if dataset in DATASETS and part in ("train", "test") and not Path(name).exists():
         data = DATASETS[dataset]()

@@ -15,12 +15,20 @@ from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.torques import Term, TorqueModel
 
-from .inputs import AsJson, find_leg, parse_numbers, parse_terms, split_names
+from .inputs import AsJson, find_leg, parse_numbers, parse_terms, refuse, split_names
 
 if TYPE_CHECKING:
-    from exoid.study import Protocol
+    from exoid.experiments.excitation import Plan
+    from exoid.study import Course, Protocol
 
 PROTOCOLS = ("planned", "document")
+
+SCALE, PERIOD = 0.8, 10.0
+"""Of the gait that laws follow: factor of the amplitudes and seconds, as in ``exoid track``."""
+
+OTHER = 1
+"""Seed of a planned course; that of a planned protocol is 0."""
+
 COLOURS = {"white": 0.0, "correlated": 1.0, "mixed": 0.8}
 """Share of the variance that has a memory."""
 
@@ -50,6 +58,18 @@ def study(
     rate: Annotated[float, typer.Option(metavar="HZ", help="Of the log.")] = 100.0,
     cutoff: Annotated[float, typer.Option(metavar="HZ", help="Of the zero-phase low-pass.")] = 8.0,
     followed: Annotated[Literal["exactly", "rig"], typer.Option(help="How motions are followed.")] = "exactly",
+    laws: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A,B",
+            help="Then drive the leg with them: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr.",
+        ),
+    ] = None,
+    course: Annotated[
+        Literal["gait", "planned"] | None, typer.Option(help="What laws follow: a stride of 10 s (default), or a plan.")
+    ] = None,
+    kp: Annotated[str | None, typer.Option(metavar="A,B", help="Of laws [N·m/rad]; default: as exoid track.")] = None,
+    kd: Annotated[str | None, typer.Option(metavar="A,B", help="Of laws [N·m·s/rad]; default kp/10.")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of everything.")] = 0,
     workers: Annotated[int, typer.Option(min=1, help="Processes on this machine.")] = 1,
     scheduler: Annotated[
@@ -58,7 +78,10 @@ def study(
     parameters: Annotated[bool, typer.Option("--parameters", help="Print a line for each parameter, too.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Identify virtual legs again and again: bias, scatter, coverage of intervals, and efficiency."""
+    """Identify virtual legs again and again: bias, scatter, coverage of intervals, and efficiency.
+
+    With --laws, also how well laws that know the estimates control the same leg.
+    """
     from exoid import study as studies  # noqa: PLC0415 - what it needs would slow down every command
     from exoid.experiments.excitation import MotionLimits, Scales, TorqueNoise  # noqa: PLC0415
 
@@ -66,16 +89,20 @@ def study(
     model = TorqueModel(found, chosen)
     scales = Scales.of(model, MotionLimits.of(found))
     std = TorqueNoise.of(parse_numbers(noise, "--noise"), scales.typical).std
+    if laws is None:
+        refuse({"--course": course, "--kp": kp, "--kd": kd}, "no --laws are tried")
+    truth = studies.plausible_truth(model, scales.typical)
     who = studies.here if workers == 1 else studies.processes(workers)
     who = who if scheduler is None else studies.dask_cluster(scheduler)
     noises = tuple(studies.Noise(name, std, _share(name), memory) for name in split_names(colours) or ())
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         planning = {"noise": std, "duration": duration, "rate": rate}
+        follow = None if laws is None else _course(laws, course or "gait", model, truth, (kp, kd), planning)
         what = studies.Study(
             leg=studies.LegText.of(found),
             terms=chosen,
-            truth=studies.plausible_truth(model, scales.typical),
+            truth=truth,
             protocols=tuple(_protocol(name, found, chosen, planning) for name in split_names(protocols) or ()),
             noises=noises,
             estimators=split_names(estimators) or (),
@@ -84,6 +111,7 @@ def study(
             rate=rate,
             cutoff=cutoff,
             followed="exactly" if followed == "exactly" else "by a rig",
+            course=follow,
         )
         told = partial(_tell, bar, bar.add_task("identifying", total=1.0))
         result = studies.run_study(what, folder, who, told)
@@ -92,18 +120,51 @@ def study(
 
 
 def _protocol(name: str, leg: Leg, terms: tuple[Term, ...], planning: Mapping[str, Any]) -> Protocol:
-    """Make a protocol by its name; planning is quick here, as a good motion is enough."""
-    from threadpoolctl import threadpool_limits  # noqa: PLC0415 - see above
-
-    from exoid import study as studies  # noqa: PLC0415
-    from exoid.experiments.excitation import plan_excitation  # noqa: PLC0415
+    """Make a protocol by its name."""
+    from exoid import study as studies  # noqa: PLC0415 - see above
 
     if name == "planned":
-        with threadpool_limits(limits=1):  # the same bits on any number of processors
-            return studies.planned(plan_excitation(leg, terms, criterion="d", starts=2, **planning))
+        return studies.planned(_plan(leg, terms, planning))
     if name == "document":
         return studies.document(leg, planning["duration"])
     raise ExoidError(f"--protocols {name}", remedy=f"use some of {', '.join(PROTOCOLS)}")
+
+
+def _course(
+    laws: str,
+    motion: str,
+    model: TorqueModel,
+    truth: tuple[float, ...],
+    gains: tuple[str | None, str | None],
+    planning: Mapping[str, Any],
+) -> Course:
+    """Make what laws follow, by its name: a gait as in ``exoid track``, or a plan that is not the protocol's."""
+    import numpy as np  # noqa: PLC0415 - see above
+
+    from exoid import study as studies  # noqa: PLC0415
+    from exoid.control import ControlModel  # noqa: PLC0415
+    from exoid.experiments import healthy_gait, on_leg  # noqa: PLC0415
+
+    kp, kd = (parse_numbers(text, option) for text, option in zip(gains, ("--kp", "--kd"), strict=True))
+    names, known = split_names(laws) or (), ControlModel.of_parameters(model, np.array(truth))
+    if motion == "gait":
+        try:
+            gait = on_leg(model.leg, healthy_gait(SCALE, PERIOD))
+        except ExoidError as error:
+            raise ExoidError(error.what, where=error.where, remedy=f"{error.remedy}, or --course planned") from None
+        return studies.Course.of(names, gait, PERIOD, known, kp, kd)
+    plan = _plan(model.leg, model.terms, {**planning, "duration": PERIOD, "seed": OTHER}).motions[0]
+    return studies.Course.of(names, plan.reference, plan.period, known, kp, kd)
+
+
+def _plan(leg: Leg, terms: tuple[Term, ...], planning: Mapping[str, Any]) -> Plan:
+    """Plan quickly, as a good motion is enough."""
+    from threadpoolctl import threadpool_limits  # noqa: PLC0415 - see above
+
+    from exoid.experiments.excitation import plan_excitation  # noqa: PLC0415
+
+    with threadpool_limits(limits=1):  # the same bits on any number of processors
+        return plan_excitation(leg, terms, criterion="d", starts=2, **planning)
 
 
 def _share(colour: str) -> float:

@@ -12,12 +12,13 @@ from .lqr import Weights, lqr
 from .model import ControlModel
 from .pd import p, pd
 from .side_by_side import SideBySide
-from .standard_laws import default_gains, mean_pose, standard_laws
+from .standard_laws import LAWS, default_gains, mean_pose, standard_laws
 from .track import track
 from .tracking import Tracking
 
 __all__ = [
     "AHEAD",
+    "LAWS",
     "SHARP",
     "SMOOTH",
     "ControlModel",

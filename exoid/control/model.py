@@ -16,7 +16,7 @@ from exoid.leg import Leg
 from exoid.model import configuration
 from exoid.rig import Plant
 from exoid.rig.plant import STIFFNESS_DEGREE
-from exoid.torques import Armature, Coulomb, JointMotion, Offset, Stiffness, Term, Viscous
+from exoid.torques import Armature, Coulomb, JointMotion, Offset, Stiffness, Term, TorqueModel, Viscous
 
 from .law import spread
 
@@ -84,7 +84,7 @@ class ControlModel:
         if isinstance(source, ControlModel):
             return source
         if isinstance(source, Estimate):
-            return _of_estimate(source)
+            return cls.of_parameters(source.model, source.values)
         if isinstance(source, Leg):
             nothing = np.zeros(len(source.joint_names))
             return cls(source, nothing[None], nothing, nothing, nothing)
@@ -94,6 +94,11 @@ class ControlModel:
             return cls(bodies, b, source.coulomb[:, 0], source.viscous[:, 0], source.armature[:, 0])
         what = f"a plant of {source.count} rigs" if isinstance(source, Plant) else repr(source)
         raise ExoidError(f"no control model from {what}", remedy="give an Estimate, a Leg, or a Plant of one rig")
+
+    @classmethod
+    def of_parameters(cls, model: TorqueModel, parameters: FloatArray) -> ControlModel:
+        """Take over a leg and the terms beside it, with parameters in the order of the model's names, (P,)."""
+        return _of_parameters(model.loaded_by(parameters), parameters)
 
     def plant(self, *, end_stops: bool = True) -> Plant:
         """Build the rig that this model describes; friction that is negative, which no rig can have, becomes zero.
@@ -208,9 +213,9 @@ class ControlModel:
         return np.asarray(torque)
 
 
-def _of_estimate(estimate: Estimate) -> ControlModel:
-    leg, model = estimate.leg, estimate.model
-    values = dict(zip(estimate.names, estimate.values.tolist(), strict=True))
+def _of_parameters(model: TorqueModel, parameters: FloatArray) -> ControlModel:
+    leg = model.leg.with_parameters(parameters[: len(model.leg.parameter_names)])
+    values = dict(zip(model.names, parameters.tolist(), strict=True))
     n = len(leg.joint_names)
     degree = max((term.degree for term in model.terms if isinstance(term, Stiffness)), default=0)
     spring, rest = np.zeros((degree + 1, n)), np.zeros((3, n))

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
 from exoid.identification import Estimate
 from exoid.leg import Leg
 from exoid.rig import Plant, Reference
@@ -16,6 +19,9 @@ from .law import RATE, Law
 from .lqr import POINTS, lqr
 from .model import ControlModel
 from .pd import pd
+
+LAWS = ("pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr")
+"""Names of the laws."""
 
 BANDWIDTH = 5.0
 """Natural frequency of the default gains [rad/s], as soft as those that document 2's errors suggest."""
@@ -35,6 +41,7 @@ def standard_laws(
     period: float,
     *,
     rate: float = RATE,
+    names: Sequence[str] = LAWS,
 ) -> dict[str, Law]:
     """Make PD, PD with gravity and friction, PD with feed-forward, computed torque, and LQR along the reference.
 
@@ -48,24 +55,38 @@ def standard_laws(
         reference: Of one leg, periodic.
         period: [s].
         rate: Of all laws [Hz].
+        names: Of :data:`LAWS`, which ones.
 
     Returns:
-        Laws by name: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr.
+        Laws by name, in the order of ``names``.
 
     Raises:
-        ExoidError: Gains, rate or period make no sense.
+        ExoidError: There is no such law, or gains, rate or period make no sense.
     """
     model = ControlModel.of(source)
     inertia = np.diagonal(model.mass_matrix(mean_pose(reference, period)))
     points = max(1, min(POINTS, round(period * rate))) if np.isfinite(period * rate) else POINTS
-    soft = (np.asarray(gain, dtype=np.float64) / inertia for gain in (kp, kd))
-    return {
-        "pd": pd(kp, kd, rate=rate),
-        "pd_gravity_friction": gravity_friction_pd(model, kp, kd, rate=rate),
-        "pd_feedforward": feedforward_pd(model, kp, kd, rate=rate),
-        "computed_torque": computed_torque(model, *soft, rate=rate),
-        "lqr": lqr(model, reference, period, points=points, rate=rate),
+    soft = [np.asarray(gain, dtype=np.float64) / inertia for gain in (kp, kd)]
+    makers: dict[str, Callable[[], Law]] = {
+        "pd": lambda: pd(kp, kd, rate=rate),
+        "pd_gravity_friction": lambda: gravity_friction_pd(model, kp, kd, rate=rate),
+        "pd_feedforward": lambda: feedforward_pd(model, kp, kd, rate=rate),
+        "computed_torque": lambda: computed_torque(model, *soft, rate=rate),
+        "lqr": lambda: lqr(model, reference, period, points=points, rate=rate),
     }
+    refuse_unknown_laws(names)
+    return {name: makers[name]() for name in names}
+
+
+def refuse_unknown_laws(names: Sequence[str]) -> None:
+    """Refuse names that are not of :data:`LAWS`.
+
+    Raises:
+        ExoidError: Says which are.
+    """
+    unknown = [name for name in names if name not in LAWS]
+    if unknown or not names:
+        raise ExoidError(f"no law {', '.join(unknown) or 'at all'}", remedy=f"use some of {', '.join(LAWS)}")
 
 
 def default_gains(source: Estimate | Leg | Plant | ControlModel, pose: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,7 +1,7 @@
 """The documents' protocols as data, and running them on virtual rigs."""
 
 from . import bleex, cuhk
-from .bench import Bench
+from .bench import Bench, stiff_servo
 from .dynamic import run_motion
 from .fourier import fit_harmonics
 from .gait import healthy_gait, norm_gait, on_leg
@@ -27,6 +27,7 @@ __all__ = [
     "refuse_poses_beyond_limits",
     "run_motion",
     "run_static",
+    "stiff_servo",
     "write_motion",
     "write_static_log",
     "write_static_protocol",

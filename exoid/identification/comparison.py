@@ -113,7 +113,7 @@ def compare(first: Estimate, second: Estimate) -> Comparison:
         raise ExoidError("units of the common parameters differ", remedy="compare estimates of legs of one kind")
     difference = second.values[other] - first.values[one]
     C1, C2 = first.covariance[np.ix_(one, one)], second.covariance[np.ix_(other, other)]
-    dof = welch(np.diag(C1), np.diag(C2), first.dof, second.dof)
+    dof = welch(np.diag(C1), np.diag(C2), first.dof_each[one], second.dof_each[other])
     return wald(names, units, difference, C1 + C2, dof, min(first.dof, second.dof))
 
 

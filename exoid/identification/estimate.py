@@ -57,6 +57,8 @@ class Estimate:
         covariance: Of the values, (P, P).
         condition_number: Of the regressor with columns scaled to unit length; below 100 is good.
         dof: Independent samples less parameters.
+        dof_each: Of each parameter's variance, at most as many, (P,): what is known of the noise at the frequencies on
+            which the parameter hangs. Empty counts as ``dof`` for all.
         residual_rms: Of each joint on the data it was fitted to [N·m], (n,).
         estimator: Name of the estimator.
         preparation: How the recordings became rows.
@@ -90,13 +92,17 @@ class Estimate:
     influence: Influence | None = None
     trends: tuple[Trend, ...] = ()
     shapes: Shapes = field(default_factory=Shapes)
+    dof_each: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
         count, joints = len(self.names), len(self.joint_names)
         if self.sizes is None:
             object.__setattr__(self, "sizes", np.zeros(count))
+        if not len(self.dof_each):
+            object.__setattr__(self, "dof_each", np.full(count, self.dof))
         shapes = {"values": (count,), "covariance": (count, count), "residual_rms": (joints,), "sizes": (count,)}
+        shapes["dof_each"] = (count,)
         for name, shape in shapes.items():
             array = np.array(getattr(self, name), dtype=np.float64)
             if array.shape != shape or not np.isfinite(array).all():
@@ -164,7 +170,7 @@ class Estimate:
         )
 
     def interval(self, level: float = 0.95) -> FloatArray:
-        """Confidence intervals by Student's t, (P, 2).
+        """Confidence intervals by Student's t with the degrees of freedom of each parameter, (P, 2).
 
         Args:
             level: Probability that an interval contains the true value, between 0 and 1.
@@ -172,14 +178,8 @@ class Estimate:
         Raises:
             ExoidError: The level is not between 0 and 1.
         """
-        half = self._quantile(level) * self.std
+        half = _quantile(level, self.dof_each) * self.std
         return np.column_stack([self.values - half, self.values + half])
-
-    def _quantile(self, level: float) -> float:
-        """Half width of an interval in standard deviations."""
-        if not 0.0 < level < 1.0:
-            raise ExoidError(f"an interval of level {level}", remedy="use a level between 0 and 1, such as 0.95")
-        return float(scipy.stats.t.ppf(0.5 + level / 2.0, self.dof))
 
     def value(self, name: str) -> float:
         """Look one parameter up by name.
@@ -245,6 +245,8 @@ class Estimate:
     ) -> TorqueBand:
         """Band that contains a new torque of each sample with so much probability, by Student's t.
 
+        A measured torque takes the degrees of freedom of the noise, the model's own the fewest of any parameter.
+
         Args:
             q: Joint angles [rad], (N, n).
             v: Joint velocities [rad/s], (N, n).
@@ -254,7 +256,8 @@ class Estimate:
             measured: True for a torque measured and filtered like those that the estimate was made from, False for the
                 model's own, without noise.
         """
-        half = self._quantile(level) * self.torque_std(q, v, a, torso, measured=measured)
+        dof = self.dof if measured else float(self.dof_each.min())
+        half = _quantile(level, dof) * self.torque_std(q, v, a, torso, measured=measured)
         torque = self.torque(q, v, a, torso)
         return TorqueBand(torque, torque - half, torque + half)
 
@@ -333,3 +336,10 @@ class Estimate:
         from .report import report  # noqa: PLC0415 - it needs this class
 
         return report(self)
+
+
+def _quantile(level: float, dof: FloatArray | float) -> FloatArray:
+    """Half width of an interval in standard deviations, for each number of degrees of freedom."""
+    if not 0.0 < level < 1.0:
+        raise ExoidError(f"an interval of level {level}", remedy="use a level between 0 and 1, such as 0.95")
+    return np.asarray(scipy.stats.t.ppf(0.5 + level / 2.0, dof))

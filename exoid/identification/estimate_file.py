@@ -71,6 +71,7 @@ def estimate_to_json(estimate: Estimate) -> dict[str, Any]:
         "units": dict(zip(estimate.names, estimate.units, strict=True)),
         "condition_number": estimate.condition_number,
         "degrees_of_freedom": estimate.dof,
+        "degrees_of_freedom_each": dict(zip(estimate.names, estimate.dof_each.tolist(), strict=True)),
         "residual_rms": dict(zip(estimate.joint_names, estimate.residual_rms.tolist(), strict=True)),
         "merged": {merged.name: merged.into for merged in estimate.merged},
         "estimator": estimate.estimator,
@@ -130,7 +131,7 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
         residual_rms=np.array([data["residual_rms"][name] for name in leg.joint_names], dtype=np.float64),
         estimator=str(data["estimator"]),
         preparation=preparation,
-        inputs=tuple(Input(**source) for source in data["inputs"]),
+        inputs=tuple(_input(**source) for source in data["inputs"]),
         noise=_noise(data.get("noise", {}), leg.joint_names),
         sizes=_sizes(data.get("sizes"), model.names),
         warnings=_warnings(data.get("warnings", [])),
@@ -139,6 +140,7 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
         trends=trends_from_json(data.get("trends", [])),
         influence=influence_from_json(data.get("influence", []), model.names),
         shapes=_shapes(data.get("shapes", {})),
+        dof_each=_dof_each(data.get("degrees_of_freedom_each"), model.names),
     )
 
 
@@ -177,11 +179,28 @@ def _shapes(data: Mapping[str, Any]) -> Shapes:
 
 def _noise(data: Mapping[str, Any], joints: Sequence[str]) -> tuple[JointNoise, ...]:
     """Read the noise of the joints; files of version 0.1 have none."""
-    return tuple(JointNoise(**data[name]) for name in joints) if data else ()
+    return tuple(_joint_noise(**data[name]) for name in joints) if data else ()
+
+
+def _joint_noise(
+    samples: int, effective_samples: float, order: int, correlation: float, whiteness: float
+) -> JointNoise:
+    """Make numbers of what a file says are some."""
+    return JointNoise(int(samples), float(effective_samples), int(order), float(correlation), float(whiteness))
+
+
+def _input(name: str, sha256: str, samples: int, sample_rate: float) -> Input:
+    """As for the noise."""
+    return Input(str(name), str(sha256), int(samples), float(sample_rate))
 
 
 def _sizes(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray | None:
     return None if data is None else np.array([data[name] for name in names], dtype=np.float64)
+
+
+def _dof_each(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray:
+    """Read degrees of freedom by name; older files have one number for all."""
+    return np.zeros(0) if data is None else np.array([data[name] for name in names], dtype=np.float64)
 
 
 def _warnings(data: Sequence[str]) -> tuple[str, ...]:

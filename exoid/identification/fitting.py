@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.leg import Leg
-from exoid.signals import Poses, Preparation, Recording
+from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel, free_shapes, with_shapes
 
 from .assumed import NOTHING, Assumed
 from .estimators import Estimator, Fit
 from .problem import Problem
 from .shapes import Shapes
-from .sources import Cluster
 
 Keep = Callable[[int, FloatArray], NDArray[np.bool_]]
 """Which rows to use: recording index, times [s] → mask."""

@@ -10,11 +10,12 @@ import numpy as np
 
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.signals import Poses, Preparation, Recording, Recordings, ZeroPhase, preparation_by_name
+from exoid.signals import Cluster, Poses, Preparation, Recording, Recordings, ZeroPhase, preparation_by_name
 from exoid.signals.cutoff import cutoff_from
 from exoid.torques import DEFAULT_TERMS, Term
 
 from .assumed import Assumed, Prior
+from .degrees_of_freedom import degrees_of_freedom
 from .diagnostics import judge_noise, judge_sizes, negative
 from .estimate import Estimate
 from .estimators import Estimator, find_estimator, name_of
@@ -23,7 +24,7 @@ from .influence import influence
 from .residuals import sandwich
 from .rows import rms_residual
 from .separable import fit_model
-from .sources import Cluster, go_over
+from .sources import go_over
 from .survey import Survey, refuse_dead_torques, refuse_still_joints, survey
 from .trends import remarks, residual_trends
 
@@ -52,7 +53,7 @@ def identify(
         leg: The leg; its inertias do not enter, only its geometry.
         recordings: One recording or several of the same leg, with torques; also :class:`exoid.signals.Poses`. Velocity
             and acceleration are derived where they are missing. :class:`exoid.signals.Recordings` stay on disk, and a
-            :class:`Cluster` keeps them on its workers.
+            :class:`exoid.signals.Cluster` keeps them on its workers.
         terms: What acts on the joints besides rigid-body dynamics; None for Coulomb and viscous friction, rotor
             inertia and offset at every joint; () for nothing. Settings that are :class:`exoid.torques.Free` are found
             by separable least squares, and stand in ``shapes`` of the estimate.
@@ -97,14 +98,16 @@ def identify(
     fitted = fit_model(Task(leg, terms, recordings, preparation, estimate, assumed=assumed))
     problem, fit = fitted.problem, fitted.fit
     solution, count = fit.solution, len(fitted.values)
-    covariance, noises = solution.covariance, fit.noises
+    covariance, noises, dofs = solution.covariance, fit.noises, fit.dofs
     if noises is None:
         covariance, noises = sandwich(problem, fit.point, solution)
+        settled = solution._replace(covariance=covariance)
+        dofs = degrees_of_freedom(problem, fit.point, noises, settled, whitened=False)
     judged = judge_noise(problem, fit.point, noises)
     independent = sum(of_joint.effective_samples for of_joint in judged)
     residuals = [rms_residual(of_joint, solution.values) for of_joint in zip(*problem.groups, strict=True)]
     if noise == "white":
-        covariance, dof = solution.covariance, solution.dof
+        covariance, dof, dofs = solution.covariance, solution.dof, None
     else:
         dof = max(1.0, independent - int(assumed.free(problem.names).sum()))
     inputs = tuple(one.evidence for one in surveys)
@@ -118,6 +121,7 @@ def identify(
         covariance=covariance[:count, :count],
         condition_number=solution.condition_number,
         dof=dof,
+        dof_each=np.full(count, dof) if dofs is None else np.clip(dofs[:count], 1.0, dof),
         residual_rms=np.array(residuals),
         estimator=fit.name or name_of(estimate),
         preparation=preparation,

@@ -55,8 +55,8 @@ class Influence(NamedTuple):
         """Keep the parameters at these places."""
         return Influence(self.recordings, self.change[:, places], self.share[:, places])
 
-    def strongest(self, limit: float) -> list[tuple[str, list[int]]]:
-        """Name recordings that move parameters by more than so many standard deviations, and which.
+    def strongest(self, limit: float | FloatArray) -> list[tuple[str, list[int]]]:
+        """Name recordings that move parameters by more than so many standard deviations, one or (P,), and which.
 
         Only what noise does not explain either: in one of twenty estimates the largest change of all does by chance.
         """

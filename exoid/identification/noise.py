@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -31,10 +31,12 @@ class AutoregressiveNoise:
     Attributes:
         predictors: Best predictors of orders 0 to p, row k holding φ_1 … φ_k, (p + 1, p).
         variances: Of what each of them leaves unexplained, (p + 1,); the last is σ².
+        samples: From how many it was estimated, N; 0 for silence.
     """
 
     predictors: FloatArray
     variances: FloatArray
+    samples: float = 0.0
 
     @staticmethod
     def none() -> AutoregressiveNoise:
@@ -62,7 +64,7 @@ class AutoregressiveNoise:
             predictors[k, k - 1] = reflection
             variances.append(variances[-1] * (1.0 - reflection**2))
         order = int(np.argmin(samples * np.log(variances) + 2.0 * np.arange(len(variances))))
-        return AutoregressiveNoise(predictors[: order + 1, :order], np.array(variances[: order + 1]))
+        return AutoregressiveNoise(predictors[: order + 1, :order], np.array(variances[: order + 1]), float(samples))
 
     @property
     def order(self) -> int:
@@ -83,6 +85,17 @@ class AutoregressiveNoise:
         _, response = scipy.signal.freqz([1.0], self.polynomial, FREQUENCIES, whole=True)
         spectrum = np.abs(response) ** 2
         return float(np.mean(spectrum) ** 2 / np.mean(spectrum**2))
+
+    def scaled(self, factor: float) -> AutoregressiveNoise:
+        """Return noise of so many times the variance."""
+        return replace(self, variances=self.variances * factor)
+
+    def ring(self, longest: int) -> int:
+        """Samples until the response of 1 / φ is over, at most so many."""
+        if not self.order:
+            return 0
+        radius = float(np.abs(np.roots(self.polynomial)).max())
+        return longest if radius >= 1.0 else min(longest, math.ceil(math.log(RING) / math.log(max(radius, 1e-3))))
 
     def quadratic_form(self, X: FloatArray) -> FloatArray:
         """X Γ Xᵀ with Γ the covariance matrix of consecutive samples of the noise; see :class:`QuadraticForm`.
@@ -142,9 +155,7 @@ class QuadraticForm:
         """X Γ Xᵀ of all that was added, (P, P)."""
         noise, after = self.noise, np.zeros((len(self._sum), 1))
         if noise.order:
-            radius = float(np.abs(np.roots(noise.polynomial)).max())
-            ring = self._samples if radius >= 1.0 else math.ceil(math.log(RING) / math.log(max(radius, 1e-3)))
-            silence = np.zeros((len(self._sum), min(ring, self._samples)))
+            silence = np.zeros((len(self._sum), noise.ring(self._samples)))
             after, _ = scipy.signal.lfilter([1.0], noise.polynomial, silence, zi=self._state)
         return np.asarray(noise.variances[-1] * (self._sum + after @ after.T))
 
@@ -181,4 +192,5 @@ def autocovariance_sums(x: FloatArray, largest: int) -> FloatArray:
         pieces.reshape(-1)[: len(row)] = row
         within += pieces.T @ pieces
         across += pieces[:-1].T @ pieces[1:]
-    return np.array([np.trace(within, k) + np.trace(across, k - length) for k in range(length)])
+    pairs = np.pad(np.hstack([within, across]).ravel(), (0, length))  # those of lag k stand k beyond the diagonal
+    return np.asarray(pairs.reshape(length, -1)[:, :length].sum(axis=0))

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.signals import Poses, Preparation, Recording
+from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 
 from .assumed import NOTHING, Assumed
 from .least_squares import Solution, solve
 from .rows import Prepared, Rows, Triangle, chain, form_rows, join, make_triangles, prepare, thin, thinning
 from .rows_file import RowsFile
-from .sources import Cluster, at_rest
+from .sources import at_rest
 
 KEPT_BYTES = 2**26
 """Rows are kept between passes as long as together they stay below this, and made again otherwise,"""

@@ -112,7 +112,7 @@ def influences(estimate: Estimate) -> Iterator[str]:
     influence = estimate.influence
     if influence is None:
         return
-    for recording, moved in influence.strongest(float(scipy.stats.t.ppf(0.975, estimate.dof))):
+    for recording, moved in influence.strongest(scipy.stats.t.ppf(0.975, estimate.dof_each)):
         names = ", ".join(estimate.names[k] for k in moved)
         yield f"{recording} alone moves {names} by more than the interval, and more than noise explains"
     changes = zip(influence.recordings, influence.change, strict=True)

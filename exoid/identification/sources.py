@@ -1,113 +1,15 @@
-"""Where recordings are: in memory, on disk, or on the workers of a Dask cluster."""
+"""Recordings in memory, on disk, or on a cluster: what holds for all of them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TypeVar
 
-import numpy as np
-
-from exoid._typing import ArrayLike
-from exoid.errors import ExoidError
-from exoid.signals import Poses, Recording, Recordings
-from exoid.signals.recordings import Stored
-
-PATIENCE = "10s"
-"""For a scheduler to answer."""
+from exoid.signals import Cluster, Poses, Recording, Recordings
 
 T = TypeVar("T")
 
 Measured = Recording | Poses
-
-
-@dataclass(frozen=True, eq=False)
-class Cluster:
-    """Recordings on the workers of a Dask cluster, which need exoid installed.
-
-    Work goes to where the recordings are, and what comes back is small: triangular factors, sums over lags, the
-    covariance of a noise. Rows never leave the workers. Estimators that go over the rows themselves (huber, gls, ml)
-    want recordings in memory or on disk.
-
-    Attributes:
-        client: A ``distributed.Client``.
-        futures: One for each recording, or for what was made of it.
-    """
-
-    client: Any
-    futures: tuple[Any, ...]
-
-    @staticmethod
-    def of_files(client: Any, recordings: Recordings) -> Cluster:  # noqa: ANN401 - Dask is an extra
-        """Let workers read files, on a disk that all of them see; each is read anew when it is needed, and not kept.
-
-        Args:
-            client: A ``distributed.Client``, or the address of a scheduler.
-            recordings: Such as ``Recordings.from_folder(path)``.
-
-        Raises:
-            ExoidError: Dask is not installed, or nobody answers at the address.
-        """
-        client = _connected(client)
-        return Cluster(client, tuple(client.submit(_same, item, pure=False) for item in recordings.items))
-
-    @staticmethod
-    def of_bag(client: Any, bag: Any) -> Cluster:  # noqa: ANN401
-        """Take a ``dask.bag.Bag`` of :class:`exoid.Recording`, which is computed and stays on the workers.
-
-        Args:
-            client: A ``distributed.Client``, or the address of a scheduler.
-            bag: The bag.
-
-        Raises:
-            ExoidError: As for :meth:`of_files`.
-        """
-        client = _connected(client)
-        parts = client.compute(bag.map_partitions(list).to_delayed())
-        counts = client.gather([client.submit(len, part) for part in parts])
-        pairs = [(part, k) for part, count in zip(parts, counts, strict=True) for k in range(count)]
-        return Cluster(client, tuple(client.submit(_item, part, k) for part, k in pairs))
-
-    @staticmethod
-    def of_array(client: Any, array: Any, columns: Sequence[str]) -> Cluster:  # noqa: ANN401
-        """Take a ``dask.array.Array`` of samples by columns; each chunk of rows is a recording of its own.
-
-        Args:
-            client: A ``distributed.Client``, or the address of a scheduler.
-            array: (N, k), chunks of many seconds: the filters spoil the ends of each.
-            columns: What its columns are: "time", "q_hip", …, "tau_hip", …, as in a CSV file.
-
-        Raises:
-            ExoidError: As for :meth:`of_files`, or columns do not fit the array.
-        """
-        client, columns = _connected(client), tuple(columns)
-        if len(columns) != array.shape[1] or "time" not in columns:
-            raise ExoidError(
-                f"an array of {array.shape[1]} columns, {len(columns)} names: {', '.join(columns)}",
-                remedy='name all of them, "time" and "q_<joint>" among them',
-            )
-        parts = client.compute(array.rechunk({1: -1}).to_delayed().ravel().tolist())
-        return Cluster(client, tuple(client.submit(_recorded, part, columns) for part in parts))
-
-    def __len__(self) -> int:
-        return len(self.futures)
-
-    def keep(self, work: Callable[[Any], Any]) -> Cluster:
-        """Do work on each, and leave what comes out where it is."""
-        return Cluster(self.client, tuple(self.client.submit(_work, work, f, pure=False) for f in self.futures))
-
-    def map(self, work: Callable[[Any], T]) -> list[T]:
-        """Do work on each, and bring back what comes out.
-
-        Raises:
-            ExoidError: The work's own, or workers die again and again.
-        """
-        from distributed import KilledWorker  # noqa: PLC0415 - an extra
-
-        try:
-            return list(self.client.gather(list(self.keep(work).futures)))
-        except KilledWorker as error:
-            raise ExoidError("workers of the cluster died again and again", remedy="give them more memory") from error
 
 
 def go_over(data: Sequence[Measured] | Cluster, work: Callable[[Measured], T]) -> list[T]:
@@ -120,46 +22,3 @@ def at_rest(data: Sequence[Measured] | Cluster, index: int) -> bool:
     if isinstance(data, Cluster):
         return False
     return data.at_rest(index) if isinstance(data, Recordings) else isinstance(data[index], Poses)
-
-
-def _connected(client: Any) -> Any:  # noqa: ANN401
-    """Connect to a scheduler, unless that was done."""
-    if not isinstance(client, str):
-        return client
-    try:
-        import distributed  # noqa: PLC0415 - an extra
-    except ImportError:
-        raise ExoidError("Dask is not installed", remedy="pip install 'exoid[scale]'") from None
-    try:
-        return distributed.Client(client, timeout=PATIENCE)
-    except (OSError, ValueError, TypeError) as error:
-        raise ExoidError(
-            f"no Dask scheduler answers ({type(error).__name__})",
-            where=client,
-            remedy="start one with `dask scheduler`, and name it tcp://host:port",
-        ) from None
-
-
-def _work(work: Callable[[Any], T], item: Any) -> T:  # noqa: ANN401
-    """Run on a worker."""
-    return work(item.load() if isinstance(item, Stored) else item)
-
-
-def _same(item: T) -> T:
-    return item
-
-
-def _item(part: Sequence[T], index: int) -> T:
-    return part[index]
-
-
-def _recorded(part: ArrayLike, columns: tuple[str, ...]) -> Recording:
-    """Make a recording of a chunk of an array."""
-    table = dict(zip(columns, np.asarray(part, dtype=np.float64).T, strict=True))
-    joints = tuple(name[2:] for name in columns if name.startswith("q_"))
-    arrays: dict[str, Any] = {}
-    for quantity in ("q", "v", "a", "tau"):
-        names = [f"{quantity}_{joint}" for joint in joints]
-        if all(name in table for name in names):
-            arrays[quantity] = np.column_stack([table[name] for name in names])
-    return Recording(table["time"], **arrays, joint_names=joints)

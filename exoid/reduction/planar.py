@@ -204,7 +204,10 @@ def _add_segment(
     X, Y, J = out[3 * j : 3 * j + 3]
     np.multiply(direction, origin, out=moment)
     X[j], Y[j], J[j] = moment.imag, moment.real, acceleration
-    J[:j] = chain.signs[j] * joint.acceleration if cumulative else acceleration
+    if cumulative:
+        np.multiply(joint.acceleration, chain.signs[j], out=J[:j])
+    else:
+        J[:j] = acceleration
     for k in range(j - 1, -1, -1):  # each joint further up has the lever of one more segment
         np.multiply(turn, levers[k], out=moment)
         np.add(X[k + 1], moment.imag, out=X[k])

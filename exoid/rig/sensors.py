@@ -24,6 +24,8 @@ class Sensors:
         torque_offset: Zero of the torque sensor [N·m].
         torque_resolution: Step of its converter [N·m]; 0 for none.
         delay: Periods of the controller by which all readings are late.
+        alike: Blocks of rigs, as many in each: rig k has the same noise in all, for comparisons that chance does not
+            blur.
 
     Raises:
         ExoidError: A number is not finite (but for ``encoder_counts``) or of the wrong sign.
@@ -36,6 +38,7 @@ class Sensors:
     torque_offset: ArrayLike = 0.0
     torque_resolution: ArrayLike = 0.0
     delay: int = 0
+    alike: int = 1
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -48,10 +51,12 @@ class Sensors:
             raise ExoidError(f"an encoder of {self.encoder_counts:g} counts", remedy="give counts per turn, or inf")
         if self.delay != int(self.delay) or self.delay < 0:
             raise ExoidError(f"a delay of {self.delay} periods", remedy="give a whole number ≥ 0")
+        if self.alike != int(self.alike) or self.alike < 1:
+            raise ExoidError(f"{self.alike} blocks of rigs alike", remedy="give a whole number ≥ 1")
 
     def angle(self, q: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Read angles [rad], (n, B)."""
-        noisy = q + _column(self.angle_noise) * rng.standard_normal(q.shape) if np.any(self.angle_noise) else q
+        noisy = q + self._noise(self.angle_noise, q, rng) if np.any(self.angle_noise) else q
         if np.isinf(self.encoder_counts):
             return noisy
         count = 2.0 * np.pi / self.encoder_counts
@@ -59,13 +64,19 @@ class Sensors:
 
     def velocity(self, v: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Read velocities [rad/s], (n, B)."""
-        return v + _column(self.velocity_noise) * rng.standard_normal(v.shape) if np.any(self.velocity_noise) else v
+        return v + self._noise(self.velocity_noise, v, rng) if np.any(self.velocity_noise) else v
 
     def torque(self, tau: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Read torques [N·m], (n, B)."""
-        read = tau + _column(self.torque_offset) + _column(self.torque_noise) * rng.standard_normal(tau.shape)
+        read = tau + _column(self.torque_offset) + self._noise(self.torque_noise, tau, rng)
         step = _column(self.torque_resolution)
         return np.asarray(np.where(step > 0.0, np.rint(read / np.where(step > 0.0, step, 1.0)) * step, read))
+
+    def _noise(self, std: ArrayLike, like: FloatArray, rng: np.random.Generator) -> FloatArray:
+        joints, rigs = like.shape
+        if rigs % self.alike:
+            raise ExoidError(f"{rigs} rigs in {self.alike} blocks alike", remedy="give as many rigs to each block")
+        return np.asarray(_column(std) * np.tile(rng.standard_normal((joints, rigs // self.alike)), self.alike))
 
 
 def _column(value: ArrayLike) -> FloatArray:

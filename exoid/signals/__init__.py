@@ -1,5 +1,6 @@
 """Signals: logs become arrays that can be trusted, and arrays become kinematics."""
 
+from .cluster import Cluster
 from .cutoff import choose_cutoff
 from .differentiation import Kinematics, central_difference, second_difference
 from .filters import edge_length, exponential_moving_average, noise_bandwidth, zero_phase
@@ -21,6 +22,7 @@ from .source import Source
 __all__ = [
     "PREPARATIONS",
     "Approaches",
+    "Cluster",
     "FiniteDifference",
     "Kinematics",
     "MovingAverage",

@@ -83,16 +83,8 @@ class Recordings(Sequence[Recording | Poses]):
         Raises:
             ExoidError: There is no such folder, or no log in it.
         """
-        path = Path(folder)
-        try:
-            files = sorted(filter(_is_log, path.iterdir()), key=_natural)
-        except OSError as error:
-            raise ExoidError(f"no such folder ({error.strerror})", where=str(path), remedy="check the path") from None
-        if not files:
-            known = ", ".join(ENDINGS)
-            raise ExoidError("no logs in the folder", where=str(path), remedy=f"give them names that end in {known}")
         return Recordings.from_files(
-            files,
+            logs_in(folder),
             joint_names,
             columns,
             angle_unit=angle_unit,
@@ -159,6 +151,23 @@ class Recordings(Sequence[Recording | Poses]):
 
     def __repr__(self) -> str:
         return f"Recordings({len(self)})"
+
+
+def logs_in(folder: str | os.PathLike[str]) -> list[Path]:
+    """List the logs in a folder, numbers in their names in order.
+
+    Raises:
+        ExoidError: There is no such folder, or no log in it.
+    """
+    path = Path(folder)
+    try:
+        files = sorted(filter(_is_log, path.iterdir()), key=_natural)
+    except OSError as error:
+        raise ExoidError(f"no such folder ({error.strerror})", where=str(path), remedy="check the path") from None
+    if not files:
+        known = ", ".join(ENDINGS)
+        raise ExoidError("no logs in the folder", where=str(path), remedy=f"give them names that end in {known}")
+    return files
 
 
 def _is_log(path: Path) -> bool:

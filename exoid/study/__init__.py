@@ -1,6 +1,8 @@
-"""Studies: virtual identifications in great number, on one processor or many."""
+"""Studies: virtual identifications in great number, and control laws told by them, on one processor or many."""
 
-from .design import LegText, Piece, Study, plausible_truth
+from .course import Course
+from .design import Driver, LegText, Piece, Study, plausible_truth
+from .law_figures import LawFigures, Spread
 from .noise import Noise
 from .protocol import Protocol, document, planned
 from .replicates import Outcomes, do_piece
@@ -10,12 +12,16 @@ from .workers import Done, Workers, dask_cluster, here, processes
 
 __all__ = [
     "Combination",
+    "Course",
     "Done",
+    "Driver",
+    "LawFigures",
     "LegText",
     "Noise",
     "Outcomes",
     "Piece",
     "Protocol",
+    "Spread",
     "Study",
     "StudyResult",
     "Workers",

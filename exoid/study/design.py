@@ -20,12 +20,19 @@ from exoid.leg import Leg
 from exoid.torques import Term, TorqueModel, term_to_json
 from exoid.torso import TorsoMotion
 
+from .course import Course
 from .noise import Noise
 from .protocol import Protocol
 
 SCHEMA = "exoid-study-1"
 
 FOLLOWED = ("exactly", "by a rig")
+
+BLIND = "pd"
+"""A law that knows nothing of the leg."""
+
+TRUTH = "truth"
+"""What a law is told to compare with."""
 
 
 class LegText(NamedTuple):
@@ -50,6 +57,18 @@ class LegText(NamedTuple):
         """Write a leg down."""
         about = leg.description
         return cls(about.text, about.name, leg.joint_names, tuple(leg.locked.items()), leg.cumulative)
+
+
+class Driver(NamedTuple):
+    """A law, and whose parameters it knows.
+
+    Attributes:
+        law: Name.
+        knows: An estimator, "truth", or "nothing", as PD does.
+    """
+
+    law: str
+    knows: str
 
 
 class Piece(NamedTuple):
@@ -89,6 +108,7 @@ class Study:
         followed: "exactly" (angles, velocities and accelerations as commanded: what remains is noise), or "by a rig"
             (simulated with servo, stiction and encoder: what the model leaves out shows as bias).
         piece: Replicates that are done at once; a rig's are simulated side by side.
+        course: What laws that know the estimates follow on the same leg; None for nothing.
     """
 
     leg: LegText
@@ -103,6 +123,7 @@ class Study:
     cutoff: float = 8.0
     followed: str = "exactly"
     piece: int = 20
+    course: Course | None = None
 
     def __post_init__(self) -> None:
         """Check what can be checked before anything runs."""
@@ -111,6 +132,8 @@ class Study:
             raise ExoidError(
                 f"no estimator {', '.join(unknown) or 'at all'}", remedy=f"use some of {', '.join(ESTIMATORS)}"
             )
+        if len(set(self.estimators)) < len(self.estimators):
+            raise ExoidError(f"estimators {', '.join(self.estimators)}", remedy="name each once")
         if self.followed not in FOLLOWED:
             raise ExoidError(f"motions followed {self.followed!r}", remedy=f"use one of {', '.join(FOLLOWED)}")
         if self.replicates < 2 or self.piece < 1 or self.seed < 0 or not self.protocols or not self.noises:
@@ -126,6 +149,8 @@ class Study:
                 f"joints for a leg of {joints}",
                 remedy=f"give one value for each of {', '.join(names)} and noise for each joint",
             )
+        if self.course is not None:
+            self.course.refuse(self.model, np.array(self.truth))
 
     @property
     def model(self) -> TorqueModel:
@@ -141,6 +166,13 @@ class Study:
             for protocol, noise, first in itertools.product(range(len(self.protocols)), range(len(self.noises)), firsts)
         )
 
+    @cached_property
+    def drivers(self) -> tuple[Driver, ...]:
+        """Who drives the leg along the course: each law, told the truth and told by each estimator."""
+        laws = () if self.course is None else self.course.laws
+        knows = {law: ("nothing",) if law == BLIND else (TRUTH, *self.estimators) for law in laws}
+        return tuple(Driver(law, who) for law in laws for who in knows[law])
+
     def generator(self, piece: Piece, replicate: int) -> np.random.Generator:
         """Random numbers of one replicate, whoever draws them."""
         return np.random.default_rng([self.seed, piece.protocol, piece.noise, replicate])
@@ -150,16 +182,17 @@ class Study:
         pitch = protocol.pitches[motion]
         return TorsoMotion(pitch=pitch) if pitch else None
 
+    def information(self, protocol: int, noise: int) -> FloatArray:
+        """Fisher information of unfiltered rows, Σ_j W_jᵀ Γ_j⁻¹ W_j over joints and motions, (P, P)."""
+        model, motions = self.model, self.protocols[protocol]
+        rows = (
+            model.regressor(*motions.states(k, self.rate), self.torso(motions, k)) for k in range(len(motions.motions))
+        )
+        return np.asarray(sum(self.noises[noise].information(W, self.rate) for W in rows))
+
     def bound(self, protocol: int, noise: int) -> FloatArray:
         """Smallest standard deviations that an unbiased estimate from unfiltered rows can have (Cramér–Rao), (P,)."""
-        model, motions = self.model, self.protocols[protocol]
-        information = sum(
-            self.noises[noise].information(
-                model.regressor(*motions.states(k, self.rate), self.torso(motions, k)), self.rate
-            )
-            for k in range(len(motions.motions))
-        )
-        return np.asarray(np.sqrt(np.diag(np.linalg.inv(np.asarray(information)))))
+        return np.asarray(np.sqrt(np.diag(np.linalg.inv(self.information(protocol, noise)))))
 
     def to_json(self) -> dict[str, Any]:
         """Describe it completely: equal descriptions have equal results."""
@@ -172,6 +205,7 @@ class Study:
             "protocols": [protocol.to_json() for protocol in self.protocols],
             "noises": [asdict(noise) for noise in self.noises],
             **{name: getattr(self, name) for name in plain},
+            **({} if self.course is None else {"course": self.course.to_json()}),
         }
 
     @property

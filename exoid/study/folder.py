@@ -13,6 +13,7 @@ from exoid.errors import ExoidError
 from exoid.files import write_bytes, write_whole
 
 from .design import Study
+from .driving import MEASURES
 from .replicates import Outcomes
 
 ABOUT = "study.json"
@@ -47,13 +48,14 @@ class Folder:
         """Read a piece; None if it is not there, or damaged and so to be done again."""
         try:
             with np.load(self._name(number), allow_pickle=False) as file:
-                outcomes = Outcomes(file["values"], file["std"], file["inside"])
+                outcomes = Outcomes(file["values"], file["std"], file["inside"], file["driven"])
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
             return None
-        study = self._study
-        shape = (len(study.estimators), study.pieces[number].replicates, len(study.truth))
-        fits = all(array.shape == shape for array in outcomes) and np.isfinite(outcomes.values).all()
-        return outcomes if fits else None
+        study, replicates = self._study, self._study.pieces[number].replicates
+        shape = (len(study.estimators), replicates, len(study.truth))
+        driven = (len(study.drivers), replicates, len(MEASURES), len(study.leg.joints))
+        fits = all(array.shape == shape for array in outcomes[:3]) and outcomes.driven.shape == driven
+        return outcomes if fits and np.isfinite(outcomes.values).all() else None
 
     def write(self, number: int, outcomes: Outcomes) -> None:
         """Keep a piece.

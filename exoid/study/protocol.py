@@ -46,16 +46,19 @@ class Protocol:
 
     def to_json(self) -> dict[str, Any]:
         """Describe it completely."""
-        motions = [
-            {
-                "centre": motion.centre[:, 0].tolist(),
-                "amplitude": motion.amplitude[..., 0].tolist(),
-                "frequency": np.broadcast_to(motion.frequency, motion.amplitude.shape)[..., 0].tolist(),
-                "phase": np.broadcast_to(motion.phase, motion.amplitude.shape)[..., 0].tolist(),
-            }
-            for motion in self.motions
-        ]
+        motions = [motion_to_json(motion) for motion in self.motions]
         return {"name": self.name, "seconds": self.seconds, "pitches": list(self.pitches), "motions": motions}
+
+
+def motion_to_json(motion: Harmonics) -> dict[str, Any]:
+    """Describe a motion of one leg completely."""
+    shape = motion.amplitude.shape
+    return {
+        "centre": motion.centre[:, 0].tolist(),
+        "amplitude": motion.amplitude[..., 0].tolist(),
+        "frequency": np.broadcast_to(motion.frequency, shape)[..., 0].tolist(),
+        "phase": np.broadcast_to(motion.phase, shape)[..., 0].tolist(),
+    }
 
 
 def planned(plan: Plan, name: str = "planned") -> Protocol:

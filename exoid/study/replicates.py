@@ -10,18 +10,16 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from exoid._typing import FloatArray
-from exoid.experiments import Bench, run_motion
-from exoid.identification import identify
-from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
+from exoid.experiments import Bench, run_motion, stiff_servo
+from exoid.identification import Estimate, identify
+from exoid.rig import IdealTorque, Plant, Rates, Sensors
 from exoid.signals import Recording
 
 from .design import Piece, Study
+from .driving import MEASURES, drive
 
 LEVEL = 0.95
 """Of the intervals."""
-
-BENCH = ProportionalDerivative(2000.0, 100.0)
-"""Servo of rigs [N·m/rad, N·m·s/rad]: stiff, as for exercises on a jig."""
 
 ENCODER = 2.0**16
 """Counts a turn of rigs."""
@@ -37,11 +35,13 @@ class Outcomes(NamedTuple):
         values: Estimates, (E, R, P).
         std: Their standard deviations, (E, R, P).
         inside: Whether 95 % intervals contain the truth, (E, R, P).
+        driven: How laws fared that know the estimates, see :func:`exoid.study.driving.drive`, (D, R, 3, n).
     """
 
     values: FloatArray
     std: FloatArray
     inside: NDArray[np.bool_]
+    driven: FloatArray
 
 
 def do_piece(study: Study, number: int) -> Outcomes:
@@ -49,6 +49,8 @@ def do_piece(study: Study, number: int) -> Outcomes:
     piece, truth, model = study.pieces[number], np.array(study.truth), study.model
     shape = (len(study.estimators), piece.replicates, len(truth))
     values, std, inside = np.empty(shape), np.empty(shape), np.empty(shape, dtype=np.bool_)
+    estimates: dict[str, list[Estimate]] = {name: [] for name in study.estimators}
+    driven = np.empty((0, piece.replicates, len(MEASURES), len(study.leg.joints)))
     with threadpool_limits(limits=1):
         for k, recordings in enumerate(_recorded(study, piece)):
             for e, name in enumerate(study.estimators):
@@ -56,7 +58,11 @@ def do_piece(study: Study, number: int) -> Outcomes:
                 low, high = estimate.interval(LEVEL).T
                 values[e, k], std[e, k] = estimate.values, estimate.std
                 inside[e, k] = (low <= truth) & (truth <= high)
-    return Outcomes(values, std, inside)
+                if study.course is not None:
+                    estimates[name].append(estimate)
+        if study.course is not None:
+            driven = drive(study, piece, estimates)
+    return Outcomes(values, std, inside, driven)
 
 
 def _recorded(study: Study, piece: Piece) -> Iterator[list[Recording]]:
@@ -100,7 +106,7 @@ def _by_rig(study: Study, piece: Piece) -> list[list[Recording]]:
     named = dict(zip(model.names, study.truth, strict=True))
     offset = [named.pop(f"offset_{label}", 0.0) for label in model.leg.joint_labels]
     bench = Bench(
-        BENCH,
+        stiff_servo(Plant.build(model.leg, named)),
         IdealTorque(),
         Sensors(encoder_counts=ENCODER, angle_noise=np.pi / ENCODER, torque_offset=offset),
         Rates(control=CONTROL, log=study.rate, step=STEP),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -9,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.tables import make_table, to_text
+from exoid.tables import DataTable, make_table, to_text
 
 from .design import Study
+from .law_figures import LawFigures, laws_table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,10 +87,12 @@ class StudyResult:
     Attributes:
         study: What was asked for.
         combinations: Protocol by protocol, noise by noise, estimator by estimator.
+        laws: Protocol by protocol, noise by noise, driver by driver; none without a course.
     """
 
     study: Study
     combinations: tuple[Combination, ...]
+    laws: tuple[LawFigures, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Everything, by name."""
@@ -97,6 +101,7 @@ class StudyResult:
             "seed": self.study.seed,
             "followed": self.study.followed,
             "combinations": [combination.to_json() for combination in self.combinations],
+            **({"laws": [each.to_json() for each in self.laws]} if self.laws else {}),
         }
 
     def __str__(self) -> str:
@@ -123,4 +128,26 @@ class StudyResult:
             f"Coverage of 95 % intervals: mean over parameters and farthest from 95; Monte-Carlo error ± {error:.1f} "
             f"of each parameter, ± {1.0 / math.sqrt(study.replicates):.2f} of bias / std."
         )
-        return to_text(head, table, closing)
+        return to_text(head, table, closing, *self._laws_text())
+
+    def _laws_text(self) -> list[DataTable | str]:
+        """A table of the laws for each protocol and noise."""
+        course = self.study.course
+        if course is None:
+            return []
+        parts: list[DataTable | str] = [""]
+        for (protocol, noise), each in itertools.groupby(self.laws, lambda one: (one.protocol, one.noise)):
+            parts.append(laws_table(f"The same leg under laws that were told of it: {protocol}, {noise} noise", each))
+        lost = [f"{one.law} told by {one.knows}: {one.diverged}" for one in self.laws if one.diverged]
+        parts += [f"Diverged, and not counted: {', '.join(lost)}."] if lost else []
+        gains = ", ".join(
+            f"{label} {p:.3g} / {d:.3g}"
+            for label, p, d in zip(self.study.model.leg.joint_labels, course.kp, course.kd, strict=True)
+        )
+        closing = (
+            f"{course.periods} periods of {course.period:g} s at {course.rate:g} Hz, the first not counted; "
+            f"Kp [N·m/rad] / Kd [N·m·s/rad]: {gains}. Root mean square and peak of the tracking error, rms torque: "
+            "mean, standard deviation and worst over replicates; excess of the rms error over that of the same law "
+            "told the truth, with the same sensor noise."
+        )
+        return [*parts, closing]

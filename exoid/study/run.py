@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from .design import Study
+from .design import TRUTH, Driver, Study
 from .folder import Folder
+from .law_figures import LawFigures
 from .replicates import Outcomes
 from .result import Combination, StudyResult
 from .workers import Workers, here
@@ -49,17 +50,14 @@ def run_study(
         pieces[done.number] = done.outcomes
         told(len(pieces) / len(study.pieces))
     with threadpool_limits(limits=1):  # as for the pieces
-        return StudyResult(study, tuple(_combinations(study, pieces)))
+        return StudyResult(study, tuple(_combinations(study, pieces)), tuple(_laws(study, pieces)))
 
 
 def _combinations(study: Study, pieces: dict[int, Outcomes]) -> list[Combination]:
     combinations = []
     for p, protocol in enumerate(study.protocols):
         for n, noise in enumerate(study.noises):
-            numbers = [k for k, piece in enumerate(study.pieces) if (piece.protocol, piece.noise) == (p, n)]
-            values, std, inside = (
-                np.concatenate([pieces[number][part] for number in numbers], axis=1) for part in range(3)
-            )
+            values, std, inside, _ = _together(study, pieces, p, n)
             bound, truth = study.bound(p, n), np.array(study.truth)
             for e, name in enumerate(study.estimators):
                 errors = values[e] - truth
@@ -79,3 +77,22 @@ def _combinations(study: Study, pieces: dict[int, Outcomes]) -> list[Combination
                     )
                 )
     return combinations
+
+
+def _laws(study: Study, pieces: dict[int, Outcomes]) -> list[LawFigures]:
+    laws = []
+    for p, protocol in enumerate(study.protocols):
+        for n, noise in enumerate(study.noises):
+            driven = _together(study, pieces, p, n).driven
+            for driver, runs in zip(study.drivers, driven, strict=True):
+                told = Driver(driver.law, TRUTH)
+                best = driven[study.drivers.index(told)] if told in study.drivers else None
+                about = (protocol.name, noise.name, *driver, study.model.leg.joint_labels)
+                laws.append(LawFigures(*about, runs, best))
+    return laws
+
+
+def _together(study: Study, pieces: dict[int, Outcomes], protocol: int, noise: int) -> Outcomes:
+    """Put the pieces of one protocol under one noise together."""
+    numbers = [k for k, piece in enumerate(study.pieces) if (piece.protocol, piece.noise) == (protocol, noise)]
+    return Outcomes(*(np.concatenate(parts, axis=1) for parts in zip(*(pieces[k] for k in numbers), strict=True)))

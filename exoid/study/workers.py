@@ -9,15 +9,13 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import NamedTuple
 
 from exoid.errors import ExoidError
+from exoid.signals.cluster import connect
 
 from .design import Study
 from .replicates import Outcomes, do_piece
 
 ATTEMPTS = 5
 """Times in a row that all workers may die before a piece is done."""
-
-PATIENCE = "10s"
-"""For a scheduler to answer."""
 
 
 class Done(NamedTuple):
@@ -88,21 +86,11 @@ def dask_cluster(address: str) -> Workers:
     Raises:
         ExoidError: Dask is not installed, or (when used) nobody answers, or workers die again and again.
     """
-    try:
-        import distributed  # noqa: PLC0415 - an extra
-    except ImportError:
-        raise ExoidError("Dask is not installed", remedy="pip install 'exoid[scale]'") from None
 
     def work(study: Study, numbers: Sequence[int]) -> Iterator[Done]:
-        try:
-            client = distributed.Client(address, timeout=PATIENCE)
-        except (OSError, ValueError, TypeError) as error:
-            raise ExoidError(
-                f"no Dask scheduler answers ({type(error).__name__})",
-                where=address,
-                remedy="start one with `dask scheduler`, and name it tcp://host:port",
-            ) from None
-        with client:
+        with connect(address) as client:
+            import distributed  # noqa: PLC0415 - an extra, which is there
+
             futures = {client.submit(do_piece, study, number, pure=False): number for number in numbers}
             for future in distributed.as_completed(futures):
                 try:

@@ -12,6 +12,7 @@ from exoid.experiments import (
     read_static_log,
     run_motion,
     run_static,
+    stiff_servo,
     write_motion,
     write_static_log,
     write_static_protocol,
@@ -191,3 +192,23 @@ def test_protocols_beyond_the_limits_are_not_written(tmp_path):
         with pytest.raises(ExoidError):
             write(tmp_path / "plan.csv")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["bleex", "cuhk"])
+def test_a_stiff_servo_is_stable_on_any_leg_and_one_for_all_joints_is_not(name):
+    """x⁺ = A x with torque held over 2 ms, at poses all over the limits; 2 000 N·m/rad shake BLEEX's light foot."""
+    leg = exoid.load_leg(name)
+    servo, one = stiff_servo(Plant.build(leg)), ProportionalDerivative(2000.0, 100.0)
+    poses = np.random.default_rng(1).uniform(leg.limits.lower, leg.limits.upper, (30, len(leg.joint_names)))
+
+    def radius(gains):
+        n, step, worst = len(leg.joint_names), 0.002, 0.0
+        for M in leg.mass_matrix(poses):
+            A = np.block([[np.eye(n), step * np.eye(n)], [np.zeros((n, n)), np.eye(n)]])
+            B = np.vstack([0.5 * step**2 * np.linalg.inv(M), step * np.linalg.inv(M)])
+            kp, kd = (np.diag(np.broadcast_to(x, n)) for x in (gains.stiffness, gains.damping))
+            worst = max(worst, np.abs(np.linalg.eigvals(A - B @ np.hstack([kp, kd]))).max())
+        return worst
+
+    assert radius(servo) < 0.995
+    assert (radius(one) > 1.0) == (name == "bleex")

@@ -63,7 +63,8 @@ def test_the_figures_are_those_of_the_formulas(leg):
     F = difference @ np.linalg.solve(C, difference) * (dof - P + 1) / (P * dof)
     assert comparison.statistic == pytest.approx(F, rel=1e-6)
     assert comparison.p_value == pytest.approx(stats.f.sf(F, P, dof - P + 1), rel=1e-6)
-    welch = (np.diag(C) ** 2) / (np.diag(one.covariance) ** 2 / one.dof + np.diag(other.covariance) ** 2 / other.dof)
+    spread = [np.diag(each.covariance) ** 2 / each.dof_each for each in (one, other)]
+    welch = np.diag(C) ** 2 / sum(spread)
     expected = 2.0 * stats.t.sf(np.abs(difference) / np.sqrt(np.diag(C)), welch)
     np.testing.assert_allclose(comparison.p_values, expected, rtol=1e-9)
 

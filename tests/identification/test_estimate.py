@@ -289,6 +289,9 @@ DAMAGE = {
     "inputs as a number": (("inputs",), 3),
     "noise of a joint missing": (("noise", "right_hip"), DELETE),
     "noise with a strange field": (("noise", "right_hip", "colour"), "pink"),
+    "whiteness null": (("noise", "right_hip", "whiteness"), None),  # this and the next two: found by property tests
+    "effective samples null": (("noise", "right_hip", "effective_samples"), None),
+    "samples as text": (("inputs", 0, "samples"), "many"),
     "noise as a list": (("noise",), [1.0]),
     "a size missing": (("sizes", "J1"), DELETE),
     "a size that is text": (("sizes", "J1"), "large"),

@@ -130,7 +130,7 @@ def test_fewer_samples_than_parameters_are_refused():
 @pytest.mark.parametrize("level", [0.5, 0.9, 0.95, 0.99])
 def test_intervals_are_students(swing, level):
     estimate = exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(7), NOISE), TERMS)
-    low, high = stats.t(estimate.dof, loc=estimate.values, scale=estimate.std).interval(level)
+    low, high = stats.t(estimate.dof_each, loc=estimate.values, scale=estimate.std).interval(level)
     np.testing.assert_allclose(estimate.interval(level), np.column_stack([low, high]), rtol=1e-12)
 
 

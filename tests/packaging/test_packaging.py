@@ -17,7 +17,7 @@ import exoid
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ("exoid", "urdf", "tests", "scripts", "docs", "pyproject.toml", "README.md", "LICENSE", ".gitignore")
-MORE_SOURCES = ("CHANGELOG.md", "CONTRIBUTING.md", "CITATION.cff")
+MORE_SOURCES = ("BENCHMARKS.md", "CHANGELOG.md", "CONTRIBUTING.md", "CITATION.cff")
 URDFS = ("bleex.urdf", "bleex_identified.urdf", "cuhk.urdf", "dfki_double_pendulum.urdf")
 
 CHECK = """

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from exoid._typing import FloatArray
 from exoid.identification.least_squares import Solution
 from exoid.identification.problem import Problem
 from exoid.identification.residuals import Noises, Point
@@ -21,6 +22,7 @@ class Fit(NamedTuple):
         clip: Weighted residuals beyond this counted as this.
         noises: The noise that the covariance is for; None if it still has to be found.
         remarks: What the reader should know.
+        dofs: Degrees of freedom of each parameter's variance, (P,); None if they still have to be found.
         name: Of the estimator with the settings that it chose; "" for its own name.
     """
 
@@ -29,6 +31,7 @@ class Fit(NamedTuple):
     clip: float = np.inf
     noises: Noises | None = None
     remarks: tuple[str, ...] = ()
+    dofs: FloatArray | None = None
     name: str = ""
 
     @property

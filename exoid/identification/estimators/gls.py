@@ -8,6 +8,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.identification.degrees_of_freedom import degrees_of_freedom
 from exoid.identification.least_squares import Solution
 from exoid.identification.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
 from exoid.identification.rows import Triangle, join, make_triangle
@@ -32,15 +33,24 @@ def gls(problem: Stacked) -> Fit:
     """
     first = wls(problem)
     reference = sandwich(problem, first.point, first.solution)
-    solution, noises = first.solution._replace(covariance=reference.covariance), reference.noises
+    solution, noises = first.solution._replace(covariance=reference.covariance), _unbiased(reference.noises)
     for _ in range(ROUNDS):
         before, solution = solution, _solve(problem, first.point, noises)
-        noises = fit_noise(problem, Point(solution.values, first.weights), solution.covariance)
+        noises = _unbiased(fit_noise(problem, Point(solution.values, first.weights), solution.covariance))
         moved = np.abs(solution.values - before.values) > 1e-3 * np.sqrt(np.diag(solution.covariance))
         if settled(before.covariance, solution.covariance) and not moved.any():
             break
     remarks = _disagreement(problem.names, solution.values - first.solution.values, reference.covariance)
-    return Fit(solution, first.weights, noises=noises, remarks=remarks)
+    dofs = degrees_of_freedom(problem, Point(solution.values, first.weights), noises, solution, whitened=True)
+    return Fit(solution, first.weights, noises=noises, remarks=remarks, dofs=dofs)
+
+
+def _unbiased(noises: Noises) -> Noises:
+    """Count the p samples' worth of noise that its model has explained away: σ² N / (N − p)."""
+    return {
+        key: noise.scaled(noise.samples / max(noise.samples - noise.order, 1.0)) if noise.order else noise
+        for key, noise in noises.items()
+    }
 
 
 def _solve(problem: Stacked, point: Point, noises: Noises) -> Solution:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import struct
+import io
 import warnings
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -16,18 +15,13 @@ from numpy.typing import NDArray
 from exoid.errors import ExoidError
 from exoid.signals.source import Source
 
+from .mat_elements import expanded_size, readable_variables
 from .table import ArrayTable, Wanted, reading, refuse_expansion, to_columns
 
 REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_names', '-v7')"
 
 DEEPEST = 20
 """Structs in structs, at most."""
-
-COMPRESSED = 15
-"""Type of an element of a version 7 file that is compressed."""
-
-HEADER = 128
-"""Bytes before the first element."""
 
 
 def read_mat(path: Path, file: str, wanted: Wanted) -> ArrayTable:
@@ -38,8 +32,10 @@ def read_mat(path: Path, file: str, wanted: Wanted) -> ArrayTable:
     """
     with reading(file, "a MATLAB file", REMEDY), warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        refuse_expansion(_expanded(path.read_bytes()), path, file)
-        content = scipy.io.loadmat(path, simplify_cells=True, chars_as_strings=True)
+        data = path.read_bytes()
+        refuse_expansion(expanded_size(data), path, file)
+        names, stream = readable_variables(data), cast("Any", io.BytesIO(data))  # of which scipy's annotations know not
+        content = scipy.io.loadmat(stream, variable_names=names, simplify_cells=True, chars_as_strings=True)
         variables = {name: value for name, value in content.items() if not name.startswith("__")}
         if len(variables) == 1 and isinstance(only := next(iter(variables.values())), dict):
             variables = only
@@ -64,17 +60,3 @@ def _flat(variables: Mapping[str, Any], file: str, depth: int = 0) -> dict[str, 
         if array.dtype.kind in "iufU":
             found[name] = array
     return found
-
-
-def _expanded(data: bytes) -> int:
-    """Bytes that compressed elements say they will become."""
-    place, total = HEADER, 0
-    order = ">" if data[126:128] == b"MI" else "<"
-    while place + 8 <= len(data):
-        kind, size = struct.unpack_from(f"{order}II", data, place)
-        if kind != COMPRESSED:
-            return total
-        tag = zlib.decompressobj().decompress(data[place + 8 : place + 8 + min(size, 4096)], 8)
-        total += struct.unpack_from(f"{order}II", tag)[1] if len(tag) == 8 else 0
-        place += 8 + size
-    return total

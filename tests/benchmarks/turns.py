@@ -1,0 +1,48 @@
+"""Times that can be compared: several works in one process, in turns, the best of each."""
+
+from __future__ import annotations
+
+import gc
+import math
+import time
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+TURN = 0.25
+"""A turn takes at least so long [s]: what is short is repeated, or it alone would find a quiet moment."""
+
+
+def best_of_turns(works: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
+    """Processor time of each work [s], the best of so many rounds.
+
+    In each round every work has its turn, so that other load on the machine meets all alike. One thread each.
+    """
+    with threadpool_limits(1):
+        for work in works.values():
+            work()  # imports, caches
+        repeats = {name: math.ceil(TURN / seconds(work, 1)) for name, work in works.items()}
+        gc.collect()
+        gc.disable()
+        try:
+            turns = [[seconds(work, repeats[name]) for name, work in works.items()] for _ in range(rounds)]
+        finally:
+            gc.enable()
+    return dict(zip(works, np.min(turns, axis=0).tolist(), strict=True))
+
+
+def seconds(work: Callable[[], object], repeats: int) -> float:
+    """Processor time of one of several runs, on average [s]."""
+    start = time.process_time()
+    for _ in range(repeats):
+        work()
+    return (time.process_time() - start) / repeats
+
+
+def show(title: str, best: Mapping[str, float], ours: str) -> None:
+    """Print times and what they are to ours."""
+    print(f"\n{title}")
+    for name, seconds in best.items():
+        ratio = "" if name == ours else f"{seconds / best[ours]:8.2f} ×"
+        print(f"  {name:58s} {1e3 * seconds:9.1f} ms {ratio}")

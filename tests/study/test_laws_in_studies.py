@@ -1,0 +1,267 @@
+"""Laws that know what a study identified drive the same leg: as in the closed loop by itself, and reproducibly."""
+
+import json
+import sys
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.cli import main
+from exoid.control import ControlModel, simulate
+from exoid.control.track import SENSORS
+from exoid.errors import ExoidError
+from exoid.experiments import cuhk, healthy_gait, on_leg
+from exoid.experiments.excitation import MotionLimits, Scales
+from exoid.study import (
+    Course,
+    Driver,
+    LegText,
+    Noise,
+    Protocol,
+    Study,
+    dask_cluster,
+    do_piece,
+    here,
+    plausible_truth,
+    processes,
+    run_study,
+)
+from exoid.study.driving import drive
+from exoid.torques import DEFAULT_TERMS, TorqueModel, term_by_name
+
+LEG = exoid.load_leg("cuhk")
+MODEL = TorqueModel(LEG, DEFAULT_TERMS)
+TRUTH = plausible_truth(MODEL, Scales.of(MODEL, MotionLimits.of(LEG)).typical)
+KNOWN = ControlModel.of_parameters(MODEL, np.array(TRUTH))
+PERIOD = 1.6
+GAIT = on_leg(LEG, healthy_gait(0.5, PERIOD))
+RMS, PEAK, TORQUE = range(3)
+
+
+def course(*laws, **gains):
+    return Course.of(laws, GAIT, PERIOD, KNOWN, **gains)
+
+
+def study(**changes):
+    motion = cuhk.multisine(LEG, np.random.default_rng(0), draws=20)
+    protocol = Protocol("multisine", (motion,), 6.0, (0.0,))
+    noise = Noise("white", (1.0, 1.0))
+    plain = Study(LegText.of(LEG), DEFAULT_TERMS, TRUTH, (protocol,), (noise,), replicates=4, piece=2, seed=4)
+    return replace(plain, **{"course": course("pd", "pd_feedforward"), **changes})
+
+
+@pytest.fixture(scope="module")
+def result():
+    return run_study(study())
+
+
+def same(one, other):
+    return json.dumps(one.to_json()) == json.dumps(other.to_json()) and str(one) == str(other)
+
+
+def figures(result, law, knows):
+    (found,) = [each for each in result.laws if (each.law, each.knows) == (law, knows)]
+    return found
+
+
+def test_laws_are_told_the_truth_and_each_estimate_but_pd_nothing():
+    what = study(course=course("pd", "lqr"), estimators=("wls", "ols"))
+    assert what.drivers == (("pd", "nothing"), ("lqr", "truth"), ("lqr", "wls"), ("lqr", "ols"))
+    assert study(course=None).drivers == ()
+
+
+def test_pd_and_a_law_that_knows_the_truth_do_what_they_do_in_the_closed_loop(result):
+    """The rig by itself is stepped by Pinocchio and has other noise, which PD hardly feels."""
+    asked = study().course
+    for name, knows in (("pd", "nothing"), ("pd_feedforward", "truth")):
+        law = asked.law(name, KNOWN)
+        alone = simulate(KNOWN.plant(), law, GAIT, 2 * PERIOD, sensors=SENSORS, settle=PERIOD, seed=0)
+        found = figures(result, name, knows)
+        near = 0.01 if name == "pd" else 0.1
+        np.testing.assert_allclose(found.rms_deg.mean, alone.rms_deg, rtol=near)
+        np.testing.assert_allclose(found.peak_deg.mean, alone.peak_deg, rtol=3.0 * near)
+        np.testing.assert_allclose(found.rms_torque.mean, alone.rms_torque, rtol=0.01)
+
+
+def test_figures_are_those_of_the_runs(result):
+    """From the pieces by hand; the excess is of one replicate over the same with the truth."""
+    driven = np.concatenate([do_piece(study(), number).driven for number in range(2)], axis=1)
+    truth, told = (study().drivers.index(Driver("pd_feedforward", who)) for who in ("truth", "wls"))
+    found = figures(result, "pd_feedforward", "wls")
+    np.testing.assert_array_equal(found.rms_deg.mean, driven[told, :, RMS].mean(axis=0))
+    np.testing.assert_array_equal(found.peak_deg.worst, driven[told, :, PEAK].max(axis=0))
+    np.testing.assert_array_equal(found.rms_torque.std, driven[told, :, TORQUE].std(axis=0, ddof=1))
+    excess = driven[told, :, RMS] - driven[truth, :, RMS]
+    np.testing.assert_array_equal(found.excess_deg.mean, excess.mean(axis=0))
+    assert found.diverged == 0
+    assert figures(result, "pd", "nothing").excess_deg is None
+
+
+def test_knowing_the_leg_helps_and_knowing_it_badly_helps_less(result):
+    """PD alone is worst; a law told by estimates follows less well than one told the truth, the more the noise."""
+    pairs = ("pd", "nothing"), ("pd_feedforward", "truth"), ("pd_feedforward", "wls")
+    blind, exact, told = (figures(result, law, knows).rms_deg.mean for law, knows in pairs)
+    assert (blind > 5.0 * told).all()
+    assert (told > exact).all()
+    quiet = run_study(study(noises=(Noise("white", (1e-3, 1e-3)),), replicates=2))
+    excess = figures(quiet, "pd_feedforward", "wls").excess_deg
+    assert np.abs(excess.mean).max() < 0.01 * (told - exact).min()
+
+
+def test_all_drivers_of_a_replicate_meet_the_same_noise():
+    """An estimator whose estimates are the truth makes the very runs of the law that knows the truth."""
+    what = study(course=course("pd_feedforward"))
+    one = exoid.identify(LEG, exoid.Recording(*_exact(), joint_names=LEG.joint_names), cutoff=40.0)
+    exact = replace(one, values=np.array(TRUTH))
+    driven = drive(what, what.pieces[0], {"wls": [exact, exact]})
+    np.testing.assert_array_equal(driven[0], driven[1])
+    assert (driven[0, 0] != driven[0, 1]).any()  # replicates do not
+
+
+def _exact():
+    motion, time = cuhk.multisine(LEG, np.random.default_rng(0), draws=20), np.arange(500) / 100.0
+    states = Protocol("m", (motion,), 4.99, (0.0,)).states(0, 100.0)
+    return time, *states, MODEL.regressor(*states) @ np.array(TRUTH)
+
+
+def test_whoever_does_the_pieces_the_bits_are_the_same(result, tmp_path):
+    """Two processes; two Dask workers; stopped, with a piece damaged, and resumed."""
+    assert same(run_study(study(), workers=processes(2)), result)
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+    ) as cluster:
+        assert same(run_study(study(), None, dask_cluster(cluster.scheduler_address)), result)
+
+    def dying(what, numbers):
+        yield next(iter(here(what, numbers)))
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_study(study(), tmp_path / "kept", dying)
+    assert same(run_study(study(), tmp_path / "kept"), result)
+    assert same(run_study(study(), tmp_path / "kept", lambda *_: pytest.fail("nothing is left to do")), result)
+    with pytest.raises(ExoidError, match="another study"):
+        run_study(study(course=course("pd")), tmp_path / "kept")
+
+
+def test_a_law_that_diverges_is_counted_and_leaves_the_others_alone():
+    """PD far too stiff for its rate; LQR has gains of its own."""
+    wild = Course.of(("pd", "lqr"), GAIT, PERIOD, KNOWN, kp=(1e7,), kd=(1e6,))
+    found = run_study(study(course=wild, replicates=2))
+    lost, fine = figures(found, "pd", "nothing"), figures(found, "lqr", "truth")
+    assert (lost.diverged, fine.diverged) == (2, 0)
+    alone = figures(run_study(study(course=course("lqr"), replicates=2)), "lqr", "truth")
+    np.testing.assert_allclose(fine.runs, alone.runs, rtol=1e-6)
+    data = json.loads(json.dumps(found.to_json(), allow_nan=False))
+    assert data["laws"][0]["joints"]["hip"]["rms_deg"] == {"mean": None, "std": None, "worst": None}
+    assert "Diverged, and not counted: pd told by nothing: 2." in str(found)
+
+
+def test_an_estimate_of_which_no_law_can_be_made_is_counted_as_lost(monkeypatch):
+    """The Riccati recursion does not converge on just any parameters; here it is made to refuse one replicate."""
+    what = study(course=course("lqr"))
+    one = exoid.identify(LEG, exoid.Recording(*_exact(), joint_names=LEG.joint_names), cutoff=40.0)
+    sound, odd = replace(one, values=np.array(TRUTH)), replace(one, values=1.5 * np.array(TRUTH))
+    make = Course.law
+
+    def refusing(self, name, known):
+        if known.coulomb[0] > 1.2 * KNOWN.coulomb[0]:
+            raise ExoidError("no stabilising gain")
+        return make(self, name, known)
+
+    monkeypatch.setattr(Course, "law", refusing)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        driven = drive(what, what.pieces[0], {"wls": [odd, sound]})
+    assert np.isnan(driven[1, 0]).all()
+    assert np.isfinite(driven[1, 1]).all()
+    assert np.isfinite(driven[0]).all()
+
+
+def test_a_study_without_laws_is_described_as_before():
+    """So that what was kept of it can be used."""
+    assert "course" not in study(course=None).to_json()
+    assert "laws" not in run_study(study(course=None, replicates=2)).to_json()
+    assert study().sha256 != study(course=course("pd")).sha256 != study(course=None).sha256
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: course("magic"), "no law magic"),
+        (course, "no law at all"),
+        (lambda: course("pd", "pd"), "pd, pd"),
+        (lambda: course("pd", kp=(1.0, 2.0, 3.0)), "3 gains for 2 joints"),
+        (lambda: study(course=course("pd", kp=(-1.0,))), "gains"),
+        (lambda: replace(course("pd"), periods=1), "1 periods"),
+        (lambda: study(course=replace(course("pd"), kp=(1.0,))), "1 Kp and 2 Kd"),
+        (lambda: study(course=replace(course("pd"), motion=on_leg(LEG, healthy_gait(5.0)))), "the motion asks"),
+        (lambda: study(estimators=("wls", "wls")), "name each once"),
+    ],
+)
+def test_courses_that_make_no_sense_are_refused(make, words):
+    with pytest.raises(ExoidError, match=words):
+        make()
+
+
+def test_terms_that_no_rig_has_are_refused():
+    terms = (*DEFAULT_TERMS, term_by_name("stribeck"))
+    model = TorqueModel(LEG, terms)
+    truth = plausible_truth(model, Scales.of(model, MotionLimits.of(LEG)).typical)
+    with pytest.raises(ExoidError, match="the rig has no such friction"):
+        study(terms=terms, truth=truth)
+
+
+@pytest.fixture
+def quick(monkeypatch, tmp_path):
+    """Strides of 4 s, in a folder of its own."""
+    monkeypatch.setattr(sys.modules["exoid.cli.study"], "PERIOD", 4.0)
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.usefixtures("quick")
+def test_the_command_prints_laws_as_a_table_or_json(capsys, monkeypatch):
+    options = ["--replicates", "2", "--duration", "12", "--protocols", "document", "--noise", "0.3"]
+
+    def run(*more):
+        monkeypatch.setattr(sys, "argv", ["exoid", "study", "cuhk", *options, *more])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        return (int(stop.value.code or 0), *capsys.readouterr())
+
+    code, out, _ = run("--laws", "pd_feedforward", "--kp", "80,20", "--kd", "8", "-o", "kept")
+    assert code == 0
+    assert "wls, knee" in out
+    assert "hip 80 / 8, knee 20 / 8" in out
+    code, again, _ = run("--laws", "pd_feedforward", "--kp", "80,20", "--kd", "8", "-o", "kept", "--json")
+    told = json.loads(again)["laws"][1]
+    assert (told["law"], told["knows"], told["diverged"]) == ("pd_feedforward", "wls", 0)
+    assert 0.0 < told["joints"]["knee"]["rms_deg"]["mean"] < 1.0
+    for wrong, words in (
+        (("--laws", "pd,magic"), "computed_torque"),
+        (("--laws", "pd", "--kp", "stiff"), "--kp stiff"),
+        (("--course", "gait"), "--course has no effect"),
+        (("--kd", "3"), "--kd has no effect"),
+    ):
+        code, out, err = run(*wrong)
+        assert (code, out, err.count("\n")) == (2, "", 1)
+        assert words in err
+
+
+@pytest.mark.usefixtures("quick")
+def test_a_leg_that_has_no_gait_follows_a_plan(capsys, monkeypatch, tmp_path):
+    """Joints of another name: the error says which option helps."""
+    text = LEG.description.text.replace("left_hip", "left_shoulder").replace("left_knee", "left_elbow")
+    (tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
+    options = ["arm.urdf", "--joints", "left_shoulder,left_elbow", "--replicates", "2", "--duration", "12"]
+    for more, code in (((), 2), (("--course", "planned"), 0)):
+        monkeypatch.setattr(sys, "argv", ["exoid", "study", *options, "--laws", "pd", *more])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        assert int(stop.value.code or 0) == code
+        out, err = capsys.readouterr()
+        assert "--course planned" in err if code else "nothing," in out
