@@ -11,7 +11,7 @@ from sessions import TERMS, Session
 import exoid
 from exoid import ExoidError, identify_together
 from exoid.identification.estimators import JointML
-from exoid.identification.sources import Cluster
+from exoid.signals import Cluster
 from exoid.torques import Free, LoadFriction, Stribeck
 
 

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from exoid.errors import ExoidError
 from exoid.identification.identify import check_recordings
-from exoid.identification.sources import Cluster
 from exoid.identification.survey import SMALLEST_MOTION, Survey, refuse_still_joints
 from exoid.leg import Leg
-from exoid.signals import Poses, Recording
+from exoid.signals import Cluster, Poses, Recording
 from exoid.signals import Recordings as OnDisk
 from exoid.signals.recordings import Stored
 from exoid.torques import TorqueModel

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
+import numpy as np
+
 from exoid.errors import ExoidError
 from exoid.identification.assumed import Assumed, Prior
 from exoid.identification.diagnostics import judge_sizes
@@ -32,7 +34,7 @@ from .layout import Layout
 from .outcome import Outcome
 from .problem import JointProblem
 from .result import Together
-from .trust import degrees_of_freedom
+from .trust import samples_left
 
 POINTWISE: Mapping[str, Callable[[Stacked], Fit]] = {"gls": gls, "huber": huber, "ols": ols, "wls": wls}
 """Estimators that weigh rows, whichever leg they come from."""
@@ -121,9 +123,10 @@ def _solve(
     outcome = Outcome.of(problem, inputs, estimator(problem), name_of(estimator), white=white)
     fit, covariance, samples = outcome.fit, outcome.covariance, outcome.samples
     agreement = shared_agreement(problem, estimator, samples, white=white)
-    dofs = degrees_of_freedom(problem, fit.solution, fit.weights, samples)
+    left = samples_left(problem, fit.solution, fit.weights, samples)
+    dofs = left.each if outcome.dofs is None else np.clip(outcome.dofs, 1.0, left.each)
     doubts = (*fit.remarks, *agreement.warnings)
-    estimates = {group: outcome.estimate(k, dofs, doubts) for k, group in enumerate(groups)}
+    estimates = {group: outcome.estimate(k, left.groups[k], dofs, doubts) for k, group in enumerate(groups)}
     return Together(
         estimates=estimates,
         layout=layout,

@@ -12,12 +12,12 @@ from exoid.identification.diagnostics import JointNoise, judge_noise, judge_size
 from exoid.identification.estimate import Estimate, Input
 from exoid.identification.estimators import Fit
 from exoid.identification.influence import Influence, leave_out
-from exoid.identification.residuals import Noises, Point, sandwich
+from exoid.identification.residuals import Noises, Point
 from exoid.identification.rows import Triangle, join, rms_residual
 from exoid.identification.trends import Trend, remarks, residual_trends
 
 from .problem import JointProblem
-from .trust import condition_number
+from .trust import condition_number, noise_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +31,7 @@ class Outcome:
         estimator: Name of the estimator.
         covariance: Of all parameters, (P, P).
         noises: Noise of each kind and joint.
+        dofs: Degrees of freedom of each parameter's variance by what is known of the noise, (P,); None if it is white.
         white: Whether the covariance assumes white noise.
     """
 
@@ -40,16 +41,13 @@ class Outcome:
     estimator: str
     covariance: FloatArray
     noises: Noises
+    dofs: FloatArray | None
     white: bool
 
     @staticmethod
     def of(problem: JointProblem, inputs: tuple[Input, ...], fit: Fit, estimator: str, *, white: bool) -> Outcome:
         """Find noise and covariance of a fit."""
-        covariance, noises = fit.solution.covariance, fit.noises
-        if noises is None:
-            found = sandwich(problem, fit.point, fit.solution)
-            covariance, noises = covariance if white else found.covariance, found.noises
-        return Outcome(problem, inputs, fit, estimator, covariance, noises, white)
+        return Outcome(problem, inputs, fit, estimator, *noise_of(problem, fit, white=white), white)
 
     @cached_property
     def noise(self) -> list[tuple[JointNoise, ...]]:
@@ -95,12 +93,13 @@ class Outcome:
         alone, whitened = self.problem.problems[group], self.fit.noises is not None
         return residual_trends(alone, self.point(group), noises, solution, self.covariance[block], whitened=whitened)
 
-    def estimate(self, group: int, dofs: FloatArray, doubts: tuple[str, ...]) -> Estimate:
+    def estimate(self, group: int, dof: float, dofs: FloatArray, doubts: tuple[str, ...]) -> Estimate:
         """Make the estimate of one group, its covariance the group's block of the whole.
 
         Args:
             group: Its index.
-            dofs: Degrees of freedom of all parameters; the smallest of the group's counts, (P,).
+            dof: Degrees of freedom of its residuals.
+            dofs: Of the variance of each of all parameters, (P,).
             doubts: Warnings that all groups have in common.
         """
         layout, solution = self.problem.layout, self.fit.solution
@@ -114,7 +113,8 @@ class Outcome:
             values=values,
             covariance=covariance,
             condition_number=condition_number(solution.inverse, places),
-            dof=float(dofs[places].min()),
+            dof=float(dof),
+            dof_each=dofs[places],
             residual_rms=np.array([rms_residual(joint, values) for joint in zip(*alone.groups, strict=True)]),
             estimator=self.fit.name or self.estimator,
             preparation=alone.preparation,

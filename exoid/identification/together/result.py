@@ -155,7 +155,7 @@ class Together:
         variances = np.diag(C)
         dof = welch(variances[one], variances[other], self.dofs[one], self.dofs[other])
         units = tuple(self.units[k] for k in one)
-        least = float(self.dofs[[*one, *other]].min())
+        least = min(self[group].dof for group in (first, second))
         return wald(self.own, units, self.values[other] - self.values[one], covariance, dof, least)
 
     def __repr__(self) -> str:
