@@ -121,7 +121,7 @@ def test_one_group_is_the_same_as_identify(leg, days, estimator, noise):
         found = identify_together(leg, {"all": recordings}, TERMS, estimator, noise=noise, own=own)["all"]
         np.testing.assert_allclose(found.values, expected.values, rtol=1e-8, atol=1e-10)
         np.testing.assert_allclose(found.covariance, expected.covariance, rtol=1e-6, atol=1e-9 * expected.std.max())
-        for name in ("condition_number", "dof", "dof_each", "residual_rms", "sizes"):
+        for name in ("condition_number", "dof", "dof_each", "residual_rms", "sizes", "calm_sizes", "collinearity"):
             np.testing.assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-6, err_msg=name)
         np.testing.assert_allclose(found.influence.change, expected.influence.change, atol=1e-6)
         np.testing.assert_allclose([t.p_value for t in found.trends], [t.p_value for t in expected.trends], atol=1e-6)

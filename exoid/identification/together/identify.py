@@ -6,16 +6,17 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.assumed import Assumed, Prior
 from exoid.identification.diagnostics import judge_sizes
-from exoid.identification.estimate import Estimate, Input
+from exoid.identification.estimate import Estimate
 from exoid.identification.estimators import Estimator, Fit, find_estimator, gls, huber, name_of, ols, wls
 from exoid.identification.identify import check_noise, check_terms, choose_preparation
 from exoid.identification.problem import Problem
 from exoid.identification.rows import join, refuse_empty_joints
 from exoid.identification.stacked import Stacked
-from exoid.identification.survey import refuse_dead_torques, survey
+from exoid.identification.survey import Survey, refuse_dead_torques, survey
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel, free_shapes
@@ -111,21 +112,22 @@ def identify_together(
             refuse_empty_joints(model, [join(triangles) for triangles in zip(*problem.groups, strict=True)])
             problem.forget()
         problems.append(problem)
-    inputs = tuple(one.evidence for of_group in surveys.values() for one in of_group)
-    return _solve(JointProblem(tuple(problems), layout, spread), inputs, chosen, white=noise == "white")
+    joint = JointProblem(tuple(problems), layout, spread)
+    return _solve(joint, list(surveys.values()), chosen, white=noise == "white")
 
 
 def _solve(
-    problem: JointProblem, inputs: tuple[Input, ...], estimator: Callable[[Stacked], Fit], *, white: bool
+    problem: JointProblem, surveys: Sequence[Sequence[Survey]], estimator: Callable[[Stacked], Fit], *, white: bool
 ) -> Together:
     """Fit, and look at what is left over, group by group."""
     layout, groups = problem.layout, problem.layout.groups
-    outcome = Outcome.of(problem, inputs, estimator(problem), name_of(estimator), white=white)
+    outcome = Outcome.of(problem, surveys, estimator(problem), name_of(estimator), white=white)
     fit, covariance, samples = outcome.fit, outcome.covariance, outcome.samples
     agreement = shared_agreement(problem, estimator, samples, white=white)
     left = samples_left(problem, fit.solution, fit.weights, samples)
     dofs = left.each if outcome.dofs is None else np.clip(outcome.dofs, 1.0, left.each)
-    doubts = (*fit.remarks, *agreement.warnings)
+    collinearity = fit.solution.collinearity
+    doubts = (*fit.remarks, *collinearity.remarks(layout.names), *agreement.warnings)
     estimates = {group: outcome.estimate(k, left.groups[k], dofs, doubts) for k, group in enumerate(groups)}
     return Together(
         estimates=estimates,
@@ -134,6 +136,8 @@ def _solve(
         covariance=covariance,
         dofs=dofs,
         sizes=judge_sizes(problem.triangles),
+        calm_sizes=_smallest(layout, outcome.calm_sizes),
+        collinearity=collinearity.indices,
         condition_number=fit.solution.condition_number,
         assumed=problem.assumed,
         equal=own_equality(layout, fit.solution.values, covariance, dofs),
@@ -142,6 +146,14 @@ def _solve(
         warnings=(*doubts, *_of_groups(estimates, len(doubts))),
         notes=(*_merged(problem), *agreement.notes),
     )
+
+
+def _smallest(layout: Layout, of_groups: Sequence[FloatArray]) -> FloatArray:
+    """Smallest number that any group has for each parameter, (P,)."""
+    smallest = np.full(len(layout.names), np.inf)
+    for places, numbers in zip(layout.places, of_groups, strict=True):
+        smallest[places] = np.minimum(smallest[places], numbers)
+    return smallest
 
 
 def _of_groups(estimates: Mapping[str, Estimate], common: int) -> tuple[str, ...]:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.identification.diagnostics import JointNoise, judge_noise, judge_sizes, negative
+from exoid.identification.diagnostics import JointNoise, calm_sizes, judge_noise, judge_sizes, negative
 from exoid.identification.estimate import Estimate, Input
 from exoid.identification.estimators import Fit
 from exoid.identification.influence import Influence, leave_out
 from exoid.identification.residuals import Noises, Point
 from exoid.identification.rows import Triangle, join, rms_residual
+from exoid.identification.survey import Survey, angles
 from exoid.identification.trends import Trend, remarks, residual_trends
 
 from .problem import JointProblem
@@ -26,7 +28,7 @@ class Outcome:
 
     Attributes:
         problem: The problem.
-        inputs: All recordings: the errors of every group come from all of them.
+        surveys: Of the recordings of each group.
         fit: Its solution.
         estimator: Name of the estimator.
         covariance: Of all parameters, (P, P).
@@ -36,7 +38,7 @@ class Outcome:
     """
 
     problem: JointProblem
-    inputs: tuple[Input, ...]
+    surveys: Sequence[Sequence[Survey]]
     fit: Fit
     estimator: str
     covariance: FloatArray
@@ -45,9 +47,11 @@ class Outcome:
     white: bool
 
     @staticmethod
-    def of(problem: JointProblem, inputs: tuple[Input, ...], fit: Fit, estimator: str, *, white: bool) -> Outcome:
+    def of(
+        problem: JointProblem, surveys: Sequence[Sequence[Survey]], fit: Fit, estimator: str, *, white: bool
+    ) -> Outcome:
         """Find noise and covariance of a fit."""
-        return Outcome(problem, inputs, fit, estimator, *noise_of(problem, fit, white=white), white)
+        return Outcome(problem, surveys, fit, estimator, *noise_of(problem, fit, white=white), white)
 
     @cached_property
     def noise(self) -> list[tuple[JointNoise, ...]]:
@@ -67,18 +71,29 @@ class Outcome:
         return [sum(joint.effective_samples for joint in joints) for joints in self.noise]
 
     @cached_property
+    def inputs(self) -> tuple[Input, ...]:
+        """All recordings: the errors of every group come from all of them."""
+        return tuple(one.evidence for surveys in self.surveys for one in surveys)
+
+    @cached_property
+    def calm_sizes(self) -> list[FloatArray]:
+        """Of parameters that would explain all torque of a calm exercise alone, for each group."""
+        pairs = zip(self.problem.problems, self.surveys, strict=True)
+        return [calm_sizes(problem.model, *angles(surveys), problem.triangles) for problem, surveys in pairs]
+
+    @cached_property
     def influence(self) -> Influence | None:
         """Influence of each recording on all parameters; nothing for one recording."""
         if len(self.inputs) < 2:
             return None
         each = self.problem.recordings(self.fit.weights)
-        whole = self.problem.solve(join(each)).values
+        whole = self.problem.solve(join(each))
         names, std = [source.name for source in self.inputs], np.sqrt(np.diag(self.covariance))
 
         def without(index: int, others: Triangle) -> FloatArray:
-            return self.problem.without(index, others, whole)
+            return self.problem.without(index, others, whole.values)
 
-        return leave_out(each, names, without, whole, self.fit.solution.inverse, std)
+        return leave_out(each, names, without, whole, std)
 
     def point(self, group: int) -> Point:
         """Where residuals of one group are to be looked at."""
@@ -121,9 +136,21 @@ class Outcome:
             inputs=self.inputs,
             noise=self.noise[group],
             sizes=judge_sizes(alone.triangles),
+            calm_sizes=self.calm_sizes[group],
+            collinearity=solution.collinearity.indices[places],
+            prior_gains=self._prior_gains(group),
             warnings=(*doubts, *own_doubts),
             assumed=layout.assumed_by(group, self.problem.assumed),
             bounded=tuple(names[name] for name in bounded if name in names),
             influence=None if self.influence is None else self.influence.at(places),
             trends=trends,
         )
+
+    def _prior_gains(self, group: int) -> FloatArray:
+        """How far the parameters of one group follow its priors, (P, K)."""
+        layout, assumed = self.problem.layout, self.problem.assumed
+        names = layout.names_of(group)
+        mine = [k for k, name in enumerate(assumed.prior.values) if name in names]
+        if not mine:
+            return np.zeros((0, 0))
+        return self.fit.solution.prior_gains(layout.names, assumed)[layout.places[group]][:, mine]
