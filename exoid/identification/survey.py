@@ -151,7 +151,8 @@ def refuse_dead_torques(model: TorqueModel, surveys: Sequence[Survey]) -> None:
 
 
 def _torques(tau: FloatArray) -> Torques:
-    first, middle = tau[0], np.median(tau[:: 1 + len(tau) // LOOKED_AT], axis=0)
+    first = tau[0].copy()  # a view would keep all of it
+    middle = np.median(tau[:: 1 + len(tau) // LOOKED_AT], axis=0)
     return Torques(first, (tau == first).all(axis=0), middle, (tau == middle).mean(axis=0))
 
 
