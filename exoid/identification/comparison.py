@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
@@ -19,6 +21,10 @@ SIGNIFICANT = 0.05
 
 RANK = 1e-10
 """Directions whose variance, in units of the parameters' own, is below this count as known exactly by both."""
+
+
+FloatsByName = Mapping[str, FloatArray]
+"""A number of each parameter, by the name of a prior."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -35,6 +41,7 @@ class Comparison:
             not one in twenty parameters, is called different, (P,).
         statistic: F of all together.
         p_value: Of all together.
+        remarks: What the reader should know of what both estimates were told.
     """
 
     names: tuple[str, ...]
@@ -45,6 +52,7 @@ class Comparison:
     adjusted: FloatArray
     statistic: float
     p_value: float
+    remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Forbid changes."""
@@ -76,6 +84,7 @@ class Comparison:
             table,
             f"all together: F = {self.statistic:.2f}, p = {self.p_value:.2g}: {verdict}",
             f"different at 5 % of all: {names or 'none'}",
+            *(f"note: {remark}" for remark in self.remarks),
         )
 
     def _different(self) -> list[str]:
@@ -86,7 +95,9 @@ def compare(first: Estimate, second: Estimate) -> Comparison:
     """Test whether two estimates of the same parameters agree: left and right, before and after, with and without.
 
     With d = β₂ − β₁ on the common names and C = C₁ + C₂, each d_i / √C_ii follows Student's t with the degrees of
-    freedom of Welch and Satterthwaite, and dᵀ C⁻¹ d Hotelling's T², if both legs are the same.
+    freedom of Welch and Satterthwaite, and dᵀ C⁻¹ d Hotelling's T², if both legs are the same. A prior that both were
+    given errs in both alike: of its variance σ² only (g₂ − g₁) σ² (g₂ − g₁)ᵀ is left, g = ∂β/∂p being how far each
+    follows it. Parameters that were held fixed in both are not tested.
 
     Args:
         first: An estimate.
@@ -112,9 +123,20 @@ def compare(first: Estimate, second: Estimate) -> Comparison:
     if units != tuple(second.units[k] for k in other):
         raise ExoidError("units of the common parameters differ", remedy="compare estimates of legs of one kind")
     difference = second.values[other] - first.values[one]
-    C1, C2 = first.covariance[np.ix_(one, one)], second.covariance[np.ix_(other, other)]
-    dof = welch(np.diag(C1), np.diag(C2), first.dof_each[one], second.dof_each[other])
-    return wald(names, units, difference, C1 + C2, dof, min(first.dof, second.dof))
+    own = _own(first)[np.ix_(one, one)], _own(second)[np.ix_(other, other)]
+    spread = (
+        {name: x[one] for name, x in _spread(first).items()},
+        {name: x[other] for name, x in _spread(second).items()},
+    )
+    of_both = _priors_of_both(first, second)
+    common = [name for name in of_both if all(name in of_one for of_one in spread)]
+    C = own[0] + own[1] + _of_priors(*spread, common, len(names))
+    v1, v2 = (np.diag(each) for each in own)
+    dof = welch(v1, v2, first.dof_each[one], second.dof_each[other])
+    dof *= np.divide(np.diag(C), v1 + v2, out=np.ones(len(names)), where=v1 + v2 > 0.0) ** 2  # priors are certain
+    held = np.array([name in first.assumed.known and name in second.assumed.known for name in names])
+    told = _told(first, second, [name for name in of_both if name not in common])
+    return wald(names, units, difference, C, dof, min(first.dof, second.dof), held=held, remarks=told)
 
 
 def wald(
@@ -124,6 +146,9 @@ def wald(
     covariance: FloatArray,
     dof: FloatArray,
     least: float,
+    *,
+    held: NDArray[np.bool_] | None = None,
+    remarks: tuple[str, ...] = (),
 ) -> Comparison:
     """Test whether differences are zero, each alone and all together.
 
@@ -134,11 +159,59 @@ def wald(
         covariance: Of the differences, (P, P).
         dof: Degrees of freedom of each, (P,).
         least: Of all together.
+        held: Parameters that are not tested, (P,).
+        remarks: For the reader.
     """
     std = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
-    p_values = _each(difference, std, dof)
-    statistic, p_value = hotelling(difference, covariance, least)
-    return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value)
+    tested = np.ones(len(names), dtype=np.bool_) if held is None else ~held
+    p_values = np.where(tested, _each(difference, std, dof), 1.0)
+    statistic, p_value = hotelling(difference[tested], covariance[np.ix_(tested, tested)], least)
+    return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value, remarks)
+
+
+def _own(estimate: Estimate) -> FloatArray:
+    """Covariance without what the errors of priors put into it, where that is known."""
+    spread = _spread(estimate)
+    if not spread:
+        return estimate.covariance
+    sizes, vectors = np.linalg.eigh(estimate.covariance - sum(np.multiply.outer(x, x) for x in spread.values()))
+    return np.asarray(vectors * np.clip(sizes, 0.0, None) @ vectors.T)
+
+
+def _spread(estimate: Estimate) -> dict[str, FloatArray]:
+    """How far an error of one standard deviation of each prior moves the parameters, (P,), where that is known."""
+    pairs = estimate.assumed.prior.values.items()
+    if not estimate.prior_gains.size:
+        return {}
+    return {name: std * gain for (name, (_, std)), gain in zip(pairs, estimate.prior_gains.T, strict=True)}
+
+
+def _of_priors(first: FloatsByName, second: FloatsByName, shared: Collection[str], size: int) -> FloatArray:
+    """Covariance that the errors of priors give to the difference; what is shared cancels as far as both follow it."""
+    both = [second[name] - first[name] for name in shared]
+    single = [x for spread in (first, second) for name, x in spread.items() if name not in shared]
+    return sum((np.multiply.outer(x, x) for x in both + single), start=np.zeros((size, size)))
+
+
+def _priors_of_both(first: Estimate, second: Estimate) -> list[str]:
+    """Name priors that both were given, the same in value and standard deviation."""
+    priors = second.assumed.prior.values
+    return [name for name, pair in first.assumed.prior.values.items() if priors.get(name) == pair]
+
+
+def _told(first: Estimate, second: Estimate, unknown: Collection[str]) -> tuple[str, ...]:
+    """Say what differs in what both were told, and which priors count twice."""
+    held, held_too = first.assumed.known, second.assumed.known
+    unlike = [f"{name} ({x:.6g} and {held_too[name]:.6g})" for name, x in held.items() if held_too.get(name, x) != x]
+    told = []
+    if unlike:
+        told.append(f"{', '.join(unlike)} held at different values: that was assumed, not found, and may move others")
+    if unknown:
+        told.append(
+            f"both were given the same prior of {', '.join(unknown)}, whose error is counted as if it were two: "
+            "differences may be surer than stated"
+        )
+    return tuple(told)
 
 
 def comparison_to_json(comparison: Comparison) -> dict[str, Any]:
@@ -147,6 +220,7 @@ def comparison_to_json(comparison: Comparison) -> dict[str, Any]:
     return {
         **{key: dict(zip(comparison.names, getattr(comparison, key).tolist(), strict=True)) for key in by_name},
         "units": dict(zip(comparison.names, comparison.units, strict=True)),
+        "remarks": list(comparison.remarks),
         "statistic": comparison.statistic,
         "p_value": comparison.p_value,
     }
@@ -167,6 +241,8 @@ def _each(difference: FloatArray, std: FloatArray, dof: FloatArray) -> FloatArra
 
 def hotelling(difference: FloatArray, covariance: FloatArray, dof: float) -> tuple[float, float]:
     """Hotelling's T² as F, with the smaller degrees of freedom of the two."""
+    if not len(difference):
+        return 0.0, 1.0
     std = np.sqrt(np.diag(covariance))
     std = np.where(std > 0.0, std, 1.0)
     sizes, vectors = np.linalg.eigh(covariance / np.multiply.outer(std, std))

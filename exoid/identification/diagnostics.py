@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -12,6 +13,7 @@ from exoid._typing import FloatArray
 from exoid.torques import TorqueModel
 
 from .assumed import Assumed
+from .collinearity import HOPELESS, ILL_CONDITIONED
 from .noise import LagSums
 from .problem import Kind, Problem
 from .residuals import Noises, Point, Series, over_recordings
@@ -34,6 +36,12 @@ BELOW_ZERO = 0.005
 
 CANCELS = 3.0
 """A value that alone would give so many times all torque of a joint only cancels another, whatever its error."""
+
+SPEED, ACCELERATION = 1.0, np.pi
+"""Up to which joints move in a calm exercise, 0.5 Hz and ±18° [rad/s, rad/s²]."""
+
+STATES = 1000
+"""Of calm exercises are looked at."""
 
 LAGS = 10
 """Autocorrelations that are tested for whiteness."""
@@ -106,14 +114,46 @@ def judge_sizes(triangles: Sequence[Triangle]) -> FloatArray:
     return np.where(np.isfinite(sizes), sizes, 0.0)
 
 
-def verdict(value: float, std: float, size: float) -> str:
-    """Say how well a parameter is determined: "well", "weakly" or "not"."""
-    if abs(value) > CANCELS * size > 0.0:
+def calm_sizes(
+    model: TorqueModel, lowest: FloatArray, highest: FloatArray, triangles: Sequence[Triangle]
+) -> FloatArray:
+    """Return what :func:`judge_sizes` would if joints had moved as in a calm exercise at the angles recorded, (P,).
+
+    A parameter that the recordings hardly excite would have to be huge to explain their torque, and any error of it
+    would look small: a slow motion does not make an inertia sure. Nor does friction that acts for moments only: such a
+    column counts by its largest value, over √3 like one that is spread evenly.
+
+    Args:
+        model: The model.
+        lowest: Smallest angle of each joint in all recordings [rad], (n,).
+        highest: Largest.
+        triangles: Rows of each joint, in motion and at rest.
+    """
+    rng = np.random.default_rng(0)
+    q, v, a = rng.uniform(-1.0, 1.0, (3, STATES, len(lowest)))
+    q = 0.5 * (lowest + highest) + 0.5 * (highest - lowest) * q
+    columns = np.abs(model.regressor(q, SPEED * v, ACCELERATION * a)).max(axis=0) / math.sqrt(3.0)
+    joints = len(columns)
+    squares = np.array([[t.R[:, -1] @ t.R[:, -1], t.rows] for t in triangles]).reshape(-1, joints, 2).sum(axis=0)
+    torques = np.sqrt(squares[:, :1] / np.maximum(squares[:, 1:], 1.0))
+    sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=columns > 0.0).min(axis=0)
+    return np.where(np.isfinite(sizes), sizes, 0.0)
+
+
+def verdict(value: float, std: float, size: float, calm: float = np.inf, index: float = 1.0) -> str:
+    """Say how well a parameter is determined: "well", "weakly" or "not".
+
+    Args:
+        value: Of the parameter.
+        std: Its standard deviation.
+        size: See :func:`judge_sizes`.
+        calm: See :func:`calm_sizes`.
+        index: Its condition index, see :class:`~exoid.identification.collinearity.Collinearity`.
+    """
+    scale = max(abs(value), SIZE * min(size, calm))
+    if abs(value) > CANCELS * size > 0.0 or std > WEAKLY * scale or index > HOPELESS:
         return "not"
-    scale = max(abs(value), SIZE * size)
-    if std <= WELL * scale:
-        return "well"
-    return "weakly" if std <= WEAKLY * scale else "not"
+    return "weakly" if std > WELL * scale or index > ILL_CONDITIONED else "well"
 
 
 def verdict_beside(name: str, assumed: Assumed, std: float, of_data: str) -> str:

@@ -30,6 +30,10 @@ if TYPE_CHECKING:
     from .export import Export
 
 
+LARGE = 1e300
+"""Stands for what is infinite, as files hold finite numbers."""
+
+
 @dataclass(frozen=True)
 class Input:
     """One recording that went into an estimate.
@@ -65,6 +69,11 @@ class Estimate:
         inputs: What was identified from.
         noise: What the residuals of each joint look like, n of them, or none.
         sizes: Of parameters that would explain all torque of a joint alone, (P,); see :attr:`verdicts`.
+        calm_sizes: The same had joints moved as in a calm exercise; as good as infinite in older files, (P,).
+        collinearity: Condition index of each parameter: half of its variance comes from directions that the recordings
+            see so many times worse than the best; 1 in older files, (P,).
+        prior_gains: How far each parameter follows the value of each prior, ∂β/∂p, (P, K); empty where that is not
+            known, as of ``ml``, output error and older files.
         warnings: What makes this estimate doubtful.
         assumed: What was known beside the recordings.
         bounded: Parameters that would have become negative and were kept at zero. Intervals are then centred there, as
@@ -93,16 +102,22 @@ class Estimate:
     trends: tuple[Trend, ...] = ()
     shapes: Shapes = field(default_factory=Shapes)
     dof_each: FloatArray = field(default_factory=lambda: np.zeros(0))
+    calm_sizes: FloatArray = field(default_factory=lambda: np.zeros(0))
+    collinearity: FloatArray = field(default_factory=lambda: np.zeros(0))
+    prior_gains: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
         count, joints = len(self.names), len(self.joint_names)
         if self.sizes is None:
             object.__setattr__(self, "sizes", np.zeros(count))
-        if not len(self.dof_each):
-            object.__setattr__(self, "dof_each", np.full(count, self.dof))
+        missing = {"dof_each": self.dof, "calm_sizes": LARGE, "collinearity": 1.0}
+        for name, number in missing.items():
+            if not len(getattr(self, name)):
+                object.__setattr__(self, name, np.full(count, number))
         shapes = {"values": (count,), "covariance": (count, count), "residual_rms": (joints,), "sizes": (count,)}
-        shapes["dof_each"] = (count,)
+        shapes.update(dict.fromkeys(missing, (count,)))
+        shapes["prior_gains"] = (count, len(self.assumed.prior.values)) if np.size(self.prior_gains) else (0, 0)
         for name, shape in shapes.items():
             array = np.array(getattr(self, name), dtype=np.float64)
             if array.shape != shape or not np.isfinite(array).all():
@@ -115,7 +130,8 @@ class Estimate:
         object.__setattr__(self, "model", self.model.loaded_by(self.values))
         if len(self.noise) not in (0, joints):
             raise ExoidError(f"noise of {len(self.noise)} joints, not {joints}", remedy="identify again")
-        if not (self.dof > 0.0 and self.condition_number >= 1.0 and (np.diag(self.covariance) >= 0.0).all()):
+        positive = min(self.dof, *self.dof_each) > 0.0 and (np.diag(self.covariance) >= 0.0).all()
+        if not (positive and self.condition_number >= 1.0):
             raise ExoidError(
                 "degrees of freedom, condition number or a variance is not what a least-squares fit gives",
                 remedy="identify again",
@@ -159,14 +175,16 @@ class Estimate:
         """How well each parameter is determined: "well", "weakly" or "not"; or "known", or "prior".
 
         Well if the standard deviation is at most 10 % of the value, weakly if at most 30 %. For values near zero it is
-        10 and 30 % of a tenth of the value that would explain all torque of a joint alone. Known is what was held
-        fixed, and prior what the prior knows better than the recordings. A value that would give three times all torque
-        of a joint is not determined: it only cancels another.
+        10 and 30 % of a tenth of the value that would explain all torque of a joint alone, in these recordings or in a
+        calm exercise. Known is what was held fixed, and prior what the prior knows better than the recordings. A value
+        that would give three times all torque of a joint is not determined: it only cancels another. And what moves
+        together with others is at best weakly determined from a condition index of 100 on, and not from 300 on.
         """
         sizes = np.zeros(len(self.values)) if self.sizes is None else self.sizes
+        numbers = zip(self.values, self.std, sizes, self.calm_sizes, self.collinearity, strict=True)
         return tuple(
-            verdict_beside(name, self.assumed, std, verdict(value, std, size))
-            for name, value, std, size in zip(self.names, self.values, self.std, sizes, strict=True)
+            verdict_beside(name, self.assumed, each[1], verdict(*each))
+            for name, each in zip(self.names, numbers, strict=True)
         )
 
     def interval(self, level: float = 0.95) -> FloatArray:

@@ -78,10 +78,13 @@ def estimate_to_json(estimate: Estimate) -> dict[str, Any]:
         "preparation": preparation_to_json(estimate.preparation),
         "noise": {name: asdict(of_joint) for name, of_joint in zip(estimate.joint_names, estimate.noise, strict=False)},
         "sizes": dict(zip(estimate.names, np.asarray(estimate.sizes).tolist(), strict=True)),
+        "calm_sizes": dict(zip(estimate.names, estimate.calm_sizes.tolist(), strict=True)),
+        "collinearity": dict(zip(estimate.names, estimate.collinearity.tolist(), strict=True)),
         "determined": dict(zip(estimate.names, estimate.verdicts, strict=True)),
         "warnings": list(estimate.warnings),
         "known": dict(estimate.assumed.known),
         "prior": {name: list(pair) for name, pair in estimate.assumed.prior.values.items()},
+        "prior_gains": estimate.prior_gains.tolist(),
         "nonnegative": estimate.assumed.nonnegative,
         "bounded": list(estimate.bounded),
         "trends": trends_to_json(estimate.trends),
@@ -140,7 +143,10 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
         trends=trends_from_json(data.get("trends", [])),
         influence=influence_from_json(data.get("influence", []), model.names),
         shapes=_shapes(data.get("shapes", {})),
-        dof_each=_dof_each(data.get("degrees_of_freedom_each"), model.names),
+        dof_each=_of_each(data.get("degrees_of_freedom_each"), model.names),
+        calm_sizes=_of_each(data.get("calm_sizes"), model.names),
+        prior_gains=_prior_gains(data.get("prior_gains", [])),
+        collinearity=_of_each(data.get("collinearity"), model.names),
     )
 
 
@@ -198,9 +204,14 @@ def _sizes(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray
     return None if data is None else np.array([data[name] for name in names], dtype=np.float64)
 
 
-def _dof_each(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray:
-    """Read degrees of freedom by name; older files have one number for all."""
+def _of_each(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray:
+    """Read numbers by name; nothing of what older files do not have."""
     return np.zeros(0) if data is None else np.array([data[name] for name in names], dtype=np.float64)
+
+
+def _prior_gains(data: Sequence[Sequence[float]]) -> FloatArray:
+    """Read how far parameters follow priors; older files do not say."""
+    return np.array(data, dtype=np.float64) if np.size(data) else np.zeros((0, 0))
 
 
 def _warnings(data: Sequence[str]) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from exoid.torques import DEFAULT_TERMS, Term
 
 from .assumed import Assumed, Prior
 from .degrees_of_freedom import degrees_of_freedom
-from .diagnostics import judge_noise, judge_sizes, negative
+from .diagnostics import calm_sizes, judge_noise, judge_sizes, negative
 from .estimate import Estimate
 from .estimators import Estimator, find_estimator, name_of
 from .fitting import Task, starting_model
@@ -25,7 +25,7 @@ from .residuals import sandwich
 from .rows import rms_residual
 from .separable import fit_model
 from .sources import go_over
-from .survey import Survey, refuse_dead_torques, refuse_still_joints, survey
+from .survey import Survey, angles, refuse_dead_torques, refuse_still_joints, survey
 from .trends import remarks, residual_trends
 
 NOISES = ("correlated", "white")
@@ -111,10 +111,17 @@ def identify(
     else:
         dof = max(1.0, independent - int(assumed.free(problem.names).sum()))
     inputs = tuple(one.evidence for one in surveys)
+    followed = prior and (fit.noises is None or fit.dofs is not None)  # ml and output error minimise something else
     trends = residual_trends(problem, fit.point, noises, solution, covariance, whitened=fit.noises is not None)
     std = np.sqrt(np.diag(covariance))
     shapes = fitted.shapes.with_covariance(problem.names[count:], covariance[count:, count:])
-    doubts = (*shapes.doubts, *negative(fitted.model, fitted.values, std[:count]), *remarks(trends))
+    collinearity = solution.collinearity
+    doubts = (
+        *shapes.doubts,
+        *collinearity.remarks(problem.names),
+        *negative(fitted.model, fitted.values, std[:count]),
+        *remarks(trends),
+    )
     return Estimate(
         model=fitted.model,
         values=fitted.values,
@@ -128,6 +135,9 @@ def identify(
         inputs=inputs,
         noise=judged,
         sizes=judge_sizes(problem.triangles)[:count],
+        calm_sizes=calm_sizes(fitted.model.loaded_by(fitted.values), *angles(surveys), problem.triangles),
+        collinearity=collinearity.indices[:count],
+        prior_gains=solution.prior_gains(problem.names, assumed)[:count] if followed else np.zeros((0, 0)),
         warnings=(*fitted.remarks, *doubts),
         shapes=shapes,
         assumed=assumed,

@@ -13,6 +13,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .estimators import Fit
+from .least_squares import Solution
 from .problem import Problem
 from .rows import Triangle, join
 
@@ -33,19 +34,16 @@ class Influence(NamedTuple):
         recordings: Their names.
         change: Estimate without the recording less the estimate with it, in standard deviations of the latter;
             infinite where the others do not suffice, (R, P).
-        share: Part of what is known of a parameter that comes from the recording; they add up to 1 where there is no
-            prior, (R, P).
+        share: Part of what is known of a parameter that comes from the recording, between 0 and 1; with the part of
+            priors they add up to 1, (R, P).
+        expected: Standard deviation of the change where all recordings are of the same leg; 0 where the others do not
+            suffice, (R, P).
     """
 
     recordings: tuple[str, ...]
     change: FloatArray
     share: FloatArray
-
-    @property
-    def expected(self) -> FloatArray:
-        """Standard deviation of the change where all recordings are of the same leg, √(share / (1 − share)), (R, P)."""
-        share = np.clip(self.share, 0.0, 1.0 - TINY)
-        return np.asarray(np.sqrt(share / (1.0 - share)))
+    expected: FloatArray
 
     def of(self, count: int) -> Influence:
         """Keep the first so many parameters."""
@@ -53,7 +51,7 @@ class Influence(NamedTuple):
 
     def at(self, places: slice | NDArray[np.intp]) -> Influence:
         """Keep the parameters at these places."""
-        return Influence(self.recordings, self.change[:, places], self.share[:, places])
+        return Influence(self.recordings, *(array[:, places] for array in self[1:]))
 
     def strongest(self, limit: float | FloatArray) -> list[tuple[str, list[int]]]:
         """Name recordings that move parameters by more than so many standard deviations, one or (P,), and which.
@@ -68,6 +66,10 @@ class Influence(NamedTuple):
 
 def influence(problem: Problem, names: Sequence[str], fit: Fit, std: FloatArray, count: int) -> Influence | None:
     """Leave out one recording after the other, with the weights of the whole.
+
+    With A = Σ A_r the information WᵀW of all recordings, and of priors, the share of recording r in parameter i is the
+    part that its noise has in the variance, (A⁻¹ A_r A⁻¹)_ii / (A⁻¹)_ii. The change without it has the variance
+    ((A − A_r)⁻¹ − A⁻¹)_ii.
 
     Args:
         problem: The problem.
@@ -86,15 +88,14 @@ def influence(problem: Problem, names: Sequence[str], fit: Fit, std: FloatArray,
     def without(_: int, others: Triangle) -> FloatArray:
         return problem.solve(others).values
 
-    return leave_out(each, names, without, problem.solve(join(each)).values, fit.solution.inverse, std).of(count)
+    return leave_out(each, names, without, problem.solve(join(each)), std).of(count)
 
 
 def leave_out(
     each: Sequence[Triangle],
     names: Sequence[str],
     without: Callable[[int, Triangle], FloatArray],
-    whole: FloatArray,
-    inverse: FloatArray,
+    whole: Solution,
     std: FloatArray,
 ) -> Influence:
     """Solve for the weighted rows of all recordings but one, each in turn.
@@ -103,44 +104,63 @@ def leave_out(
         each: Weighted rows of each recording, at least two.
         names: Of the recordings.
         without: Values for the rows of all recordings but one, given its index; infinite where there are none.
-        whole: Values for all rows, (P,).
-        inverse: (WᵀW)⁻¹ of all rows, (P, P).
+        whole: Solution for all rows.
         std: Of the parameters, (P,).
     """
-    change, share = [], []
+    change, share, expected = np.zeros((3, len(each), len(std)))
     for index, of_one in enumerate(each):
-        W = of_one.R[:, : len(std)]
-        share.append(np.einsum("ij,ji->i", inverse, W.T @ W))
         try:
             values = without(index, join([*each[:index], *each[index + 1 :]]))
         except ExoidError:
-            change.append(np.full(len(std), NO_ESTIMATE))
-            continue
-        change.append(np.divide(values - whole, std, out=np.zeros(len(std)), where=std > 0.0))
-    return Influence(tuple(names), np.array(change), np.array(share))
+            values = np.full(len(std), NO_ESTIMATE)
+        np.divide(values - whole.values, std, out=change[index], where=std > 0.0)
+        share[index], expected[index] = _information(of_one.R[:, : len(std)], whole.inverse)
+    return Influence(tuple(names), change, share, np.where(np.isfinite(change), expected, 0.0))
+
+
+def _information(R: FloatArray, inverse: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Share of a recording with A_r = RᵀR, and standard deviation of the change without it, (P,) each.
+
+    (A − A_r)⁻¹ − A⁻¹ = A⁻¹ Rᵀ (I − R A⁻¹ Rᵀ)⁻¹ R A⁻¹, so that both are sums over eigenvectors u of R A⁻¹ Rᵀ.
+    """
+    sizes, vectors = np.linalg.eigh(R @ inverse @ R.T)
+    parts = (inverse @ R.T @ vectors) ** 2
+    variance = np.diag(inverse)
+    parts = np.divide(parts.T, variance, out=np.zeros_like(parts.T), where=variance > 0.0)
+    return parts.sum(axis=0), np.sqrt((parts.T / np.clip(1.0 - sizes, TINY, 1.0)).sum(axis=1))
 
 
 def influence_to_json(found: Influence | None, names: Sequence[str]) -> list[dict[str, Any]]:
     """Turn influences into what JSON can hold; what is infinite becomes null."""
     if found is None:
         return []
+    finite = ([[x if np.isfinite(x) else None for x in row] for row in a.tolist()] for a in found[1:])
     return [
         {
             "recording": recording,
-            "change": {n: float(x) if np.isfinite(x) else None for n, x in zip(names, change, strict=True)},
-            "share": dict(zip(names, share.tolist(), strict=True)),
+            "change": dict(zip(names, change, strict=True)),
+            "share": dict(zip(names, share, strict=True)),
+            "expected": dict(zip(names, expected, strict=True)),
         }
-        for recording, change, share in zip(*found, strict=True)
+        for recording, change, share, expected in zip(found.recordings, *finite, strict=True)
     ]
 
 
 def influence_from_json(data: Sequence[dict[str, Any]], names: Sequence[str]) -> Influence | None:
-    """Read what :func:`influence_to_json` wrote."""
+    """Read what :func:`influence_to_json` wrote.
+
+    In older files the expected change follows from the share, √(share / (1 − share)), which is right for one parameter.
+    """
     if not data:
         return None
-    change = [[NO_ESTIMATE if one["change"][n] is None else one["change"][n] for n in names] for one in data]
-    share = [[one["share"][n] for n in names] for one in data]
-    return Influence(tuple(str(one["recording"]) for one in data), np.array(change), np.array(share))
+    change, share, expected = (
+        np.array([[one[key][n] if key in one else np.nan for n in names] for one in data], dtype=np.float64)
+        for key in ("change", "share", "expected")
+    )
+    change[np.isnan(change)] = NO_ESTIMATE
+    part = np.clip(share, 0.0, 1.0 - TINY)
+    expected = np.where(np.isnan(expected), np.sqrt(part / (1.0 - part)), expected)
+    return Influence(tuple(str(one["recording"]) for one in data), change, share, expected)
 
 
 def weighted(problem: Problem, index: int, weights: Sequence[float]) -> Triangle:

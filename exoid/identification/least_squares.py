@@ -14,6 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .assumed import NOTHING, Assumed
+from .collinearity import Collinearity
 from .rows import Triangle, make_triangle
 
 UNDETERMINED = 1e-7
@@ -40,6 +41,7 @@ class Solution(NamedTuple):
         inverse: (WᵀW)⁻¹ of the rows as weighted, those of priors among them; zero for known parameters, (P, P).
         prior_noise: Share of the priors' own uncertainty in Wᵀ Γ W, (P, P).
         bounded: Indices of parameters that would have become negative.
+        collinearity: Which parameters move together.
     """
 
     values: FloatArray
@@ -49,6 +51,13 @@ class Solution(NamedTuple):
     inverse: FloatArray
     prior_noise: FloatArray
     bounded: tuple[int, ...] = ()
+    collinearity: Collinearity = Collinearity()
+
+    def prior_gains(self, names: Sequence[str], assumed: Assumed) -> FloatArray:
+        """How far parameters follow priors p, ∂β/∂p = (WᵀW)⁻¹ s² / σ² of rows (s/σ) β = (s/σ) p, (P, K)."""
+        places = [list(names).index(name) for name in assumed.prior.values]
+        std = np.array([std for _, std in assumed.prior.values.values()])
+        return np.asarray(self.inverse[:, places] * (np.sqrt(np.diag(self.prior_noise)[places]) / std))
 
 
 def solve(
@@ -108,7 +117,8 @@ def solve(
     all_values = assumed.fixed_values(names)
     all_values[free] = values
     places = tuple(int(k) for k in np.flatnonzero(free)[bounded])
-    return Solution(all_values, variance * whole, float(sigma[0] / sigma[-1]), dof, whole, noise, places)
+    together = Collinearity.of(sigma, Vt, np.flatnonzero(free), len(names))
+    return Solution(all_values, variance * whole, float(sigma[0] / sigma[-1]), dof, whole, noise, places, together)
 
 
 def _without_known(triangle: Triangle, fixed: FloatArray, free: NDArray[np.bool_]) -> Triangle:

@@ -11,10 +11,8 @@ from exoid._typing import FloatArray
 from exoid.tables import make_table, to_text, with_error
 
 from .assumed import Assumed
+from .collinearity import ILL_CONDITIONED
 from .estimate import Estimate
-
-ILL_CONDITIONED = 100.0
-"""Beyond this condition number of the scaled regressor, single parameters deserve little trust."""
 
 NOT_WHITE = 0.01
 """Residuals with a smaller probability of being white are said not to be."""

@@ -22,6 +22,9 @@ PASSES = 5
 SETTLED = 1e-3
 """They have converged when no standard deviation changes by more than this part."""
 
+TINY = 1e-300
+"""Smallest variance to divide by."""
+
 
 class Series(NamedTuple):
     """Weighted rows of one recording and joint in time order, or a stretch of them.
@@ -196,10 +199,11 @@ def sandwich(problem: Stacked, point: Point, solution: Solution) -> Sandwich:
         meat = solution.prior_noise.copy()
         for found in over_recordings(problem, point, partial(_meat, noises, len(meat))):
             meat += found
-        before, covariance = covariance, inverse @ meat @ inverse
+        half = inverse @ _root(meat)  # so that no variance is negative, however ill-conditioned the rows
+        before, covariance = covariance, half @ half.T
         if settled(before, covariance):
             break
-    return Sandwich(0.5 * (covariance + covariance.T), noises)
+    return Sandwich(covariance, noises)
 
 
 def _meat(noises: Noises, count: int, parts: Iterator[Series]) -> FloatArray:
@@ -232,6 +236,7 @@ def _model(products: FloatArray, pairs: FloatArray) -> AutoregressiveNoise:
 
 
 def _root(covariance: FloatArray) -> FloatArray:
-    """L with L Lᵀ = C, whatever rounding has done to C."""
-    sizes, vectors = np.linalg.eigh(covariance)
-    return np.asarray(vectors * np.sqrt(np.clip(sizes, 0.0, None)))
+    """L with L Lᵀ = C, whatever rounding has done to C, and whatever the units."""
+    scale = np.sqrt(np.clip(np.diag(covariance), TINY, None))
+    sizes, vectors = np.linalg.eigh(covariance / np.multiply.outer(scale, scale))
+    return np.asarray(scale[:, None] * vectors * np.sqrt(np.clip(sizes, 0.0, None)))

@@ -90,6 +90,11 @@ def survey(model: TorqueModel, data: Recording | Poses, *, listen: bool = True) 
     )
 
 
+def angles(surveys: Sequence[Survey]) -> tuple[FloatArray, FloatArray]:
+    """Smallest and largest angle of each joint in all recordings [rad], (n,) each."""
+    return np.min([one.lowest for one in surveys], axis=0), np.max([one.highest for one in surveys], axis=0)
+
+
 def refuse_still_joints(model: TorqueModel, surveys: Sequence[Survey], assumed: Sequence[str] = ()) -> None:
     """Refuse recordings in which a joint of the leg never moves, unless all of it is known beside them.
 
@@ -146,7 +151,8 @@ def refuse_dead_torques(model: TorqueModel, surveys: Sequence[Survey]) -> None:
 
 
 def _torques(tau: FloatArray) -> Torques:
-    first, middle = tau[0], np.median(tau[:: 1 + len(tau) // LOOKED_AT], axis=0)
+    first = tau[0].copy()  # a view would keep all of it
+    middle = np.median(tau[:: 1 + len(tau) // LOOKED_AT], axis=0)
     return Torques(first, (tau == first).all(axis=0), middle, (tau == middle).mean(axis=0))
 
 

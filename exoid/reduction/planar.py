@@ -122,108 +122,150 @@ def fill_regressor(
         torso: Motion of the torso; None where it stands upright and still.
     """
     block = max(1, min(BLOCK, len(q)))
-    workspace = _Workspace.allocate(chain.n, block)  # once: fresh memory costs more than the arithmetic
+    work = _Workspace.allocate(chain.n, block)  # once: fresh memory costs more than the arithmetic
+    segments = _segments(chain)
     for start in range(0, len(q), block):
         rows = slice(start, start + block)
-        work, columns = workspace.first(len(q[rows])), out[..., rows]
-        _begin(work, None if torso is None else TorsoSamples(*(x[rows] for x in torso)))
-        for j in range(chain.n):
-            _add_segment(chain, j, _OfJoint(q[rows, j], v[rows, j], a[rows, j]), work, columns, cumulative=cumulative)
-        for k, sign in enumerate(chain.signs):
+        if len(q) - start < block:
+            work = work.first(len(q) - start)
+        joints, columns = (q[rows].T, v[rows].T, a[rows].T), out[..., rows]
+        moved = None if torso is None else TorsoSamples(*(x[rows] for x in torso))
+        for segment in segments:
+            _move(segment, joints, work, moved)
+            _fill_columns(segment, joints[2], work, columns, cumulative=cumulative)
+        for j, sign, _ in segments:
             if sign < 0.0:
-                columns[3 * k :, k] *= -1.0
+                columns[3 * j :, j] *= -1.0
 
 
-class _OfJoint(NamedTuple):
-    """Motion of one joint relative to the segment before, (B,) each."""
+_Joints = tuple[FloatArray, FloatArray, FloatArray]
+"""Angles, rates and accelerations of the joints, (n, B) each."""
 
-    angle: FloatArray
-    rate: FloatArray
-    acceleration: FloatArray
+
+class _Segment(NamedTuple):
+    """Segment j and the joint that it follows.
+
+    Attributes:
+        j: Index.
+        sign: s_j.
+        offset: d_j as a complex number; None of the last.
+    """
+
+    j: int
+    sign: float
+    offset: complex | None
+
+
+def _segments(chain: PlanarChain) -> list[_Segment]:
+    """Plain numbers: for NumPy they are quicker to take than its own."""
+    offsets = [*(complex(x, z) for x, z in chain.offsets.tolist()), None]
+    return [
+        _Segment(j, sign, offset) for j, (sign, offset) in enumerate(zip(chain.signs.tolist(), offsets, strict=True))
+    ]
+
+
+class _Parts(NamedTuple):
+    """Complex numbers of B samples, and views of their parts."""
+
+    whole: ComplexArray
+    real: FloatArray
+    imag: FloatArray
+
+    @classmethod
+    def of(cls, numbers: ComplexArray) -> _Parts:
+        """View them."""
+        return cls(numbers, numbers.real, numbers.imag)
 
 
 class _Workspace(NamedTuple):
     """Memory for one block of B samples; what is of segment j is written over by the next one's.
 
     Attributes:
-        angle: φ_j, (B,).
-        rate: φ̇_j, (B,).
-        acceleration: φ̈_j, (B,).
+        absolute: φ_j, φ̇_j and φ̈_j, (3, B).
         scratch: (2, B).
-        origin: i conj(p̈_j + i g), (B,).
-        direction: e^{iφ_j}, (B,).
-        turn: e^{iφ_j}(φ̈_j + i φ̇_j²), (B,).
-        moment: What is multiplied by h_j, or what a lever adds to it, (B,).
+        origin: i conj(p̈_j + i g).
+        direction: e^{iφ_j}.
+        turn: e^{iφ_j}(φ̈_j + i φ̇_j²).
+        moment: What is multiplied by h_j, or what a lever adds to it.
         levers: conj(d_k e^{iφ_k}) of the segments k above, (n, B).
     """
 
-    angle: FloatArray
-    rate: FloatArray
-    acceleration: FloatArray
+    absolute: FloatArray
     scratch: FloatArray
-    origin: ComplexArray
-    direction: ComplexArray
-    turn: ComplexArray
-    moment: ComplexArray
+    origin: _Parts
+    direction: _Parts
+    turn: _Parts
+    moment: _Parts
     levers: ComplexArray
 
     @classmethod
     def allocate(cls, n: int, block: int) -> _Workspace:
         """Ask for the memory."""
-        angle, rate, acceleration, *_ = real = np.empty((5, block))
-        origin, direction, turn, moment, *_ = numbers = np.empty((4 + n, block), dtype=np.complex128)
-        return cls(angle, rate, acceleration, real[3:], origin, direction, turn, moment, numbers[4:])
+        real, numbers = np.empty((5, block)), np.empty((4 + n, block), dtype=np.complex128)
+        origin, direction, turn, moment = (_Parts.of(row) for row in numbers[:4])
+        return cls(real[:3], real[3:], origin, direction, turn, moment, numbers[4:])
 
     def first(self, count: int) -> _Workspace:
         """View the memory as that of a smaller block."""
-        return _Workspace._make(x[..., :count] for x in self)
+        absolute, scratch, *numbers, levers = self
+        origin, direction, turn, moment = (_Parts.of(parts.whole[:count]) for parts in numbers)
+        return _Workspace(absolute[:, :count], scratch[:, :count], origin, direction, turn, moment, levers[:, :count])
 
 
-def _begin(work: _Workspace, torso: TorsoSamples | None) -> None:
-    """Start with the motion of the torso."""
-    if torso is None:
-        work.angle[:] = work.rate[:] = work.acceleration[:] = 0.0
-        work.origin[:] = GRAVITY
-    else:
-        work.angle[:], work.rate[:], work.acceleration[:] = torso[:3]
-        work.origin.real, work.origin.imag = torso.hip_acceleration_z + GRAVITY, torso.hip_acceleration_x
+def _move(segment: _Segment, joints: _Joints, work: _Workspace, torso: TorsoSamples | None) -> None:
+    """Go on to the absolute motion of a segment, the first of which follows the torso."""
+    j, sign, _ = segment
+    angle, rate, acceleration = work.absolute
+    q, v, a = joints
+    if j > 0:
+        add = np.add if sign > 0.0 else np.subtract
+        add(angle, q[j], out=angle)
+        add(rate, v[j], out=rate)
+        add(acceleration, a[j], out=acceleration)
+        return
+    np.multiply(q[0], sign, out=angle)
+    np.multiply(v[0], sign, out=rate)
+    np.multiply(a[0], sign, out=acceleration)
+    work.origin.whole[:] = GRAVITY
+    if torso is not None:
+        work.absolute[:] += torso[:3]
+        work.origin.real[:] += torso.hip_acceleration_z
+        work.origin.imag[:] += torso.hip_acceleration_x
 
 
-def _add_segment(
-    chain: PlanarChain, j: int, joint: _OfJoint, work: _Workspace, out: FloatArray, *, cumulative: bool
+def _fill_columns(
+    segment: _Segment, accelerations: FloatArray, work: _Workspace, out: FloatArray, *, cumulative: bool
 ) -> None:
-    """Fill the columns of segment j, but for the signs s_k, and go on to the next segment."""
-    angle, rate, acceleration, scratch, origin, direction, turn, moment, levers = work
-    add = np.add if chain.signs[j] > 0.0 else np.subtract
-    for absolute, relative in zip((angle, rate, acceleration), joint, strict=True):
-        add(absolute, relative, out=absolute)
+    """Fill the columns of a segment, but for the signs s_k, and go on to where the next one begins."""
+    j, sign, offset = segment
+    (angle, rate, acceleration), scratch, origin, direction, turn, moment, levers = work
     _direct(angle, out=direction, scratch=scratch)
-    turn.real = acceleration
+    turn.real[:] = acceleration
     np.multiply(rate, rate, out=turn.imag)
-    turn *= direction
-    X, Y, J = out[3 * j : 3 * j + 3]
-    np.multiply(direction, origin, out=moment)
+    np.multiply(turn.whole, direction.whole, out=turn.whole)
+    np.multiply(direction.whole, origin.whole, out=moment.whole)
+    X, Y, J = out[3 * j], out[3 * j + 1], out[3 * j + 2]
     X[j], Y[j], J[j] = moment.imag, moment.real, acceleration
-    if cumulative:
-        np.multiply(joint.acceleration, chain.signs[j], out=J[:j])
-    else:
-        J[:j] = acceleration
     for k in range(j - 1, -1, -1):  # each joint further up has the lever of one more segment
-        np.multiply(turn, levers[k], out=moment)
+        np.multiply(turn.whole, levers[k], out=moment.whole)
         np.add(X[k + 1], moment.imag, out=X[k])
         np.add(Y[k + 1], moment.real, out=Y[k])
-    if j < chain.n - 1:
-        d = complex(*chain.offsets[j])
-        np.conjugate(np.multiply(direction, d, out=direction), out=levers[j])
-        origin += np.conjugate(np.multiply(turn, d, out=turn), out=turn)  # p̈ grows by i d e^{iφ}(φ̈ + i φ̇²)
+        if cumulative:
+            np.multiply(accelerations[j], sign, out=J[k])
+        else:
+            J[k] = acceleration
+    if offset is not None:
+        np.conjugate(np.multiply(direction.whole, offset, out=direction.whole), out=levers[j])
+        np.conjugate(np.multiply(turn.whole, offset, out=turn.whole), out=turn.whole)
+        np.add(origin.whole, turn.whole, out=origin.whole)  # p̈ grows by i d e^{iφ}(φ̈ + i φ̇²)
 
 
-def _direct(angle: FloatArray, *, out: ComplexArray, scratch: FloatArray) -> None:
+def _direct(angle: FloatArray, *, out: _Parts, scratch: FloatArray) -> None:
     """e^{iφ} from t = tan(φ/2): cos φ = 2/(1 + t²) − 1, sin φ = 2t/(1 + t²); a third of the time of cos and sin."""
     t, double = scratch
     np.tan(np.multiply(angle, 0.5, out=t), out=t)
     np.multiply(t, t, out=double)
-    double += 1.0
+    np.add(double, 1.0, out=double)
     np.divide(2.0, double, out=double)
     np.subtract(double, 1.0, out=out.real)
     np.multiply(double, t, out=out.imag)

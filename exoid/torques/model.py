@@ -20,7 +20,7 @@ from .memory import Memory
 from .motion import JointMotion, Motion
 from .term import Term
 
-BLOCK = 8192
+BLOCK = 32768
 """Samples worked on at once."""
 
 DEPENDENT = 1e-9

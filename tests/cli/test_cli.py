@@ -279,7 +279,7 @@ BAD_INPUT = {
     "no log": (("bleex", "absent.csv"), ("absent.csv", "no such file")),
     "part of a dataset": (("bleex", "bleex_swing"), ("bleex_swing:train",)),
     "no such part": (("bleex", "bleex_swing:all"), ("bleex_swing:test",)),
-    "a folder": (("bleex", "."), ("directory",)),
+    "a folder with a file that is no log": (("bleex", "."), ("binary.csv", "binary")),
     "empty": (("bleex", "empty.csv"), ("empty.csv", "empty")),
     "binary": (("bleex", "binary.csv"), ("binary.csv",)),
     "NaN": (("bleex", "nan.csv"), ("nan.csv, line 4", "q_left_hip", "not a finite number")),
@@ -414,7 +414,7 @@ def test_help_names_every_option():
     """As the function has them: what is not in the help cannot be found."""
     text = CliRunner().invoke(app, ["identify", "--help"], env={"COLUMNS": "200"}).output
     names = [name for name in inspect.signature(identify).parameters if name not in ("leg", "logs", "as_json")]
-    assert len(names) == 21
+    assert len(names) == 22
     for option in (*names, "json"):
         assert f"--{option}" in text
 

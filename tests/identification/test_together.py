@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import weakref
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ import exoid
 from exoid import Estimate, ExoidError, Recording, compare, identify, identify_together
 from exoid.identification.rows import make_rows
 from exoid.identification.together import together_to_json
-from exoid.signals import FiniteDifference, Poses
+from exoid.signals import FiniteDifference, Poses, Recordings
 from exoid.torques import TorqueModel
 
 PLAIN = FiniteDifference()
@@ -120,7 +121,7 @@ def test_one_group_is_the_same_as_identify(leg, days, estimator, noise):
         found = identify_together(leg, {"all": recordings}, TERMS, estimator, noise=noise, own=own)["all"]
         np.testing.assert_allclose(found.values, expected.values, rtol=1e-8, atol=1e-10)
         np.testing.assert_allclose(found.covariance, expected.covariance, rtol=1e-6, atol=1e-9 * expected.std.max())
-        for name in ("condition_number", "dof", "residual_rms", "sizes"):
+        for name in ("condition_number", "dof", "dof_each", "residual_rms", "sizes", "calm_sizes", "collinearity"):
             np.testing.assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-6, err_msg=name)
         np.testing.assert_allclose(found.influence.change, expected.influence.change, atol=1e-6)
         np.testing.assert_allclose([t.p_value for t in found.trends], [t.p_value for t in expected.trends], atol=1e-6)
@@ -156,6 +157,7 @@ def test_where_nothing_is_shared_each_group_is_identified_as_alone(legs, sides, 
         np.testing.assert_allclose(found.values, expected.values, rtol=1e-4, atol=1e-4)
         np.testing.assert_allclose(found.std, expected.std, rtol=2e-3)
         np.testing.assert_allclose(found.dof, expected.dof, rtol=0.04 if estimator == "gls" else 2e-3)
+        np.testing.assert_allclose(found.dof_each, expected.dof_each, rtol=0.05)
         np.testing.assert_allclose(found.condition_number, expected.condition_number, rtol=1e-3)
     crossed = together.covariance[: len(names), len(names) :]
     assert np.abs(crossed).max() < 1e-12
@@ -269,6 +271,40 @@ def test_recordings_alone_are_groups_with_the_names_of_their_files(leg, days, tm
     together = identify_together(leg, [Recording.from_csv(path) for path in paths], TERMS, own="offset")
     assert list(together) == ["monday.csv", "tuesday.csv", "friday.csv"]
     assert "offset_hip[monday.csv]" in str(together)
+    on_disk = identify_together(leg, Recordings.from_files(paths), TERMS, own="offset")
+    assert on_disk.groups == together.groups
+    np.testing.assert_array_equal(on_disk.values, together.values)
+    np.testing.assert_array_equal(on_disk.covariance, together.covariance)
+
+
+def test_recordings_on_disk_are_read_one_at_a_time(leg, days, tmp_path, monkeypatch):
+    alive, most = set(), []
+    for day, recording in record(days, **dict.fromkeys(days, Noise(0.1))).items():
+        recording.to_csv(tmp_path / f"{day}.csv")
+    files = Recordings.from_folder(tmp_path)
+    read = Recordings.__getitem__
+
+    def watched(self, index):
+        found = read(self, index)
+        if isinstance(found, Recording):
+            alive.add(id(found))
+            weakref.finalize(found, alive.discard, id(found))
+            most.append(len(alive))
+        return found
+
+    monkeypatch.setattr(Recordings, "__getitem__", watched)
+    identify_together(leg, files, TERMS, own="offset")
+    assert len(most) >= 6
+    assert max(most) <= 2  # one, and the one before until its place is taken
+
+
+def test_parts_of_one_file_may_be_groups(leg, days, tmp_path):
+    days["monday"].recording(np.random.default_rng(0), Noise(0.1)).to_csv(tmp_path / "log.csv")
+    log = Recording.from_csv(tmp_path / "log.csv")
+    middle = 0.5 * (log.time[0] + log.time[-1])
+    parts = {"first": log.between(log.time[0], middle), "second": log.between(middle, log.time[-1])}
+    together = identify_together(leg, parts, TERMS, own="offset")
+    assert not together.equal.below(0.01)
 
 
 def test_poses_may_be_a_group_of_their_own(leg, days):

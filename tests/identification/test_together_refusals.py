@@ -11,6 +11,7 @@ from sessions import TERMS, Session
 import exoid
 from exoid import ExoidError, identify_together
 from exoid.identification.estimators import JointML
+from exoid.signals import Cluster
 from exoid.torques import Free, LoadFriction, Stribeck
 
 
@@ -63,6 +64,13 @@ def test_the_same_recording_twice(leg, two):
     again = dataclasses.replace(two["a"])
     with pytest.raises(ExoidError, match="the same recording is in a and in c"):
         identify_together(leg, {**two, "c": [again]}, TERMS)
+
+
+def test_recordings_on_a_cluster(leg, two):
+    elsewhere = Cluster(None, ())
+    for groups in (elsewhere, {"a": two["a"], "b": elsewhere}):
+        with pytest.raises(ExoidError, match="on a cluster are for one leg alone"):
+            identify_together(leg, groups, TERMS)
 
 
 def test_two_files_of_one_name(leg, two, tmp_path):

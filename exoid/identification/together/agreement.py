@@ -11,12 +11,12 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.estimators import Fit
-from exoid.identification.residuals import sandwich
 from exoid.identification.stacked import Stacked
 
 from .equality import Equality, equality_of
 from .layout import Layout
 from .problem import JointProblem
+from .trust import noise_of
 
 DISAGREE = 0.01
 """Probability with which groups that do share their parameters would be said not to."""
@@ -78,10 +78,11 @@ def shared_agreement(
         except ExoidError as error:
             why = f"{group} cannot be identified alone ({error.what})"
             return Agreement(None, f"whether groups agree on what they share was not tested: {why}")
-        given = white or fit.noises is not None
-        blocks.append(fit.solution.covariance if given else sandwich(alone, fit.point, fit.solution).covariance)
+        found = noise_of(alone, fit, white=white)
         values.append(fit.solution.values)
-        dofs.append(np.full(len(alone.names), max(1.0, count - len(alone.names))))
+        blocks.append(found.covariance)
+        left = np.full(len(alone.names), max(1.0, count - len(alone.names)))
+        dofs.append(left if found.dofs is None else np.clip(found.dofs, 1.0, left))
     names, count = problem.problems[0].names, len(problem.problems[0].names)
     places = {
         name: [group * count + names.index(name) for group in range(len(groups))]

@@ -14,7 +14,9 @@ from exoid.errors import ExoidError
 from exoid.identification.identify import check_recordings
 from exoid.identification.survey import SMALLEST_MOTION, Survey, refuse_still_joints
 from exoid.leg import Leg
-from exoid.signals import Poses, Recording
+from exoid.signals import Cluster, Poses, Recording
+from exoid.signals import Recordings as OnDisk
+from exoid.signals.recordings import Stored
 from exoid.torques import TorqueModel
 
 Recordings = Recording | Poses | Iterable[Recording | Poses]
@@ -44,8 +46,11 @@ def make_groups(
     """Bring legs and recordings together by the names of the groups; a recording without a name has a number.
 
     Raises:
-        ExoidError: Names of legs and of recordings differ, or two groups have the same name or the same recording.
+        ExoidError: Names of legs and of recordings differ, two groups have the same name, or recordings are elsewhere.
     """
+    given = recordings.values() if isinstance(recordings, Mapping) else (recordings,)
+    if any(isinstance(data, Cluster) for data in given):
+        raise ExoidError("recordings on a cluster are for one leg alone", remedy="pass exoid.signals.Recordings")
     named = recordings if isinstance(recordings, Mapping) else _by_source(check_recordings(recordings))
     if not named:
         raise ExoidError("no recordings", remedy='pass groups such as {"left": [...], "right": [...]}')
@@ -60,8 +65,6 @@ def make_groups(
         with within(name):
             leg = legs[name] if isinstance(legs, Mapping) else legs
             groups.append(Group(str(name), leg, check_recordings(data)))
-    for one, other in combinations(groups, 2):
-        _refuse_same_recording(one, other)
     return tuple(groups)
 
 
@@ -125,22 +128,35 @@ def _moving(surveys: Sequence[Survey]) -> NDArray[np.bool_]:
     return np.asarray(highest.max(axis=0) - lowest.min(axis=0) >= SMALLEST_MOTION)
 
 
-def _by_source(recordings: Sequence[Recording | Poses]) -> dict[str, list[Recording | Poses]]:
+def refuse_same_recordings(surveys: Mapping[str, Sequence[Survey]]) -> None:
+    """Refuse a recording that is in two groups, and would count twice.
+
+    Raises:
+        ExoidError: Names recording and groups.
+    """
+    for (one, first), (other, second) in combinations(surveys.items(), 2):
+        for a, b in product(first, second):
+            if a.evidence == b.evidence and np.array_equal(a.mean, b.mean):  # of one file there may be several parts
+                name = f"recording {a.source}" if a.source else "the same recording"
+                raise ExoidError(f"{name} is in {one} and in {other}", remedy="put it into one of them")
+
+
+def _by_source(recordings: Sequence[Recording | Poses]) -> dict[str, Sequence[Recording | Poses]]:
     """Make a group of each recording, named after its file."""
-    named: dict[str, list[Recording | Poses]] = {}
-    for number, data in enumerate(recordings, 1):
-        name = str(number) if data.source is None else data.source.name
+    named: dict[str, Sequence[Recording | Poses]] = {}
+    for index in range(len(recordings)):
+        name = _file_name(recordings, index) or str(index + 1)
         if name in named:
             raise ExoidError(f"two recordings are called {name}", remedy='name them: {"monday": a, "tuesday": b}')
-        named[name] = [data]
+        named[name] = recordings[index : index + 1]
     return named
 
 
-def _refuse_same_recording(one: Group, other: Group) -> None:
-    """Refuse a recording that would count twice."""
-    for a, b in product(one.data, other.data):
-        alike = len(a) == len(b) and np.array_equal(a.q[:1], b.q[:1])  # which hardly any others are
-        pairs = ((a.q, b.q), (a.tau, b.tau))
-        if alike and all(x is y or (x is not None and y is not None and np.array_equal(x, y)) for x, y in pairs):
-            name = f"recording {a.source.name}" if a.source else "the same recording"
-            raise ExoidError(f"{name} is in {one.name} and in {other.name}", remedy="put it into one of them")
+def _file_name(recordings: Sequence[Recording | Poses], index: int) -> str:
+    """Name of the file of a recording, without reading it if it is on disk; "" for one made in memory."""
+    if isinstance(recordings, OnDisk):
+        item = recordings.items[index]
+        if isinstance(item, Stored):
+            return item.path.name
+    source = recordings[index].source
+    return "" if source is None else source.name

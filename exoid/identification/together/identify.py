@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
+import numpy as np
+
+from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.assumed import Assumed, Prior
 from exoid.identification.diagnostics import judge_sizes
@@ -13,18 +16,26 @@ from exoid.identification.identify import check_noise, check_terms, choose_prepa
 from exoid.identification.problem import Problem
 from exoid.identification.rows import join, refuse_empty_joints
 from exoid.identification.stacked import Stacked
-from exoid.identification.survey import refuse_dead_torques, survey
+from exoid.identification.survey import Survey, refuse_dead_torques, survey
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel, free_shapes
 
 from .agreement import own_equality, shared_agreement
-from .groups import Group, Recordings, make_groups, refuse_other_designs, refuse_still_groups, within
+from .groups import (
+    Group,
+    Recordings,
+    make_groups,
+    refuse_other_designs,
+    refuse_same_recordings,
+    refuse_still_groups,
+    within,
+)
 from .layout import Layout
 from .outcome import Outcome
 from .problem import JointProblem
 from .result import Together
-from .trust import degrees_of_freedom
+from .trust import samples_left
 
 POINTWISE: Mapping[str, Callable[[Stacked], Fit]] = {"gls": gls, "huber": huber, "ols": ols, "wls": wls}
 """Estimators that weigh rows, whichever leg they come from."""
@@ -90,6 +101,7 @@ def identify_together(
     for group, model in zip(members, models.values(), strict=True):
         with within(group.name):
             surveys[group.name] = [survey(model, data, listen=listen) for data in group.data]
+    refuse_same_recordings(surveys)
     refuse_still_groups(surveys, list(models.values()), layout.names[: layout.shared], [a.names for a in local])
     problems = []
     for group, model, of_group in zip(members, models.values(), local, strict=True):
@@ -100,18 +112,23 @@ def identify_together(
             refuse_empty_joints(model, [join(triangles) for triangles in zip(*problem.groups, strict=True)])
             problem.forget()
         problems.append(problem)
-    return _solve(JointProblem(tuple(problems), layout, spread), chosen, name_of(chosen), white=noise == "white")
+    joint = JointProblem(tuple(problems), layout, spread)
+    return _solve(joint, list(surveys.values()), chosen, white=noise == "white")
 
 
-def _solve(problem: JointProblem, estimator: Callable[[Stacked], Fit], name: str, *, white: bool) -> Together:
+def _solve(
+    problem: JointProblem, surveys: Sequence[Sequence[Survey]], estimator: Callable[[Stacked], Fit], *, white: bool
+) -> Together:
     """Fit, and look at what is left over, group by group."""
     layout, groups = problem.layout, problem.layout.groups
-    outcome = Outcome.of(problem, estimator(problem), name, white=white)
+    outcome = Outcome.of(problem, surveys, estimator(problem), name_of(estimator), white=white)
     fit, covariance, samples = outcome.fit, outcome.covariance, outcome.samples
     agreement = shared_agreement(problem, estimator, samples, white=white)
-    dofs = degrees_of_freedom(problem, fit.solution, fit.weights, samples)
-    doubts = (*fit.remarks, *agreement.warnings)
-    estimates = {group: outcome.estimate(k, dofs, doubts) for k, group in enumerate(groups)}
+    left = samples_left(problem, fit.solution, fit.weights, samples)
+    dofs = left.each if outcome.dofs is None else np.clip(outcome.dofs, 1.0, left.each)
+    collinearity = fit.solution.collinearity
+    doubts = (*fit.remarks, *collinearity.remarks(layout.names), *agreement.warnings)
+    estimates = {group: outcome.estimate(k, left.groups[k], dofs, doubts) for k, group in enumerate(groups)}
     return Together(
         estimates=estimates,
         layout=layout,
@@ -119,6 +136,8 @@ def _solve(problem: JointProblem, estimator: Callable[[Stacked], Fit], name: str
         covariance=covariance,
         dofs=dofs,
         sizes=judge_sizes(problem.triangles),
+        calm_sizes=_smallest(layout, outcome.calm_sizes),
+        collinearity=collinearity.indices,
         condition_number=fit.solution.condition_number,
         assumed=problem.assumed,
         equal=own_equality(layout, fit.solution.values, covariance, dofs),
@@ -127,6 +146,14 @@ def _solve(problem: JointProblem, estimator: Callable[[Stacked], Fit], name: str
         warnings=(*doubts, *_of_groups(estimates, len(doubts))),
         notes=(*_merged(problem), *agreement.notes),
     )
+
+
+def _smallest(layout: Layout, of_groups: Sequence[FloatArray]) -> FloatArray:
+    """Smallest number that any group has for each parameter, (P,)."""
+    smallest = np.full(len(layout.names), np.inf)
+    for places, numbers in zip(layout.places, of_groups, strict=True):
+        smallest[places] = np.minimum(smallest[places], numbers)
+    return smallest
 
 
 def _of_groups(estimates: Mapping[str, Estimate], common: int) -> tuple[str, ...]:

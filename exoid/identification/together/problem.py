@@ -82,6 +82,7 @@ class JointProblem:
         """Let work go over the thinned rows of each recording, group by group, and bring back what it finds."""
         for first, problem in zip(self._joints, self.problems, strict=False):
             yield from problem.gather(partial(_work_from, work, int(first)))
+            problem.forget()
 
     def widened(self, triangle: Triangle, group: int) -> Triangle:
         """Put the columns of a triangle of one group where its parameters stand."""

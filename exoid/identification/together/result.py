@@ -33,6 +33,8 @@ class Together:
         covariance: Of the values, (P, P).
         dofs: Degrees of freedom of each, (P,).
         sizes: Of parameters that would explain all torque of a joint alone, (P,).
+        calm_sizes: The same had joints moved as in a calm exercise, (P,).
+        collinearity: Condition index of each parameter, (P,).
         condition_number: Of the regressor of all with columns scaled to unit length.
         assumed: What was known beside the recordings, by the names here.
         bounded: Parameters that would have become negative and were kept at zero.
@@ -48,6 +50,8 @@ class Together:
     covariance: FloatArray
     dofs: FloatArray
     sizes: FloatArray
+    calm_sizes: FloatArray
+    collinearity: FloatArray
     condition_number: float
     assumed: Assumed
     equal: Equality
@@ -59,7 +63,7 @@ class Together:
     def __post_init__(self) -> None:
         """Forbid changes."""
         object.__setattr__(self, "estimates", MappingProxyType(dict(self.estimates)))
-        for name in ("values", "covariance", "dofs", "sizes"):
+        for name in ("values", "covariance", "dofs", "sizes", "calm_sizes", "collinearity"):
             array = np.array(getattr(self, name), dtype=np.float64)
             array.flags.writeable = False
             object.__setattr__(self, name, array)
@@ -115,9 +119,10 @@ class Together:
     @property
     def verdicts(self) -> tuple[str, ...]:
         """How well each parameter is determined, see :attr:`Estimate.verdicts`."""
+        numbers = zip(self.values, self.std, self.sizes, self.calm_sizes, self.collinearity, strict=True)
         return tuple(
-            verdict_beside(name, self.assumed, std, verdict(value, std, size))
-            for name, value, std, size in zip(self.names, self.values, self.std, self.sizes, strict=True)
+            verdict_beside(name, self.assumed, each[1], verdict(*each))
+            for name, each in zip(self.names, numbers, strict=True)
         )
 
     def interval(self, level: float = 0.95) -> FloatArray:
@@ -155,7 +160,7 @@ class Together:
         variances = np.diag(C)
         dof = welch(variances[one], variances[other], self.dofs[one], self.dofs[other])
         units = tuple(self.units[k] for k in one)
-        least = float(self.dofs[[*one, *other]].min())
+        least = min(self[group].dof for group in (first, second))
         return wald(self.own, units, self.values[other] - self.values[one], covariance, dof, least)
 
     def __repr__(self) -> str:

@@ -3,20 +3,59 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.identification.degrees_of_freedom import degrees_of_freedom
+from exoid.identification.estimators import Fit
 from exoid.identification.least_squares import Solution
+from exoid.identification.residuals import Noises, sandwich
+from exoid.identification.stacked import Stacked
 
 from .problem import JointProblem
 
 
-def degrees_of_freedom(
-    problem: JointProblem, solution: Solution, weights: Sequence[float], samples: Sequence[float]
-) -> FloatArray:
-    """Degrees of freedom of each parameter, (P,).
+class OfNoise(NamedTuple):
+    """What noise makes of a fit.
+
+    Attributes:
+        covariance: Of the parameters, (P, P).
+        noises: Noise of each kind and joint.
+        dofs: Degrees of freedom of each parameter's variance by what is known of the noise, (P,); None if it is white.
+    """
+
+    covariance: FloatArray
+    noises: Noises
+    dofs: FloatArray | None
+
+
+def noise_of(problem: Stacked, fit: Fit, *, white: bool) -> OfNoise:
+    """Find the noise in the residuals of a fit and the covariance under it, or that of the textbook for white noise."""
+    noises, dofs, solution = fit.noises, fit.dofs, fit.solution
+    if noises is None:
+        covariance, noises = sandwich(problem, fit.point, solution)
+        solution = solution._replace(covariance=covariance)
+        dofs = None if white else degrees_of_freedom(problem, fit.point, noises, solution, whitened=False)
+    return OfNoise(fit.solution.covariance, noises, None) if white else OfNoise(solution.covariance, noises, dofs)
+
+
+class Left(NamedTuple):
+    """Independent samples less parameters.
+
+    Attributes:
+        groups: Of the rows of each group.
+        each: Of each parameter, (P,).
+    """
+
+    groups: FloatArray
+    each: FloatArray
+
+
+def samples_left(problem: JointProblem, solution: Solution, weights: Sequence[float], samples: Sequence[float]) -> Left:
+    """Count the samples that stand behind each group, and each parameter.
 
     The rows W_g of group g, whose N_g samples are independent, are fitted by p_g = tr(A⁻¹ W_gᵀ W_g) parameters, with
     A = Σ_g W_gᵀ W_g: these add up to P, and leave ν_g = N_g − p_g. The variance of a parameter is the sum of what each
@@ -29,14 +68,14 @@ def degrees_of_freedom(
         samples: Independent samples N_g of each group.
     """
     inverse = solution.inverse
-    roots = [problem.rows_of(group, weights).R[:, : len(inverse)] @ inverse for group in range(len(samples))]
-    brought = np.array([(root**2).sum(axis=0) for root in roots])
-    fitted = np.array([np.trace(problem.rows_of(g, weights).R[:, : len(inverse)].T @ x) for g, x in enumerate(roots)])
+    rows = [problem.rows_of(group, weights).R[:, : len(inverse)] for group in range(len(samples))]
+    roots = [R @ inverse for R in rows]
+    fitted = np.array([np.einsum("ij,ij->", R, root) for R, root in zip(rows, roots, strict=True)])
     fitted *= problem.assumed.free(problem.names).sum() / fitted.sum()
     left = np.maximum(1.0, np.array(samples) - fitted)
-    total = brought.sum(axis=0)
-    dof = np.where(total > 0.0, total, 1.0) ** 2 / np.where(total > 0.0, (brought**2 / left[:, None]).sum(axis=0), 1.0)
-    return np.asarray(np.where(total > 0.0, dof, left.min()))
+    brought = np.array([(root**2).sum(axis=0) for root in roots])
+    total, spread = brought.sum(axis=0), (brought**2 / left[:, None]).sum(axis=0)
+    return Left(left, np.divide(total**2, spread, out=np.full(len(total), left.min()), where=spread > 0.0))
 
 
 def condition_number(inverse: FloatArray, places: NDArray[np.intp]) -> float:

@@ -126,11 +126,11 @@ def influence_parts(estimate: Estimate) -> Iterator[DataTable | list[str]]:
         return
     uncertain = estimate.std > 0.0
     rows = []
-    for recording, change, share, expected in zip(*influence, influence.expected, strict=True):
+    for recording, change, share, expected in zip(*influence, strict=True):
         most = int(np.argmax(np.abs(change) / np.maximum(expected, 1.0)))
         moved = f"{change[most]:+.1f}".replace("-", "−") if np.isfinite(change[most]) else "not known without"
         part = "–" if len(estimate.shapes) else f"{100 * share[uncertain].mean():.0f}"  # settings share in it, too
-        usual = f"{expected[most]:.1f}" if 0.0 < share[most] < 1.0 else "–"
+        usual = f"{expected[most]:.1f}" if expected[most] > 0.0 else "–"
         rows.append((recording, part, estimate.names[most], moved, usual))
     headers = ("recording", "of what is known [%]", "without it, moves most", "by [std]", "by noise alone, typically")
     yield DataTable("What each recording contributes", headers, rows)

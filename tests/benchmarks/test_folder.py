@@ -1,0 +1,35 @@
+"""A folder of logs is identified in memory that does not grow with the number of files.
+
+``python tests/benchmarks/folder.py 50 1000000`` does it with fifty million samples.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = Path(__file__).parent / "folder.py"
+MEMORY = 1000.0
+"""Megabytes of the whole process."""
+GROWTH = 1.1
+"""Of the peak, for four times the files."""
+
+
+def measured(files: int, samples: int) -> dict[str, float]:
+    run = subprocess.run([sys.executable, SCRIPT, str(files), str(samples)], capture_output=True, text=True, check=True)
+    figures = json.loads(run.stdout)
+    print(f"\n{figures}")
+    return figures
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the peak is counted in kilobytes on Linux")
+def test_memory_does_not_grow_with_the_number_of_files_and_the_estimate_is_right():
+    pytest.importorskip("polars")
+    few, many = measured(3, 400_000), measured(12, 400_000)
+    assert many["samples"] == 12 * 400_000
+    assert many["peak_megabytes"] < min(MEMORY, GROWTH * few["peak_megabytes"])
+    assert max(few["worst_z"], many["worst_z"]) < 4.5

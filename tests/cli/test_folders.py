@@ -1,0 +1,85 @@
+"""Folders of logs, and a cluster that reads them, on the command line."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import pytest
+
+import exoid
+from exoid.cli import main
+
+
+@pytest.fixture
+def exoid_(capsys, monkeypatch, tmp_path):
+    """Run ``exoid ARGUMENTS`` in this process, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["exoid", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        return int(stop.value.code or 0), *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Three logs, the last of which comes after the second in numbers only."""
+    data, path = exoid.datasets.bleex_swing(), tmp_path / "logs"
+    path.mkdir()
+    for number in (1, 2, 10):
+        start = 200 * number % 700
+        data.train.slice(start, start + 900).to_csv(path / f"part.{number}.csv")
+    return path
+
+
+def test_a_folder_stands_for_its_logs(exoid_, folder):
+    code, out, _ = exoid_("identify", "bleex", "logs", "--json")
+    assert code == 0
+    assert [one["name"] for one in json.loads(out)["inputs"]] == ["part.1.csv", "part.2.csv", "part.10.csv"]
+    files = [folder / f"part.{number}.csv" for number in (1, 2, 10)]
+    _, alone, _ = exoid_("identify", "bleex", *files, "--json")
+    assert json.loads(out)["values"] == json.loads(alone)["values"]
+
+
+def test_options_hold_for_logs_in_a_folder_too(exoid_, folder):
+    _, whole, _ = exoid_("identify", "bleex", "logs", "--json")
+    code, part, _ = exoid_("identify", "bleex", "logs", "--start", "6.2", "--json")
+    assert code == 0
+    assert json.loads(part)["inputs"][0]["samples"] < json.loads(whole)["inputs"][0]["samples"]
+
+
+def test_each_log_of_a_folder_can_have_parameters_of_its_own(exoid_, folder):
+    code, out, _ = exoid_("identify", "bleex", "logs", "--own", "offset")
+    assert code == 0
+    assert "offset_hip[part.10]" in out
+
+
+def test_a_report_of_a_folder_is_written(exoid_, folder, tmp_path):
+    code, _, _ = exoid_("identify", "bleex", "logs", "--report", "page.html")
+    assert code == 0
+    assert (tmp_path / "page.html").stat().st_size > 10_000
+
+
+def test_an_empty_folder_is_one_line(exoid_, tmp_path):
+    (tmp_path / "empty").mkdir()
+    code, out, err = exoid_("identify", "bleex", "empty")
+    assert (code, out) == (2, "")
+    assert "no logs in the folder" in err
+
+
+def test_a_cluster_reads_the_logs(exoid_, folder, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    _, here, _ = exoid_("identify", "bleex", folder, "--json")
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": ":0", "host": "127.0.0.1"}
+    with distributed.LocalCluster(**options) as cluster:
+        code, far, _ = exoid_("identify", "bleex", folder, "--scheduler", cluster.scheduler_address, "--json")
+    assert code == 0
+    assert json.loads(far)["values"] == pytest.approx(json.loads(here)["values"], rel=1e-9, abs=1e-12)
+    monkeypatch.setattr("exoid.signals.cluster.PATIENCE", "1s")
+    code, out, err = exoid_("identify", "bleex", folder, "--scheduler", "tcp://127.0.0.1:9")
+    assert (code, out) == (2, "")
+    assert "no Dask scheduler answers" in err
