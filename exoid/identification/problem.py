@@ -246,7 +246,8 @@ class Piece(NamedTuple):
 def _make_piece(model: TorqueModel, preparation: Preparation, data: Recording) -> Piece:
     """Make the rows of one recording."""
     alone = Problem(model, [data], preparation)
-    return Piece(alone.each[0], tuple(alone.blocks(thinned=True)))
+    # not alone.each: before Python 3.12 a cached property waits for that of any other object, which waits for this one
+    return Piece(_triangles(alone.blocks()), tuple(alone.blocks(thinned=True)))
 
 
 def _on_blocks(work: Callable[[Iterable[Block]], T], piece: Piece) -> T:

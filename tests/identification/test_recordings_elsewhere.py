@@ -118,6 +118,14 @@ def test_a_cluster_that_reads_files_gives_the_estimate_of_memory(client, folder,
     assert_same(found, identify(SWING.leg, in_memory, TERMS, estimator))
 
 
+def test_workers_that_are_threads_of_this_process_do_not_wait_for_it(folder, in_memory):
+    distributed = pytest.importorskip("distributed")
+    options = {"n_workers": 2, "processes": False, "dashboard_address": ":0"}
+    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as threads:
+        found = identify(SWING.leg, Cluster.of_files(threads, Recordings.from_folder(folder)), TERMS)
+    assert_same(found, identify(SWING.leg, in_memory, TERMS))
+
+
 def test_a_bag_and_an_array_of_dask_give_the_estimate_of_memory(client, in_memory):
     dask_bag, dask_array = pytest.importorskip("dask.bag"), pytest.importorskip("dask.array")
     expected = identify(SWING.leg, in_memory)
