@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import pickle
+import signal
 
 import numpy as np
 import pytest
@@ -139,6 +141,27 @@ def test_a_bag_and_an_array_of_dask_give_the_estimate_of_memory(client, in_memor
     assert_same(identify(SWING.leg, Cluster.of_array(client, array, columns)), expected, inputs=False)
     with pytest.raises(ExoidError, match="columns, 2 names"):
         Cluster.of_array(client, array, ("time", "q_hip"))
+
+
+def test_a_worker_that_dies_costs_only_time(folder, in_memory, monkeypatch):
+    """It is killed when triangles are back; rows that it had kept for the noise model are made again elsewhere."""
+    distributed = pytest.importorskip("distributed")
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": ":0", "host": "127.0.0.1"}
+    passes = []
+    done = Cluster.map
+    with distributed.LocalCluster(**options) as machine, distributed.Client(machine) as connected:
+
+        def killing(self, work):
+            found = done(self, work)
+            passes.append(work)
+            if len(passes) == 2:
+                os.kill(next(iter(machine.workers.values())).pid, signal.SIGKILL)
+            return found
+
+        monkeypatch.setattr(Cluster, "map", killing)
+        found = identify(SWING.leg, Cluster.of_files(connected, Recordings.from_folder(folder)), TERMS)
+    assert len(passes) > 4
+    assert_same(found, identify(SWING.leg, in_memory, TERMS))
 
 
 def test_free_settings_are_found_on_a_cluster_too(client, in_memory):
