@@ -17,7 +17,7 @@ from .collinearity import HOPELESS, ILL_CONDITIONED
 from .noise import LagSums
 from .problem import Kind, Problem
 from .residuals import Noises, Point, Series, over_recordings
-from .rows import Triangle
+from .triangles import Triangle
 
 WELL = 0.1
 """A parameter is well determined if its standard deviation is at most this part of its size,"""

@@ -22,11 +22,11 @@ from .estimators import Estimator, find_estimator, name_of
 from .fitting import Task, starting_model
 from .influence import influence
 from .residuals import sandwich
-from .rows import rms_residual
 from .separable import fit_model
 from .sources import go_over
 from .survey import Survey, angles, refuse_dead_torques, refuse_still_joints, survey
 from .trends import remarks, residual_trends
+from .triangles import rms_residual
 
 NOISES = ("correlated", "white")
 

@@ -15,7 +15,7 @@ from exoid.errors import ExoidError
 from .estimators import Fit
 from .least_squares import Solution
 from .problem import Problem
-from .rows import Triangle, join
+from .triangles import Triangle, join
 
 NO_ESTIMATE = np.inf
 """Change of a parameter that cannot be identified without a recording."""

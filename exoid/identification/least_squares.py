@@ -15,7 +15,7 @@ from exoid.errors import ExoidError
 
 from .assumed import NOTHING, Assumed
 from .collinearity import Collinearity
-from .rows import Triangle, make_triangle
+from .triangles import Triangle, make_triangle
 
 UNDETERMINED = 1e-7
 """Singular values of the unit-column regressor below this fraction of the largest count as zero."""

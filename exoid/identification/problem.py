@@ -19,9 +19,10 @@ from exoid.torques import TorqueModel
 
 from .assumed import NOTHING, Assumed
 from .least_squares import Solution, solve
-from .rows import Prepared, Rows, Triangle, chain, form_rows, join, make_triangles, prepare, thin, thinning
+from .rows import Prepared, Rows, chain, form_rows, prepare, thin, thinning
 from .rows_file import RowsFile
 from .sources import at_rest
+from .triangles import Triangle, join, make_triangles
 
 KEPT_BYTES = 2**26
 """Rows are kept between passes as long as together they stay below this, and made again otherwise,"""

@@ -15,8 +15,8 @@ from exoid.torques.linearised import linearise
 from .estimators import find_estimator
 from .fitting import Fitted, Start, Task, starting_model
 from .problem import Problem
-from .rows import join, make_triangle, refuse_empty_joints
 from .shapes import Shapes
+from .triangles import join, make_triangle, refuse_empty_joints
 
 PASSES = 6
 """Passes over the rows at most to settle the parameters at given settings."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .least_squares import Solution
 from .problem import Block, Kind
-from .rows import Triangle
+from .triangles import Triangle
 
 T = TypeVar("T")
 

@@ -11,7 +11,8 @@ import exoid
 from exoid import ExoidError
 from exoid.identification.estimators import ols, wls
 from exoid.identification.least_squares import solve
-from exoid.identification.rows import Triangle, join, make_rows, make_triangles
+from exoid.identification.rows import make_rows
+from exoid.identification.triangles import Triangle, join, make_triangles
 from exoid.signals import FiniteDifference, ZeroPhase
 from exoid.torques import TorqueModel
 

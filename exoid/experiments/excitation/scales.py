@@ -10,7 +10,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.diagnostics import SIZE, judge_sizes
-from exoid.identification.rows import make_triangle
+from exoid.identification.triangles import make_triangle
 from exoid.torques import TorqueModel
 
 from .limits import MotionLimits

@@ -11,8 +11,8 @@ from exoid._typing import FloatArray
 from exoid.identification.degrees_of_freedom import degrees_of_freedom
 from exoid.identification.least_squares import Solution
 from exoid.identification.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
-from exoid.identification.rows import Triangle, join, make_triangle
 from exoid.identification.stacked import Stacked
+from exoid.identification.triangles import Triangle, join, make_triangle
 
 from .fit import Fit
 from .wls import wls

@@ -9,7 +9,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.identification.least_squares import Solution
-from exoid.identification.rows import Triangle
+from exoid.identification.triangles import Triangle
 from exoid.torques import TorqueModel
 
 from .bordered import eliminate

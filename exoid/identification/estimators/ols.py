@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from exoid.identification.rows import join
 from exoid.identification.stacked import Reduced
+from exoid.identification.triangles import join
 
 from .fit import Fit
 

@@ -14,7 +14,8 @@ from exoid.identification.least_squares import Solution, solve
 from exoid.identification.noise import AutoregressiveNoise, autocovariance_sums
 from exoid.identification.problem import Problem
 from exoid.identification.residuals import Point, fit_noise
-from exoid.identification.rows import Triangle, for_leg, make_rows, make_triangle
+from exoid.identification.rows import for_leg, make_rows
+from exoid.identification.triangles import Triangle, make_triangle
 from exoid.signals import Poses
 
 from .closed_loop import ClosedLoop, as_possible

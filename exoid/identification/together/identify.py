@@ -14,9 +14,9 @@ from exoid.identification.estimate import Estimate
 from exoid.identification.estimators import Estimator, Fit, find_estimator, gls, huber, name_of, ols, wls
 from exoid.identification.identify import check_noise, check_terms, choose_preparation
 from exoid.identification.problem import Problem
-from exoid.identification.rows import join, refuse_empty_joints
 from exoid.identification.stacked import Stacked
 from exoid.identification.survey import Survey, refuse_dead_torques, survey
+from exoid.identification.triangles import join, refuse_empty_joints
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel, free_shapes

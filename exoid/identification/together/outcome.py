@@ -14,9 +14,9 @@ from exoid.identification.estimate import Estimate, Input
 from exoid.identification.estimators import Fit
 from exoid.identification.influence import Influence, leave_out
 from exoid.identification.residuals import Noises, Point
-from exoid.identification.rows import Triangle, join, rms_residual
 from exoid.identification.survey import Survey, angles
 from exoid.identification.trends import Trend, remarks, residual_trends
+from exoid.identification.triangles import Triangle, join, rms_residual
 
 from .problem import JointProblem
 from .trust import condition_number, noise_of

@@ -16,7 +16,7 @@ from exoid.identification.influence import weighted
 from exoid.identification.least_squares import Solution, solve
 from exoid.identification.problem import Block, Kind, Problem
 from exoid.identification.residuals import Noises
-from exoid.identification.rows import Triangle, join
+from exoid.identification.triangles import Triangle, join
 
 from .layout import Layout
 
