@@ -121,9 +121,12 @@ def _series(blocks: Iterable[Block], layout: Layout, point: Point) -> Iterator[S
             weight = point.weights[layout.weights[joint, int(kind.at_rest)]]
             usable = rows.usable[:, own].astype(np.float64)
             columns = layout.columns[joint]
-            X = weight * rows.W[:, own].T[acting] * usable
-            residual = weight * rows.tau[:, own] * usable - point.values[columns] @ X
-            residual = np.clip(residual, -point.clip, point.clip)
+            counted = weight * usable
+            X = rows.W[:, own].T[acting]
+            X *= counted
+            residual = rows.tau[:, own] * counted - point.values[columns] @ X
+            if np.isfinite(point.clip):
+                residual = np.clip(residual, -point.clip, point.clip)
             yield Series(
                 kind,
                 joint,

@@ -78,7 +78,7 @@ def bends_of(recording: Recording | Poses) -> Bends | None:
     if isinstance(recording, Poses) or recording.a is not None:
         return None
     even = recording.resampled()
-    pieces = [_sums(piece, even.sample_rate) for piece in np.array_split(even.q, -(-len(even) // PIECE))]
+    pieces = [_sums(piece, even.sample_rate) for piece in np.array_split(even.q.T, -(-len(even) // PIECE), axis=1)]
     noise, total = (np.sum(sums, axis=0) for sums in zip(*pieces, strict=True))
     return Bends(noise, total, len(even), even.sample_rate)
 
@@ -97,19 +97,21 @@ def cutoff_from(bends: Sequence[Bends]) -> float:
 
 
 def _sums(q: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
-    """Sums of noise and of signal in a piece of a recording, (N, n)."""
-    samples = len(q)
-    window = np.hanning(samples)
+    """Sums of noise and of signal in a piece of a recording, (n, N)."""
+    samples = q.shape[1]
     t = np.linspace(-1.0, 1.0, samples)
-    level = q - q.mean(axis=0)
-    level -= np.multiply.outer(t, t @ level / (t @ t))
-    power = np.abs(scipy.fft.rfft(level.T * window)).T ** 2 / samples
+    level = np.ascontiguousarray(q)
+    level = level - level.mean(axis=1, keepdims=True)
+    level -= np.multiply.outer(level @ t / (t @ t), t)
+    level *= np.hanning(samples)
+    power = np.abs(scipy.fft.rfft(level)) ** 2 / samples
     frequency = scipy.fft.rfftfreq(samples, 1.0 / rate)
-    noise = np.median(power[frequency >= UPPER_BAND * frequency[-1]], axis=0) / np.log(2.0)
+    noise = np.median(power[:, frequency >= UPPER_BAND * frequency[-1]], axis=1) / np.log(2.0)
     below = np.searchsorted(frequency, CUTOFFS, side="right") - 1
     slow = slice(0, below[-1] + 1)
-    bend = (2.0 * np.pi * frequency[slow, None]) ** 4
-    return np.cumsum(bend, axis=0)[below] * noise, np.cumsum(bend * power[slow], axis=0)[below]
+    bend = (2.0 * np.pi * frequency[slow]) ** 4
+    total = np.cumsum(bend * power[:, slow], axis=1)[:, below]
+    return np.multiply.outer(np.cumsum(bend)[below], noise), total.T
 
 
 def _is_long(bends: Bends, cutoff: float) -> bool:

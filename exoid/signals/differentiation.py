@@ -99,11 +99,11 @@ def _apply(stencil: Stencil, x: FloatArray) -> FloatArray:
     samples = len(x)
     if samples < max(width, 2 * margin + 1):
         raise ExoidError(f"{samples} samples are too few for a difference over {width}", remedy="record longer")
-    out = np.zeros_like(x, dtype=np.float64)
-    for offset, weight in enumerate(stencil.centre):
-        if weight:
-            out[margin : samples - margin] += weight * x[offset : samples - 2 * margin + offset]
+    signals = x.reshape(samples, -1).T
+    out = np.empty(signals.shape)
     parity = 1.0 if stencil.centre[0] == stencil.centre[-1] else -1.0
-    out[:margin] = np.tensordot(stencil.ends, x[:width], axes=1)
-    out[samples - margin :] = parity * np.tensordot(stencil.ends, x[: -width - 1 : -1], axes=1)[::-1]
-    return out
+    for signal, derived in zip(signals, out, strict=True):
+        derived[margin : samples - margin] = np.correlate(signal, stencil.centre, "valid")
+        derived[:margin] = stencil.ends @ signal[:width]
+        derived[samples - margin :] = parity * (stencil.ends @ signal[: -width - 1 : -1])[::-1]
+    return out.T.reshape(x.shape)
