@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
@@ -21,6 +20,7 @@ from .assumed import NOTHING, Assumed
 from .bands import TorqueBand, torque_std
 from .diagnostics import JointNoise, verdict, verdict_beside
 from .influence import Influence
+from .intervals import half_width, intervals
 from .shapes import Shapes
 from .trends import Trend
 
@@ -196,8 +196,7 @@ class Estimate:
         Raises:
             ExoidError: The level is not between 0 and 1.
         """
-        half = _quantile(level, self.dof_each) * self.std
-        return np.column_stack([self.values - half, self.values + half])
+        return intervals(self.values, self.std, self.dof_each, level)
 
     def value(self, name: str) -> float:
         """Look one parameter up by name.
@@ -275,7 +274,7 @@ class Estimate:
                 model's own, without noise.
         """
         dof = self.dof if measured else float(self.dof_each.min())
-        half = _quantile(level, dof) * self.torque_std(q, v, a, torso, measured=measured)
+        half = half_width(level, dof) * self.torque_std(q, v, a, torso, measured=measured)
         torque = self.torque(q, v, a, torso)
         return TorqueBand(torque, torque - half, torque + half)
 
@@ -354,10 +353,3 @@ class Estimate:
         from .report import report  # noqa: PLC0415 - it needs this class
 
         return report(self)
-
-
-def _quantile(level: float, dof: FloatArray | float) -> FloatArray:
-    """Half width of an interval in standard deviations, for each number of degrees of freedom."""
-    if not 0.0 < level < 1.0:
-        raise ExoidError(f"an interval of level {level}", remedy="use a level between 0 and 1, such as 0.95")
-    return np.asarray(scipy.stats.t.ppf(0.5 + level / 2.0, dof))

@@ -6,7 +6,6 @@ import inspect
 import json
 import subprocess
 import sys
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -14,34 +13,12 @@ from typer.testing import CliRunner
 
 import exoid
 from exoid import Coulomb, Estimate, Recording, Stiffness
-from exoid.cli import app, main
+from exoid.cli import app
 from exoid.cli.identify import identify
 from exoid.identification import estimate_to_json, validation_to_json
 from exoid.view.report import identification_report
 
 TRAIN, TEST = "bleex_swing:train", "bleex_swing:test"
-
-
-class Run(NamedTuple):
-    """How a command ended."""
-
-    code: int
-    out: str
-    err: str
-
-
-@pytest.fixture
-def exoid_(capsys, monkeypatch, tmp_path):
-    """Run ``exoid ARGUMENTS`` in this process, in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["exoid", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        return Run(int(stop.value.code or 0), *capsys.readouterr())
-
-    return run
 
 
 @pytest.fixture(scope="module")

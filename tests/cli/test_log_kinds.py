@@ -3,28 +3,12 @@
 from __future__ import annotations
 
 import json
-import sys
 
 import numpy as np
 import pytest
 from log_writers import WRITERS, messages, write_bag
 
 import exoid
-from exoid.cli import main
-
-
-@pytest.fixture
-def exoid_(capsys, monkeypatch, tmp_path):
-    """Run ``exoid ARGUMENTS`` in this process, in an empty folder: exit status, standard output, standard error."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["exoid", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        return int(stop.value.code or 0), *capsys.readouterr()
-
-    return run
 
 
 @pytest.fixture(scope="module")

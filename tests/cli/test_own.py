@@ -3,32 +3,16 @@
 from __future__ import annotations
 
 import json
-import sys
 
 import numpy as np
 import pytest
 
 import exoid
 from exoid import Estimate, Recording
-from exoid.cli import main
 from exoid.identification.together import together_to_json
 
 ZERO = (2.0, -1.0, 0.5)
 """By which torque sensors differ between the two logs [N·m]."""
-
-
-@pytest.fixture
-def exoid_(capsys, monkeypatch, tmp_path):
-    """Run ``exoid ARGUMENTS`` in this process, in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["exoid", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        return int(stop.value.code or 0), *capsys.readouterr()
-
-    return run
 
 
 @pytest.fixture

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
@@ -15,6 +14,7 @@ from exoid.identification.assumed import Assumed
 from exoid.identification.comparison import Comparison, wald, welch
 from exoid.identification.diagnostics import verdict, verdict_beside
 from exoid.identification.estimate import Estimate
+from exoid.identification.intervals import intervals
 
 from .equality import Equality
 from .layout import Layout
@@ -130,11 +130,11 @@ class Together:
 
         Args:
             level: Probability that an interval contains the true value, between 0 and 1.
+
+        Raises:
+            ExoidError: The level is not between 0 and 1.
         """
-        if not 0.0 < level < 1.0:
-            raise ExoidError(f"an interval of level {level}", remedy="use a level between 0 and 1, such as 0.95")
-        half = scipy.stats.t.ppf(0.5 + level / 2.0, self.dofs) * self.std
-        return np.column_stack([self.values - half, self.values + half])
+        return intervals(self.values, self.std, self.dofs, level)
 
     def compare(self, first: str, second: str) -> Comparison:
         """Test whether own parameters of two groups differ; errors that they have in common cancel.
