@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.tables import make_table, to_text, with_error
@@ -13,6 +12,7 @@ from exoid.tables import make_table, to_text, with_error
 from .assumed import Assumed
 from .collinearity import ILL_CONDITIONED
 from .estimate import Estimate
+from .intervals import half_width
 
 NOT_WHITE = 0.01
 """Residuals with a smaller probability of being white are said not to be."""
@@ -110,7 +110,7 @@ def influences(estimate: Estimate) -> Iterator[str]:
     influence = estimate.influence
     if influence is None:
         return
-    for recording, moved in influence.strongest(scipy.stats.t.ppf(0.975, estimate.dof_each)):
+    for recording, moved in influence.strongest(half_width(0.95, estimate.dof_each)):
         names = ", ".join(estimate.names[k] for k in moved)
         yield f"{recording} alone moves {names} by more than the interval, and more than noise explains"
     changes = zip(influence.recordings, influence.change, strict=True)

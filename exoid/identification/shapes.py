@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .diagnostics import verdict
+from .intervals import half_width
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,5 +85,5 @@ class Shapes:
             dof: Degrees of freedom of the estimate.
             level: Probability that an interval contains the true value.
         """
-        half = scipy.stats.t.ppf(0.5 + level / 2.0, dof) * self.std / self.values
+        half = half_width(level, dof) * self.std / self.values
         return np.column_stack([self.values * np.exp(-half), self.values * np.exp(half)])

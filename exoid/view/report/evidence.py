@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.identification import Estimate, Validation, validate
+from exoid.identification.intervals import half_width
 from exoid.identification.rows import for_leg
 from exoid.signals import Recording
 
@@ -59,7 +59,7 @@ def gather(estimate: Estimate, recording: Recording) -> Evidence:
     validation = validate(estimate, recording)
     q, v, a, valid = estimate.preparation.kinematics(recording)
     std = estimate.torque_std(q, v, a, recording.torso, measured=True)[valid]
-    half_width = scipy.stats.t.ppf(0.5 + LEVEL / 2.0, estimate.dof) * std
+    half = half_width(LEVEL, estimate.dof) * std
     friction = estimate.model.friction_torque(estimate.model.motion(q, v, a, recording.torso), estimate.values)
     filtered = estimate.preparation.filter_columns(friction, recording.sample_rate)[valid]
-    return Evidence(recording, q[valid], v[valid], validation, half_width, filtered)
+    return Evidence(recording, q[valid], v[valid], validation, half, filtered)
