@@ -4,6 +4,7 @@ import json
 import multiprocessing
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -232,6 +233,26 @@ def test_killing_a_worker_changes_nothing_but_time(result, tmp_path):
     killer.join(timeout=1.0)
     assert len(killed) == 1
     assert same(found, result)
+
+
+def test_two_runs_at_once_in_one_folder_do_not_harm_each_other(tmp_path):
+    command = [
+        sys.executable,
+        "-c",
+        "from exoid.cli import main; main()",
+        "study",
+        "cuhk",
+        "--replicates",
+        "6",
+        "--json",
+    ]
+    runs = [
+        subprocess.Popen([*command, *more], cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+        for more in (["-o", "kept"], ["-o", "kept"], [])
+    ]
+    printed = [run.communicate(timeout=200)[0] for run in runs]
+    assert [run.returncode for run in runs] == [0, 0, 0]
+    assert printed[0] == printed[1] == printed[2] != ""
 
 
 def test_a_dask_cluster_gives_the_same_bits_even_if_a_worker_dies(tmp_path):
