@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 from . import datasets, published, signals, torques
 from .catalog import load_leg
 from .errors import ExoidError
-from .identification import Comparison, Estimate, Validation, compare, identify, identify_together, validate
+from .estimate import Comparison, Estimate, Validation, compare, validate
+from .identification import identify, identify_together
 from .leg import Leg
 from .signals import Recording, Recordings
 from .torques import Armature, Coulomb, Offset, Stiffness, Viscous

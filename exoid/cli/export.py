@@ -9,7 +9,7 @@ import typer
 
 from exoid import codegen, identification
 from exoid.errors import ExoidError
-from exoid.identification.export import export_to_json
+from exoid.estimate.export import export_to_json
 
 from .inputs import AsJson
 

@@ -15,7 +15,6 @@ from exoid.files import refuse_unwritable
 from exoid.signals import Recording
 from exoid.torques import TERMS
 
-from .far_logs import all_at_once, at_hand, each_log, is_folder_of_logs, logs_on_disk
 from .inputs import (
     AsJson,
     Column,
@@ -33,6 +32,7 @@ from .inputs import (
     split_names,
 )
 from .numbers import parse_known, parse_prior
+from .remote_logs import all_at_once, at_hand, each_log, is_folder_of_logs, logs_on_disk
 from .together import Settings, Together, log_names
 
 

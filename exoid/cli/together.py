@@ -9,8 +9,8 @@ from typing import NamedTuple, TypedDict
 
 from exoid import identification
 from exoid.errors import ExoidError
+from exoid.estimate.file import estimate_text
 from exoid.files import refuse_unwritable, write_together
-from exoid.identification.estimate_file import estimate_text
 from exoid.identification.together import together_to_json
 from exoid.leg import Leg
 from exoid.signals import Recording

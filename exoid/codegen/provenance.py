@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from .dialect import Dialect, comment
 
 if TYPE_CHECKING:
-    from exoid.identification import Estimate
+    from exoid.estimate import Estimate
 
 
 def provenance(estimate: Estimate, prefix: str, dialect: Dialect) -> str:

@@ -24,7 +24,7 @@ from .provenance import provenance
 from .terms import Place, express, joint_terms
 
 if TYPE_CHECKING:
-    from exoid.identification import Estimate
+    from exoid.estimate import Estimate
 
 SCHEMA = "exoid-c-1"
 

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 from exoid.errors import ExoidError
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Stribeck, Term, TorqueModel, Viscous
 from exoid.torques.dry_friction import DryFriction
-from exoid.torques.free import number
+from exoid.torques.nonlinear import number
 
 from .dialect import Dialect
 

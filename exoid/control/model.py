@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification import Estimate
+from exoid.estimate import Estimate
 from exoid.leg import Leg
 from exoid.model import configuration
 from exoid.rig import Plant

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.estimate.nonlinear import Shapes
 from exoid.leg import Leg
+from exoid.regression.prior_knowledge import NOTHING, Assumed
 from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel, free_shapes, with_shapes
 
-from .assumed import NOTHING, Assumed
 from .estimators import Estimator, Fit
 from .problem import Problem
-from .shapes import Shapes
 
 Keep = Callable[[int, FloatArray], NDArray[np.bool_]]
 """Which rows to use: recording index, times [s] → mask."""

@@ -9,24 +9,24 @@ from os import PathLike
 import numpy as np
 
 from exoid.errors import ExoidError
+from exoid.estimate.estimate import Estimate
 from exoid.leg import Leg
+from exoid.regression.degrees_of_freedom import degrees_of_freedom
+from exoid.regression.diagnostics import calm_sizes, judge_noise, judge_sizes, negative
+from exoid.regression.influence import influence
+from exoid.regression.prior_knowledge import Assumed, Prior
+from exoid.regression.r_factor import rms_residual
+from exoid.regression.residuals import sandwich
+from exoid.regression.trends import remarks, residual_trends
 from exoid.signals import Cluster, Poses, Preparation, Recording, Recordings, ZeroPhase, preparation_by_name
 from exoid.signals.cutoff import cutoff_from
 from exoid.torques import DEFAULT_TERMS, Term
 
-from .assumed import Assumed, Prior
-from .degrees_of_freedom import degrees_of_freedom
-from .diagnostics import calm_sizes, judge_noise, judge_sizes, negative
-from .estimate import Estimate
 from .estimators import Estimator, find_estimator, name_of
 from .fitting import Task, starting_model
-from .influence import influence
-from .residuals import sandwich
+from .recording_summary import Survey, angles, refuse_dead_torques, refuse_still_joints, survey
 from .separable import fit_model
 from .sources import go_over
-from .survey import Survey, angles, refuse_dead_torques, refuse_still_joints, survey
-from .trends import remarks, residual_trends
-from .triangles import rms_residual
 
 NOISES = ("correlated", "white")
 

@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.regression.least_squares import Solution, solve
+from exoid.regression.prior_knowledge import NOTHING, Assumed
+from exoid.regression.r_factor import Triangle, join, make_triangles
+from exoid.regression.rows import Prepared, Rows, chain, form_rows, prepare, thin, thinning
+from exoid.regression.rows_file import RowsFile
 from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 
-from .assumed import NOTHING, Assumed
-from .least_squares import Solution, solve
-from .rows import Prepared, Rows, chain, form_rows, prepare, thin, thinning
-from .rows_file import RowsFile
 from .sources import at_rest
-from .triangles import Triangle, join, make_triangles
 
 KEPT_BYTES = 2**26
 """Rows are kept between passes as long as together they stay below this, and made again otherwise,"""
@@ -153,7 +153,7 @@ class Problem:
         """Go over the rows, recording by recording, each in order of time.
 
         Args:
-            thinned: Only as many as carry independent noise, see :func:`exoid.identification.rows.thin`.
+            thinned: Only as many as carry independent noise, see :func:`exoid.regression.rows.thin`.
 
         Raises:
             ExoidError: They are on a cluster, which does not let them go.

@@ -9,14 +9,14 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.estimate.nonlinear import Shapes
+from exoid.regression.r_factor import join, make_triangle, refuse_empty_joints
 from exoid.torques import Shape, TorqueModel, free_shapes, with_shapes
 from exoid.torques.linearised import linearise
 
 from .estimators import find_estimator
 from .fitting import Fitted, Start, Task, starting_model
 from .problem import Problem
-from .shapes import Shapes
-from .triangles import join, make_triangle, refuse_empty_joints
 
 PASSES = 6
 """Passes over the rows at most to settle the parameters at given settings."""

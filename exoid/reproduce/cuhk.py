@@ -11,15 +11,16 @@ from exoid import published
 from exoid._typing import FloatArray
 from exoid.catalog import load_leg
 from exoid.errors import ExoidError
+from exoid.estimate import Estimate
 from exoid.experiments import Bench, Harmonics, StaticProtocol, cuhk, run_motion, run_static
-from exoid.identification import Estimate, identify
-from exoid.identification.sequential import Known
-from exoid.identification.sequential import cuhk as steps
+from exoid.identification import identify
 from exoid.leg import Leg
 from exoid.rig import DcMotor, Plant, Proportional, ProportionalDerivative, Rates, Sensors
 from exoid.signals import MovingAverage, Poses, Preparation, Recording, ZeroPhase
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Viscous
 
+from .sequential import Known
+from .sequential import cuhk as steps
 from .torque_error import by_name, predicted_torque, torque_nrmse, torque_rmse, validation_rows
 
 MOTOR = DcMotor(torque_constant=0.0705, ratio=50.0, rotor_inertia=3.2e-4, current_limit=15.0)

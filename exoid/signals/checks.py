@@ -11,7 +11,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.torso import TorsoMotion
 
-from .whereabouts import Whereabouts
+from .source_location import Whereabouts
 
 FEWEST_SAMPLES = 10
 """Fewer rows than this are no motion."""

@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from . import checks
 from .formats import QUANTITIES, Table
 from .source import Source
-from .whereabouts import Whereabouts
+from .source_location import Whereabouts
 
 
 class Log(NamedTuple):

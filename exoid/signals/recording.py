@@ -19,7 +19,7 @@ from .csv_writer import write_csv
 from .formats import Table, Wanted, open_table, read_text_table
 from .log import read_log
 from .source import Source
-from .whereabouts import Whereabouts
+from .source_location import Whereabouts
 
 
 @dataclass(frozen=True, eq=False, repr=False)

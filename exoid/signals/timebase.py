@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .whereabouts import Whereabouts
+from .source_location import Whereabouts
 
 EVENNESS = 1e-3
 """Largest deviation of one interval from the median, relative, at which a log still counts as uniform.

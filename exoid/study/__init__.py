@@ -1,6 +1,5 @@
 """Studies: virtual identifications in great number, and control laws told by them, on one processor or many."""
 
-from .course import Course
 from .design import Driver, LegText, Piece, Study, plausible_truth
 from .law_figures import LawFigures, Spread
 from .noise import Noise
@@ -8,6 +7,7 @@ from .protocol import Protocol, document, planned
 from .replicates import Outcomes, do_piece
 from .result import Combination, StudyResult
 from .run import run_study
+from .tracking_task import Course
 from .workers import Done, Workers, dask_cluster, here, processes
 
 __all__ = [

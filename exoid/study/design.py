@@ -20,9 +20,9 @@ from exoid.leg import Leg
 from exoid.torques import Term, TorqueModel, term_to_json
 from exoid.torso import TorsoMotion
 
-from .course import Course
 from .noise import Noise
 from .protocol import Protocol
+from .tracking_task import Course
 
 SCHEMA = "exoid-study-1"
 

@@ -11,11 +11,11 @@ from exoid._typing import FloatArray
 from exoid.control import ControlModel, Law, SideBySide, Tracking, simulate_many
 from exoid.control.track import SENSORS
 from exoid.errors import ExoidError
-from exoid.identification import Estimate
+from exoid.estimate import Estimate
 from exoid.rig import Plant, Sensors
 
-from .course import Course
 from .design import BLIND, TRUTH, Driver, Piece, Study
+from .tracking_task import Course
 
 MEASURES = ("rms_deg", "peak_deg", "rms_torque")
 """Of :class:`exoid.control.Tracking`, by joint."""

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from exoid._typing import FloatArray
+from exoid.estimate import Estimate
 from exoid.experiments import Bench, run_motion, stiff_servo
-from exoid.identification import Estimate, identify
+from exoid.identification import identify
 from exoid.rig import IdealTorque, Plant, Rates, Sensors
 from exoid.signals import Recording
 

@@ -10,8 +10,8 @@ from exoid.errors import ExoidError
 
 from .armature import Armature
 from .coulomb import Coulomb
-from .free import Free
 from .load_friction import LoadFriction
+from .nonlinear import Free
 from .offset import Offset
 from .stiffness import Stiffness
 from .stribeck import Stribeck

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .free import Free, number
 from .memory import Memory
 from .motion import JointMotion
+from .nonlinear import Free, number
 from .presliding import Presliding
 from .term import Term
 

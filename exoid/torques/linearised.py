@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg import Leg
 
-from .free import Shape, free_shapes, with_shapes
 from .model import Block, LegMotion, Merged, TorqueModel
+from .nonlinear import Shape, free_shapes, with_shapes
 from .term import Term
 
 STEP = 1e-4

@@ -15,9 +15,9 @@ from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.torso import TorsoMotion
 
-from .free import free_shapes
 from .memory import Memory
 from .motion import JointMotion, Motion
+from .nonlinear import free_shapes
 from .term import Term
 
 BLOCK = 32768

@@ -11,8 +11,8 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .dry_friction import DryFriction
-from .free import Free, number
 from .motion import JointMotion
+from .nonlinear import Free, number
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from exoid.experiments.excitation import Plan, Precision
-from exoid.identification.diagnostics import WEAKLY, WELL
+from exoid.regression.diagnostics import WEAKLY, WELL
 
 from .style import CAD, GUIDE, IDENTIFIED, JOINT_COLOURS, legend_above
 

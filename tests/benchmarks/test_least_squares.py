@@ -18,8 +18,8 @@ from turns import best_of_turns, show
 import exoid
 from exoid import Coulomb, Recording, Viscous
 from exoid.identification.estimators import ols
-from exoid.identification.least_squares import Solution
 from exoid.identification.problem import Problem
+from exoid.regression.least_squares import Solution
 from exoid.signals import FiniteDifference
 from exoid.torques import TorqueModel
 

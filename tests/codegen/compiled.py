@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from exoid import Armature, Coulomb, Estimate, Leg, Stiffness, Viscous
-from exoid.identification import Input
+from exoid.estimate import Input
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 

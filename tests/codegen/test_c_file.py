@@ -15,7 +15,7 @@ import exoid
 from exoid import Coulomb, ExoidError, Leg, Offset, Stiffness, Viscous
 from exoid.codegen import c_source, c_source_to_json
 from exoid.description import describe
-from exoid.identification import Input
+from exoid.estimate import Input
 from exoid.torques import LoadFriction, Stribeck
 
 CUHK = exoid.load_leg("cuhk")

@@ -8,7 +8,7 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Offset, Viscous, identify
-from exoid.identification import Prior
+from exoid.regression import Prior
 from exoid.signals import FiniteDifference, ZeroPhase
 from exoid.torques import LoadFriction
 

@@ -8,9 +8,9 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Recording, Stiffness
-from exoid.identification.collinearity import HOPELESS, ILL_CONDITIONED, Collinearity
-from exoid.identification.diagnostics import calm_sizes, verdict
 from exoid.identification.problem import Problem
+from exoid.regression.collinearity import HOPELESS, ILL_CONDITIONED, Collinearity
+from exoid.regression.diagnostics import calm_sizes, verdict
 from exoid.signals import FiniteDifference
 from exoid.torques import Stribeck, TorqueModel
 

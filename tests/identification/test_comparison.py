@@ -10,7 +10,7 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import ExoidError, Offset, Viscous
-from exoid.identification import comparison_to_json
+from exoid.estimate import comparison_to_json
 from exoid.signals import FiniteDifference
 
 EXACT = FiniteDifference()

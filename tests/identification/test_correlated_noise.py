@@ -13,7 +13,7 @@ import exoid
 from exoid import Coulomb, ExoidError, Viscous
 from exoid.identification.estimators import ESTIMATORS, ols, wls
 from exoid.identification.problem import Problem
-from exoid.identification.residuals import fit_noise, sandwich
+from exoid.regression.residuals import fit_noise, sandwich
 from exoid.signals import FiniteDifference, Poses, ZeroPhase
 from exoid.torques import TorqueModel
 

@@ -9,11 +9,11 @@ from scipy.signal import lfilter
 from swings import TERMS, Swing
 
 import exoid
-from exoid.identification.degrees_of_freedom import degrees_of_freedom
 from exoid.identification.estimators import ols, wls
-from exoid.identification.noise import AutoregressiveNoise
 from exoid.identification.problem import Problem
-from exoid.identification.residuals import sandwich
+from exoid.regression.degrees_of_freedom import degrees_of_freedom
+from exoid.regression.noise import AutoregressiveNoise
+from exoid.regression.residuals import sandwich
 from exoid.signals import FiniteDifference
 from exoid.torques import TorqueModel
 

@@ -6,7 +6,7 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Stiffness
-from exoid.identification.diagnostics import verdict
+from exoid.regression.diagnostics import verdict
 from exoid.signals import FiniteDifference
 
 EXACT = FiniteDifference()

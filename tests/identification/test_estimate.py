@@ -10,7 +10,8 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Offset, Stiffness, Validation, Viscous
-from exoid.identification import Input, JointNoise, estimate_from_json, estimate_to_json, validation_to_json
+from exoid.estimate import Input, estimate_from_json, estimate_to_json, validation_to_json
+from exoid.regression import JointNoise
 from exoid.signals import PREPARATIONS, FiniteDifference, MovingAverage, ZeroPhase
 from exoid.torques import TorqueModel
 

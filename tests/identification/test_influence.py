@@ -8,9 +8,9 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Estimate, Stiffness, identify
-from exoid.identification import estimate_to_json
-from exoid.identification.influence import influence_from_json
+from exoid.estimate import estimate_to_json
 from exoid.identification.problem import Problem
+from exoid.regression.influence import influence_from_json
 from exoid.signals import FiniteDifference, Poses
 from exoid.torques import TorqueModel
 

@@ -17,7 +17,7 @@ from exoid.identification.estimators.motion_fit import fit_motion
 from exoid.identification.estimators.motion_system import Levels, Moving, State, Still, System
 from exoid.identification.estimators.sensitivity import respond
 from exoid.identification.estimators.trajectory import Trajectory
-from exoid.identification.least_squares import solve
+from exoid.regression.least_squares import solve
 from exoid.signals import Poses
 from exoid.torques import Motion, TorqueModel
 

@@ -6,7 +6,7 @@ from scipy.linalg import toeplitz
 from statsmodels.regression.linear_model import yule_walker
 from statsmodels.tsa.arima_process import arma_acovf
 
-from exoid.identification.noise import AutoregressiveNoise, autocovariance_sums
+from exoid.regression.noise import AutoregressiveNoise, autocovariance_sums
 
 AR = {"AR(1)": [0.8], "AR(2) resonance": [1.6, -0.9], "AR(3)": [0.5, -0.2, 0.3], "white": []}
 

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Recording, TorsoMotion, Viscous
-from exoid.identification import predict_motion
+from exoid.estimate import predict_motion
 from exoid.signals import FiniteDifference
 from exoid.torques import TorqueModel
 

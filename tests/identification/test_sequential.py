@@ -20,10 +20,10 @@ from exact_experiments import (
 
 import exoid
 from exoid.errors import ExoidError
-from exoid.identification.sequential import Known
-from exoid.identification.sequential import bleex as steps
-from exoid.identification.sequential import cuhk as cuhk_steps
-from exoid.identification.sequential.rows import rows_in_motion
+from exoid.reproduce.sequential import Known
+from exoid.reproduce.sequential import bleex as steps
+from exoid.reproduce.sequential import cuhk as cuhk_steps
+from exoid.reproduce.sequential.rows import rows_in_motion
 from exoid.signals import FiniteDifference, MovingAverage
 
 

@@ -8,9 +8,9 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Coulomb, Offset, Recording, Viscous, identify
-from exoid.identification import rows as rows_module
-from exoid.identification.noise import AutoregressiveNoise, LagSums, QuadraticForm, autocovariance_sums
 from exoid.identification.problem import Problem
+from exoid.regression import rows as rows_module
+from exoid.regression.noise import AutoregressiveNoise, LagSums, QuadraticForm, autocovariance_sums
 from exoid.signals import FiniteDifference, MovingAverage, ParallelFilter, Poses, ZeroPhase
 from exoid.torques import TorqueModel
 from exoid.torso import TorsoMotion

@@ -15,8 +15,8 @@ import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Offset, Recording, Stiffness, Viscous
 from exoid.catalog import URDFS, urdf_folder
 from exoid.description import describe
-from exoid.identification.lumping import share_out
-from exoid.reduction.pseudo_inertia import margins
+from exoid.lift.lumping import share_out
+from exoid.lift.pseudo_inertia import margins
 from exoid.rewriting import read_inertials
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel

@@ -12,8 +12,8 @@ from sessions import TERMS, Noise, Session, truth_of
 
 import exoid
 from exoid import Estimate, ExoidError, Recording, compare, identify, identify_together
-from exoid.identification.rows import make_rows
 from exoid.identification.together import together_to_json
+from exoid.regression.rows import make_rows
 from exoid.signals import FiniteDifference, Poses, Recordings
 from exoid.torques import TorqueModel
 
@@ -400,7 +400,7 @@ def test_rows_that_are_made_again_stretch_by_stretch_give_the_same(legs, sides, 
     recordings = record(sides, left=Noise(0.2, 0.9), right=Noise(0.3))
     whole = identify_together(legs, recordings, TERMS, estimator)
     monkeypatch.setattr("exoid.identification.problem.KEPT_BYTES", 0)
-    monkeypatch.setattr("exoid.identification.rows.BLOCK", 300)
+    monkeypatch.setattr("exoid.regression.rows.BLOCK", 300)
     pieces = identify_together(legs, recordings, TERMS, estimator)
     np.testing.assert_allclose(pieces.values, whole.values, rtol=1e-6, atol=1e-8)
     np.testing.assert_allclose(pieces.std, whole.std, rtol=1e-5)

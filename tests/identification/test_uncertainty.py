@@ -10,9 +10,9 @@ from swings import TERMS, Swing
 import exoid
 from exoid import ExoidError
 from exoid.identification.estimators import ols, wls
-from exoid.identification.least_squares import solve
-from exoid.identification.rows import make_rows
-from exoid.identification.triangles import Triangle, join, make_triangles
+from exoid.regression.least_squares import solve
+from exoid.regression.r_factor import Triangle, join, make_triangles
+from exoid.regression.rows import make_rows
 from exoid.signals import FiniteDifference, ZeroPhase
 from exoid.torques import TorqueModel
 

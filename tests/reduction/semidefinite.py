@@ -7,8 +7,8 @@ from typing import NamedTuple
 import cvxpy as cp
 import numpy as np
 
+from exoid.lift.pseudo_inertia import COORDINATES, link_parameters, pseudo_inertias, upper_factors
 from exoid.model import dynamic_parameters
-from exoid.reduction.pseudo_inertia import COORDINATES, link_parameters, pseudo_inertias, upper_factors
 
 
 class Optimum(NamedTuple):

@@ -10,11 +10,8 @@ from test_numeric import urdf_of
 import exoid
 from exoid import ExoidError, Leg
 from exoid.description import describe
-from exoid.model import dynamic_parameters
-from exoid.published import bleex_parameters
-from exoid.published.parameters import BLEEX_SETS
-from exoid.reduction import Lift, lift
-from exoid.reduction.pseudo_inertia import (
+from exoid.lift import Lift, lift
+from exoid.lift.pseudo_inertia import (
     congruence,
     link_parameters,
     made_possible,
@@ -22,6 +19,9 @@ from exoid.reduction.pseudo_inertia import (
     pseudo_inertias,
     upper_factors,
 )
+from exoid.model import dynamic_parameters
+from exoid.published import bleex_parameters
+from exoid.published.parameters import BLEEX_SETS
 
 
 @pytest.fixture(scope="module")

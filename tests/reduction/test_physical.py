@@ -9,9 +9,9 @@ from test_numeric import urdf_of
 
 import exoid
 from exoid import ExoidError, Leg
+from exoid.lift import check
 from exoid.published import bleex_parameters, cuhk
 from exoid.published.parameters import BLEEX_SETS
-from exoid.reduction import check
 
 BOUNDS = {"cad": (8.94, 5.05, 1.81), "left": (10.03, 5.22, 1.82), "right": (9.20, 5.18, 1.56)}
 """Without lengths, as docs/legs.md has them [kg]."""

@@ -11,7 +11,8 @@ from exoid.experiments.excitation import assess
 from exoid.signals import Source
 from exoid.tables import DataTable
 from exoid.torques import Armature, Coulomb, Free, Offset, Stribeck, Viscous
-from exoid.view.report import Embedded, Page, Section, Words, identification_report, picture, words
+from exoid.view.report import Embedded, Page, Section, Words, identification_report, picture
+from exoid.view.report import text as words
 from exoid.view.report.evidence import gather
 from exoid.view.report.pictures import prediction_pictures
 

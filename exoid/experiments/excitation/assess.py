@@ -19,7 +19,7 @@ from .limits import MotionLimits
 from .noise import TorqueNoise
 from .precision import Precision, StaticRows, evidence
 from .scales import Scales
-from .words import doubts, precision_table
+from .text import doubts, precision_table
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.identification.diagnostics import verdict
-from exoid.identification.least_squares import INVOLVED, UNDETERMINED
-from exoid.identification.rows import for_leg
+from exoid.regression.diagnostics import verdict
+from exoid.regression.least_squares import INVOLVED, UNDETERMINED
+from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase
 from exoid.torques import TorqueModel
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.diagnostics import SIZE, judge_sizes
-from exoid.identification.triangles import make_triangle
+from exoid.regression.diagnostics import SIZE, judge_sizes
+from exoid.regression.r_factor import make_triangle
 from exoid.torques import TorqueModel
 
 from .limits import MotionLimits

@@ -1,6 +1,6 @@
 """Estimators: from a problem to parameters."""
 
-from exoid.identification.stacked import Reduced
+from exoid.regression.problem import Reduced
 
 from .by_name import ESTIMATORS, find_estimator
 from .closed_loop import ClosedLoop

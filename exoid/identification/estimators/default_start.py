@@ -7,7 +7,7 @@ from dataclasses import replace
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
-from exoid.identification.rows import for_leg
+from exoid.regression.rows import for_leg
 from exoid.signals import ZeroPhase, choose_cutoff
 from exoid.torques import TorqueModel
 

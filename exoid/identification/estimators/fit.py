@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.identification.least_squares import Solution
 from exoid.identification.problem import Problem
-from exoid.identification.residuals import Noises, Point
+from exoid.regression.least_squares import Solution
+from exoid.regression.residuals import Noises, Point
 
 
 class Fit(NamedTuple):

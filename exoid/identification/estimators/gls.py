@@ -8,11 +8,11 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.identification.degrees_of_freedom import degrees_of_freedom
-from exoid.identification.least_squares import Solution
-from exoid.identification.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
-from exoid.identification.stacked import Stacked
-from exoid.identification.triangles import Triangle, join, make_triangle
+from exoid.regression.degrees_of_freedom import degrees_of_freedom
+from exoid.regression.least_squares import Solution
+from exoid.regression.problem import Stacked
+from exoid.regression.r_factor import Triangle, join, make_triangle
+from exoid.regression.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
 
 from .fit import Fit
 from .wls import wls

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.identification.stacked import Stacked
-from exoid.identification.triangles import Triangle, join, joint_table, make_triangle
+from exoid.regression.problem import Stacked
+from exoid.regression.r_factor import Triangle, join, joint_table, make_triangle
 
 from .fit import Fit
 from .wls import noise_floor, wls

@@ -11,11 +11,11 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.assumed import NOTHING
-from exoid.identification.noise import QuadraticForm
 from exoid.identification.problem import Problem
-from exoid.identification.residuals import Point, Sandwich, fit_noise, series
-from exoid.identification.rows import for_leg
+from exoid.regression.noise import QuadraticForm
+from exoid.regression.prior_knowledge import NOTHING
+from exoid.regression.residuals import Point, Sandwich, fit_noise, series
+from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
 

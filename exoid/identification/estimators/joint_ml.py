@@ -12,8 +12,8 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
-from exoid.identification.residuals import Point, fit_noise
-from exoid.identification.rows import for_leg, make_rows
+from exoid.regression.residuals import Point, fit_noise
+from exoid.regression.rows import for_leg, make_rows
 from exoid.signals import Poses, Recording, ZeroPhase
 from exoid.torques import Term, TorqueModel
 from exoid.torques.dry_friction import DryFriction

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.identification.least_squares import Solution
-from exoid.identification.triangles import Triangle
+from exoid.regression.least_squares import Solution
+from exoid.regression.r_factor import Triangle
 from exoid.torques import TorqueModel
 
 from .bordered import eliminate

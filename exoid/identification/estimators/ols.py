@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from exoid.identification.stacked import Reduced
-from exoid.identification.triangles import join
+from exoid.regression.problem import Reduced
+from exoid.regression.r_factor import join
 
 from .fit import Fit
 

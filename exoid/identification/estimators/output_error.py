@@ -10,12 +10,12 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.least_squares import Solution, solve
-from exoid.identification.noise import AutoregressiveNoise, autocovariance_sums
 from exoid.identification.problem import Problem
-from exoid.identification.residuals import Point, fit_noise
-from exoid.identification.rows import for_leg, make_rows
-from exoid.identification.triangles import Triangle, make_triangle
+from exoid.regression.least_squares import Solution, solve
+from exoid.regression.noise import AutoregressiveNoise, autocovariance_sums
+from exoid.regression.r_factor import Triangle, make_triangle
+from exoid.regression.residuals import Point, fit_noise
+from exoid.regression.rows import for_leg, make_rows
 from exoid.signals import Poses
 
 from .closed_loop import ClosedLoop, as_possible

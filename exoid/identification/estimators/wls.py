@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.identification.stacked import Reduced
-from exoid.identification.triangles import Triangle, join
+from exoid.regression.problem import Reduced
+from exoid.regression.r_factor import Triangle, join
 
 from .fit import Fit
 from .ols import ols

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.fitting import Start, Task
-from exoid.identification.rows import make_rows
 from exoid.identification.separable import fit_model
+from exoid.regression.rows import make_rows
 from exoid.signals import Preparation, Recording, Smoothed, ZeroPhase
 
 GAP = 0.1

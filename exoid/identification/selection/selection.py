@@ -11,13 +11,13 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.estimate import Estimate
-from exoid.identification.estimate_file import preparation_to_json
+from exoid.estimate.estimate import Estimate
+from exoid.estimate.file import preparation_to_json
+from exoid.estimate.validation import Validation, validate
 from exoid.identification.fitting import Start, Task
 from exoid.identification.identify import identify
+from exoid.identification.recording_summary import refuse_dead_torques, refuse_still_joints, survey
 from exoid.identification.separable import fit_model
-from exoid.identification.survey import refuse_dead_torques, refuse_still_joints, survey
-from exoid.identification.validation import Validation, validate
 from exoid.leg import Leg
 from exoid.signals import Recording
 from exoid.tables import make_table, to_text

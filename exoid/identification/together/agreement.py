@@ -11,7 +11,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.estimators import Fit
-from exoid.identification.stacked import Stacked
+from exoid.regression.problem import Stacked
 
 from .equality import Equality, equality_of
 from .layout import Layout

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.identification.comparison import holm, hotelling
+from exoid.estimate.comparison import holm, hotelling
 
 
 class Equality(NamedTuple):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from exoid.errors import ExoidError
 from exoid.identification.identify import check_recordings
-from exoid.identification.survey import SMALLEST_MOTION, Survey, refuse_still_joints
+from exoid.identification.recording_summary import SMALLEST_MOTION, Survey, refuse_still_joints
 from exoid.leg import Leg
 from exoid.signals import Cluster, Poses, Recording
 from exoid.signals import Recordings as OnDisk

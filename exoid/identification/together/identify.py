@@ -8,16 +8,16 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.assumed import Assumed, Prior
-from exoid.identification.diagnostics import judge_sizes
-from exoid.identification.estimate import Estimate
+from exoid.estimate.estimate import Estimate
 from exoid.identification.estimators import Estimator, Fit, find_estimator, gls, huber, name_of, ols, wls
 from exoid.identification.identify import check_noise, check_terms, choose_preparation
 from exoid.identification.problem import Problem
-from exoid.identification.stacked import Stacked
-from exoid.identification.survey import Survey, refuse_dead_torques, survey
-from exoid.identification.triangles import join, refuse_empty_joints
+from exoid.identification.recording_summary import Survey, refuse_dead_torques, survey
 from exoid.leg import Leg
+from exoid.regression.diagnostics import judge_sizes
+from exoid.regression.prior_knowledge import Assumed, Prior
+from exoid.regression.problem import Stacked
+from exoid.regression.r_factor import join, refuse_empty_joints
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel, free_shapes
 

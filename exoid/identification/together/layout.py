@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid.errors import ExoidError
-from exoid.identification.assumed import Assumed, Prior
+from exoid.regression.prior_knowledge import Assumed, Prior
 from exoid.torques import TorqueModel
 
 

@@ -9,14 +9,14 @@ from functools import cached_property
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.identification.diagnostics import JointNoise, calm_sizes, judge_noise, judge_sizes, negative
-from exoid.identification.estimate import Estimate, Input
+from exoid.estimate.estimate import Estimate, Input
 from exoid.identification.estimators import Fit
-from exoid.identification.influence import Influence, leave_out
-from exoid.identification.residuals import Noises, Point
-from exoid.identification.survey import Survey, angles
-from exoid.identification.trends import Trend, remarks, residual_trends
-from exoid.identification.triangles import Triangle, join, rms_residual
+from exoid.identification.recording_summary import Survey, angles
+from exoid.regression.diagnostics import JointNoise, calm_sizes, judge_noise, judge_sizes, negative
+from exoid.regression.influence import Influence, leave_out
+from exoid.regression.r_factor import Triangle, join, rms_residual
+from exoid.regression.residuals import Noises, Point
+from exoid.regression.trends import Trend, remarks, residual_trends
 
 from .problem import JointProblem
 from .trust import condition_number, noise_of

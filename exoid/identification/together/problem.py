@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.identification.assumed import Assumed
-from exoid.identification.influence import weighted
-from exoid.identification.least_squares import Solution, solve
 from exoid.identification.problem import Block, Kind, Problem
-from exoid.identification.residuals import Noises
-from exoid.identification.triangles import Triangle, join
+from exoid.regression.influence import weighted
+from exoid.regression.least_squares import Solution, solve
+from exoid.regression.prior_knowledge import Assumed
+from exoid.regression.r_factor import Triangle, join
+from exoid.regression.residuals import Noises
 
 from .layout import Layout
 

@@ -7,8 +7,8 @@ from typing import Any
 
 from rich.table import Table
 
-from exoid.identification.estimate_file import estimate_to_json
-from exoid.identification.report import assumptions, condition, written
+from exoid.estimate.file import estimate_to_json
+from exoid.estimate.text import assumptions, condition, written
 from exoid.tables import make_table, to_text
 
 from .equality import Equality

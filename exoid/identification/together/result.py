@@ -10,11 +10,11 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.assumed import Assumed
-from exoid.identification.comparison import Comparison, wald, welch
-from exoid.identification.diagnostics import verdict, verdict_beside
-from exoid.identification.estimate import Estimate
-from exoid.identification.intervals import intervals
+from exoid.estimate.comparison import Comparison, wald, welch
+from exoid.estimate.estimate import Estimate
+from exoid.regression.diagnostics import verdict, verdict_beside
+from exoid.regression.intervals import intervals
+from exoid.regression.prior_knowledge import Assumed
 
 from .equality import Equality
 from .layout import Layout

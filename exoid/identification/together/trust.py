@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.identification.degrees_of_freedom import degrees_of_freedom
 from exoid.identification.estimators import Fit
-from exoid.identification.least_squares import Solution
-from exoid.identification.residuals import Noises, sandwich
-from exoid.identification.stacked import Stacked
+from exoid.regression.degrees_of_freedom import degrees_of_freedom
+from exoid.regression.least_squares import Solution
+from exoid.regression.problem import Stacked
+from exoid.regression.residuals import Noises, sandwich
 
 from .problem import JointProblem
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from exoid.errors import ExoidError
-from exoid.identification import Estimate, predict_motion
+from exoid.estimate import Estimate, predict_motion
 from exoid.signals import Recording
 from exoid.view.scenes import scene
 
-from . import words
+from . import text as words
 from .evidence import Evidence, gather
 from .page import Embedded, Page, Part, Section, Words
 from .pictures import (

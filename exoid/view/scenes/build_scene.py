@@ -10,13 +10,13 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification import Estimate
+from exoid.estimate import Estimate
 from exoid.leg import Leg
 from exoid.signals import Recording
 
-from .act import act
 from .commands import Command, animate, place, set_property, show
-from .figure import Figure
+from .leg_geometry import Figure
+from .leg_view import act
 from .parts import Look, Part, box, cylinder, moved, towards
 from .replay import Replay
 from .scene import Camera, Layer, Scene
@@ -63,7 +63,7 @@ def scene(
 
     Args:
         legs: Legs that share a torso. An estimate shows the leg it belongs to, and beside its inertias those identified
-            (:func:`exoid.reduction.lift`).
+            (:func:`exoid.lift.lift`).
         pose: Angle of joints by name [rad]; zero where not given.
         recording: Motion to replay in real time, and torques if it has any. A leg none of whose joints it has stands
             still.

@@ -81,7 +81,7 @@ def check(leg: Leg, values: ArrayLike) -> PhysicalCheck:
     For a planar leg: whether masses, centres of mass and positive inertias exist that reduce to the values, and whether
     each segment, with what hangs on it, has its centre of mass on that side of its joint where the URDF has it (the
     angle between the two is below 90°): a shank with its centre of mass above the knee is no shank. For any other
-    robot: whether :func:`exoid.reduction.lift` can reproduce the values.
+    robot: whether :func:`exoid.lift.lift` can reproduce the values.
 
     Args:
         leg: The leg: its geometry, and on which side of its joints the segments are.

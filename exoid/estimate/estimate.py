@@ -12,17 +12,17 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
+from exoid.regression.diagnostics import JointNoise, verdict, verdict_beside
+from exoid.regression.influence import Influence
+from exoid.regression.intervals import half_width, intervals
+from exoid.regression.prior_knowledge import NOTHING, Assumed
+from exoid.regression.trends import Trend
 from exoid.signals import Preparation
 from exoid.torques import Merged, TorqueModel
 from exoid.torso import TorsoMotion
 
-from .assumed import NOTHING, Assumed
-from .bands import TorqueBand, torque_std
-from .diagnostics import JointNoise, verdict, verdict_beside
-from .influence import Influence
-from .intervals import half_width, intervals
-from .shapes import Shapes
-from .trends import Trend
+from .nonlinear import Shapes
+from .torque_band import TorqueBand, torque_std
 
 if TYPE_CHECKING:
     from exoid.codegen import CSource
@@ -284,7 +284,7 @@ class Estimate:
         Raises:
             ExoidError: The file cannot be written.
         """
-        from .estimate_file import write_estimate  # noqa: PLC0415 - it needs this class
+        from .file import write_estimate  # noqa: PLC0415 - it needs this class
 
         write_estimate(self, path)
 
@@ -295,7 +295,7 @@ class Estimate:
         Raises:
             ExoidError: The file is unreadable or not an estimate.
         """
-        from .estimate_file import read_estimate  # noqa: PLC0415
+        from .file import read_estimate  # noqa: PLC0415
 
         return read_estimate(path)
 
@@ -303,7 +303,7 @@ class Estimate:
         """Write the leg's URDF with identified inertias and friction, and a sidecar with what it has no place for.
 
         Inertias of the moving links are those that can exist, reproduce the estimate and are nearest to the URDF's own
-        (:func:`exoid.reduction.lift`); where none can exist, those of the nearest possible estimate. Coulomb and
+        (:func:`exoid.lift.lift`); where none can exist, those of the nearest possible estimate. Coulomb and
         viscous friction go into ``<dynamics friction= damping=>`` where they were identified. Rotor inertia, offset,
         stiffness and the smoothing of friction stand in ``<name>.exoid.json`` beside it. A rotor inertia that is
         merged into an inertia (J1 at the hip) stays there. Everything else in the URDF stays as it is; file names of
@@ -350,6 +350,6 @@ class Estimate:
 
     def __str__(self) -> str:
         """Print as a table, followed by what the reader should know before trusting it."""
-        from .report import report  # noqa: PLC0415 - it needs this class
+        from .text import report  # noqa: PLC0415 - it needs this class
 
         return report(self)

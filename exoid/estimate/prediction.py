@@ -8,11 +8,11 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.torso import TorsoMotion
 
 from .estimate import Estimate
-from .rows import for_leg
 
 STEP = 2e-3
 """Longest step of the integration [s]; smoothed friction of a light foot acts within a few milliseconds."""

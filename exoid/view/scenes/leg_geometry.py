@@ -13,7 +13,7 @@ import pinocchio as pin
 
 from exoid import reduction
 from exoid._typing import FloatArray
-from exoid.identification import Estimate
+from exoid.estimate import Estimate
 from exoid.leg import SIDES, Leg
 from exoid.view.style import CAD, IDENTIFIED, JOINT_COLOURS
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.regression.rows import form_rows, prepare
 from exoid.signals import Preparation, Recording
 from exoid.tables import make_table, to_text
 
 from .estimate import Estimate
-from .rows import form_rows, prepare
 
 
 @dataclass(frozen=True, eq=False, repr=False)

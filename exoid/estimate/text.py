@@ -7,12 +7,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.regression.collinearity import ILL_CONDITIONED
+from exoid.regression.intervals import half_width
+from exoid.regression.prior_knowledge import Assumed
 from exoid.tables import make_table, to_text, with_error
 
-from .assumed import Assumed
-from .collinearity import ILL_CONDITIONED
 from .estimate import Estimate
-from .intervals import half_width
 
 NOT_WHITE = 0.01
 """Residuals with a smaller probability of being white are said not to be."""

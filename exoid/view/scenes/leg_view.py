@@ -12,8 +12,8 @@ from exoid.view.style import IDENTIFIED
 
 from .arrows import WEIGHT
 from .commands import Command, Tracks, child, place
-from .figure import Figure
 from .forces import Poses, force_places, force_tracks, torques, weights
+from .leg_geometry import Figure
 from .parts import Look
 from .replay import Replay
 from .scene import Layer, Standing

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.rows import for_leg, make_rows
+from exoid.regression.rows import for_leg, make_rows
 from exoid.signals import FiniteDifference, Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 

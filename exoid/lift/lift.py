@@ -28,10 +28,10 @@ import scipy  # its parts load when they are first used
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.model import dynamic_parameters
+from exoid.reduction.reduction import LINK_PARAMETERS, LINK_UNITS, Reduction
 from exoid.tables import make_table, to_text
 
 from .pseudo_inertia import BASIS, congruence, link_parameters, made_possible, pseudo_inertias, upper_factors
-from .reduction import LINK_PARAMETERS, LINK_UNITS, Reduction
 
 if TYPE_CHECKING:
     from exoid.leg import Leg
@@ -141,7 +141,7 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
 
     Args:
         leg: The leg; its inertias are the prior. Links that no mass distribution has (point masses, rods) are first
-            given a little extent, see :func:`exoid.reduction.pseudo_inertia.made_possible`.
+            given a little extent, see :func:`exoid.lift.pseudo_inertia.made_possible`.
         values: Base parameters, (p,), in the order of ``leg.parameter_names``.
         covariance: Of the values, (p, p): the metric where they are not feasible; what is known best gives way least.
             None for a metric that counts every change by the change of the links' inertias that it takes.

@@ -9,9 +9,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-
-from .diagnostics import verdict
-from .intervals import half_width
+from exoid.regression.diagnostics import verdict
+from exoid.regression.intervals import half_width
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .assumed import NOTHING, Assumed
 from .collinearity import Collinearity
-from .triangles import Triangle, make_triangle
+from .prior_knowledge import NOTHING, Assumed
+from .r_factor import Triangle, make_triangle
 
 UNDETERMINED = 1e-7
 """Singular values of the unit-column regressor below this fraction of the largest count as zero."""

@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.estimate.estimate import Input
+from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses, Recording
 from exoid.signals.cutoff import Bends, bends_of
 from exoid.torques import TorqueModel
-
-from .estimate import Input
-from .rows import for_leg, source_of
 
 SMALLEST_MOTION = 2e-3
 """A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""

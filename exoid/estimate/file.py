@@ -16,15 +16,15 @@ from exoid.description import describe
 from exoid.errors import ExoidError
 from exoid.files import write_whole
 from exoid.leg import Leg
+from exoid.regression.diagnostics import JointNoise
+from exoid.regression.influence import influence_from_json, influence_to_json
+from exoid.regression.prior_knowledge import Assumed, Prior
+from exoid.regression.trends import trends_from_json, trends_to_json
 from exoid.signals import PREPARATIONS, Preparation
 from exoid.torques import TorqueModel, term_from_json, term_to_json
 
-from .assumed import Assumed, Prior
-from .diagnostics import JointNoise
 from .estimate import Estimate, Input
-from .influence import influence_from_json, influence_to_json
-from .shapes import Shapes
-from .trends import trends_from_json, trends_to_json
+from .nonlinear import Shapes
 
 SCHEMA = "exoid-estimate-1"
 

@@ -16,15 +16,9 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.reduction.pseudo_inertia import (
-    congruence,
-    link_parameters,
-    made_possible,
-    margins,
-    pseudo_inertias,
-    upper_factors,
-)
 from exoid.rewriting import read_inertials
+
+from .pseudo_inertia import congruence, link_parameters, made_possible, margins, pseudo_inertias, upper_factors
 
 ROOM = 1e-6
 """Smallest margin with which what is left of a body counts as possible."""

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.identification.estimators import Fit
+from exoid.identification.problem import Problem
 
-from .estimators import Fit
 from .least_squares import Solution
-from .problem import Problem
-from .triangles import Triangle, join
+from .r_factor import Triangle, join
 
 NO_ESTIMATE = np.inf
 """Change of a parameter that cannot be identified without a recording."""

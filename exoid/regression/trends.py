@@ -11,10 +11,10 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.identification.problem import Problem
 
 from .least_squares import Solution
 from .noise import QuadraticForm
-from .problem import Problem
 from .residuals import Noises, Point, Series, over_recordings
 
 BINS = 10

@@ -10,14 +10,14 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.identification.problem import Kind, Problem
 from exoid.torques import TorqueModel
 
-from .assumed import Assumed
 from .collinearity import HOPELESS, ILL_CONDITIONED
 from .noise import LagSums
-from .problem import Kind, Problem
+from .prior_knowledge import Assumed
+from .r_factor import Triangle
 from .residuals import Noises, Point, Series, over_recordings
-from .triangles import Triangle
 
 WELL = 0.1
 """A parameter is well determined if its standard deviation is at most this part of its size,"""
@@ -148,7 +148,7 @@ def verdict(value: float, std: float, size: float, calm: float = np.inf, index: 
         std: Its standard deviation.
         size: See :func:`judge_sizes`.
         calm: See :func:`calm_sizes`.
-        index: Its condition index, see :class:`~exoid.identification.collinearity.Collinearity`.
+        index: Its condition index, see :class:`~exoid.regression.collinearity.Collinearity`.
     """
     scale = max(abs(value), SIZE * min(size, calm))
     if abs(value) > CANCELS * size > 0.0 or std > WEAKLY * scale or index > HOPELESS:

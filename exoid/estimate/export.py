@@ -17,12 +17,11 @@ from exoid.errors import ExoidError
 from exoid.exported import IN_URDF, SCHEMA, sidecar_of
 from exoid.files import write_together
 from exoid.leg import Leg
-from exoid.reduction import Lift, lift
+from exoid.lift import Lift, lift
+from exoid.lift.lumping import share_out
 from exoid.rewriting import rewrite
 from exoid.tables import make_table, to_text
 from exoid.torques import term_to_json
-
-from .lumping import share_out
 
 if TYPE_CHECKING:
     from .estimate import Estimate

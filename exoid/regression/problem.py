@@ -8,9 +8,10 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from exoid.identification.problem import Block, Kind
+
 from .least_squares import Solution
-from .problem import Block, Kind
-from .triangles import Triangle
+from .r_factor import Triangle
 
 T = TypeVar("T")
 

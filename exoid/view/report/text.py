@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from exoid.errors import ExoidError
+from exoid.estimate import Estimate
+from exoid.estimate.text import HEADERS, assumptions, influences, parameter_rows
 from exoid.experiments.excitation import Advice, assess
-from exoid.identification import Estimate
-from exoid.identification.report import HEADERS, assumptions, influences, parameter_rows
-from exoid.identification.trends import remarks
+from exoid.regression.trends import remarks
 from exoid.signals import Recording
 from exoid.tables import DataTable, with_error
 

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.identification.problem import Block, Kind
 
 from .least_squares import Solution
 from .noise import LARGEST_ORDER, AutoregressiveNoise, LagSums, QuadraticForm
-from .problem import Block, Kind
-from .stacked import Stacked
+from .problem import Stacked
 
 PASSES = 5
 """Noise and covariance depend on each other, and are computed in turn at most so often."""

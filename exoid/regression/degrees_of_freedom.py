@@ -9,12 +9,12 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.identification.problem import Kind
 
 from .least_squares import Solution
 from .noise import AutoregressiveNoise
-from .problem import Kind
+from .problem import Stacked
 from .residuals import Noises, Point, Series, over_recordings
-from .stacked import Stacked
 
 TINY = 1e-300
 """Smallest variance to divide by."""
