@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 from . import datasets, published, signals, torques
 from .catalog import load_leg
 from .errors import ExoidError
-from .estimate import Comparison, Estimate, Validation, compare, validate
-from .identification import identify, identify_together
+from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, validate
+from .identification import identify
 from .leg import Leg
 from .signals import Recording, Recordings
 from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
@@ -23,6 +23,7 @@ __all__ = [
     "Coulomb",
     "Estimate",
     "ExoidError",
+    "GroupedEstimate",
     "Leg",
     "Offset",
     "Recording",
@@ -35,7 +36,6 @@ __all__ = [
     "control",
     "datasets",
     "identify",
-    "identify_together",
     "load_leg",
     "published",
     "signals",

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from exoid import identification
+from exoid import estimate as estimates
 
 from .inputs import AsJson, Column, Degrees, LogOptions, Received, Start, Stop, Topic, read_logs
 
@@ -24,10 +24,10 @@ def validate(
     as_json: AsJson = False,
 ) -> None:
     """Predict the torque of LOG from its motion and compare with what was measured."""
-    loaded = identification.Estimate.load(estimate)
+    loaded = estimates.Estimate.load(estimate)
     recording = read_logs([log], LogOptions(column, degrees, start, stop, topic, received))[0]
-    result = identification.validate(loaded, recording)
+    result = estimates.validate(loaded, recording)
     if as_json:
-        typer.echo(json.dumps(identification.validation_to_json(result), indent=1))
+        typer.echo(json.dumps(estimates.validation_to_json(result), indent=1))
     else:
         typer.echo(str(result))

@@ -64,11 +64,11 @@ def _sources(estimate: Estimate) -> list[str]:
         lines.append(f"Data: {source.name}, {source.samples} samples at {source.sample_rate:g} Hz")
         lines.append(f"  sha256 {source.sha256}")
     lines += [f"Warning: {warning}" for warning in estimate.warnings]
-    return [*lines, *(f"Note: {merged}." for merged in estimate.merged)]
+    return [*lines, *(f"Note: {regrouped}." for regrouped in estimate.regrouped)]
 
 
 def _parameters(estimate: Estimate) -> list[str]:
-    rows = zip(estimate.names, estimate.values, estimate.std, estimate.units, estimate.verdicts, strict=True)
+    rows = zip(estimate.names, estimate.values, estimate.std, estimate.units, estimate.identifiability, strict=True)
     return [
         f"  {name} = {value:.6g} +- {std:.2g} {unit}, {judged} determined" for name, value, std, unit, judged in rows
     ]

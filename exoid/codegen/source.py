@@ -75,7 +75,7 @@ class CSource:
             f"functions: {', '.join(self.functions)}",
             f"to call them from another file: #define {self.prefix.upper()}_DECLARATIONS_ONLY, then #include it",
             *(f"warning: {warning}" for warning in self.estimate.warnings),
-            *(f"note: {merged}" for merged in self.estimate.merged),
+            *(f"note: {regrouped}" for regrouped in self.estimate.regrouped),
         )
 
 
@@ -146,7 +146,7 @@ def c_source_to_json(source: CSource) -> dict[str, Any]:
         "joints": list(estimate.joint_names),
         "values": dict(zip(estimate.names, estimate.values.tolist(), strict=True)),
         "units": dict(zip(estimate.names, estimate.units, strict=True)),
-        "merged": {merged.name: merged.into for merged in estimate.merged},
+        "merged": {regrouped.name: regrouped.into for regrouped in estimate.regrouped},
         "warnings": list(estimate.warnings),
     }
 

@@ -33,7 +33,7 @@ class JointTerm(NamedTuple):
     Attributes:
         term: The term.
         joint: Index of the joint.
-        names: Full name of the parameter behind each of its symbols, those merged into others left out.
+        names: Full name of the parameter behind each of its symbols, those regrouped into others left out.
     """
 
     term: Term
@@ -60,7 +60,7 @@ def express(term: Term, joint: int, constants: Mapping[str, str], dialect: Diale
     Args:
         term: The term.
         joint: Index of its joint.
-        constants: What stands in C for each of its symbols; symbols merged into other parameters are missing.
+        constants: What stands in C for each of its symbols; symbols regrouped into other parameters are missing.
         dialect: Precision.
 
     Raises:

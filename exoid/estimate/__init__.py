@@ -1,10 +1,12 @@
 """The result of an identification: values with intervals, files, text, comparison, validation, prediction, export."""
 
 from .comparison import Comparison, compare, comparison_to_json
-from .estimate import Estimate, Input
+from .data import EstimateData, Input
+from .estimate import Estimate
 from .export import Export
 from .file import estimate_from_json, estimate_to_json
-from .nonlinear import Shapes
+from .grouped import GroupedEstimate, grouped_to_json
+from .nonlinear import NonlinearParameters
 from .prediction import predict_motion
 from .torque_band import TorqueBand
 from .validation import Validation, validate, validation_to_json
@@ -12,15 +14,18 @@ from .validation import Validation, validate, validation_to_json
 __all__ = [
     "Comparison",
     "Estimate",
+    "EstimateData",
     "Export",
+    "GroupedEstimate",
     "Input",
-    "Shapes",
+    "NonlinearParameters",
     "TorqueBand",
     "Validation",
     "compare",
     "comparison_to_json",
     "estimate_from_json",
     "estimate_to_json",
+    "grouped_to_json",
     "predict_motion",
     "validate",
     "validation_to_json",

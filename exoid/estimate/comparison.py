@@ -14,7 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.tables import make_table, to_text, with_error
 
-from .estimate import Estimate
+from .data import EstimateData
 
 SIGNIFICANT = 0.05
 """A smaller probability is called a difference."""
@@ -91,7 +91,7 @@ class Comparison:
         return [name for name, p in zip(self.names, self.adjusted, strict=True) if p < SIGNIFICANT]
 
 
-def compare(first: Estimate, second: Estimate) -> Comparison:
+def compare(first: EstimateData, second: EstimateData) -> Comparison:
     """Test whether two estimates of the same parameters agree: left and right, before and after, with and without.
 
     With d = β₂ − β₁ on the common names and C = C₁ + C₂, each d_i / √C_ii follows Student's t with the degrees of
@@ -134,7 +134,7 @@ def compare(first: Estimate, second: Estimate) -> Comparison:
     v1, v2 = (np.diag(each) for each in own)
     dof = welch(v1, v2, first.dof_each[one], second.dof_each[other])
     dof *= np.divide(np.diag(C), v1 + v2, out=np.ones(len(names)), where=v1 + v2 > 0.0) ** 2  # priors are certain
-    held = np.array([name in first.assumed.known and name in second.assumed.known for name in names])
+    held = np.array([name in first.prior_knowledge.known and name in second.prior_knowledge.known for name in names])
     told = _told(first, second, [name for name in of_both if name not in common])
     return wald(names, units, difference, C, dof, min(first.dof, second.dof), held=held, remarks=told)
 
@@ -169,7 +169,7 @@ def wald(
     return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value, remarks)
 
 
-def _own(estimate: Estimate) -> FloatArray:
+def _own(estimate: EstimateData) -> FloatArray:
     """Covariance without what the errors of priors put into it, where that is known."""
     spread = _spread(estimate)
     if not spread:
@@ -178,9 +178,9 @@ def _own(estimate: Estimate) -> FloatArray:
     return np.asarray(vectors * np.clip(sizes, 0.0, None) @ vectors.T)
 
 
-def _spread(estimate: Estimate) -> dict[str, FloatArray]:
+def _spread(estimate: EstimateData) -> dict[str, FloatArray]:
     """How far an error of one standard deviation of each prior moves the parameters, (P,), where that is known."""
-    pairs = estimate.assumed.prior.values.items()
+    pairs = estimate.prior_knowledge.prior.values.items()
     if not estimate.prior_gains.size:
         return {}
     return {name: std * gain for (name, (_, std)), gain in zip(pairs, estimate.prior_gains.T, strict=True)}
@@ -193,15 +193,15 @@ def _of_priors(first: FloatsByName, second: FloatsByName, shared: Collection[str
     return sum((np.multiply.outer(x, x) for x in both + single), start=np.zeros((size, size)))
 
 
-def _priors_of_both(first: Estimate, second: Estimate) -> list[str]:
+def _priors_of_both(first: EstimateData, second: EstimateData) -> list[str]:
     """Name priors that both were given, the same in value and standard deviation."""
-    priors = second.assumed.prior.values
-    return [name for name, pair in first.assumed.prior.values.items() if priors.get(name) == pair]
+    priors = second.prior_knowledge.prior.values
+    return [name for name, pair in first.prior_knowledge.prior.values.items() if priors.get(name) == pair]
 
 
-def _told(first: Estimate, second: Estimate, unknown: Collection[str]) -> tuple[str, ...]:
+def _told(first: EstimateData, second: EstimateData, unknown: Collection[str]) -> tuple[str, ...]:
     """Say what differs in what both were told, and which priors count twice."""
-    held, held_too = first.assumed.known, second.assumed.known
+    held, held_too = first.prior_knowledge.known, second.prior_knowledge.known
     unlike = [f"{name} ({x:.6g} and {held_too[name]:.6g})" for name, x in held.items() if held_too.get(name, x) != x]
     told = []
     if unlike:

@@ -1,282 +1,27 @@
-"""The result of an identification: parameters, their uncertainty, and the evidence for both."""
+"""Result of an identification: an estimate that prints, saves and exports itself."""
 
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
-from functools import cached_property
-from typing import TYPE_CHECKING
 
-import numpy as np
-
-from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import ExoidError
-from exoid.leg import Leg
-from exoid.regression.diagnostics import JointNoise, verdict, verdict_beside
-from exoid.regression.influence import Influence
-from exoid.regression.intervals import half_width, intervals
-from exoid.regression.prior_knowledge import NOTHING, Assumed
-from exoid.regression.trends import Trend
-from exoid.signals import Preparation
-from exoid.torques import Merged, TorqueModel
-from exoid.torso import TorsoMotion
-
-from .nonlinear import Shapes
-from .torque_band import TorqueBand, torque_std
-
-if TYPE_CHECKING:
-    from exoid.codegen import CSource
-
-    from .export import Export
+from .data import EstimateData
+from .export import Export, export_urdf
+from .file import read_estimate, write_estimate
+from .text import report
 
 
-LARGE = 1e300
-"""Stands for what is infinite, as files hold finite numbers."""
-
-
-@dataclass(frozen=True)
-class Input:
-    """One recording that went into an estimate.
-
-    Attributes:
-        name: File name, or "array" for one made in memory.
-        sha256: Hash of the file, or of the arrays.
-        samples: Number of samples.
-        sample_rate: [Hz].
-    """
-
-    name: str
-    sha256: str
-    samples: int
-    sample_rate: float
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Estimate:
+class Estimate(EstimateData):
     """Identified parameters of a leg with their covariance; prints itself as a table.
 
-    Attributes:
-        model: Leg as it was given, and the terms beside it, loaded by the values: what the parameters belong to.
-        values: Parameters in the order of :attr:`names`, (P,).
-        covariance: Of the values, (P, P).
-        condition_number: Of the regressor with columns scaled to unit length; below 100 is good.
-        dof: Independent samples less parameters.
-        dof_each: Of each parameter's variance, at most as many, (P,): what is known of the noise at the frequencies on
-            which the parameter hangs. Empty counts as ``dof`` for all.
-        residual_rms: Of each joint on the data it was fitted to [N·m], (n,).
-        estimator: Name of the estimator.
-        preparation: How the recordings became rows.
-        inputs: What was identified from.
-        noise: What the residuals of each joint look like, n of them, or none.
-        sizes: Of parameters that would explain all torque of a joint alone, (P,); see :attr:`verdicts`.
-        calm_sizes: The same had joints moved as in a calm exercise; as good as infinite in older files, (P,).
-        collinearity: Condition index of each parameter: half of its variance comes from directions that the recordings
-            see so many times worse than the best; 1 in older files, (P,).
-        prior_gains: How far each parameter follows the value of each prior, ∂β/∂p, (P, K); empty where that is not
-            known, as of ``ml``, output error and older files.
-        warnings: What makes this estimate doubtful.
-        assumed: What was known beside the recordings.
-        bounded: Parameters that would have become negative and were kept at zero. Intervals are then centred there, as
-            wide as without the bound: rather too wide.
-        influence: Of each recording, where there are several.
-        trends: Residuals against velocity and angle, joint by joint.
-        shapes: Settings of terms that were found, such as a Stribeck velocity; the covariance of the values counts in
-            that they are uncertain, too.
+    See :class:`EstimateData` for the attributes: :attr:`values`, :attr:`std`, :attr:`covariance`, :attr:`names` and
+    the evidence behind them.
+
+    Example:
+        >>> data = exoid.datasets.bleex_swing()
+        >>> estimate = exoid.identify(data.leg, data.train)
+        >>> print(f"{estimate['X1'].value:.2f} {estimate['X1'].unit}")
+        3.99 kg·m
     """
-
-    model: TorqueModel
-    values: FloatArray
-    covariance: FloatArray
-    condition_number: float
-    dof: float
-    residual_rms: FloatArray
-    estimator: str
-    preparation: Preparation
-    inputs: tuple[Input, ...] = field(default=())
-    noise: tuple[JointNoise, ...] = ()
-    sizes: FloatArray | None = None
-    warnings: tuple[str, ...] = ()
-    assumed: Assumed = NOTHING
-    bounded: tuple[str, ...] = ()
-    influence: Influence | None = None
-    trends: tuple[Trend, ...] = ()
-    shapes: Shapes = field(default_factory=Shapes)
-    dof_each: FloatArray = field(default_factory=lambda: np.zeros(0))
-    calm_sizes: FloatArray = field(default_factory=lambda: np.zeros(0))
-    collinearity: FloatArray = field(default_factory=lambda: np.zeros(0))
-    prior_gains: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
-
-    def __post_init__(self) -> None:
-        """Check sizes and forbid changes."""
-        count, joints = len(self.names), len(self.joint_names)
-        if self.sizes is None:
-            object.__setattr__(self, "sizes", np.zeros(count))
-        missing = {"dof_each": self.dof, "calm_sizes": LARGE, "collinearity": 1.0}
-        for name, number in missing.items():
-            if not len(getattr(self, name)):
-                object.__setattr__(self, name, np.full(count, number))
-        shapes = {"values": (count,), "covariance": (count, count), "residual_rms": (joints,), "sizes": (count,)}
-        shapes.update(dict.fromkeys(missing, (count,)))
-        shapes["prior_gains"] = (count, len(self.assumed.prior.values)) if np.size(self.prior_gains) else (0, 0)
-        for name, shape in shapes.items():
-            array = np.array(getattr(self, name), dtype=np.float64)
-            if array.shape != shape or not np.isfinite(array).all():
-                raise ExoidError(
-                    f"{name} of shape {array.shape} must be finite and fit {count} parameters of {joints} joints",
-                    remedy="identify again",
-                )
-            array.flags.writeable = False
-            object.__setattr__(self, name, array)
-        object.__setattr__(self, "model", self.model.loaded_by(self.values))
-        if len(self.noise) not in (0, joints):
-            raise ExoidError(f"noise of {len(self.noise)} joints, not {joints}", remedy="identify again")
-        positive = min(self.dof, *self.dof_each) > 0.0 and (np.diag(self.covariance) >= 0.0).all()
-        if not (positive and self.condition_number >= 1.0):
-            raise ExoidError(
-                "degrees of freedom, condition number or a variance is not what a least-squares fit gives",
-                remedy="identify again",
-            )
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the parameters: the leg's, then those of the terms, joint by joint."""
-        return self.model.names
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Their units."""
-        return self.model.units
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """Joints of the leg."""
-        return self.model.leg.joint_names
-
-    @property
-    def merged(self) -> tuple[Merged, ...]:
-        """Parameters that are part of others, as no motion tells them apart."""
-        return self.model.merged
-
-    @property
-    def std(self) -> FloatArray:
-        """Standard deviations, (P,)."""
-        return np.asarray(np.sqrt(np.diag(self.covariance)))
-
-    @property
-    def correlation(self) -> FloatArray:
-        """Correlation of the errors of any two parameters, (P, P)."""
-        std = np.where(self.std > 0.0, self.std, 1.0)
-        correlation = self.covariance / np.multiply.outer(std, std)
-        np.fill_diagonal(correlation, 1.0)
-        return np.asarray(correlation)
-
-    @property
-    def verdicts(self) -> tuple[str, ...]:
-        """How well each parameter is determined: "well", "weakly" or "not"; or "known", or "prior".
-
-        Well if the standard deviation is at most 10 % of the value, weakly if at most 30 %. For values near zero it is
-        10 and 30 % of a tenth of the value that would explain all torque of a joint alone, in these recordings or in a
-        calm exercise. Known is what was held fixed, and prior what the prior knows better than the recordings. A value
-        that would give three times all torque of a joint is not determined: it only cancels another. And what moves
-        together with others is at best weakly determined from a condition index of 100 on, and not from 300 on.
-        """
-        sizes = np.zeros(len(self.values)) if self.sizes is None else self.sizes
-        numbers = zip(self.values, self.std, sizes, self.calm_sizes, self.collinearity, strict=True)
-        return tuple(
-            verdict_beside(name, self.assumed, each[1], verdict(*each))
-            for name, each in zip(self.names, numbers, strict=True)
-        )
-
-    def interval(self, level: float = 0.95) -> FloatArray:
-        """Confidence intervals by Student's t with the degrees of freedom of each parameter, (P, 2).
-
-        Args:
-            level: Probability that an interval contains the true value, between 0 and 1.
-
-        Raises:
-            ExoidError: The level is not between 0 and 1.
-        """
-        return intervals(self.values, self.std, self.dof_each, level)
-
-    def value(self, name: str) -> float:
-        """Look one parameter up by name.
-
-        Raises:
-            ExoidError: There is none of that name.
-        """
-        if name not in self.names:
-            raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(self.names)}")
-        return float(self.values[self.names.index(name)])
-
-    @cached_property
-    def leg(self) -> Leg:
-        """The leg with the identified rigid-body parameters."""
-        return self.model.leg.with_parameters(self.values[: len(self.model.leg.parameter_names)])
-
-    def torque(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
-        """Predict actuator torques τ = W(q, v, a) β, rigid bodies and terms together.
-
-        Friction that depends on load takes the estimate's own rigid-body torque. Terms with presliding take the samples
-        in time order and start as if the joint had slid in the direction of its first velocity.
-
-        Args:
-            q: Joint angles [rad], (N, n).
-            v: Joint velocities [rad/s], (N, n).
-            a: Joint accelerations [rad/s²], (N, n).
-            torso: Motion of the torso, if it moves.
-
-        Returns:
-            Torques [N·m], (N, n).
-        """
-        return self.model.regressor(q, v, a, torso) @ self.values
-
-    def torque_std(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None, *, measured: bool = False
-    ) -> FloatArray:
-        """Standard deviation of :meth:`torque` [N·m], (N, n), as if loads of friction and fitted settings were exact.
-
-        Args:
-            q: Joint angles [rad], (N, n).
-            v: Joint velocities [rad/s], (N, n).
-            a: Joint accelerations [rad/s²], (N, n).
-            torso: Motion of the torso, if it moves.
-            measured: Whether to add the noise of a new measurement, which has passed the same filter as those that the
-                estimate was made from.
-        """
-        model = self.model.loaded_by(self.values)
-        std = torque_std(model, self.covariance, model.motion(q, v, a, torso))
-        if not measured:
-            return std
-        lost = (self.dof + len(self.values)) / self.dof  # residuals are smaller than noise, as they were fitted
-        return np.asarray(np.sqrt(std**2 + lost * self.residual_rms**2))
-
-    def torque_band(
-        self,
-        q: ArrayLike,
-        v: ArrayLike,
-        a: ArrayLike,
-        torso: TorsoMotion | None = None,
-        *,
-        level: float = 0.95,
-        measured: bool = True,
-    ) -> TorqueBand:
-        """Band that contains a new torque of each sample with so much probability, by Student's t.
-
-        A measured torque takes the degrees of freedom of the noise, the model's own the fewest of any parameter.
-
-        Args:
-            q: Joint angles [rad], (N, n).
-            v: Joint velocities [rad/s], (N, n).
-            a: Joint accelerations [rad/s²], (N, n).
-            torso: Motion of the torso, if it moves.
-            level: The probability, between 0 and 1.
-            measured: True for a torque measured and filtered like those that the estimate was made from, False for the
-                model's own, without noise.
-        """
-        dof = self.dof if measured else float(self.dof_each.min())
-        half = half_width(level, dof) * self.torque_std(q, v, a, torso, measured=measured)
-        torque = self.torque(q, v, a, torso)
-        return TorqueBand(torque, torque - half, torque + half)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the estimate as JSON, whole or not at all; see :meth:`load`.
@@ -284,8 +29,6 @@ class Estimate:
         Raises:
             ExoidError: The file cannot be written.
         """
-        from .file import write_estimate  # noqa: PLC0415 - it needs this class
-
         write_estimate(self, path)
 
     @classmethod
@@ -295,9 +38,7 @@ class Estimate:
         Raises:
             ExoidError: The file is unreadable or not an estimate.
         """
-        from .file import read_estimate  # noqa: PLC0415
-
-        return read_estimate(path)
+        return read_estimate(path, cls)
 
     def to_urdf(self, path: str | os.PathLike[str]) -> Export:
         """Write the leg's URDF with identified inertias and friction, and a sidecar with what it has no place for.
@@ -306,7 +47,7 @@ class Estimate:
         (:func:`exoid.lift.lift`); where none can exist, those of the nearest possible estimate. Coulomb and
         viscous friction go into ``<dynamics friction= damping=>`` where they were identified. Rotor inertia, offset,
         stiffness and the smoothing of friction stand in ``<name>.exoid.json`` beside it. A rotor inertia that is
-        merged into an inertia (J1 at the hip) stays there. Everything else in the URDF stays as it is; file names of
+        regrouped into an inertia (J1 at the hip) stays there. Everything else in the URDF stays as it is; file names of
         meshes too, so a URDF with relative ones belongs into the same folder.
 
         Args:
@@ -318,11 +59,9 @@ class Estimate:
         Raises:
             ExoidError: A file cannot be written.
         """
-        from .export import export_urdf  # noqa: PLC0415 - it needs this class
-
         return export_urdf(self, path)
 
-    def to_c(self, path: str | os.PathLike[str], *, precision: str = "double", name: str | None = None) -> CSource:
+    def to_c(self, path: str | os.PathLike[str], *, precision: str = "double", name: str | None = None) -> "CSource":  # type: ignore[name-defined]  # noqa: F821, UP037
         """Write the torques of a planar leg as one C99 file that needs nothing but ``<math.h>``.
 
         Gravity, friction, springs and offsets, mass matrix, rigid bodies, and all together (:meth:`torque`) are
@@ -340,7 +79,7 @@ class Estimate:
         Raises:
             ExoidError: The leg is not a planar chain, a term has no form in C, or the file cannot be written.
         """
-        from exoid.codegen import write_c  # noqa: PLC0415 - few need it
+        from exoid.codegen import write_c  # noqa: PLC0415
 
         return write_c(self, path, precision=precision, name=name)
 
@@ -350,6 +89,4 @@ class Estimate:
 
     def __str__(self) -> str:
         """Print as a table, followed by what the reader should know before trusting it."""
-        from .text import report  # noqa: PLC0415 - it needs this class
-
         return report(self)

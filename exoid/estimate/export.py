@@ -8,7 +8,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -23,8 +23,7 @@ from exoid.rewriting import rewrite
 from exoid.tables import make_table, to_text
 from exoid.torques import term_to_json
 
-if TYPE_CHECKING:
-    from .estimate import Estimate
+from .data import EstimateData
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -46,7 +45,7 @@ class Export:
     urdf: Path
     sidecar: Path
     sha256: str
-    estimate: Estimate
+    estimate: EstimateData
     lift: Lift
     values: FloatArray
     changed_links: tuple[str, ...]
@@ -68,7 +67,7 @@ class Export:
         lines = [f"{self.urdf}: inertia of {', '.join(self.changed_links)}; friction and damping where identified"]
         only = ", ".join(self.only_in_sidecar) or "how friction is smoothed, and where all this comes from"
         lines.append(f"{self.sidecar}: what a URDF has no place for: {only}")
-        lines += [f"note: {merged}, also in the URDF" for merged in self.estimate.merged]
+        lines += [f"note: {regrouped}, also in the URDF" for regrouped in self.estimate.regrouped]
         if self.not_dissipative:
             names = ", ".join(self.not_dissipative)
             lines.append(f"note: {names} below zero would feed energy in: 0 in the URDF, as estimated in the sidecar")
@@ -87,7 +86,7 @@ class Export:
         return to_text(*lines, what, moved)
 
 
-def export_urdf(estimate: Estimate, path: str | os.PathLike[str]) -> Export:
+def export_urdf(estimate: EstimateData, path: str | os.PathLike[str]) -> Export:
     """Write an estimate as a URDF with a sidecar; see :meth:`Estimate.to_urdf`."""
     urdf = Path(path)
     sidecar = sidecar_of(urdf) if urdf.name else urdf
@@ -121,8 +120,8 @@ def export_to_json(export: Export) -> dict[str, Any]:
         "only_here": list(export.only_in_sidecar),
         "not_dissipative": list(export.not_dissipative),
         "terms": [term_to_json(term) for term in estimate.model.terms],
-        "shapes": dict(zip(estimate.shapes.names, estimate.shapes.values.tolist(), strict=True)),
-        "merged": {merged.name: merged.into for merged in estimate.merged},
+        "shapes": dict(zip(estimate.nonlinear.names, estimate.nonlinear.values.tolist(), strict=True)),
+        "merged": {regrouped.name: regrouped.into for regrouped in estimate.regrouped},
         "estimate": {
             "values": dict(zip(estimate.names, estimate.values.tolist(), strict=True)),
             "std": dict(zip(estimate.names, estimate.std.tolist(), strict=True)),
@@ -148,7 +147,7 @@ def _note(leg: Leg, sidecar: str, links: Mapping[str, object], dynamics: Mapping
     )
 
 
-def _moved_along(estimate: Estimate, rigid: FloatArray) -> FloatArray:
+def _moved_along(estimate: EstimateData, rigid: FloatArray) -> FloatArray:
     """All values, given those of the rigid bodies: the others at the minimum of (β − β̂)ᵀ C⁻¹ (β − β̂)."""
     p = len(rigid)
     values = estimate.values.copy()
@@ -161,7 +160,7 @@ def _moved_along(estimate: Estimate, rigid: FloatArray) -> FloatArray:
     return values
 
 
-def _place(name: str, estimate: Estimate) -> tuple[str, str] | None:
+def _place(name: str, estimate: EstimateData) -> tuple[str, str] | None:
     """Joint and attribute of ``<dynamics>`` for a parameter; None where the URDF has none."""
     leg = estimate.model.leg
     symbol, _, label = name.partition("_")
@@ -170,7 +169,7 @@ def _place(name: str, estimate: Estimate) -> tuple[str, str] | None:
     return leg.joint_names[leg.joint_labels.index(label)], IN_URDF[symbol]
 
 
-def _dynamics(estimate: Estimate, values: FloatArray) -> tuple[dict[str, dict[str, float]], tuple[str, ...]]:
+def _dynamics(estimate: EstimateData, values: FloatArray) -> tuple[dict[str, dict[str, float]], tuple[str, ...]]:
     """Attributes of ``<dynamics>`` for each joint, and the names of those that had to be raised to zero."""
     found: dict[str, dict[str, float]] = {}
     negative = []

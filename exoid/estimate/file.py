@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -18,28 +18,30 @@ from exoid.files import write_whole
 from exoid.leg import Leg
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.influence import influence_from_json, influence_to_json
-from exoid.regression.prior_knowledge import Assumed, Prior
+from exoid.regression.prior_knowledge import Prior, PriorKnowledge
 from exoid.regression.trends import trends_from_json, trends_to_json
 from exoid.signals import PREPARATIONS, Preparation
 from exoid.torques import TorqueModel, term_from_json, term_to_json
 
-from .estimate import Estimate, Input
-from .nonlinear import Shapes
+from .data import EstimateData, Input
+from .nonlinear import NonlinearParameters
 
 SCHEMA = "exoid-estimate-1"
 
+E = TypeVar("E", bound=EstimateData)
 
-def write_estimate(estimate: Estimate, path: str | os.PathLike[str]) -> None:
+
+def write_estimate(estimate: EstimateData, path: str | os.PathLike[str]) -> None:
     """Write an estimate; see :meth:`Estimate.save`."""
     write_whole(path, [estimate_text(estimate)])
 
 
-def estimate_text(estimate: Estimate) -> str:
+def estimate_text(estimate: EstimateData) -> str:
     """Write what :func:`read_estimate` reads."""
     return json.dumps(estimate_to_json(estimate), indent=1, ensure_ascii=False) + "\n"
 
 
-def read_estimate(path: str | os.PathLike[str]) -> Estimate:
+def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
     """Read an estimate; see :meth:`Estimate.load`."""
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -51,7 +53,7 @@ def read_estimate(path: str | os.PathLike[str]) -> Estimate:
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise ExoidError(f"not an estimate of schema {SCHEMA!r}", where=str(path), remedy="identify again and save")
     try:
-        return estimate_from_json(data)
+        return estimate_from_json(data, kind)
     except ExoidError as error:
         raise ExoidError(error.what, where=f"{path}, {error.where}".rstrip(", "), remedy=error.remedy) from error
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:  # such as 10**400
@@ -59,7 +61,7 @@ def read_estimate(path: str | os.PathLike[str]) -> Estimate:
         raise ExoidError(what, where=str(path), remedy="identify again and save") from error
 
 
-def estimate_to_json(estimate: Estimate) -> dict[str, Any]:
+def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
     """Turn an estimate into what JSON can hold, values by name."""
     model, leg = estimate.model, estimate.model.leg
     interval = estimate.interval(0.95)
@@ -73,24 +75,24 @@ def estimate_to_json(estimate: Estimate) -> dict[str, Any]:
         "degrees_of_freedom": estimate.dof,
         "degrees_of_freedom_each": dict(zip(estimate.names, estimate.dof_each.tolist(), strict=True)),
         "residual_rms": dict(zip(estimate.joint_names, estimate.residual_rms.tolist(), strict=True)),
-        "merged": {merged.name: merged.into for merged in estimate.merged},
+        "merged": {regrouped.name: regrouped.into for regrouped in estimate.regrouped},
         "estimator": estimate.estimator,
         "preparation": preparation_to_json(estimate.preparation),
         "noise": {name: asdict(of_joint) for name, of_joint in zip(estimate.joint_names, estimate.noise, strict=False)},
-        "sizes": dict(zip(estimate.names, np.asarray(estimate.sizes).tolist(), strict=True)),
-        "calm_sizes": dict(zip(estimate.names, estimate.calm_sizes.tolist(), strict=True)),
+        "sizes": dict(zip(estimate.names, np.asarray(estimate.parameter_scale).tolist(), strict=True)),
+        "calm_sizes": dict(zip(estimate.names, estimate.reference_scale.tolist(), strict=True)),
         "collinearity": dict(zip(estimate.names, estimate.collinearity.tolist(), strict=True)),
-        "determined": dict(zip(estimate.names, estimate.verdicts, strict=True)),
+        "determined": dict(zip(estimate.names, estimate.identifiability, strict=True)),
         "warnings": list(estimate.warnings),
-        "known": dict(estimate.assumed.known),
-        "prior": {name: list(pair) for name, pair in estimate.assumed.prior.values.items()},
+        "known": dict(estimate.prior_knowledge.known),
+        "prior": {name: list(pair) for name, pair in estimate.prior_knowledge.prior.values.items()},
         "prior_gains": estimate.prior_gains.tolist(),
-        "nonnegative": estimate.assumed.nonnegative,
+        "nonnegative": estimate.prior_knowledge.nonnegative,
         "bounded": list(estimate.bounded),
         "trends": trends_to_json(estimate.trends),
         "influence": influence_to_json(estimate.influence, estimate.names),
         "inputs": [asdict(source) for source in estimate.inputs],
-        "shapes": _shapes_to_json(estimate.shapes, estimate.dof) if len(estimate.shapes) else {},
+        "shapes": _shapes_to_json(estimate.nonlinear, estimate.dof) if len(estimate.nonlinear) else {},
         "terms": [term_to_json(term) for term in model.terms],
         "leg": {
             "name": leg.description.name,
@@ -104,7 +106,7 @@ def estimate_to_json(estimate: Estimate) -> dict[str, Any]:
     }
 
 
-def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
+def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
     """Rebuild an estimate.
 
     Raises:
@@ -125,7 +127,7 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
     values = np.array(list(data["values"].values()), dtype=np.float64)
     settings = dict(data["preparation"])
     preparation = PREPARATIONS[settings.pop("name")](**settings)
-    return Estimate(
+    return kind(
         model=model,
         values=values,
         covariance=np.array(data["covariance"], dtype=np.float64),
@@ -136,26 +138,26 @@ def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
         preparation=preparation,
         inputs=tuple(_input(**source) for source in data["inputs"]),
         noise=_noise(data.get("noise", {}), leg.joint_names),
-        sizes=_sizes(data.get("sizes"), model.names),
+        parameter_scale=_sizes(data.get("sizes"), model.names),
         warnings=_warnings(data.get("warnings", [])),
-        assumed=_assumed(data, model),
+        prior_knowledge=_assumed(data, model),
         bounded=tuple(str(name) for name in data.get("bounded", [])),
         trends=trends_from_json(data.get("trends", [])),
         influence=influence_from_json(data.get("influence", []), model.names),
-        shapes=_shapes(data.get("shapes", {})),
+        nonlinear=_shapes(data.get("shapes", {})),
         dof_each=_of_each(data.get("degrees_of_freedom_each"), model.names),
-        calm_sizes=_of_each(data.get("calm_sizes"), model.names),
+        reference_scale=_of_each(data.get("calm_sizes"), model.names),
         prior_gains=_prior_gains(data.get("prior_gains", [])),
         collinearity=_of_each(data.get("collinearity"), model.names),
     )
 
 
-def _assumed(data: Mapping[str, Any], model: TorqueModel) -> Assumed:
+def _assumed(data: Mapping[str, Any], model: TorqueModel) -> PriorKnowledge:
     """Read what was assumed; older files know of nothing."""
     prior = Prior({name: tuple(pair) for name, pair in data.get("prior", {}).items()})
-    assumed = Assumed(data.get("known", {}), prior, bool(data.get("nonnegative", False)))
-    assumed.check(model)
-    return assumed
+    prior_knowledge = PriorKnowledge(data.get("known", {}), prior, bool(data.get("nonnegative", False)))
+    prior_knowledge.check(model)
+    return prior_knowledge
 
 
 def preparation_to_json(preparation: Preparation) -> dict[str, Any]:
@@ -163,24 +165,26 @@ def preparation_to_json(preparation: Preparation) -> dict[str, Any]:
     return {"name": preparation.name, **asdict(preparation)}  # type: ignore[call-overload]
 
 
-def _shapes_to_json(shapes: Shapes, dof: float) -> dict[str, Any]:
+def _shapes_to_json(nonlinear: NonlinearParameters, dof: float) -> dict[str, Any]:
     return {
-        "values": dict(zip(shapes.names, shapes.values.tolist(), strict=True)),
-        "std": dict(zip(shapes.names, shapes.std.tolist(), strict=True)),
-        "interval_95": dict(zip(shapes.names, shapes.interval(dof).tolist(), strict=True)),
-        "units": dict(zip(shapes.names, shapes.units, strict=True)),
-        "determined": dict(zip(shapes.names, shapes.verdicts, strict=True)),
-        "held": list(shapes.held),
-        "covariance": shapes.covariance.tolist(),
+        "values": dict(zip(nonlinear.names, nonlinear.values.tolist(), strict=True)),
+        "std": dict(zip(nonlinear.names, nonlinear.std.tolist(), strict=True)),
+        "interval_95": dict(zip(nonlinear.names, nonlinear.interval(dof).tolist(), strict=True)),
+        "units": dict(zip(nonlinear.names, nonlinear.units, strict=True)),
+        "determined": dict(zip(nonlinear.names, nonlinear.identifiability, strict=True)),
+        "held": list(nonlinear.held),
+        "covariance": nonlinear.covariance.tolist(),
     }
 
 
-def _shapes(data: Mapping[str, Any]) -> Shapes:
+def _shapes(data: Mapping[str, Any]) -> NonlinearParameters:
     """Read fitted settings; files without any have none."""
     if not data:
-        return Shapes()
+        return NonlinearParameters()
     names, units = tuple(data["values"]), tuple(data["units"].values())
-    return Shapes(names, units, np.array(list(data["values"].values())), data["covariance"], tuple(data["held"]))
+    return NonlinearParameters(
+        names, units, np.array(list(data["values"].values())), data["covariance"], tuple(data["held"])
+    )
 
 
 def _noise(data: Mapping[str, Any], joints: Sequence[str]) -> tuple[JointNoise, ...]:

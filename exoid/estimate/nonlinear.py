@@ -9,12 +9,12 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.regression.diagnostics import verdict
+from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.intervals import half_width
 
 
 @dataclass(frozen=True, eq=False)
-class Shapes:
+class NonlinearParameters:
     """Fitted settings of terms, such as a Stribeck velocity, with their uncertainty.
 
     Attributes:
@@ -34,8 +34,8 @@ class Shapes:
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
         count = len(self.names)
-        shapes: tuple[tuple[str, tuple[int, ...]], ...] = (("values", (count,)), ("covariance", (count, count)))
-        for name, shape in shapes:
+        nonlinear: tuple[tuple[str, tuple[int, ...]], ...] = (("values", (count,)), ("covariance", (count, count)))
+        for name, shape in nonlinear:
             array = np.array(getattr(self, name), dtype=np.float64)
             if array.shape != shape or not np.isfinite(array).all():
                 raise ExoidError(f"{name} of fitted settings do not fit {count} names", remedy="identify again")
@@ -46,7 +46,7 @@ class Shapes:
         """Number of settings."""
         return len(self.names)
 
-    def with_covariance(self, names: Sequence[str], covariance: FloatArray) -> Shapes:
+    def with_covariance(self, names: Sequence[str], covariance: FloatArray) -> NonlinearParameters:
         """Return the same settings with the covariance of some of them."""
         places = [self.names.index(name) for name in names]
         whole = np.zeros((len(self), len(self)))
@@ -59,20 +59,20 @@ class Shapes:
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
-    def verdicts(self) -> tuple[str, ...]:
+    def identifiability(self) -> tuple[str, ...]:
         """How well each is determined: "well", "weakly", "not" or "held"."""
         return tuple(
-            "held" if name in self.held else verdict(value, std, 0.0)
+            "held" if name in self.held else identifiability_class(value, std, 0.0)
             for name, value, std in zip(self.names, self.values, self.std, strict=True)
         )
 
     @property
-    def doubts(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[str, ...]:
         """Say of each that was found but is not determined what that means."""
         return tuple(
             f"{name} = {value:.3g} ± {std:.2g} {unit} is not determined: a given value may predict as well"
             for name, value, std, unit, judged in zip(
-                self.names, self.values, self.std, self.units, self.verdicts, strict=True
+                self.names, self.values, self.std, self.units, self.identifiability, strict=True
             )
             if judged == "not"
         )

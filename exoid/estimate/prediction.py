@@ -12,7 +12,7 @@ from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.torso import TorsoMotion
 
-from .estimate import Estimate
+from .data import EstimateData
 
 STEP = 2e-3
 """Longest step of the integration [s]; smoothed friction of a light foot acts within a few milliseconds."""
@@ -21,7 +21,7 @@ FASTEST = 1e3
 """A joint faster than this [rad/s] has diverged."""
 
 
-def predict_motion(estimate: Estimate, recording: Recording, horizon: float = 0.5) -> Recording:
+def predict_motion(estimate: EstimateData, recording: Recording, horizon: float = 0.5) -> Recording:
     """Let the identified leg move under the measured torques, started anew from the measured state every so often.
 
     Between two starts nothing pulls the model back to the measurement: what lies between both motions after a horizon
@@ -78,7 +78,7 @@ def predict_motion(estimate: Estimate, recording: Recording, horizon: float = 0.
 
 
 def _step(
-    estimate: Estimate, q: FloatArray, v: FloatArray, tau: list[FloatArray], dt: float, torso: TorsoMotion | None
+    estimate: EstimateData, q: FloatArray, v: FloatArray, tau: list[FloatArray], dt: float, torso: TorsoMotion | None
 ) -> tuple[FloatArray, FloatArray]:
     """Take a step from each of B states, (B, n), with torques at its start, middle and end."""
     a1 = _acceleration(estimate, q, v, tau[0], torso)
@@ -92,7 +92,7 @@ def _step(
 
 
 def _acceleration(
-    estimate: Estimate, q: FloatArray, v: FloatArray, tau: FloatArray, torso: TorsoMotion | None
+    estimate: EstimateData, q: FloatArray, v: FloatArray, tau: FloatArray, torso: TorsoMotion | None
 ) -> FloatArray:
     """Solve M a = τ − b, with M and b from torques with no acceleration and with 1 rad/s² of each joint, (B, n)."""
     count, n = q.shape

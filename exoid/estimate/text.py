@@ -9,10 +9,10 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.regression.collinearity import ILL_CONDITIONED
 from exoid.regression.intervals import half_width
-from exoid.regression.prior_knowledge import Assumed
+from exoid.regression.prior_knowledge import PriorKnowledge
 from exoid.tables import make_table, to_text, with_error
 
-from .estimate import Estimate
+from .data import EstimateData
 
 NOT_WHITE = 0.01
 """Residuals with a smaller probability of being white are said not to be."""
@@ -21,13 +21,13 @@ HEADERS = ("parameter", "value", "± std", "95 % from", "to", "unit", "determine
 """Of :func:`parameter_rows`."""
 
 
-def report(estimate: Estimate) -> str:
+def report(estimate: EstimateData) -> str:
     """Print an estimate."""
     title = f"{estimate.model.leg.description.name}: {estimate.estimator} estimate of {len(estimate.names)} parameters"
     return to_text(title, make_table(HEADERS, parameter_rows(estimate)), *_remarks(estimate))
 
 
-def parameter_rows(estimate: Estimate) -> list[tuple[str, ...]]:
+def parameter_rows(estimate: EstimateData) -> list[tuple[str, ...]]:
     """Write each parameter, then each fitted setting of a term, as a row of a table."""
     rows = [
         (name, *written(value, std, interval), unit, judged)
@@ -37,25 +37,25 @@ def parameter_rows(estimate: Estimate) -> list[tuple[str, ...]]:
             estimate.std,
             estimate.interval(),
             estimate.units,
-            estimate.verdicts,
+            estimate.identifiability,
             strict=True,
         )
     ]
     return rows + _shapes(estimate)
 
 
-def _shapes(estimate: Estimate) -> list[tuple[str, ...]]:
+def _shapes(estimate: EstimateData) -> list[tuple[str, ...]]:
     """Settings as rows of the table."""
-    shapes = estimate.shapes
+    nonlinear = estimate.nonlinear
     return [
         (name, *written(value, std, interval), unit, judged)
         for name, value, std, interval, unit, judged in zip(
-            shapes.names,
-            shapes.values,
-            shapes.std,
-            shapes.interval(estimate.dof),
-            shapes.units,
-            shapes.verdicts,
+            nonlinear.names,
+            nonlinear.values,
+            nonlinear.std,
+            nonlinear.interval(estimate.dof),
+            nonlinear.units,
+            nonlinear.identifiability,
             strict=True,
         )
     ]
@@ -66,17 +66,17 @@ def written(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
     return with_error(value, std, *interval) if std > 0.0 else (f"{value:.6g}", "", "", "")
 
 
-def _remarks(estimate: Estimate) -> Iterator[str]:
+def _remarks(estimate: EstimateData) -> Iterator[str]:
     residuals = zip(estimate.joint_names, estimate.residual_rms, strict=True)
     yield "residual RMS [N·m]: " + ", ".join(f"{joint} {rms:.3g}" for joint, rms in residuals)
     yield f"{condition(estimate.condition_number)}; {estimate.dof:.0f} degrees of freedom"
     yield from _noise(estimate)
     names = ", ".join(source.name for source in estimate.inputs)
     yield f"from {names}; {estimate.preparation.name} preparation"
-    yield from assumptions(estimate.assumed, estimate.bounded)
+    yield from assumptions(estimate.prior_knowledge, estimate.bounded)
     yield from influences(estimate)
     yield from (f"warning: {warning}" for warning in estimate.warnings)
-    yield from (f"note: {merged}" for merged in estimate.merged)
+    yield from (f"note: {regrouped}" for regrouped in estimate.regrouped)
 
 
 def condition(number: float) -> str:
@@ -85,7 +85,7 @@ def condition(number: float) -> str:
     return f"condition number {number:.1f}{advice}"
 
 
-def _noise(estimate: Estimate) -> Iterator[str]:
+def _noise(estimate: EstimateData) -> Iterator[str]:
     """Say how many samples count, and which joints' residuals are not white."""
     if estimate.noise:
         of_joints = list(zip(estimate.joint_names, estimate.noise, strict=True))
@@ -94,18 +94,18 @@ def _noise(estimate: Estimate) -> Iterator[str]:
         yield f"effective samples: {counts}" + (f"; residuals not white: {coloured}" if coloured else "")
 
 
-def assumptions(assumed: Assumed, bounded: Sequence[str]) -> Iterator[str]:
+def assumptions(prior_knowledge: PriorKnowledge, bounded: Sequence[str]) -> Iterator[str]:
     """Say what entered beside the recordings, and what was kept from falling below zero."""
-    if assumed.known:
-        yield "known: " + ", ".join(f"{name} = {value:.6g}" for name, value in assumed.known.items())
-    if assumed.prior.values:
-        pairs = assumed.prior.values.items()
+    if prior_knowledge.known:
+        yield "known: " + ", ".join(f"{name} = {value:.6g}" for name, value in prior_knowledge.known.items())
+    if prior_knowledge.prior.values:
+        pairs = prior_knowledge.prior.values.items()
         yield "prior: " + ", ".join(f"{name} = {value:.4g} ± {std:.2g}" for name, (value, std) in pairs)
     if bounded:
         yield f"kept at zero: {', '.join(bounded)}; intervals are as wide as without the bound"
 
 
-def influences(estimate: Estimate) -> Iterator[str]:
+def influences(estimate: EstimateData) -> Iterator[str]:
     """Name recordings that move a parameter out of its interval, or without which it could not be identified."""
     influence = estimate.influence
     if influence is None:

@@ -12,7 +12,7 @@ from exoid.regression.rows import form_rows, prepare
 from exoid.signals import Preparation, Recording
 from exoid.tables import make_table, to_text
 
-from .estimate import Estimate
+from .data import EstimateData
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,7 +91,7 @@ def _numbers(array: FloatArray) -> list[float | None]:
     return [value if np.isfinite(value) else None for value in array.tolist()]
 
 
-def validate(estimate: Estimate, recording: Recording, *, preparation: Preparation | None = None) -> Validation:
+def validate(estimate: EstimateData, recording: Recording, *, preparation: Preparation | None = None) -> Validation:
     """Predict the torque of a recording and compare.
 
     Args:

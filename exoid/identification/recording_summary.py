@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.estimate.estimate import Input
+from exoid.estimate.data import Input
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses, Recording
 from exoid.signals.cutoff import Bends, bends_of
@@ -43,7 +43,7 @@ class Torques(NamedTuple):
     share: FloatArray
 
 
-class Survey(NamedTuple):
+class RecordingSummary(NamedTuple):
     """A recording at a glance.
 
     Attributes:
@@ -65,61 +65,61 @@ class Survey(NamedTuple):
     bends: Bends | None
 
 
-def survey(model: TorqueModel, data: Recording | Poses, *, listen: bool = True) -> Survey:
+def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool = True) -> RecordingSummary:
     """Look a recording through, once.
 
     Args:
         model: For its joints.
         data: The recording.
-        listen: Whether to compare noise and motion, for :func:`exoid.signals.cutoff.cutoff_from`.
+        for_cutoff: Whether to compare noise and motion, for :func:`exoid.signals.cutoff.cutoff_from`.
 
     Raises:
         ExoidError: A joint is missing, or time has a gap.
     """
     chosen = for_leg(model, data)
     q, tau = np.ascontiguousarray(chosen.q.T), chosen.tau  # joint by joint is eight times as fast
-    return Survey(
+    return RecordingSummary(
         evidence(data),
         source_of(data),
         q.min(axis=1),
         q.max(axis=1),
         q.mean(axis=1),
         None if tau is None else _torques(tau),
-        bends_of(chosen) if listen else None,
+        bends_of(chosen) if for_cutoff else None,
     )
 
 
-def angles(surveys: Sequence[Survey]) -> tuple[FloatArray, FloatArray]:
+def angles(summaries: Sequence[RecordingSummary]) -> tuple[FloatArray, FloatArray]:
     """Smallest and largest angle of each joint in all recordings [rad], (n,) each."""
-    return np.min([one.lowest for one in surveys], axis=0), np.max([one.highest for one in surveys], axis=0)
+    return np.min([one.lowest for one in summaries], axis=0), np.max([one.highest for one in summaries], axis=0)
 
 
-def refuse_still_joints(model: TorqueModel, surveys: Sequence[Survey], assumed: Sequence[str] = ()) -> None:
+def refuse_still_joints(model: TorqueModel, summaries: Sequence[RecordingSummary], known: Sequence[str] = ()) -> None:
     """Refuse recordings in which a joint of the leg never moves, unless all of it is known beside them.
 
     Args:
         model: What is to be identified.
-        surveys: Of all recordings and poses.
-        assumed: Parameters that are known or have a prior.
+        summaries: Of all recordings and poses.
+        known: Parameters that are known or have a prior.
 
     Raises:
         ExoidError: Names the joint, how little it moves, and how to lock it.
     """
-    lowest, highest = (np.array([getattr(one, side) for one in surveys]) for side in ("lowest", "highest"))
-    spans, means = highest.max(axis=0) - lowest.min(axis=0), np.mean([one.mean for one in surveys], axis=0)
+    lowest, highest = (np.array([getattr(one, side) for one in summaries]) for side in ("lowest", "highest"))
+    spans, means = highest.max(axis=0) - lowest.min(axis=0), np.mean([one.mean for one in summaries], axis=0)
     names = model.leg.joint_names
     for joint, (name, span, mean) in enumerate(zip(names, spans, means, strict=True)):
         own = model.own_parameters(joint)
-        if span < SMALLEST_MOTION and not (own and set(own) <= set(assumed)):
+        if span < SMALLEST_MOTION and not (own and set(own) <= set(known)):
             others = tuple(other for other in names if other != name)
             raise ExoidError(
                 f"joint {name} stands still: its angle spans {span:.2g} rad, so nothing of it can be identified",
-                where=_sources(surveys),
+                where=_sources(summaries),
                 remedy=f"move it, or lock it: Leg.from_urdf(..., joints={others}, locked={{{name!r}: {mean:.4g}}})",
             )
 
 
-def refuse_dead_torques(model: TorqueModel, surveys: Sequence[Survey]) -> None:
+def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary]) -> None:
     """Refuse torques of a joint that never change, or stand still most of the time: a channel that was not connected.
 
     A recording in which a joint swings freely throughout, beside others, is none.
@@ -127,7 +127,7 @@ def refuse_dead_torques(model: TorqueModel, surveys: Sequence[Survey]) -> None:
     Raises:
         ExoidError: Names the joint and the value.
     """
-    measured = [(one, one.torques) for one in surveys if one.torques is not None]
+    measured = [(one, one.torques) for one in summaries if one.torques is not None]
     if not measured:
         return  # preparing them says so, and which column is missing
     for index, joint in enumerate(model.leg.joint_names):
@@ -135,7 +135,7 @@ def refuse_dead_torques(model: TorqueModel, surveys: Sequence[Survey]) -> None:
         if all(torques.constant[index] and torques.first[index] == value for _, torques in measured):
             raise ExoidError(
                 f"the torque of joint {joint} is {value + 0.0:.6g} N·m in every sample although the joint moves",
-                where=_sources(surveys),
+                where=_sources(summaries),
                 remedy="connect its torque channel, or map the right column to tau_" + joint,
             )
         for one, torques in measured:
@@ -172,5 +172,5 @@ def evidence(data: Recording | Poses) -> Input:
     return Input("array", digest.hexdigest(), len(data), rate)
 
 
-def _sources(surveys: Sequence[Survey]) -> str:
-    return ", ".join(one.source for one in surveys if one.source)
+def _sources(summaries: Sequence[RecordingSummary]) -> str:
+    return ", ".join(one.source for one in summaries if one.source)

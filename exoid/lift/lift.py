@@ -20,21 +20,19 @@ where it is not the minimum lies on the boundary, at infinity in these coordinat
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
+from exoid.leg import Leg
 from exoid.model import dynamic_parameters
 from exoid.reduction.reduction import LINK_PARAMETERS, LINK_UNITS, Reduction
 from exoid.tables import make_table, to_text
 
 from .pseudo_inertia import BASIS, congruence, link_parameters, made_possible, pseudo_inertias, upper_factors
-
-if TYPE_CHECKING:
-    from exoid.leg import Leg
 
 PENALTIES = 10.0 ** -np.arange(11)
 """μ of the successive problems; what the last one leaves is mended exactly."""
@@ -148,7 +146,7 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
 
     Returns:
         The links. Each pseudo-inertia is positive definite, so masses and principal inertias are positive and the
-        triangle inequalities hold strictly. An estimate on the very boundary of the possible (a body thinner than
+        R factor inequalities hold strictly. An estimate on the very boundary of the possible (a body thinner than
         about 1e-8 of the prior), or one that takes links heavier than :data:`HEAVIEST` allows, counts as not feasible.
 
     Raises:

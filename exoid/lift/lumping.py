@@ -27,7 +27,7 @@ AGREEMENT = 1e-9
 """Relative difference between a body and the sum of its parts that is rounding."""
 
 
-class Part(NamedTuple):
+class LinkInertia(NamedTuple):
     """A link with inertia.
 
     Attributes:
@@ -71,7 +71,7 @@ def share_out(leg: Leg, bodies: FloatArray) -> dict[str, FloatArray]:
     return shares
 
 
-def _left_over(own: str, parts: list[Part], body: FloatArray) -> list[Part]:
+def _left_over(own: str, parts: list[LinkInertia], body: FloatArray) -> list[LinkInertia]:
     """Give the link itself what the fixed parts leave of the body; nothing where that is impossible."""
     mine = [part for part in parts if part.link == own and part.parameters[0] > 0.0]
     fixed = [part.parameters for part in parts if part.link != own]
@@ -81,7 +81,7 @@ def _left_over(own: str, parts: list[Part], body: FloatArray) -> list[Part]:
     return []
 
 
-def _moved_alike(parts: list[Part], body: FloatArray) -> list[Part]:
+def _moved_alike(parts: list[LinkInertia], body: FloatArray) -> list[LinkInertia]:
     heavy = [part for part in parts if part.parameters[0] > 0.0]
     before = pseudo_inertias(made_possible(np.concatenate([part.parameters for part in heavy])))
     old, new = upper_factors(before.sum(axis=0)[None])[0], upper_factors(pseudo_inertias(body))[0]
@@ -90,15 +90,15 @@ def _moved_alike(parts: list[Part], body: FloatArray) -> list[Part]:
     return [part._replace(parameters=parameters) for part, parameters in zip(heavy, after, strict=True)]
 
 
-def _parts(leg: Leg) -> list[list[Part]]:
+def _parts(leg: Leg) -> list[list[LinkInertia]]:
     """Links of each body that have an inertia, as Pinocchio's frames place them."""
     inertials = read_inertials(leg.description)
-    parts: list[list[Part]] = [[] for _ in leg.joint_names]
+    parts: list[list[LinkInertia]] = [[] for _ in leg.joint_names]
     for frame in leg.model.frames:
         link = (
             frame.name if frame.name in inertials else frame.name.rpartition(" ")[0]
         )  # as building may have renamed it
         if frame.type == pin.FrameType.BODY and frame.parentJoint > 0 and link in inertials:
             about_joint = congruence(frame.placement.homogeneous[None])[0] @ inertials[link]
-            parts[frame.parentJoint - 1].append(Part(link, frame.placement, about_joint))
+            parts[frame.parentJoint - 1].append(LinkInertia(link, frame.placement, about_joint))
     return parts

@@ -15,17 +15,15 @@ needs no lengths.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.leg import Leg
 from exoid.tables import make_table, to_text
 
 from .lift import checked_values, lift
-
-if TYPE_CHECKING:
-    from exoid.leg import Leg
 
 
 class MassBound(NamedTuple):

@@ -1,7 +1,7 @@
 """Pseudo-inertias: the 4 × 4 matrices whose positive definiteness is what makes a rigid body possible.
 
 With Σ = ∫ r rᵀ dm the second moment, mc the first and m the mass of a body, P = [[Σ, mc], [mcᵀ, m]]. A distribution of
-positive mass has P ≻ 0, and every P ≻ 0 has one: mass, principal inertias and triangle inequalities all follow
+positive mass has P ≻ 0, and every P ≻ 0 has one: mass, principal inertias and R factor inequalities all follow
 (P. M. Wensing, S. Kim, J.-J. E. Slotine, IEEE RA-L 3(1), 2018).
 """
 

@@ -80,7 +80,7 @@ class Collinearity(NamedTuple):
             directions.append(Direction(float(index), tuple(named)))
         return cls(indices, tuple(directions))
 
-    def remarks(self, names: Sequence[str]) -> tuple[str, ...]:
+    def warnings(self, names: Sequence[str]) -> tuple[str, ...]:
         """Name the parameters that move together, in one sentence."""
         groups = [
             f"{', '.join(names[k] for k in direction.columns)} (condition index {direction.condition:.3g})"

@@ -9,19 +9,19 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.identification.problem import Kind
 
 from .least_squares import Solution
 from .noise import AutoregressiveNoise
-from .problem import Stacked
+from .problem import RowProblem
 from .residuals import Noises, Point, Series, over_recordings
+from .rows import NoiseKind
 
 TINY = 1e-300
 """Smallest variance to divide by."""
 
 
 def degrees_of_freedom(
-    problem: Stacked, point: Point, noises: Noises, solution: Solution, *, whitened: bool
+    problem: RowProblem, point: Point, noises: Noises, solution: Solution, *, whitened: bool
 ) -> FloatArray:
     """Satterthwaite's ν_i = 2 V_i² / var V_i of each parameter's variance V_i, (P,); infinite where V_i is exact.
 
@@ -39,7 +39,7 @@ def degrees_of_freedom(
         whitened: Whether V = (W Γ⁻¹ Wᵀ)⁻¹, not the sandwich.
     """
     rows = solution.covariance if whitened else solution.inverse
-    slopes: dict[tuple[Kind, int], FloatArray] = {}
+    slopes: dict[tuple[NoiseKind, int], FloatArray] = {}
     for of_recording in over_recordings(problem, point, partial(_slopes, noises, rows, whitened)):
         for key, slope in of_recording.items():
             slopes[key] = slopes.get(key, 0.0) + slope
@@ -52,9 +52,9 @@ def degrees_of_freedom(
 
 def _slopes(
     noises: Noises, rows: FloatArray, whitened: bool, parts: Iterator[Series]
-) -> dict[tuple[Kind, int], FloatArray]:
+) -> dict[tuple[NoiseKind, int], FloatArray]:
     """Slopes of what one recording adds to V_i, by kind and joint."""
-    slopes: dict[tuple[Kind, int], FloatArray] = {}
+    slopes: dict[tuple[NoiseKind, int], FloatArray] = {}
     running: dict[int, _Slope] = {}
     for part in parts:
         key = (part.kind, part.joint)

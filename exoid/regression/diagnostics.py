@@ -10,14 +10,15 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.identification.problem import Kind, Problem
-from exoid.torques import TorqueModel
 
 from .collinearity import HOPELESS, ILL_CONDITIONED
+from .model import RegressorModel
 from .noise import LagSums
-from .prior_knowledge import Assumed
-from .r_factor import Triangle
+from .prior_knowledge import PriorKnowledge
+from .problem import RowProblem
+from .r_factor import RFactor
 from .residuals import Noises, Point, Series, over_recordings
+from .rows import NoiseKind
 
 WELL = 0.1
 """A parameter is well determined if its standard deviation is at most this part of its size,"""
@@ -30,9 +31,6 @@ SIZE = 0.1
 
 MOSTLY_PRIOR = 0.7
 """A standard deviation beyond this part of the prior's says that the recordings know less than the prior."""
-
-BELOW_ZERO = 0.005
-"""Probability with which a parameter that is zero would be said to be negative."""
 
 CANCELS = 3.0
 """A value that alone would give so many times all torque of a joint only cancels another, whatever its error."""
@@ -52,7 +50,7 @@ class JointNoise:
     """What the residuals of one joint look like.
 
     Attributes:
-        samples: Rows that were looked at, thinned to the pace at which a filter leaves them independent.
+        samples: Rows that were looked at, decimated to the pace at which a filter leaves them independent.
         effective_samples: Independent samples that say as much on the size of the noise, N γ_0² / Σ γ_k².
         order: Of the autoregressive model of the noise, the largest of all recordings.
         correlation: Of one residual with the next.
@@ -67,9 +65,9 @@ class JointNoise:
     whiteness: float
 
 
-def judge_noise(problem: Problem, point: Point, noises: Noises) -> tuple[JointNoise, ...]:
+def describe_noise(problem: RowProblem, point: Point, noises: Noises) -> tuple[JointNoise, ...]:
     """Describe the residuals of each joint."""
-    joints = len(problem.model.leg.joint_names)
+    joints = len(problem.columns)
     samples, effective, statistic, lags = np.zeros((4, joints))
     products = np.zeros((joints, 2))
     for found in over_recordings(problem, point, _autocorrelate):
@@ -93,9 +91,9 @@ def judge_noise(problem: Problem, point: Point, noises: Noises) -> tuple[JointNo
     )
 
 
-def _autocorrelate(parts: Iterator[Series]) -> dict[tuple[Kind, int], tuple[FloatArray, FloatArray]]:
+def _autocorrelate(parts: Iterator[Series]) -> dict[tuple[NoiseKind, int], tuple[FloatArray, FloatArray]]:
     """Sums over residuals, and pairs of usable samples, by lag, of each joint of one recording."""
-    running: dict[tuple[Kind, int], tuple[LagSums, LagSums]] = {}
+    running: dict[tuple[NoiseKind, int], tuple[LagSums, LagSums]] = {}
     for part in parts:
         residuals, pairs = running.setdefault((part.kind, part.joint), (LagSums(LAGS), LagSums(LAGS)))
         residuals.add(part.residual)
@@ -103,21 +101,21 @@ def _autocorrelate(parts: Iterator[Series]) -> dict[tuple[Kind, int], tuple[Floa
     return {key: (residuals.sums, np.rint(pairs.sums)) for key, (residuals, pairs) in running.items()}
 
 
-def judge_sizes(triangles: Sequence[Triangle]) -> FloatArray:
+def parameter_scale(r_factors: Sequence[RFactor]) -> FloatArray:
     """Return the size of each parameter that would explain, alone, all torque of a joint it acts on, (P,).
 
     That is ‖τ‖ / ‖W_i‖ of the joint where it is smallest; zero for one that left no trace.
     """
-    norms = np.array([np.linalg.norm(triangle.R, axis=0) for triangle in triangles])
+    norms = np.array([np.linalg.norm(r_factor.R, axis=0) for r_factor in r_factors])
     columns, torques = norms[:, :-1], norms[:, -1:]
     sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=columns > 0.0).min(axis=0)
     return np.where(np.isfinite(sizes), sizes, 0.0)
 
 
-def calm_sizes(
-    model: TorqueModel, lowest: FloatArray, highest: FloatArray, triangles: Sequence[Triangle]
+def reference_scale(
+    model: RegressorModel, lowest: FloatArray, highest: FloatArray, r_factors: Sequence[RFactor]
 ) -> FloatArray:
-    """Return what :func:`judge_sizes` would if joints had moved as in a calm exercise at the angles recorded, (P,).
+    """Return what :func:`parameter_scale` would if joints had moved as in a calm exercise at the angles recorded, (P,).
 
     A parameter that the recordings hardly excite would have to be huge to explain their torque, and any error of it
     would look small: a slow motion does not make an inertia sure. Nor does friction that acts for moments only: such a
@@ -127,26 +125,26 @@ def calm_sizes(
         model: The model.
         lowest: Smallest angle of each joint in all recordings [rad], (n,).
         highest: Largest.
-        triangles: Rows of each joint, in motion and at rest.
+        r_factors: Rows of each joint, in motion and at rest.
     """
     rng = np.random.default_rng(0)
     q, v, a = rng.uniform(-1.0, 1.0, (3, STATES, len(lowest)))
     q = 0.5 * (lowest + highest) + 0.5 * (highest - lowest) * q
     columns = np.abs(model.regressor(q, SPEED * v, ACCELERATION * a)).max(axis=0) / math.sqrt(3.0)
     joints = len(columns)
-    squares = np.array([[t.R[:, -1] @ t.R[:, -1], t.rows] for t in triangles]).reshape(-1, joints, 2).sum(axis=0)
+    squares = np.array([[t.R[:, -1] @ t.R[:, -1], t.rows] for t in r_factors]).reshape(-1, joints, 2).sum(axis=0)
     torques = np.sqrt(squares[:, :1] / np.maximum(squares[:, 1:], 1.0))
     sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=columns > 0.0).min(axis=0)
     return np.where(np.isfinite(sizes), sizes, 0.0)
 
 
-def verdict(value: float, std: float, size: float, calm: float = np.inf, index: float = 1.0) -> str:
+def identifiability_class(value: float, std: float, size: float, calm: float = np.inf, index: float = 1.0) -> str:
     """Say how well a parameter is determined: "well", "weakly" or "not".
 
     Args:
         value: Of the parameter.
         std: Its standard deviation.
-        size: See :func:`judge_sizes`.
+        size: See :func:`parameter_scale`.
         calm: See :func:`calm_sizes`.
         index: Its condition index, see :class:`~exoid.regression.collinearity.Collinearity`.
     """
@@ -156,24 +154,9 @@ def verdict(value: float, std: float, size: float, calm: float = np.inf, index: 
     return "weakly" if std > WELL * scale or index > ILL_CONDITIONED else "well"
 
 
-def verdict_beside(name: str, assumed: Assumed, std: float, of_data: str) -> str:
+def identifiability_beside(name: str, prior_knowledge: PriorKnowledge, std: float, of_data: str) -> str:
     """Say "known" or "prior" of parameters that are rather what was assumed than what was measured."""
-    if name in assumed.known:
+    if name in prior_knowledge.known:
         return "known"
-    believed = assumed.prior.values.get(name)
+    believed = prior_knowledge.prior.values.get(name)
     return "prior" if believed is not None and std > MOSTLY_PRIOR * believed[1] else of_data
-
-
-def negative(model: TorqueModel, values: FloatArray, std: FloatArray) -> tuple[str, ...]:
-    """Name friction, rotor inertia and a segment's J that are negative by more than their error."""
-    limit = float(scipy.stats.norm.ppf(1.0 - BELOW_ZERO))
-    planar = model.leg.chain is not None
-    inertia = np.array([planar and name in model.leg.parameter_names and name[0] == "J" for name in model.names])
-    below = (model.nonnegative | inertia) & (values < 0.0) & (values < -limit * std)
-    if not below.any():
-        return ()
-    names = ", ".join(name for name, is_below in zip(model.names, below, strict=True) if is_below)
-    return (
-        f"{names} negative beyond error, which nature does not allow: a term is missing, a sign is wrong, or the "
-        "torque is not that of this joint",
-    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.estimators import Fit
-from exoid.identification.problem import Problem
 
-from .least_squares import Solution
-from .r_factor import Triangle, join
+from .problem import RecordingProblem
+from .r_factor import stack
 
 NO_ESTIMATE = np.inf
 """Change of a parameter that cannot be identified without a recording."""
@@ -64,7 +62,9 @@ class Influence(NamedTuple):
         return [(name, np.flatnonzero(row).tolist()) for name, row in found if row.any()]
 
 
-def influence(problem: Problem, names: Sequence[str], fit: Fit, std: FloatArray, count: int) -> Influence | None:
+def influence(
+    problem: RecordingProblem, names: Sequence[str], weights: Sequence[float], std: FloatArray
+) -> Influence | None:
     """Leave out one recording after the other, with the weights of the whole.
 
     With A = Σ A_r the information WᵀW of all recordings, and of priors, the share of recording r in parameter i is the
@@ -73,44 +73,21 @@ def influence(problem: Problem, names: Sequence[str], fit: Fit, std: FloatArray,
 
     Args:
         problem: The problem.
-        names: Of its recordings.
-        fit: Its solution.
-        std: Of the parameters.
-        count: How many of them are wanted, P.
+        names: Names of its recordings, (R,).
+        weights: Weights of the rows of each R factor.
+        std: Standard deviations of the parameters, (P,).
 
     Returns:
-        Nothing for one recording.
+        Influence on all parameters; nothing for one recording.
     """
-    if len(problem.data) < 2:
+    if len(names) < 2:
         return None
-    each = [weighted(problem, index, fit.weights) for index in range(len(problem.data))]
-
-    def without(_: int, others: Triangle) -> FloatArray:
-        return problem.solve(others).values
-
-    return leave_out(each, names, without, problem.solve(join(each)), std).of(count)
-
-
-def leave_out(
-    each: Sequence[Triangle],
-    names: Sequence[str],
-    without: Callable[[int, Triangle], FloatArray],
-    whole: Solution,
-    std: FloatArray,
-) -> Influence:
-    """Solve for the weighted rows of all recordings but one, each in turn.
-
-    Args:
-        each: Weighted rows of each recording, at least two.
-        names: Of the recordings.
-        without: Values for the rows of all recordings but one, given its index; infinite where there are none.
-        whole: Solution for all rows.
-        std: Of the parameters, (P,).
-    """
+    each = problem.recording_r_factors(weights)
+    whole = problem.solve(stack(each))
     change, share, expected = np.zeros((3, len(each), len(std)))
     for index, of_one in enumerate(each):
         try:
-            values = without(index, join([*each[:index], *each[index + 1 :]]))
+            values = problem.without(index, stack([*each[:index], *each[index + 1 :]]), whole)
         except ExoidError:
             values = np.full(len(std), NO_ESTIMATE)
         np.divide(values - whole.values, std, out=change[index], where=std > 0.0)
@@ -161,9 +138,3 @@ def influence_from_json(data: Sequence[dict[str, Any]], names: Sequence[str]) ->
     part = np.clip(share, 0.0, 1.0 - TINY)
     expected = np.where(np.isnan(expected), np.sqrt(part / (1.0 - part)), expected)
     return Influence(tuple(str(one["recording"]) for one in data), change, share, expected)
-
-
-def weighted(problem: Problem, index: int, weights: Sequence[float]) -> Triangle:
-    """Triangle of all joints' rows of one recording."""
-    at_rest, triangles = problem.at_rest(index), problem.each[index]
-    return join(triangles, [weights[problem.place(at_rest, joint)] for joint in range(len(triangles))])

@@ -14,8 +14,8 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .collinearity import Collinearity
-from .prior_knowledge import NOTHING, Assumed
-from .r_factor import Triangle, make_triangle
+from .prior_knowledge import NO_PRIOR_KNOWLEDGE, PriorKnowledge
+from .r_factor import RFactor, factorize
 
 UNDETERMINED = 1e-7
 """Singular values of the unit-column regressor below this fraction of the largest count as zero."""
@@ -53,15 +53,18 @@ class Solution(NamedTuple):
     bounded: tuple[int, ...] = ()
     collinearity: Collinearity = Collinearity()
 
-    def prior_gains(self, names: Sequence[str], assumed: Assumed) -> FloatArray:
+    def prior_gains(self, names: Sequence[str], prior_knowledge: PriorKnowledge) -> FloatArray:
         """How far parameters follow priors p, ∂β/∂p = (WᵀW)⁻¹ s² / σ² of rows (s/σ) β = (s/σ) p, (P, K)."""
-        places = [list(names).index(name) for name in assumed.prior.values]
-        std = np.array([std for _, std in assumed.prior.values.values()])
+        places = [list(names).index(name) for name in prior_knowledge.prior.values]
+        std = np.array([std for _, std in prior_knowledge.prior.values.values()])
         return np.asarray(self.inverse[:, places] * (np.sqrt(np.diag(self.prior_noise)[places]) / std))
 
 
 def solve(
-    triangle: Triangle, names: Sequence[str], assumed: Assumed = NOTHING, nonnegative: NDArray[np.bool_] | None = None
+    r_factor: RFactor,
+    names: Sequence[str],
+    prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE,
+    nonnegative: NDArray[np.bool_] | None = None,
 ) -> Solution:
     """Minimise ‖W β − τ‖ (doc. 1, eq. (17), without its normal matrix).
 
@@ -72,29 +75,29 @@ def solve(
     row of the recordings is worth, so that redundant rows do not outvote it.
 
     Args:
-        triangle: R of [W τ].
+        r_factor: R of [W τ].
         names: Parameters, (P,).
-        assumed: What is known beside the rows.
+        prior_knowledge: What is known beside the rows.
         nonnegative: Parameters that must not become negative, (P,); None if all may.
 
     Raises:
         ExoidError: Names the parameters that neither rows nor priors determine, and what to do.
     """
-    free = assumed.free(names)
+    free = prior_knowledge.free(names)
     if not free.any():
         raise ExoidError("every parameter is known: nothing is left to identify", remedy="leave some unknown")
-    reduced = _without_known(triangle, assumed.fixed_values(names), free)
+    reduced = _without_known(r_factor, prior_knowledge.fixed_values(names), free)
     count = len(reduced.R) - 1
-    dof = triangle.samples - count
+    dof = r_factor.samples - count
     if dof <= 0.0:
         raise ExoidError(
-            f"too few samples: {triangle.samples:.0f} independent ones for {count} parameters",
+            f"too few samples: {r_factor.samples:.0f} independent ones for {count} parameters",
             remedy="record longer, or raise the cut-off",
         )
-    priors = assumed.pseudo_rows(names)
+    priors = prior_knowledge.pseudo_rows(names)
     priors = priors[:, np.append(free, True)]
     size = _row_noise(reduced, dof) if len(priors) else 0.0
-    R = make_triangle(np.vstack([reduced.R, size * priors]), 0, 0.0).R if len(priors) else reduced.R
+    R = factorize(np.vstack([reduced.R, size * priors]), 0, 0.0).R if len(priors) else reduced.R
     scale = np.linalg.norm(R[:count, :count], axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     unit, z = R[:count, :count] / scale, R[:count, count]
@@ -114,24 +117,24 @@ def solve(
     every = np.ix_(free, free)
     whole, noise = np.zeros((2, len(names), len(names)))
     whole[every], noise[every] = inverse, size**4 * priors[:, :-1].T @ priors[:, :-1]
-    all_values = assumed.fixed_values(names)
+    all_values = prior_knowledge.fixed_values(names)
     all_values[free] = values
     places = tuple(int(k) for k in np.flatnonzero(free)[bounded])
     together = Collinearity.of(sigma, Vt, np.flatnonzero(free), len(names))
     return Solution(all_values, variance * whole, float(sigma[0] / sigma[-1]), dof, whole, noise, places, together)
 
 
-def _without_known(triangle: Triangle, fixed: FloatArray, free: NDArray[np.bool_]) -> Triangle:
+def _without_known(r_factor: RFactor, fixed: FloatArray, free: NDArray[np.bool_]) -> RFactor:
     """Take the torque of known parameters away, and their columns."""
     if free.all():
-        return triangle
-    torque = triangle.R @ np.append(-fixed, 1.0)
-    return make_triangle(np.column_stack([triangle.R[:, np.append(free, False)], torque]), 0, triangle.samples)
+        return r_factor
+    torque = r_factor.R @ np.append(-fixed, 1.0)
+    return factorize(np.column_stack([r_factor.R[:, np.append(free, False)], torque]), 0, r_factor.samples)
 
 
-def _row_noise(triangle: Triangle, dof: float) -> float:
+def _row_noise(r_factor: RFactor, dof: float) -> float:
     """Size s of the noise of a row, counted as independent, whether or not the rows determine all parameters."""
-    W, tau = triangle.R[:, :-1], triangle.R[:, -1]
+    W, tau = r_factor.R[:, :-1], r_factor.R[:, -1]
     scale = np.linalg.norm(W, axis=0)
     W = W / np.where(scale > 0.0, scale, 1.0)
     fit, *_ = np.linalg.lstsq(W, tau, rcond=UNDETERMINED)

@@ -5,17 +5,37 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.leg import Leg
-from exoid.torques import TorqueModel
+
+from .model import RegressorModel, Regrouping
 
 SMALL = 0.1
 """Values below this part of the largest of their unit share its uncertainty in :meth:`Prior.from_leg`."""
+
+
+class HasParameters(Protocol):
+    """Named values with units, such as those of :class:`exoid.Leg`."""
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names, (p,)."""
+        ...
+
+    @property
+    def parameter_units(self) -> tuple[str, ...]:
+        """Units, (p,)."""
+        ...
+
+    @property
+    def parameters(self) -> FloatArray:
+        """Values, (p,)."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -46,7 +66,7 @@ class Prior:
         object.__setattr__(self, "values", MappingProxyType(pairs))
 
     @classmethod
-    def from_leg(cls, leg: Leg, relative_std: float = 0.2, names: Sequence[str] | None = None) -> Prior:
+    def from_leg(cls, leg: HasParameters, relative_std: float = 0.2, names: Sequence[str] | None = None) -> Prior:
         """Take a leg's own parameters, such as those of its CAD, for right to so many parts.
 
         A value near zero, as Y of a symmetric segment, has a tenth of the uncertainty of the largest of its unit.
@@ -69,7 +89,7 @@ class Prior:
 
 
 @dataclass(frozen=True)
-class Assumed:
+class PriorKnowledge:
     """All that enters an identification beside recordings, in the order of the model's parameters where it is arrays.
 
     Attributes:
@@ -93,31 +113,42 @@ class Assumed:
             raise ExoidError(f"the known {', '.join(wrong)} is not finite", remedy="pass a number")
         object.__setattr__(self, "known", MappingProxyType(known))
 
+    @classmethod
+    def of(
+        cls,
+        known: Mapping[str, float] | None,
+        prior: Prior | Mapping[str, tuple[float, float]] | None,
+        *,
+        nonnegative: bool,
+    ) -> PriorKnowledge:
+        """Check arguments as a user gives them; None for nothing."""
+        return cls(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
+
     @property
     def names(self) -> tuple[str, ...]:
         """Parameters that something is known of beside the recordings."""
         return (*self.known, *self.prior.values)
 
-    def check(self, model: TorqueModel) -> None:
+    def check(self, model: RegressorModel) -> None:
         """Check that all names are those of a model.
 
         Raises:
-            ExoidError: Names what is not a parameter, is one twice, or was merged into others.
+            ExoidError: Names what is not a parameter, is one twice, or was regrouped into others.
         """
         both = [name for name in self.known if name in self.prior.values]
         if both:
             raise ExoidError(f"{', '.join(both)} is known and has a prior", remedy="use one of the two")
-        self.check_merged(model)
+        self.check_regrouped(model.regrouped)
         for name in self.names:
             if name not in model.names:
                 raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(model.names)}")
 
-    def check_merged(self, model: TorqueModel) -> None:
-        """Check that no name is that of a parameter that a model has merged into others."""
-        for merged in model.merged:
-            if merged.name in self.names:
-                into = " and ".join(merged.into)
-                raise ExoidError(f"{merged}", remedy=f"say what is known of {into} instead")
+    def check_regrouped(self, parameters: Sequence[Regrouping]) -> None:
+        """Check that no name is that of a parameter that is part of others."""
+        for regrouped in parameters:
+            if regrouped.name in self.names:
+                into = " and ".join(regrouped.into)
+                raise ExoidError(f"{regrouped}", remedy=f"say what is known of {into} instead")
 
     def free(self, names: Sequence[str]) -> NDArray[np.bool_]:
         """Which of the parameters are not known, (P,)."""
@@ -135,5 +166,5 @@ class Assumed:
         return rows
 
 
-NOTHING = Assumed()
+NO_PRIOR_KNOWLEDGE = PriorKnowledge()
 """The recordings speak for themselves."""

@@ -1,4 +1,4 @@
-"""From rows to one small triangle a joint, which is all that least squares needs to know of them."""
+"""From rows to one small R factor a joint, which is all that least squares needs to know of them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.torques import TorqueModel
 
 from .rows import Rows
 
@@ -19,11 +18,11 @@ COLUMNS = 4
 """Columns that are factorised at once: of so few as a joint has, fastest."""
 
 
-class Triangle(NamedTuple):
+class RFactor(NamedTuple):
     """All that least squares needs to know of the rows of one joint: R of the QR factorisation of [W τ].
 
     Attributes:
-        R: Upper triangle, (P + 1, P + 1).
+        R: Upper R factor, (P + 1, P + 1).
         rows: How many rows went in.
         samples: How many independent samples they amount to.
     """
@@ -32,26 +31,26 @@ class Triangle(NamedTuple):
     rows: int
     samples: float
 
-    def among(self, columns: NDArray[np.intp], width: int) -> Triangle:
+    def among(self, columns: NDArray[np.intp], width: int) -> RFactor:
         """Put the columns into the places that they have among so many, the others being zero."""
         R = np.zeros((len(self.R), width))
         R[:, columns] = self.R
-        return make_triangle(R, self.rows, self.samples)
+        return factorize(R, self.rows, self.samples)
 
     def residual(self, values: FloatArray) -> float:
         """Root of the sum of squared residuals ‖W β − τ‖ [N·m]."""
         return float(np.linalg.norm(self.R @ np.append(values, -1.0)))
 
 
-def make_triangles(rows: Rows) -> list[Triangle]:
-    """Reduce the rows of each joint to a triangle."""
-    triangles = []
+def factorize_rows(rows: Rows) -> list[RFactor]:
+    """Reduce the rows of each joint to a R factor."""
+    r_factors = []
     for joint in range(rows.tau.shape[1]):
         columns, table = joint_table(rows, joint)
         count = table.shape[1]
-        triangle = make_triangle(table.T, count, count * rows.independence)
-        triangles.append(triangle.among(columns, rows.W.shape[2] + 1))
-    return triangles
+        r_factor = factorize(table.T, count, count * rows.independence)
+        r_factors.append(r_factor.among(columns, rows.W.shape[2] + 1))
+    return r_factors
 
 
 def joint_table(rows: Rows, joint: int) -> tuple[NDArray[np.intp], FloatArray]:
@@ -66,35 +65,35 @@ def joint_table(rows: Rows, joint: int) -> tuple[NDArray[np.intp], FloatArray]:
     return np.append(columns, len(W)), table
 
 
-def make_triangle(table: FloatArray, rows: int, samples: float) -> Triangle:
+def factorize(table: FloatArray, rows: int, samples: float) -> RFactor:
     """Factorise rows of [W τ]."""
     width = table.shape[1]
     if len(table) < width:
         table = np.vstack([table, np.zeros((width - len(table), width))])
     factored, *_ = scipy.linalg.lapack.dgeqrt(min(COLUMNS, width), table)
-    return Triangle(np.triu(factored[:width]), rows, samples)
+    return RFactor(np.triu(factored[:width]), rows, samples)
 
 
-def rms_residual(triangles: Sequence[Triangle], values: FloatArray) -> float:
-    """RMS residual over the rows of several triangles [N·m]."""
-    squares = sum(triangle.residual(values) ** 2 for triangle in triangles)
-    return float(np.sqrt(squares / max(sum(triangle.rows for triangle in triangles), 1)))
+def rms_residual(r_factors: Sequence[RFactor], values: FloatArray) -> float:
+    """RMS residual over the rows of several R factors [N·m]."""
+    squares = sum(r_factor.residual(values) ** 2 for r_factor in r_factors)
+    return float(np.sqrt(squares / max(sum(r_factor.rows for r_factor in r_factors), 1)))
 
 
-def join(triangles: Sequence[Triangle], weights: Sequence[float] | None = None) -> Triangle:
-    """Combine triangles, each multiplied by its weight, into the triangle of all their rows."""
-    weights = [1.0] * len(triangles) if weights is None else weights
-    table = np.vstack([weight * triangle.R for weight, triangle in zip(weights, triangles, strict=True)])
-    return make_triangle(table, sum(t.rows for t in triangles), sum(t.samples for t in triangles))
+def stack(r_factors: Sequence[RFactor], weights: Sequence[float] | None = None) -> RFactor:
+    """Combine R factors, each multiplied by its weight, into the R factor of all their rows."""
+    weights = [1.0] * len(r_factors) if weights is None else weights
+    table = np.vstack([weight * r_factor.R for weight, r_factor in zip(weights, r_factors, strict=True)])
+    return factorize(table, sum(t.rows for t in r_factors), sum(t.samples for t in r_factors))
 
 
-def refuse_empty_joints(model: TorqueModel, triangles: Sequence[Triangle]) -> None:
+def refuse_empty_joints(joint_names: Sequence[str], r_factors: Sequence[RFactor]) -> None:
     """Refuse a fit in which the terms' dead bands left no sample of a joint.
 
     Raises:
         ExoidError: Names the joints.
     """
-    empty = [joint for joint, triangle in zip(model.leg.joint_names, triangles, strict=True) if triangle.rows == 0]
+    empty = [joint for joint, r_factor in zip(joint_names, r_factors, strict=True) if r_factor.rows == 0]
     if empty:
         raise ExoidError(
             f"no sample of {', '.join(empty)} is faster than the dead band of its friction term",

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.identification.problem import Block, Kind
 
 from .least_squares import Solution
 from .noise import LARGEST_ORDER, AutoregressiveNoise, LagSums, QuadraticForm
-from .problem import Stacked
+from .problem import RowProblem
+from .rows import NoiseKind, RowBlock
 
 PASSES = 5
 """Noise and covariance depend on each other, and are computed in turn at most so often."""
@@ -43,7 +43,7 @@ class Series(NamedTuple):
         ends: Whether these are the last of it.
     """
 
-    kind: Kind
+    kind: NoiseKind
     joint: int
     columns: NDArray[np.intp]
     X: FloatArray
@@ -70,11 +70,11 @@ class Point(NamedTuple):
     clip: float = np.inf
 
 
-Noises = Mapping[tuple[Kind, int], AutoregressiveNoise]
+Noises = Mapping[tuple[NoiseKind, int], AutoregressiveNoise]
 """Noise of each kind and joint, in units of the weighted rows."""
 
 
-class Layout(NamedTuple):
+class ColumnLayout(NamedTuple):
     """Where the rows of joints belong in a problem, without the rows.
 
     Attributes:
@@ -86,34 +86,36 @@ class Layout(NamedTuple):
     weights: NDArray[np.intp]
 
     @staticmethod
-    def of(problem: Stacked) -> Layout:
+    def of(problem: RowProblem) -> ColumnLayout:
         """Ask a problem."""
-        kinds = (Kind(at_rest, 0) for at_rest in (False, True))
+        kinds = (NoiseKind(at_rest, 0) for at_rest in (False, True))
         places = [[problem.weight_index(kind, joint) for joint in range(len(problem.columns))] for kind in kinds]
-        return Layout(problem.columns, np.transpose(places))
+        return ColumnLayout(problem.columns, np.transpose(places))
 
 
 T = TypeVar("T")
 
 
-def over_recordings(problem: Stacked, point: Point, work: Callable[[Iterator[Series]], T]) -> Iterator[T]:
-    """Let work go over the rows of each recording, joint by joint, thinned to the pace of independent noise.
+def over_recordings(problem: RowProblem, point: Point, work: Callable[[Iterator[Series]], T]) -> Iterator[T]:
+    """Let work go over the rows of each recording, joint by joint, decimated to the pace of independent noise.
 
     The rows may be elsewhere, on a disk or on a cluster: what the work finds should be small.
     """
-    yield from problem.gather(partial(_on_series, work, Layout.of(problem), point))
+    yield from problem.gather(partial(_on_series, work, ColumnLayout.of(problem), point))
 
 
-def _on_series(work: Callable[[Iterator[Series]], T], layout: Layout, point: Point, blocks: Iterable[Block]) -> T:
+def _on_series(
+    work: Callable[[Iterator[Series]], T], layout: ColumnLayout, point: Point, blocks: Iterable[RowBlock]
+) -> T:
     return work(_series(blocks, layout, point))
 
 
-def series(problem: Stacked, point: Point) -> Iterator[Series]:
-    """Go over all recordings and joints, in rows thinned to the pace of independent noise."""
-    return _series(problem.blocks(thinned=True), Layout.of(problem), point)
+def series(problem: RowProblem, point: Point) -> Iterator[Series]:
+    """Go over all recordings and joints, in rows decimated to the pace of independent noise."""
+    return _series(problem.blocks(decimated=True), ColumnLayout.of(problem), point)
 
 
-def _series(blocks: Iterable[Block], layout: Layout, point: Point) -> Iterator[Series]:
+def _series(blocks: Iterable[RowBlock], layout: ColumnLayout, point: Point) -> Iterator[Series]:
     """Weigh rows joint by joint."""
     for kind, rows, begins, ends, first in blocks:
         for own, acting in enumerate(rows.acting):
@@ -142,7 +144,9 @@ def _series(blocks: Iterable[Block], layout: Layout, point: Point) -> Iterator[S
             )
 
 
-def fit_noise(problem: Stacked, point: Point, covariance: FloatArray) -> dict[tuple[Kind, int], AutoregressiveNoise]:
+def fit_noise(
+    problem: RowProblem, point: Point, covariance: FloatArray
+) -> dict[tuple[NoiseKind, int], AutoregressiveNoise]:
     """Fit an autoregressive model to the residuals of each kind and joint.
 
     Residuals are smaller than the noise, and less alike, since the fit has taken part of it away; on average
@@ -150,16 +154,16 @@ def fit_noise(problem: Stacked, point: Point, covariance: FloatArray) -> dict[tu
     maximum likelihood does). Samples left out do not count.
     """
     roots = [_root(covariance[np.ix_(columns, columns)]).T for columns in problem.columns]
-    sums: dict[tuple[Kind, int], FloatArray] = {}
+    sums: dict[tuple[NoiseKind, int], FloatArray] = {}
     for found in over_recordings(problem, point, partial(_lag_sums, roots)):
         for key, of_joint in found.items():
             sums[key] = sums.get(key, 0.0) + of_joint
     return {key: _model(*found) for key, found in sums.items()}
 
 
-def _lag_sums(roots: Sequence[FloatArray], parts: Iterator[Series]) -> dict[tuple[Kind, int], FloatArray]:
+def _lag_sums(roots: Sequence[FloatArray], parts: Iterator[Series]) -> dict[tuple[NoiseKind, int], FloatArray]:
     """Sums of products of residuals and what the fit has taken, and of pairs of usable samples, by lag, (2, K + 1)."""
-    sums: dict[tuple[Kind, int], FloatArray] = {}
+    sums: dict[tuple[NoiseKind, int], FloatArray] = {}
     running: dict[int, tuple[LagSums, LagSums]] = {}
     for part in parts:
         if part.begins:
@@ -186,7 +190,7 @@ class Sandwich(NamedTuple):
     noises: Noises
 
 
-def sandwich(problem: Stacked, point: Point, solution: Solution) -> Sandwich:
+def sandwich(problem: RowProblem, point: Point, solution: Solution) -> Sandwich:
     """Compute (WᵀW)⁻¹ Wᵀ Γ W (WᵀW)⁻¹ with Γ that of the autoregressive noise in the residuals.
 
     Rows of priors are among those of W, with the noise that the priors say.

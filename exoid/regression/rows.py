@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals import ParallelFilter, Poses, Preparation, Recording
-from exoid.torques import Motion, TorqueModel
+
+from .model import MotionSamples, RegressorModel
 
 BLOCK = 16384
 """Samples whose regressor is formed at once,"""
@@ -32,7 +33,7 @@ class Rows(NamedTuple):
         usable: Which samples of which joint may be fitted, (N, n).
         acting: Which parameters can act on which joint, (n, P); the regressor is zero elsewhere.
         independence: Share of the rows that carry independent noise; a low-pass leaves fewer.
-        stands_for: How many rows each of these stands for; 1 unless thinned.
+        stands_for: How many rows each of these stands for; 1 unless decimated.
     """
 
     time: FloatArray
@@ -44,6 +45,37 @@ class Rows(NamedTuple):
     acting: NDArray[np.bool_]
     independence: float
     stands_for: float = 1.0
+
+
+class NoiseKind(NamedTuple):
+    """Rows whose torque noise is of one kind.
+
+    Attributes:
+        at_rest: Poses, whose noise is independent from one to the next.
+        rate_class: Logarithm of the sampling interval, in steps of a tenth: recordings of one class share a noise
+            model.
+    """
+
+    at_rest: bool
+    rate_class: int
+
+
+class RowBlock(NamedTuple):
+    """Consecutive rows of one recording and the kind of their noise.
+
+    Attributes:
+        kind: Kind of the noise.
+        rows: The rows.
+        begins: Whether these are the first of the recording.
+        ends: Whether these are the last of it.
+        first: Index of the first joint of the rows among those of the problem.
+    """
+
+    kind: NoiseKind
+    rows: Rows
+    begins: bool
+    ends: bool
+    first: int = 0
 
 
 class Prepared(NamedTuple):
@@ -60,7 +92,7 @@ class Prepared(NamedTuple):
     """
 
     time: FloatArray
-    motion: Motion
+    motion: MotionSamples
     tau: FloatArray
     usable: NDArray[np.bool_]
     rows: range
@@ -78,7 +110,9 @@ class Prepared(NamedTuple):
         return (self.rows[start : start + count] for start in range(0, len(self.rows), count))
 
 
-def prepare(model: TorqueModel, data: Recording | Poses, preparation: Preparation, *, every: bool = False) -> Prepared:
+def prepare(
+    model: RegressorModel, data: Recording | Poses, preparation: Preparation, *, every: bool = False
+) -> Prepared:
     """Derive the kinematics of a recording; poses have no velocity and need no filter.
 
     Args:
@@ -117,7 +151,7 @@ def prepare(model: TorqueModel, data: Recording | Poses, preparation: Preparatio
     )
 
 
-def form_rows(model: TorqueModel, prepared: Prepared, stretch: range) -> Rows:
+def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows:
     """Form the regressor columns of a stretch of rows, and let columns and torque pass the filter.
 
     Columns are formed as far beyond both ends of the stretch as the filter reaches, so that they come out as if those
@@ -167,19 +201,19 @@ def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
     return np.array(kept), twins
 
 
-def make_rows(model: TorqueModel, data: Recording | Poses, preparation: Preparation) -> Rows:
+def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Preparation) -> Rows:
     """Make a row of each sample of a recording that its ends do not spoil, or of poses, all at once."""
     prepared = prepare(model, data, preparation, every=True)
     return form_rows(model, prepared, prepared.rows)
 
 
-def thinning(independence: float) -> int:
+def decimation(independence: float) -> int:
     """Of how many rows one is enough, m = ⌊1 / independence⌋."""
     return max(1, int(1.0 / independence))
 
 
-def thin(rows: Rows, before: int, count: int) -> Rows:
-    """Keep every m-th row, see :func:`thinning`.
+def decimate(rows: Rows, before: int, count: int) -> Rows:
+    """Keep every m-th row, see :func:`decimation`.
 
     Behind a low-pass the rows between are redundant, and what noise is left is nearly white at this pace, so that a
     simple model describes it: at the full pace the same model would spend its order on the edge of the filter.
@@ -189,7 +223,7 @@ def thin(rows: Rows, before: int, count: int) -> Rows:
         before: How many rows of the recording come before these.
         count: How many it has in all.
     """
-    step = thinning(rows.independence)
+    step = decimation(rows.independence)
     if step == 1:
         return rows
     first = (count - 1) % step // 2
@@ -225,18 +259,18 @@ def chain(stretches: Sequence[Rows]) -> Rows:
 Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)
 
 
-def for_leg(model: TorqueModel, recording: Measured) -> Measured:
+def for_leg(model: RegressorModel, recording: Measured) -> Measured:
     """Pick the leg's joints from a recording or poses, by name.
 
     Raises:
         ExoidError: A joint is missing.
     """
-    names = model.leg.joint_names
+    names = model.joint_names
     if recording.joint_names == names:
         return recording
     if set(names) <= set(recording.joint_names):
         return recording.select(names)
-    labels = model.leg.joint_labels
+    labels = model.joint_labels
     if set(labels) <= set(recording.joint_names):
         return recording.select(labels)
     missing = [name for name in names if name not in recording.joint_names]

@@ -11,11 +11,12 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.identification.problem import Problem
 
 from .least_squares import Solution
 from .noise import QuadraticForm
+from .problem import RowProblem
 from .residuals import Noises, Point, Series, over_recordings
+from .rows import NoiseKind
 
 BINS = 10
 """Equally filled intervals of velocity or angle in which residuals are averaged."""
@@ -72,8 +73,8 @@ class Trend:
 
 
 def residual_trends(
-    problem: Problem, point: Point, noises: Noises, solution: Solution, covariance: FloatArray, *, whitened: bool
-) -> tuple[Trend, ...]:
+    problem: RowProblem, point: Point, noises: Noises, solution: Solution, covariance: FloatArray, *, whitened: bool
+) -> dict[int, tuple[Trend, ...]]:
     """Average residuals in motion against velocity and angle, joint by joint.
 
     With e the noise, X the weighted rows and δ the error of the estimate, the residual is e − X δ. Of its sums D over
@@ -87,24 +88,27 @@ def residual_trends(
         solution: For (XᵀX)⁻¹.
         covariance: Of the estimate.
         whitened: Whether rows were whitened.
+
+    Returns:
+        Trends of each joint that has enough rows in motion, by its index.
     """
     edges = _edges(problem, point)
     sums: dict[int, _Sums] = {}
     for of_recording in over_recordings(problem, point, partial(_sum_up, edges, noises)):
         for joint, found in of_recording.items():
             sums[joint] = found.plus(sums[joint]) if joint in sums else found
-    trends = []
+    trends = {}
     for joint, found in sorted(sums.items()):
         own = np.ix_(problem.columns[joint], problem.columns[joint])
         G = found.columns
         both = 0.0 if whitened else found.cross @ solution.inverse[own] @ G.T
         fitted = G @ covariance[own] @ G.T
         cov = found.noise - fitted if whitened else found.noise - both - np.transpose(both) + fitted
-        trends += _trends(problem, point, joint, edges[joint], found, cov)
-    return tuple(trends)
+        trends[joint] = _trends(problem, point, joint, edges[joint], found, cov)
+    return trends
 
 
-def remarks(trends: Sequence[Trend]) -> tuple[str, ...]:
+def trend_warnings(trends: Sequence[Trend]) -> tuple[str, ...]:
     """Name the joints whose residuals depend on velocity or angle."""
     return tuple(
         f"the residual of {trend.joint} depends on its {trend.against} by more than noise explains (p = "
@@ -201,7 +205,7 @@ class _Spread(NamedTuple):
     stands_for: float
 
 
-def _edges(problem: Problem, point: Point) -> dict[int, FloatArray]:
+def _edges(problem: RowProblem, point: Point) -> dict[int, FloatArray]:
     """Edges of the intervals of velocity and angle of each joint that has enough rows in motion, (2, B + 1)."""
     seen: dict[int, list[_Spread]] = {}
     for of_recording in over_recordings(problem, point, _spreads):
@@ -253,12 +257,12 @@ def _indicators(part: Series, edges: FloatArray) -> FloatArray:
 
 
 def _trends(
-    problem: Problem, point: Point, joint: int, edges: FloatArray, found: _Sums, cov: FloatArray
-) -> list[Trend]:
+    problem: RowProblem, point: Point, joint: int, edges: FloatArray, found: _Sums, cov: FloatArray
+) -> tuple[Trend, ...]:
     """Test the sums over intervals of velocity, and of angle."""
-    weight = point.weights[joint]
-    triangle = problem.groups[0][joint]
-    torque = float(np.linalg.norm(triangle.R[:, -1])) / np.sqrt(max(triangle.rows, 1))
+    place = problem.weight_index(NoiseKind(at_rest=False, rate_class=0), joint)
+    weight, r_factor = point.weights[place], problem.r_factors[place]
+    torque = float(np.linalg.norm(r_factor.R[:, -1])) / np.sqrt(max(r_factor.rows, 1))
     trends = []
     kinds: tuple[Against, ...] = ("velocity", "angle")
     for k, against in enumerate(kinds):
@@ -268,9 +272,9 @@ def _trends(
         share = float(np.sqrt(np.average(mean**2, weights=count))) / (torque or 1.0)
         std = np.sqrt(np.clip(np.diag(cov)[rows], 0.0, None)) / count / weight
         noise = np.sqrt(np.diag(found.noise)[rows])
-        name = problem.model.leg.joint_names[joint]
+        name = problem.joint_names[joint]
         trends.append(Trend(name, against, edges[k], mean, std, _p_value(total, cov[rows, rows], noise), share))
-    return trends
+    return tuple(trends)
 
 
 def _p_value(total: FloatArray, cov: FloatArray, noise: FloatArray) -> float:

@@ -24,7 +24,7 @@ from .sequential import cuhk as steps
 from .torque_error import by_name, predicted_torque, torque_nrmse, torque_rmse, validation_rows
 
 MOTOR = DcMotor(torque_constant=0.0705, ratio=50.0, rotor_inertia=3.2e-4, current_limit=15.0)
-"""A 90 W flat motor behind a gear of 50: 0.8 kg·m² at the joint. Assumed, as the document names neither."""
+"""A 90 W flat motor behind a gear of 50: 0.8 kg·m² at the joint. PriorKnowledge, as the document names neither."""
 
 SENSORS = Sensors(encoder_counts=2.0**13, angle_noise=np.deg2rad(0.03), velocity_noise=0.01, torque_noise=0.3)
 """Potentiometer behind a 13-bit converter, tachometer and current sensor; assumed."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
-class Whereabouts:
+class SourceLocation:
     """Translates row and column of an array into words that its owner can look up.
 
     Attributes:
@@ -20,9 +20,9 @@ class Whereabouts:
         counted: What a row of the file is called: "line", "row" or "message".
 
     Example:
-        >>> Whereabouts().cell(17, "q_knee")
+        >>> SourceLocation().cell(17, "q_knee")
         'row 17, column q_knee'
-        >>> Whereabouts("log.csv", np.array([2, 3]), {"q_knee": "pos2"}).cell(1, "q_knee")
+        >>> SourceLocation("log.csv", np.array([2, 3]), {"q_knee": "pos2"}).cell(1, "q_knee")
         'log.csv, line 3, column pos2 (q_knee)'
     """
 

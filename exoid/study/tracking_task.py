@@ -20,7 +20,7 @@ from .protocol import motion_to_json
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class TrackingTask:
     """A periodic motion that laws follow on the leg that was identified; gains are the same in all replicates.
 
     Attributes:
@@ -59,7 +59,7 @@ class Course:
         known: ControlModel,
         kp: tuple[float, ...] | None = None,
         kd: tuple[float, ...] | None = None,
-    ) -> Course:
+    ) -> TrackingTask:
         """Choose gains where none are given: those of ``exoid track`` for a leg like this, and Kd = 0.1 s · Kp.
 
         Args:

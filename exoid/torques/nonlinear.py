@@ -13,8 +13,10 @@ from .term import Term
 
 
 @dataclass(frozen=True)
-class Free:
-    """A setting that the fit is to find, in place of its number: ``Stribeck(velocity=Free(0.1, 0.01, 1.0))``.
+class NonlinearParameter:
+    """Setting of a term that the fit finds, in place of its number.
+
+    ``Stribeck(velocity=NonlinearParameter(0.1, 0.01, 1.0))`` searches between 0.01 and 1 rad/s.
 
     Attributes:
         start: Where to begin.
@@ -30,23 +32,23 @@ class Free:
         """Check the order."""
         if not 0.0 < self.lower <= self.start <= self.upper < math.inf or self.lower == self.upper:
             raise ExoidError(
-                f"Free(start={self.start}, lower={self.lower}, upper={self.upper})",
+                f"NonlinearParameter(start={self.start}, lower={self.lower}, upper={self.upper})",
                 remedy="0 < lower ≤ start ≤ upper, and lower < upper",
             )
 
 
-def number(value: float | Free) -> float:
+def number(value: float | NonlinearParameter) -> float:
     """Return the number of a setting.
 
     Raises:
         ExoidError: It is still to be found.
     """
-    if isinstance(value, Free):
+    if isinstance(value, NonlinearParameter):
         raise ExoidError(f"a setting is {value}, not yet a number", remedy="identify, which finds it")
     return value
 
 
-class Shape(NamedTuple):
+class NonlinearSetting(NamedTuple):
     """A setting to be found, at one joint.
 
     Attributes:
@@ -57,10 +59,12 @@ class Shape(NamedTuple):
 
     name: str
     unit: str
-    free: Free
+    free: NonlinearParameter
 
 
-def free_shapes(terms: Sequence[Term], names: Sequence[str], labels: Sequence[str]) -> tuple[Shape, ...]:
+def nonlinear_settings(
+    terms: Sequence[Term], names: Sequence[str], labels: Sequence[str]
+) -> tuple[NonlinearSetting, ...]:
     """List the settings to be found, each once.
 
     Args:
@@ -71,11 +75,11 @@ def free_shapes(terms: Sequence[Term], names: Sequence[str], labels: Sequence[st
     Raises:
         ExoidError: Two terms share a setting at a joint but not its start and bounds.
     """
-    found: dict[str, Shape] = {}
+    found: dict[str, NonlinearSetting] = {}
     for term in terms:
         for _, symbol, unit, free in _free_settings(term):
             for joint in term.joint_indices(names, labels):
-                shape = Shape(f"{symbol}_{labels[joint]}", unit, free)
+                shape = NonlinearSetting(f"{symbol}_{labels[joint]}", unit, free)
                 if found.setdefault(shape.name, shape) != shape:
                     raise ExoidError(
                         f"{shape.name} is {found[shape.name].free} in one term and {free} in another",
@@ -84,10 +88,10 @@ def free_shapes(terms: Sequence[Term], names: Sequence[str], labels: Sequence[st
     return tuple(found.values())
 
 
-def with_shapes(
+def with_settings(
     terms: Sequence[Term], names: Sequence[str], labels: Sequence[str], values: Mapping[str, float]
 ) -> tuple[Term, ...]:
-    """Put numbers in place of :class:`Free`; a term that has some becomes one for each joint.
+    """Put numbers in place of :class:`NonlinearParameter`; a term that has some becomes one for each joint.
 
     Args:
         terms: The terms.
@@ -107,9 +111,9 @@ def with_shapes(
     return tuple(settled)
 
 
-def _free_settings(term: Term) -> Iterator[tuple[str, str, str, Free]]:
+def _free_settings(term: Term) -> Iterator[tuple[str, str, str, NonlinearParameter]]:
     """Field, symbol, unit and bounds of what is free in a term."""
     for field in fields(term):
         value = getattr(term, field.name)
-        if isinstance(value, Free):
+        if isinstance(value, NonlinearParameter):
             yield (field.name, *term.shape_symbols[field.name], value)

@@ -61,9 +61,9 @@ class Arm:
         truth = dict(zip(self.leg.parameter_names, self.leg.parameters, strict=True))
         for symbol, values in zip(("c0", "d", "Ia", "offset"), self.joints, strict=True):
             truth |= {f"{symbol}_{label}": x for label, x in zip(self.leg.joint_labels, values, strict=True)}
-        for merged in TorqueModel(self.leg, DEFAULT_TERMS).merged:
-            for name, share in merged.into.items():
-                truth[name] += share * truth[merged.name]
+        for regrouped in TorqueModel(self.leg, DEFAULT_TERMS).regrouped:
+            for name, share in regrouped.into.items():
+                truth[name] += share * truth[regrouped.name]
         return truth
 
     def motion(self, seed):

@@ -41,7 +41,7 @@ def test_known_parameters_are_those_of_a_problem_without_their_columns(swing, es
     np.testing.assert_allclose(fixed.std[: len(offset.values)], offset.std, rtol=1e-6)
     assert fixed.dof == pytest.approx(offset.dof, rel=1e-6)
     assert (fixed.std[-3:] == 0.0).all()
-    assert fixed.verdicts[-3:] == ("known",) * 3
+    assert fixed.identifiability[-3:] == ("known",) * 3
     assert "known: offset_hip = 0, offset_knee = 0" in str(fixed)
 
 
@@ -66,8 +66,8 @@ def test_what_the_data_cannot_determine_may_be_known(swing):
     assert np.abs(z).max() < 4.5
     prior = Prior({name: (value, 0.1 * abs(value) + 0.01) for name, value in known.items()})
     believed = identify(swing.leg, recording, TERMS, preparation=PLAIN, prior=prior)
-    verdicts = dict(zip(believed.names, believed.verdicts, strict=True))
-    assert verdicts["c0_ankle"] == verdicts["d_ankle"] == "prior"
+    identifiability = dict(zip(believed.names, believed.identifiability, strict=True))
+    assert identifiability["c0_ankle"] == identifiability["d_ankle"] == "prior"
     assert believed.std[believed.names.index("d_ankle")] == pytest.approx(prior.values["d_ankle"][1], rel=1e-3)
     assert "prior: X3 = " in str(believed)
 
@@ -182,9 +182,9 @@ def test_an_estimate_with_assumptions_survives_its_file(swing, tmp_path):
     estimate.save(tmp_path / "e.json")
     loaded = Estimate.load(tmp_path / "e.json")
     assert str(loaded) == str(estimate)
-    assert dict(loaded.assumed.known) == {"X1": 4.0}
-    assert dict(loaded.assumed.prior.values) == prior
-    assert loaded.assumed.nonnegative
+    assert dict(loaded.prior_knowledge.known) == {"X1": 4.0}
+    assert dict(loaded.prior_knowledge.prior.values) == prior
+    assert loaded.prior_knowledge.nonnegative
     assert loaded.bounded == estimate.bounded
     np.testing.assert_array_equal(loaded.influence.change, estimate.influence.change)
     np.testing.assert_array_equal(loaded.influence.share, estimate.influence.share)

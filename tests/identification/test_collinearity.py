@@ -8,9 +8,10 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Recording, Stiffness
+from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
 from exoid.regression.collinearity import HOPELESS, ILL_CONDITIONED, Collinearity
-from exoid.regression.diagnostics import calm_sizes, verdict
+from exoid.regression.diagnostics import identifiability_class, reference_scale
 from exoid.signals import FiniteDifference
 from exoid.torques import Stribeck, TorqueModel
 
@@ -58,8 +59,8 @@ def test_proportions_are_those_of_the_variances():
 
 @pytest.mark.parametrize(("index", "expected"), [(99.0, "well"), (101.0, "weakly"), (301.0, "not")])
 def test_what_moves_together_is_at_best_weakly_determined(index, expected):
-    assert verdict(1.0, 1e-6, 1.0, 1.0, index) == expected
-    assert verdict(1.0, 0.5, 1.0, 1.0, index) == "not"
+    assert identifiability_class(1.0, 1e-6, 1.0, 1.0, index) == expected
+    assert identifiability_class(1.0, 0.5, 1.0, 1.0, index) == "not"
 
 
 def slow(leg, seed=0):
@@ -76,14 +77,14 @@ def test_a_slow_motion_does_not_make_an_inertia_sure_however_small_its_error():
     leg = exoid.load_leg("cuhk")
     estimate = exoid.identify(leg, slow(leg), TERMS, preparation=EXACT)
     assert estimate.condition_number > ILL_CONDITIONED
-    verdicts = dict(zip(estimate.names, estimate.verdicts, strict=True))
-    assert {verdicts[name] for name in ("J1", "J2", "X1")} <= {"weakly", "not"}
+    identifiability = dict(zip(estimate.names, estimate.identifiability, strict=True))
+    assert {identifiability[name] for name in ("J1", "J2", "X1")} <= {"weakly", "not"}
     (warning,) = [text for text in estimate.warnings if "hardly tell apart" in text]
     assert "J1" in warning
     assert "X1" in warning
     assert "hardly tell apart" in " ".join(str(estimate).split())
-    blind = dataclasses.replace(estimate, collinearity=np.zeros(0), calm_sizes=np.zeros(0))
-    assert blind.verdicts[estimate.names.index("J1")] == "well"  # without these rules it would be called so
+    blind = dataclasses.replace(estimate, collinearity=np.zeros(0), reference_scale=np.zeros(0))
+    assert blind.identifiability[estimate.names.index("J1")] == "well"  # without these rules it would be called so
 
 
 def test_a_stiffness_that_an_upright_leg_shows_only_as_gravity_is_not_determined():
@@ -92,14 +93,14 @@ def test_a_stiffness_that_an_upright_leg_shows_only_as_gravity_is_not_determined
     terms = (*TERMS, Stiffness(joints=("hip",)))
     recording = swing.with_noise(np.random.default_rng(0), 1e-3)
     estimate = exoid.identify(leg, recording, terms, preparation=EXACT)
-    verdicts = dict(zip(estimate.names, estimate.verdicts, strict=True))
+    identifiability = dict(zip(estimate.names, estimate.identifiability, strict=True))
     assert estimate.condition_number > HOPELESS
-    hip = {verdicts[name] for name in ("b0_hip", "b1_hip", "b2_hip", "X1", "Y1")}
+    hip = {identifiability[name] for name in ("b0_hip", "b1_hip", "b2_hip", "X1", "Y1")}
     assert hip <= {"weakly", "not"}
     assert "not" in hip
-    assert verdicts["J3"] == verdicts["X3"] == "well"
+    assert identifiability["J3"] == identifiability["X3"] == "well"
     known = exoid.identify(leg, recording, terms, preparation=EXACT, known={"b1_hip": 0.0, "b2_hip": 0.0})
-    assert set(known.verdicts) == {"well", "known"}
+    assert set(known.identifiability) == {"well", "known"}
 
 
 def test_sizes_of_a_calm_exercise_are_smaller_where_a_recording_hardly_excites():
@@ -107,9 +108,9 @@ def test_sizes_of_a_calm_exercise_are_smaller_where_a_recording_hardly_excites()
     leg = exoid.load_leg("bleex")
     swing = Swing(leg, base=0.02)
     model = TorqueModel(leg, (*TERMS, exoid.Offset(), Stribeck(velocity=0.05)))
-    problem = Problem(model, [swing.recording()], EXACT)
+    problem = Problem.of_one(GroupRows(model, [swing.recording()], EXACT))
     angles = swing.motion[0].min(axis=0), swing.motion[0].max(axis=0)
-    sizes = dict(zip(model.names, calm_sizes(model, *angles, problem.triangles), strict=True))
+    sizes = dict(zip(model.names, reference_scale(model, *angles, problem.r_factors), strict=True))
     rms = np.sqrt(np.mean(swing.torque[1:-1] ** 2, axis=0))
     assert sizes["offset_hip"] == pytest.approx(np.sqrt(3.0) * rms[0])
     assert sizes["c0_knee"] == pytest.approx(np.sqrt(3.0) * rms[1])
@@ -118,15 +119,15 @@ def test_sizes_of_a_calm_exercise_are_smaller_where_a_recording_hardly_excites()
     assert sizes["cs_hip"] == pytest.approx(np.sqrt(3.0) * rms[0] / peak, rel=0.05)
     estimate = exoid.identify(leg, swing.with_noise(np.random.default_rng(0), 0.3), TERMS, preparation=EXACT)
     inertia = estimate.names.index("J1")
-    assert estimate.calm_sizes[inertia] < 0.1 * estimate.sizes[inertia]
+    assert estimate.reference_scale[inertia] < 0.1 * estimate.parameter_scale[inertia]
 
 
 def test_a_true_zero_that_is_tightly_bounded_is_well_determined():
     swing = Swing(exoid.load_leg("bleex"))
     terms = (*TERMS, exoid.Offset(), Stribeck(velocity=0.1))
     estimate = exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(0), 0.1), terms, preparation=EXACT)
-    verdicts = dict(zip(estimate.names, estimate.verdicts, strict=True))
-    assert verdicts["offset_knee"] == verdicts["cs_knee"] == "well"
+    identifiability = dict(zip(estimate.names, estimate.identifiability, strict=True))
+    assert identifiability["offset_knee"] == identifiability["cs_knee"] == "well"
 
 
 def test_friction_of_slow_motion_that_few_samples_show_is_not_called_well():
@@ -136,8 +137,8 @@ def test_friction_of_slow_motion_that_few_samples_show_is_not_called_well():
     estimate = exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(0), 3.0), terms, preparation=EXACT)
     hip = estimate.names.index("cs_hip")
     assert estimate.std[hip] > np.abs(estimate.values[hip])
-    assert estimate.verdicts[hip] != "well"
-    assert dataclasses.replace(estimate, calm_sizes=np.zeros(0)).verdicts[hip] == "well"
+    assert estimate.identifiability[hip] != "well"
+    assert dataclasses.replace(estimate, reference_scale=np.zeros(0)).identifiability[hip] == "well"
 
 
 def test_they_are_kept_in_the_file(tmp_path):
@@ -146,5 +147,5 @@ def test_they_are_kept_in_the_file(tmp_path):
     estimate.save(tmp_path / "e.json")
     loaded = exoid.Estimate.load(tmp_path / "e.json")
     np.testing.assert_array_equal(loaded.collinearity, estimate.collinearity)
-    np.testing.assert_array_equal(loaded.calm_sizes, estimate.calm_sizes)
-    assert loaded.verdicts == estimate.verdicts
+    np.testing.assert_array_equal(loaded.reference_scale, estimate.reference_scale)
+    assert loaded.identifiability == estimate.identifiability

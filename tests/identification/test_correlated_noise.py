@@ -12,6 +12,7 @@ from swings import TERMS, Swing
 import exoid
 from exoid import Coulomb, ExoidError, Viscous
 from exoid.identification.estimators import ESTIMATORS, ols, wls
+from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
 from exoid.regression.residuals import fit_noise, sandwich
 from exoid.signals import FiniteDifference, Poses, ZeroPhase
@@ -72,7 +73,7 @@ def test_intervals_for_white_noise_must_fail_where_it_is_not_white(swing):
 
 
 def problem_of(swing, seed, terms=TERMS, **changes):
-    return Problem(TorqueModel(swing.leg, terms), [noisy(swing, seed, **changes)], EXACT)
+    return Problem.of_one(GroupRows(TorqueModel(swing.leg, terms), [noisy(swing, seed, **changes)], EXACT))
 
 
 @pytest.mark.parametrize("terms", [TERMS, (Coulomb(dead_band=0.1), Viscous())], ids=["whole", "with gaps"])

@@ -10,6 +10,7 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid.identification.estimators import ols, wls
+from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
 from exoid.regression.degrees_of_freedom import degrees_of_freedom
 from exoid.regression.noise import AutoregressiveNoise
@@ -28,7 +29,7 @@ def swing():
 def problem_of(swing, seed=0):
     noise = np.random.default_rng(seed).standard_normal(swing.torque.shape)
     tau = swing.torque + 0.3 * lfilter([1.0], [1.0, -0.7], noise, axis=0)
-    return Problem(TorqueModel(swing.leg, TERMS), [swing.recording(tau=tau)], EXACT)
+    return Problem.of_one(GroupRows(TorqueModel(swing.leg, TERMS), [swing.recording(tau=tau)], EXACT))
 
 
 def autocovariances(sigma2, phi, count):

@@ -6,7 +6,7 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Stiffness
-from exoid.regression.diagnostics import verdict
+from exoid.regression.diagnostics import identifiability_class
 from exoid.signals import FiniteDifference
 
 EXACT = FiniteDifference()
@@ -36,11 +36,11 @@ def estimate(swing):
     ],
 )
 def test_a_verdict_follows_its_thresholds(value, std, size, expected):
-    assert verdict(value, std, size) == expected
+    assert identifiability_class(value, std, size) == expected
 
 
 def test_a_good_motion_determines_everything_well(estimate):
-    assert set(estimate.verdicts) == {"well"}
+    assert set(estimate.identifiability) == {"well"}
 
 
 def test_a_short_and_noisy_recording_says_what_it_does_not_determine(swing):
@@ -48,7 +48,7 @@ def test_a_short_and_noisy_recording_says_what_it_does_not_determine(swing):
     short = Swing(swing.leg, seconds=3.0)
     recording = short.with_noise(np.random.default_rng(1), 2.0)
     estimate = exoid.identify(swing.leg, recording, (*TERMS, Stiffness(joints=("hip",))), preparation=EXACT)
-    judged = dict(zip(estimate.names, estimate.verdicts, strict=True))
+    judged = dict(zip(estimate.names, estimate.identifiability, strict=True))
     assert judged["b2_hip"] == judged["J3"] == "not"
     assert judged["X2"] == "well"
 
@@ -59,7 +59,7 @@ def test_sizes_are_what_explains_the_torque_of_a_joint_alone(swing):
     W = np.linalg.norm(estimate.model.regressor(*swing.motion)[1:-1], axis=0)
     tau = np.linalg.norm(swing.torque[1:-1], axis=0)
     expected = [min(tau[j] / W[j, i] for j in range(3) if W[j, i] > 0.0) for i in range(W.shape[1])]
-    np.testing.assert_allclose(estimate.sizes, expected, rtol=1e-9)
+    np.testing.assert_allclose(estimate.parameter_scale, expected, rtol=1e-9)
 
 
 def test_correlations_are_covariances_of_unit_variance(estimate):

@@ -154,7 +154,7 @@ def test_the_arrays_given_are_copied():
         {"covariance": np.full((9, 9), np.inf)},
         {"covariance": -np.eye(9)},
         {"residual_rms": np.ones(3)},
-        {"sizes": np.ones(3)},
+        {"parameter_scale": np.ones(3)},
         {"noise": (JointNoise(1, 1.0, 0, 0.0, 1.0),)},
         {"dof": 0.0},
         {"dof": float("nan")},
@@ -206,14 +206,14 @@ def test_a_file_gives_the_estimate_back_to_the_last_bit(swing, recording, prepar
     q, v, a = swing.motion
     assert loaded.names == estimate.names
     assert loaded.units == estimate.units
-    assert loaded.merged == estimate.merged
+    assert loaded.regrouped == estimate.regrouped
     assert (loaded.values == estimate.values).all()
     assert (loaded.covariance == estimate.covariance).all()
     assert (loaded.residual_rms == estimate.residual_rms).all()
     assert (loaded.torque(q, v, a) == estimate.torque(q, v, a)).all()
     assert (loaded.leg.inverse_dynamics(q, v, a) == estimate.leg.inverse_dynamics(q, v, a)).all()
     assert (loaded.interval(0.9) == estimate.interval(0.9)).all()
-    assert (loaded.sizes == estimate.sizes).all()
+    assert (loaded.parameter_scale == estimate.parameter_scale).all()
     for name in ("dof", "condition_number", "estimator", "preparation", "inputs", "noise", "warnings", "verdicts"):
         assert getattr(loaded, name) == getattr(estimate, name)
     assert loaded.model.terms == estimate.model.terms

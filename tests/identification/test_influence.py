@@ -9,6 +9,7 @@ from swings import TERMS, Swing
 import exoid
 from exoid import Estimate, Stiffness, identify
 from exoid.estimate import estimate_to_json
+from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
 from exoid.regression.influence import influence_from_json
 from exoid.signals import FiniteDifference, Poses
@@ -74,7 +75,7 @@ def test_a_share_is_the_part_of_the_variance_that_a_recordings_noise_makes(leg):
     share = identify(
         leg, [swing.with_noise(rng, 0.3) for swing in swings], TERMS, "ols", preparation=PLAIN
     ).influence.share
-    problem = Problem(TorqueModel(leg, TERMS), [swing.recording() for swing in swings], PLAIN)
+    problem = Problem.of_one(GroupRows(TorqueModel(leg, TERMS), [swing.recording() for swing in swings], PLAIN))
     W = [np.concatenate(block.rows.W) for block in problem.blocks()]
     whole = np.linalg.pinv(np.vstack(W))
     parts = np.split(whole, [len(W[0])], axis=1)

@@ -26,9 +26,9 @@ def known(leg, terms):
     model = TorqueModel(leg, terms)
     extra = [FRICTION[name.split("_")[0]] for name in model.names[len(leg.parameter_names) :]]
     values = np.concatenate([leg.parameters, extra])
-    for merged in model.merged:  # the rotor inertia of the hip is part of J1
-        for target, share in merged.into.items():
-            values[model.names.index(target)] += share * FRICTION[merged.name.split("_")[0]]
+    for regrouped in model.regrouped:  # the rotor inertia of the hip is part of J1
+        for target, share in regrouped.into.items():
+            values[model.names.index(target)] += share * FRICTION[regrouped.name.split("_")[0]]
     P = len(values)
     return Estimate(model, values, 1e-12 * np.eye(P), 1.0, 1e3, np.zeros(3), "exact", FiniteDifference())
 

@@ -9,10 +9,10 @@ import pytest
 import exoid
 from exoid import Coulomb, Estimate, ExoidError, Leg, Offset, Recording, Viscous
 from exoid.signals import FiniteDifference, Poses, ZeroPhase
-from exoid.torques import Free, LoadFriction, Stribeck
+from exoid.torques import LoadFriction, NonlinearParameter, Stribeck
 
 EXACT = FiniteDifference()
-DELTA, VS = Free(1e-3, 1e-5, 0.05), Free(0.1, 0.01, 1.0)
+DELTA, VS = NonlinearParameter(1e-3, 1e-5, 0.05), NonlinearParameter(0.1, 0.01, 1.0)
 RICH = (
     Coulomb(presliding=DELTA),
     LoadFriction(split=True, presliding=DELTA, joints=("knee",)),
@@ -92,8 +92,8 @@ def estimate(leg):
 
 def test_without_noise_parameters_and_settings_come_back(leg):
     est = exoid.identify(leg, recording_of(leg), RICH, preparation=EXACT)
-    assert est.shapes.names == tuple(SHAPES)
-    np.testing.assert_allclose(est.shapes.values, list(SHAPES.values()), rtol=1e-4)
+    assert est.nonlinear.names == tuple(SHAPES)
+    np.testing.assert_allclose(est.nonlinear.values, list(SHAPES.values()), rtol=1e-4)
     for name, value in TRUTH.items():
         assert est.value(name) == pytest.approx(value, abs=1e-3), name
     np.testing.assert_allclose(est.values[: len(leg.parameters)], leg.parameters, atol=1e-3)
@@ -105,14 +105,14 @@ def test_with_noise_they_come_back_within_their_errors(leg, estimator):
     est = exoid.identify(leg, recording_of(leg, noise=0.05), RICH, estimator, preparation=EXACT)
     truth = np.array([*leg.parameters, *(TRUTH[name] for name in est.names[len(leg.parameters) :])])
     assert (np.abs(est.values - truth) < 4.5 * est.std).all()
-    assert (np.abs(est.shapes.values - list(SHAPES.values())) < 4.5 * est.shapes.std).all()
-    assert set(est.shapes.verdicts) <= {"well", "weakly"}
+    assert (np.abs(est.nonlinear.values - list(SHAPES.values())) < 4.5 * est.nonlinear.std).all()
+    assert set(est.nonlinear.identifiability) <= {"well", "weakly"}
 
 
 def test_behind_the_default_filter_too(leg):
     """Columns of every kind pass the same filter as the torque."""
     est = exoid.identify(leg, recording_of(leg, seconds=20.0, rate=400.0), RICH)
-    np.testing.assert_allclose(est.shapes.values, list(SHAPES.values()), rtol=0.1)
+    np.testing.assert_allclose(est.nonlinear.values, list(SHAPES.values()), rtol=0.1)
     assert est.value("mu_drive_knee") == pytest.approx(0.10, abs=0.01)
     assert (exoid.validate(est, recording_of(leg, seconds=15.0, rate=400.0, seed=8)).nrmse < 0.01).all()
 
@@ -130,8 +130,8 @@ def test_intervals_count_in_that_settings_are_uncertain(leg):
     found, stated = [], []
     for seed in range(25):
         est = exoid.identify(leg, recording_of(leg, 0.05, seed, seconds=6.0), RICH, preparation=EXACT)
-        found.append([*est.values, *est.shapes.values])
-        stated.append([*est.std, *est.shapes.std])
+        found.append([*est.values, *est.nonlinear.values])
+        stated.append([*est.std, *est.nonlinear.std])
     ratio = np.std(found, axis=0, ddof=1) / np.mean(stated, axis=0)
     print("spread over stated std:", ratio.round(2))
     assert (ratio > 0.6).all()
@@ -142,7 +142,7 @@ def test_a_setting_that_is_found_makes_its_parameters_less_certain_than_one_that
     settled = estimate.model.terms
     given = exoid.identify(leg, recording_of(leg, noise=0.05), settled, preparation=EXACT)
     ratio = estimate.std / given.std
-    assert given.shapes.names == ()
+    assert given.nonlinear.names == ()
     assert (ratio > 0.97).all()
     assert ratio[estimate.names.index("cs_knee")] > 1.04
     np.testing.assert_allclose(given.values, estimate.values, atol=0.1 * estimate.std.max())
@@ -151,10 +151,10 @@ def test_a_setting_that_is_found_makes_its_parameters_less_certain_than_one_that
 def test_an_estimate_with_settings_survives_a_file(estimate, tmp_path):
     estimate.save(tmp_path / "est.json")
     again = Estimate.load(tmp_path / "est.json")
-    assert again.shapes.names == estimate.shapes.names
-    assert again.shapes.units == ("rad", "rad", "rad/s")
-    np.testing.assert_array_equal(again.shapes.values, estimate.shapes.values)
-    np.testing.assert_array_equal(again.shapes.covariance, estimate.shapes.covariance)
+    assert again.nonlinear.names == estimate.nonlinear.names
+    assert again.nonlinear.units == ("rad", "rad", "rad/s")
+    np.testing.assert_array_equal(again.nonlinear.values, estimate.nonlinear.values)
+    np.testing.assert_array_equal(again.nonlinear.covariance, estimate.nonlinear.covariance)
     _, q, v, a = harmonics(seed=5)
     np.testing.assert_array_equal(again.torque(q, v, a), estimate.torque(q, v, a))
     assert str(again) == str(estimate)
@@ -165,7 +165,7 @@ def test_an_exported_sidecar_holds_what_a_urdf_has_no_place_for(estimate, tmp_pa
     written = estimate.to_urdf(tmp_path / "leg.urdf")
     assert {"mu_drive_knee", "mu_back_knee", "cs_knee"} <= set(written.only_in_sidecar)
     beside = json.loads((tmp_path / "leg.exoid.json").read_text())
-    assert beside["shapes"] == dict(zip(estimate.shapes.names, estimate.shapes.values.tolist(), strict=True))
+    assert beside["shapes"] == dict(zip(estimate.nonlinear.names, estimate.nonlinear.values.tolist(), strict=True))
     assert beside["values"]["mu_drive_knee"] == pytest.approx(estimate.value("mu_drive_knee"), abs=0.05)
 
 
@@ -175,7 +175,7 @@ def test_poses_stand_beside_recordings(leg):
     still = np.zeros_like(q)
     poses = Poses(q, leg.inverse_dynamics(q, still, still) + np.array([0.2, -0.1]), leg.joint_names)
     est = exoid.identify(leg, [recording_of(leg), poses], RICH, preparation=EXACT)
-    np.testing.assert_allclose(est.shapes.values, list(SHAPES.values()), rtol=1e-3)
+    np.testing.assert_allclose(est.nonlinear.values, list(SHAPES.values()), rtol=1e-3)
 
 
 def test_what_is_known_is_kept_and_the_settings_found_beside_it(leg):
@@ -183,7 +183,7 @@ def test_what_is_known_is_kept_and_the_settings_found_beside_it(leg):
     est = exoid.identify(leg, recording_of(leg), RICH, preparation=EXACT, known=known, nonnegative=True)
     for name, value in known.items():
         assert est.value(name) == value
-    np.testing.assert_allclose(est.shapes.values, list(SHAPES.values()), rtol=1e-4)
+    np.testing.assert_allclose(est.nonlinear.values, list(SHAPES.values()), rtol=1e-4)
     assert est.value("mu_drive_knee") == pytest.approx(TRUTH["mu_drive_knee"], abs=1e-3)
 
 
@@ -207,19 +207,19 @@ def plain(leg, friction, noise=0.02, **motion):
 def test_a_stribeck_velocity_where_there_is_no_such_friction_is_said_not_to_be_determined(leg):
     recording = plain(leg, lambda q, v: 0.5 * np.tanh(v / 0.02) + 0.2 * v)
     est = exoid.identify(leg, recording, (Coulomb(), Stribeck(velocity=VS), Viscous()), preparation=EXACT)
-    for name, verdict in zip(est.shapes.names, est.shapes.verdicts, strict=True):
+    for name, verdict in zip(est.nonlinear.names, est.nonlinear.identifiability, strict=True):
         assert verdict in ("not", "held"), name
     assert any("vs_" in warning for warning in est.warnings)
-    assert all(name in est.shapes.names for name in est.shapes.held)
+    assert all(name in est.nonlinear.names for name in est.nonlinear.held)
     assert est.value("d_hip") == pytest.approx(0.2, abs=0.1)
 
 
 def test_presliding_sharper_than_the_samples_is_held_at_its_bound_and_said(leg):
     recording = plain(leg, lambda q, v: 0.5 * np.sign(v) + 0.2 * v)
     est = exoid.identify(leg, recording, (Coulomb(presliding=DELTA), Viscous()), preparation=EXACT)
-    assert "delta_hip" in est.shapes.held
+    assert "delta_hip" in est.nonlinear.held
     assert any(w.startswith("delta_hip is at its lower bound, 1e-05 rad, and held") for w in est.warnings)
-    assert est.shapes.std[0] == 0.0
+    assert est.nonlinear.std[0] == 0.0
     assert "held" in str(est)
     assert est.value("c0_hip") == pytest.approx(0.5, abs=0.02)
 

@@ -8,6 +8,7 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Coulomb, Offset, Recording, Viscous, identify
+from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
 from exoid.regression import rows as rows_module
 from exoid.regression.noise import AutoregressiveNoise, LagSums, QuadraticForm, autocovariance_sums
@@ -62,7 +63,7 @@ def test_the_estimate_is_that_of_all_rows_at_once(short_stretches, estimator, te
 
 def test_rows_come_in_several_stretches_that_cover_the_recording(short_stretches):
     short_stretches(1.0)
-    problem = Problem(TorqueModel(SWING.leg, TERMS), [recording(), recording(1)], ZeroPhase())
+    problem = Problem.of_one(GroupRows(TorqueModel(SWING.leg, TERMS), [recording(), recording(1)], ZeroPhase()))
     blocks = list(problem.blocks())
     prepared = rows_module.prepare(problem.model, recording(), problem.preparation)
     whole = rows_module.form_rows(problem.model, prepared, prepared.rows)
@@ -89,11 +90,11 @@ def test_too_little_overlap_must_show(short_stretches, monkeypatch):
 
 
 def test_thinned_rows_are_the_same_ones_in_stretches(short_stretches):
-    problem = Problem(TorqueModel(SWING.leg, TERMS), [recording()], ZeroPhase())
-    (whole,) = problem.blocks(thinned=True)
+    problem = Problem.of_one(GroupRows(TorqueModel(SWING.leg, TERMS), [recording()], ZeroPhase()))
+    (whole,) = problem.blocks(decimated=True)
     short_stretches(1.0)
-    problem = Problem(problem.model, problem.data, problem.preparation)
-    blocks = list(problem.blocks(thinned=True))
+    problem = Problem.of_one(GroupRows(problem.model, problem.data, problem.preparation))
+    blocks = list(problem.blocks(decimated=True))
     assert len(blocks) > 5
     np.testing.assert_array_equal(np.concatenate([b.rows.time for b in blocks]), whole.rows.time)
     np.testing.assert_allclose(np.concatenate([b.rows.W for b in blocks]), whole.rows.W, rtol=0, atol=1e-11)

@@ -145,7 +145,7 @@ def test_an_identified_example_is_exported_as_it_is(tmp_path):
     np.testing.assert_array_equal(export.values, estimate.values)
     np.testing.assert_allclose(reloaded(data.leg, export.urdf).parameters, estimate.leg.parameters, rtol=1e-12)
     for name in ("Ia_hip", "J1"):
-        assert name in str(export)  # merged, and said so
+        assert name in str(export)  # regrouped, and said so
 
 
 def test_exporting_twice_gives_the_same_leg(leg, tmp_path):

@@ -11,8 +11,8 @@ import pytest
 from sessions import TERMS, Noise, Session, truth_of
 
 import exoid
-from exoid import Estimate, ExoidError, Recording, compare, identify, identify_together
-from exoid.identification.together import together_to_json
+from exoid import Estimate, ExoidError, Recording, compare, identify
+from exoid.estimate import grouped_to_json
 from exoid.regression.rows import make_rows
 from exoid.signals import FiniteDifference, Poses, Recordings
 from exoid.torques import TorqueModel
@@ -53,7 +53,7 @@ def record(sessions, seed=0, **noises):
 
 
 def test_without_noise_shared_and_own_parameters_are_exact(leg, days):
-    together = identify_together(leg, record(days), TERMS, own="offset", preparation=PLAIN)
+    together = identify(leg, record(days), TERMS, own="offset", preparation=PLAIN)
     np.testing.assert_allclose(together.values, truth_of(together, days), rtol=1e-8, atol=1e-9)
     for day, zero in ZEROS.items():
         found = [together[day].value(f"offset_{joint}") for joint in ("hip", "knee", "ankle")]
@@ -66,7 +66,7 @@ def test_one_offset_for_all_days_must_be_wrong(leg, days):
     plain = identify(leg, recordings.values(), TERMS, preparation=PLAIN)
     shared = [k for k, name in enumerate(plain.names) if not name.startswith("offset")]
     off = np.abs(plain.values - list(truth.values()))[shared]
-    together = identify_together(leg, recordings, TERMS, own="offset", preparation=PLAIN)
+    together = identify(leg, recordings, TERMS, own="offset", preparation=PLAIN)
     right = np.abs(together.values - truth_of(together, days))[: len(shared)]
     assert (off > 1e4 * right).all()
     assert (plain.residual_rms > 0.2).all()
@@ -76,7 +76,7 @@ def test_with_noise_offsets_of_their_own_make_everything_else_surer(leg, days):
     noise = Noise((0.3, 0.2, 0.1))
     recordings = record(days, **dict.fromkeys(days, noise))
     plain = identify(leg, recordings.values(), TERMS)
-    together = identify_together(leg, recordings, TERMS, own=["offset"])
+    together = identify(leg, recordings, TERMS, own=["offset"])
     count = len(together.shared)
     ratio = together.std[:count] / plain.std[[plain.names.index(name) for name in together.shared]]
     print("std with offsets of their own over std with one offset:", ratio.round(2))
@@ -87,7 +87,7 @@ def test_with_noise_offsets_of_their_own_make_everything_else_surer(leg, days):
 
 def test_two_legs_tell_shared_parameters_root_two_as_well_as_one(legs, sides):
     recordings = record(sides, left=Noise(0.2), right=Noise(0.2))
-    together = identify_together(legs, recordings, TERMS)
+    together = identify(legs, recordings, TERMS)
     assert together.shared == legs["left"].parameter_names
     alone = {side: identify(legs[side], recordings[side], TERMS) for side in legs}
     one, other = (estimate.std[: len(together.shared)] for estimate in alone.values())
@@ -104,7 +104,7 @@ def test_two_legs_tell_shared_parameters_root_two_as_well_as_one(legs, sides):
 def test_the_noisier_leg_counts_less(legs, sides):
     quiet, loud = Noise(0.05), Noise(1.0)
     recordings = record(sides, left=quiet, right=loud)
-    together = identify_together(legs, recordings, TERMS)
+    together = identify(legs, recordings, TERMS)
     alone = identify(legs["left"], recordings["left"], TERMS)
     count = len(together.shared)
     np.testing.assert_allclose(together.std[:count], alone.std[:count], rtol=0.05)
@@ -118,10 +118,18 @@ def test_one_group_is_the_same_as_identify(leg, days, estimator, noise):
     recordings = list(record(days, **dict.fromkeys(days, Noise((0.3, 0.2, 0.1), 0.9))).values())
     expected = identify(leg, recordings, TERMS, estimator, noise=noise)
     for own in (None, (), ("offset", "J2")):
-        found = identify_together(leg, {"all": recordings}, TERMS, estimator, noise=noise, own=own)["all"]
+        found = identify(leg, {"all": recordings}, TERMS, estimator, noise=noise, own=own)["all"]
         np.testing.assert_allclose(found.values, expected.values, rtol=1e-8, atol=1e-10)
         np.testing.assert_allclose(found.covariance, expected.covariance, rtol=1e-6, atol=1e-9 * expected.std.max())
-        for name in ("condition_number", "dof", "dof_each", "residual_rms", "sizes", "calm_sizes", "collinearity"):
+        for name in (
+            "condition_number",
+            "dof",
+            "dof_each",
+            "residual_rms",
+            "parameter_scale",
+            "reference_scale",
+            "collinearity",
+        ):
             np.testing.assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-6, err_msg=name)
         np.testing.assert_allclose(found.influence.change, expected.influence.change, atol=1e-6)
         np.testing.assert_allclose([t.p_value for t in found.trends], [t.p_value for t in expected.trends], atol=1e-6)
@@ -136,11 +144,11 @@ def test_recordings_and_poses_of_one_group_are_weighted_as_by_identify(leg, days
     tau = leg.inverse_dynamics(q, 0 * q, 0 * q) + ZEROS["monday"] + rng.normal(scale=0.02, size=q.shape)
     data = [days["monday"].recording(rng, Noise(0.3)), Poses(q, tau, leg.joint_names)]
     expected = identify(leg, data, TERMS, estimator)
-    found = identify_together(leg, {"all": data}, TERMS, estimator)["all"]
+    found = identify(leg, {"all": data}, TERMS, estimator)["all"]
     np.testing.assert_allclose(found.values, expected.values, rtol=1e-8, atol=1e-10)
     np.testing.assert_allclose(found.std, expected.std, rtol=1e-6)
-    other = {"all": data, "friday": days["friday"].recording(rng, Noise(0.2))}  # whose triangles come after
-    both = identify_together(leg, other, TERMS, estimator, own="offset")
+    other = {"all": data, "friday": days["friday"].recording(rng, Noise(0.2))}  # whose R factors come after
+    both = identify(leg, other, TERMS, estimator, own="offset")
     error = both.values - truth_of(both, {"all": days["monday"], "friday": days["friday"]})
     assert (np.abs(error) < 4.0 * both.std).all()
 
@@ -150,7 +158,7 @@ def test_where_nothing_is_shared_each_group_is_identified_as_alone(legs, sides, 
     """Up to where the iterations of noise and covariance stop: for all groups at once."""
     recordings = record(sides, left=Noise(0.1), right=Noise((0.6, 0.4, 0.2), 0.9))
     names = TorqueModel(legs["left"], TERMS).names
-    together = identify_together(legs, recordings, TERMS, estimator, own=names)
+    together = identify(legs, recordings, TERMS, estimator, own=names)
     assert together.shared == ()
     estimates = [identify(legs[side], recordings[side], TERMS, estimator) for side in legs]
     for expected, found in zip(estimates, (together[side] for side in legs), strict=True):
@@ -171,7 +179,7 @@ def test_it_is_one_dense_least_squares_problem(legs, sides):
     """All rows of both legs, put together by hand, weighted by the residuals of a first solution, solved by numpy."""
     recordings = record(sides, left=Noise((0.3, 0.2, 0.1)), right=Noise((0.6, 0.1, 0.2)))
     own = ("c0", "d_knee", "offset", "J1")
-    together = identify_together(legs, recordings, TERMS, own=own, preparation=PLAIN, noise="white")
+    together = identify(legs, recordings, TERMS, own=own, preparation=PLAIN, noise="white")
     blocks, torques = [], []
     for side in legs:
         model = TorqueModel(legs[side], TERMS)
@@ -203,7 +211,7 @@ def test_it_is_one_dense_least_squares_problem(legs, sides):
 
 def test_parameters_that_differ_are_named_and_the_others_not(legs, sides):
     recordings = record(sides, left=Noise(0.1), right=Noise(0.1))
-    together = identify_together(legs, recordings, TERMS)
+    together = identify(legs, recordings, TERMS)
     assert set(together.equal.below(0.05)) == {"c0_hip", "d_knee", "offset_hip", "offset_ankle"}
     comparison = together.compare("left", "right")
     assert comparison.differ
@@ -216,7 +224,7 @@ def test_parameters_that_differ_are_named_and_the_others_not(legs, sides):
 
 def test_errors_in_common_cancel_in_a_comparison(legs, sides):
     """The hip's offset looks like Y1, which both share: their difference is known far better than each offset."""
-    together = identify_together(legs, record(sides, left=Noise(0.2), right=Noise(0.2)), TERMS)
+    together = identify(legs, record(sides, left=Noise(0.2), right=Noise(0.2)), TERMS)
     comparison = together.compare("left", "right")
     hip = comparison.names.index("offset_hip")
     alone = np.hypot(*(together[side].std[together[side].names.index("offset_hip")] for side in legs))
@@ -225,7 +233,7 @@ def test_errors_in_common_cancel_in_a_comparison(legs, sides):
 
 
 def test_estimates_that_share_parameters_are_not_independent(legs, sides):
-    together = identify_together(legs, record(sides, left=Noise(0.2), right=Noise(0.2)), TERMS)
+    together = identify(legs, record(sides, left=Noise(0.2), right=Noise(0.2)), TERMS)
     with pytest.raises(ExoidError, match="errors are not independent"):
         compare(together["left"], together["right"])
 
@@ -236,16 +244,16 @@ def test_groups_that_do_not_agree_on_what_they_share_are_told(legs, sides):
     values = legs["right"].parameters * np.array([1, 1, 1, 1, 1, 1.05, 1, 1, 1])
     changed["right"] = dataclasses.replace(sides["right"], leg=legs["right"].with_parameters(values))
     recordings = record(changed, left=Noise(0.05), right=Noise(0.05))
-    together = identify_together(legs, recordings, TERMS)
+    together = identify(legs, recordings, TERMS)
     assert "J2" in together.agreement.below(0.01)
     assert any("do not agree on" in warning and "J2" in warning for warning in together.warnings)
-    mended = identify_together(legs, recordings, TERMS, own=("c0", "d", "offset", "J1", "J2"))
+    mended = identify(legs, recordings, TERMS, own=("c0", "d", "offset", "J1", "J2"))
     assert not mended.warnings
     assert "J2" in mended.equal.below(0.05)
 
 
 def test_the_estimate_of_a_group_does_all_that_an_estimate_does(legs, sides, tmp_path):
-    together = identify_together(legs, record(sides, left=Noise(0.2), right=Noise(0.2)), TERMS)
+    together = identify(legs, record(sides, left=Noise(0.2), right=Noise(0.2)), TERMS)
     estimate, session = together["right"], sides["right"]
     assert estimate.joint_names == legs["right"].joint_names
     fresh = dataclasses.replace(session, seed=7).recording()
@@ -261,17 +269,17 @@ def test_the_estimate_of_a_group_does_all_that_an_estimate_does(legs, sides, tmp
     estimate.to_urdf(tmp_path / "right.urdf")
     back = exoid.Leg.from_urdf(tmp_path / "right.urdf", joints=legs["right"].joint_names)
     np.testing.assert_allclose(back.parameters, estimate.values[:9], rtol=1e-9, atol=1e-9)
-    json.dumps(together_to_json(together), allow_nan=False)
+    json.dumps(grouped_to_json(together), allow_nan=False)
 
 
 def test_recordings_alone_are_groups_with_the_names_of_their_files(leg, days, tmp_path):
     paths = [tmp_path / f"{day}.csv" for day in days]
     for path, recording in zip(paths, record(days, **dict.fromkeys(days, Noise(0.1))).values(), strict=True):
         recording.to_csv(path)
-    together = identify_together(leg, [Recording.from_csv(path) for path in paths], TERMS, own="offset")
+    together = identify(leg, [Recording.from_csv(path) for path in paths], TERMS, own="offset")
     assert list(together) == ["monday.csv", "tuesday.csv", "friday.csv"]
     assert "offset_hip[monday.csv]" in str(together)
-    on_disk = identify_together(leg, Recordings.from_files(paths), TERMS, own="offset")
+    on_disk = identify(leg, Recordings.from_files(paths), TERMS, own="offset")
     assert on_disk.groups == together.groups
     np.testing.assert_array_equal(on_disk.values, together.values)
     np.testing.assert_array_equal(on_disk.covariance, together.covariance)
@@ -293,7 +301,7 @@ def test_recordings_on_disk_are_read_one_at_a_time(leg, days, tmp_path, monkeypa
         return found
 
     monkeypatch.setattr(Recordings, "__getitem__", watched)
-    identify_together(leg, files, TERMS, own="offset")
+    identify(leg, files, TERMS, own="offset")
     assert len(most) >= 6
     assert max(most) <= 2  # one, and the one before until its place is taken
 
@@ -303,7 +311,7 @@ def test_parts_of_one_file_may_be_groups(leg, days, tmp_path):
     log = Recording.from_csv(tmp_path / "log.csv")
     middle = 0.5 * (log.time[0] + log.time[-1])
     parts = {"first": log.between(log.time[0], middle), "second": log.between(middle, log.time[-1])}
-    together = identify_together(leg, parts, TERMS, own="offset")
+    together = identify(leg, parts, TERMS, own="offset")
     assert not together.equal.below(0.01)
 
 
@@ -316,13 +324,13 @@ def test_poses_may_be_a_group_of_their_own(leg, days):
         "moving": days["monday"].recording(rng, Noise(0.2)),
         "poses": Poses(q, tau, leg.joint_names),
     }
-    together = identify_together(leg, groups, TERMS, own="offset")
+    together = identify(leg, groups, TERMS, own="offset")
     error = together.values - truth_of(together, {"moving": days["monday"], "poses": days["friday"]})
     assert (np.abs(error) < 4.0 * together.std).all()
     assert together.agreement is None
     assert any("poses cannot be identified alone" in note for note in together.notes)
     with pytest.raises(ExoidError, match=r"c0_hip\[poses\].*left no trace"):
-        identify_together(leg, groups, TERMS, own=("offset", "c0"))
+        identify(leg, groups, TERMS, own=("offset", "c0"))
 
 
 def test_a_joint_may_rest_in_a_session_that_has_nothing_of_its_own_there(leg, days):
@@ -334,18 +342,18 @@ def test_a_joint_may_rest_in_a_session_that_has_nothing_of_its_own_there(leg, da
     tau += np.multiply((0.5, 0.3, 0.2), v) + rng.normal(scale=0.1, size=q.shape)
     held = dataclasses.replace(full, q=q, v=v, a=a, tau=tau)
     groups = {"monday": days["monday"].recording(rng, Noise(0.1)), "held": held}
-    together = identify_together(leg, groups, TERMS, own="offset")
+    together = identify(leg, groups, TERMS, own="offset")
     error = together.values - truth_of(together, {"monday": days["monday"], "held": days["tuesday"]})
     assert (np.abs(error) < 4.0 * together.std).all()
     with pytest.raises(ExoidError, match=r"held: joint left_hip stands still"):
-        identify_together(leg, groups, TERMS, own="c0")
+        identify(leg, groups, TERMS, own="c0")
 
 
 def test_leaving_a_session_out_is_what_identifying_without_it_is(leg, days):
     recordings = record(days, **dict.fromkeys(days, Noise(0.2)))
-    together = identify_together(leg, recordings, TERMS, "ols", own="offset", preparation=PLAIN)
+    together = identify(leg, recordings, TERMS, "ols", own="offset", preparation=PLAIN)
     influence, count = together["tuesday"].influence, len(together.shared)
-    rest = identify_together(
+    rest = identify(
         leg, {d: r for d, r in recordings.items() if d != "monday"}, TERMS, "ols", own="offset", preparation=PLAIN
     )
     expected = (rest["tuesday"].values - together["tuesday"].values) / together["tuesday"].std
@@ -356,7 +364,7 @@ def test_leaving_a_session_out_is_what_identifying_without_it_is(leg, days):
 
 def test_known_values_and_priors_may_be_of_all_groups_or_of_one(leg, days):
     recordings = record(days, **dict.fromkeys(days, Noise(0.2)))
-    together = identify_together(
+    together = identify(
         leg,
         recordings,
         TERMS,
@@ -368,19 +376,19 @@ def test_known_values_and_priors_may_be_of_all_groups_or_of_one(leg, days):
     assert (values["X3"], values["offset_hip[monday]"]) == (0.3, 1.5)
     assert values["offset_hip[tuesday]"] != 1.5
     assert all(abs(values[f"offset_knee[{day}]"] - 0.1) < 1e-3 for day in days)
-    assert together["monday"].assumed.known == {"X3": 0.3, "offset_hip": 1.5}
-    assert together["tuesday"].assumed.known == {"X3": 0.3}
-    assert set(together["tuesday"].assumed.prior.values) == {"offset_knee", "J1"}
-    verdicts = dict(zip(together.names, together.verdicts, strict=True))
-    assert (verdicts["X3"], verdicts["offset_knee[friday]"]) == ("known", "prior")
+    assert together["monday"].prior_knowledge.known == {"X3": 0.3, "offset_hip": 1.5}
+    assert together["tuesday"].prior_knowledge.known == {"X3": 0.3}
+    assert set(together["tuesday"].prior_knowledge.prior.values) == {"offset_knee", "J1"}
+    identifiability = dict(zip(together.names, together.identifiability, strict=True))
+    assert (identifiability["X3"], identifiability["offset_knee[friday]"]) == ("known", "prior")
 
 
 def test_bounds_hold_for_own_parameters(legs, sides):
     less = dataclasses.replace(sides["right"], coulomb=(1.1, -0.2, 0.4))
     recordings = record({**sides, "right": less}, left=Noise(0.05), right=Noise(0.05))
-    free = identify_together(legs, recordings, TERMS)
+    free = identify(legs, recordings, TERMS)
     assert any("right: c0_knee negative beyond error" in warning for warning in free.warnings)
-    bounded = identify_together(legs, recordings, TERMS, nonnegative=True)
+    bounded = identify(legs, recordings, TERMS, nonnegative=True)
     assert bounded.bounded == ("c0_knee[right]",)
     assert (bounded["left"].bounded, bounded["right"].bounded) == ((), ("c0_knee",))
     assert "kept at zero: c0_knee[right]" in str(bounded)
@@ -388,19 +396,19 @@ def test_bounds_hold_for_own_parameters(legs, sides):
 
 def test_what_is_part_of_a_shared_parameter_is_said_to_be(legs, sides):
     terms = (*TERMS, exoid.Armature())
-    together = identify_together(legs, record(sides), terms, own="Ia", preparation=PLAIN)
+    together = identify(legs, record(sides), terms, own="Ia", preparation=PLAIN)
     assert together.own == ("Ia_knee", "Ia_ankle")
     assert any("Ia_hip" in note and "the same in all groups" in note for note in together.notes)
-    apart = identify_together(legs, record(sides), terms, own=("Ia", "J1"), preparation=PLAIN)
+    apart = identify(legs, record(sides), terms, own=("Ia", "J1"), preparation=PLAIN)
     assert not any("the same in all groups" in note for note in apart.notes)
 
 
 @pytest.mark.parametrize("estimator", ["wls", "huber", "gls"])
 def test_rows_that_are_made_again_stretch_by_stretch_give_the_same(legs, sides, monkeypatch, estimator):
     recordings = record(sides, left=Noise(0.2, 0.9), right=Noise(0.3))
-    whole = identify_together(legs, recordings, TERMS, estimator)
+    whole = identify(legs, recordings, TERMS, estimator)
     monkeypatch.setattr("exoid.identification.problem.KEPT_BYTES", 0)
     monkeypatch.setattr("exoid.regression.rows.BLOCK", 300)
-    pieces = identify_together(legs, recordings, TERMS, estimator)
+    pieces = identify(legs, recordings, TERMS, estimator)
     np.testing.assert_allclose(pieces.values, whole.values, rtol=1e-6, atol=1e-8)
     np.testing.assert_allclose(pieces.std, whole.std, rtol=1e-5)

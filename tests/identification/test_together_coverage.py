@@ -9,7 +9,7 @@ import pytest
 from sessions import TERMS, Noise, Session, truth_of
 
 import exoid
-from exoid import identify_together
+from exoid import identify
 
 REPLICATES = 400 if os.environ.get("EXOID_FULL_STUDIES") else 120
 
@@ -33,7 +33,7 @@ def replicates(sides):
     legs, rng = {side: session.leg for side, session in sides.items()}, np.random.default_rng(11)
     clean = {side: session.recording() for side, session in sides.items()}
     return [
-        identify_together(legs, {side: noisy(clean[side], rng, NOISES[side]) for side in sides}, TERMS)
+        identify(legs, {side: noisy(clean[side], rng, NOISES[side]) for side in sides}, TERMS)
         for _ in range(REPLICATES)
     ]
 

@@ -9,10 +9,10 @@ import pytest
 from sessions import TERMS, Session
 
 import exoid
-from exoid import ExoidError, identify_together
+from exoid import ExoidError, identify
 from exoid.identification.estimators import JointML
 from exoid.signals import Cluster
-from exoid.torques import Free, LoadFriction, Stribeck
+from exoid.torques import LoadFriction, NonlinearParameter, Stribeck
 
 
 @pytest.fixture(scope="module")
@@ -35,19 +35,19 @@ def two(leg):
 )
 def test_own_parameters_that_do_not_exist(leg, two, own, match):
     with pytest.raises(ExoidError, match=match):
-        identify_together(leg, two, TERMS, own=own)
+        identify(leg, two, TERMS, own=own)
 
 
 def test_an_own_parameter_that_is_part_of_another(leg, two):
     with pytest.raises(ExoidError, match=r"Ia_hip cannot be told from J1.*name J1 as own instead"):
-        identify_together(leg, two, own="Ia_hip")
+        identify(leg, two, own="Ia_hip")
 
 
 def test_legs_with_other_parameters(leg, two):
     arm = exoid.load_leg("cuhk")
     legs, groups = {"a": leg, "b": arm}, {"a": two["a"], "b": Session(arm, 1, (0, 0), (1, 1), (1, 1)).recording()}
     with pytest.raises(ExoidError, match=r"parameters of a are X1.*those of b X1.*legs of one design"):
-        identify_together(legs, groups, TERMS)
+        identify(legs, groups, TERMS)
 
 
 def test_legs_of_other_lengths(leg, two):
@@ -55,22 +55,22 @@ def test_legs_of_other_lengths(leg, two):
     assert text != leg.description.text
     longer = exoid.Leg.from_description(exoid.description.describe(text, "longer"), leg.joint_names)
     with pytest.raises(ExoidError, match="legs of a and b are not of one design"):
-        identify_together({"a": leg, "b": longer}, two, TERMS)
-    apart = identify_together({"a": leg, "b": longer}, two, TERMS, own=(*leg.parameter_names, "offset"))
+        identify({"a": leg, "b": longer}, two, TERMS)
+    apart = identify({"a": leg, "b": longer}, two, TERMS, own=(*leg.parameter_names, "offset"))
     assert apart.shared[0] == "c0_hip"  # friction may be shared all the same
 
 
 def test_the_same_recording_twice(leg, two):
     again = dataclasses.replace(two["a"])
     with pytest.raises(ExoidError, match="the same recording is in a and in c"):
-        identify_together(leg, {**two, "c": [again]}, TERMS)
+        identify(leg, {**two, "c": [again]}, TERMS)
 
 
 def test_recordings_on_a_cluster(leg, two):
     elsewhere = Cluster(None, ())
     for groups in (elsewhere, {"a": two["a"], "b": elsewhere}):
         with pytest.raises(ExoidError, match="on a cluster are for one leg alone"):
-            identify_together(leg, groups, TERMS)
+            identify(leg, groups, TERMS)
 
 
 def test_two_files_of_one_name(leg, two, tmp_path):
@@ -79,23 +79,23 @@ def test_two_files_of_one_name(leg, two, tmp_path):
         path.parent.mkdir()
         recording.to_csv(path)
     with pytest.raises(ExoidError, match=r"two recordings are called log.csv.*name them"):
-        identify_together(leg, [exoid.Recording.from_csv(path) for path in paths], TERMS)
+        identify(leg, [exoid.Recording.from_csv(path) for path in paths], TERMS)
 
 
 def test_names_of_legs_and_recordings_that_differ(leg, two):
     with pytest.raises(ExoidError, match="legs are of a, c, recordings of a, b"):
-        identify_together({"a": leg, "c": leg}, two, TERMS)
+        identify({"a": leg, "c": leg}, two, TERMS)
 
 
 def test_two_groups_of_one_name(leg, two):
     with pytest.raises(ExoidError, match="two groups have the same name"):
-        identify_together(leg, {1: two["a"], "1": two["b"]}, TERMS)
+        identify(leg, {1: two["a"], "1": two["b"]}, TERMS)
 
 
 @pytest.mark.parametrize("groups", [{}, [], {"a": []}])
 def test_no_recordings(leg, groups):
     with pytest.raises(ExoidError, match="no recordings"):
-        identify_together(leg, groups, TERMS)
+        identify(leg, groups, TERMS)
 
 
 def still(recording, joint):
@@ -107,30 +107,30 @@ def still(recording, joint):
 def test_a_group_without_motion(leg, two):
     rest = still(still(still(two["b"], 0), 1), 2)
     with pytest.raises(ExoidError, match="b: joint left_hip stands still"):
-        identify_together(leg, {"a": two["a"], "b": rest}, TERMS)
+        identify(leg, {"a": two["a"], "b": rest}, TERMS)
 
 
 def test_a_joint_that_moves_in_no_group(leg, two):
     with pytest.raises(ExoidError, match="a: joint left_knee stands still"):
-        identify_together(leg, {name: still(data, 1) for name, data in two.items()}, TERMS, own="offset")
+        identify(leg, {name: still(data, 1) for name, data in two.items()}, TERMS, own="offset")
 
 
 def test_a_group_that_lacks_a_joint(leg, two):
     part = two["b"].select(("left_hip", "left_knee"))
     with pytest.raises(ExoidError, match="b: the leg's left_ankle not in the recording"):
-        identify_together(leg, {"a": two["a"], "b": part}, TERMS)
+        identify(leg, {"a": two["a"], "b": part}, TERMS)
 
 
-@pytest.mark.parametrize("term", [LoadFriction(), Stribeck(velocity=Free(0.1, 0.01, 1.0))])
+@pytest.mark.parametrize("term", [LoadFriction(), Stribeck(velocity=NonlinearParameter(0.1, 0.01, 1.0))])
 def test_terms_in_which_torque_is_not_linear(leg, two, term):
     with pytest.raises(ExoidError, match="fitted together only where torque is linear"):
-        identify_together(leg, two, (*TERMS, term))
+        identify(leg, two, (*TERMS, term))
 
 
 @pytest.mark.parametrize("estimator", ["ml", JointML(), "iv"])
 def test_estimators_of_one_leg_alone(leg, two, estimator):
     with pytest.raises(ExoidError, match=r"is for one leg alone.*use one of gls, huber, ols, wls"):
-        identify_together(leg, two, TERMS, estimator)
+        identify(leg, two, TERMS, estimator)
 
 
 @pytest.mark.parametrize(
@@ -144,19 +144,19 @@ def test_estimators_of_one_leg_alone(leg, two, estimator):
 )
 def test_assumptions_about_what_does_not_exist_or_twice(leg, two, known, prior, match):
     with pytest.raises(ExoidError, match=match):
-        identify_together(leg, two, TERMS, known=known, prior=prior)
+        identify(leg, two, TERMS, known=known, prior=prior)
 
 
 def test_a_known_parameter_that_is_part_of_another(leg, two):
     with pytest.raises(ExoidError, match=r"Ia_hip cannot be told from J1.*say what is known of J1 instead"):
-        identify_together(leg, two, known={"Ia_hip": 0.1})
+        identify(leg, two, known={"Ia_hip": 0.1})
 
 
 def test_groups_and_comparisons_that_do_not_exist(leg, two):
-    together = identify_together(leg, two, TERMS, own="offset")
+    together = identify(leg, two, TERMS, own="offset")
     with pytest.raises(ExoidError, match=r"no group 'c'.*groups are a, b"):
         together["c"]
     with pytest.raises(ExoidError, match="nothing to compare: a twice"):
         together.compare("a", "a")
     with pytest.raises(ExoidError, match="a and b share every parameter"):
-        identify_together(leg, two, TERMS, own=()).compare("a", "b")
+        identify(leg, two, TERMS, own=()).compare("a", "b")

@@ -28,7 +28,7 @@ def coloured(swing, seed, std=0.5):
 @pytest.mark.parametrize("estimator", ["wls", "gls"])
 @pytest.mark.parametrize("terms", [TERMS, (*TERMS, Offset())], ids=["", "offset"])
 def test_noise_is_called_a_dependence_as_seldom_as_it_should(swing, estimator, preparation, terms):
-    """Also where an offset has set the sum of all residuals to zero, of which thinned rows see only nearly all."""
+    """Also where an offset has set the sum of all residuals to zero, of which decimated rows see only nearly all."""
     p_values = []
     for seed in range(12):
         recording = swing.recording(tau=swing.torque + coloured(swing, seed))

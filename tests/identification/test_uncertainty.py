@@ -1,4 +1,4 @@
-"""Least squares on triangles equals the textbook, and its intervals contain the truth as often as they say."""
+"""Least squares on R factors equals the textbook, and its intervals contain the truth as often as they say."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ import exoid
 from exoid import ExoidError
 from exoid.identification.estimators import ols, wls
 from exoid.regression.least_squares import solve
-from exoid.regression.r_factor import Triangle, join, make_triangles
+from exoid.regression.r_factor import RFactor, factorize_rows, stack
 from exoid.regression.rows import make_rows
 from exoid.signals import FiniteDifference, ZeroPhase
 from exoid.torques import TorqueModel
@@ -34,11 +34,11 @@ def rows(swing):
 class Reduced(NamedTuple):
     """Triangles and names: all that least squares asks of a problem."""
 
-    triangles: list
+    r_factors: list
     names: tuple
 
-    def solve(self, triangle):
-        return solve(triangle, self.names)
+    def solve(self, r_factor):
+        return solve(r_factor, self.names)
 
 
 def stacked(rows):
@@ -49,11 +49,11 @@ def test_triangles_of_two_halves_join_to_the_triangle_of_the_whole(rows):
     half = len(rows.time) // 2
     parts = (slice(None, half), slice(half, None))
     halves = [
-        make_triangles(rows._replace(time=rows.time[p], W=rows.W[p], tau=rows.tau[p], usable=rows.usable[p]))
+        factorize_rows(rows._replace(time=rows.time[p], W=rows.W[p], tau=rows.tau[p], usable=rows.usable[p]))
         for p in parts
     ]
-    for whole, *two in zip(make_triangles(rows), *halves, strict=True):
-        joined = join(two)
+    for whole, *two in zip(factorize_rows(rows), *halves, strict=True):
+        joined = stack(two)
         gram = whole.R.T @ whole.R
         np.testing.assert_allclose(joined.R.T @ joined.R, gram, rtol=1e-10, atol=1e-12 * gram.max())
         assert (joined.rows, joined.samples) == (whole.rows, whole.samples)
@@ -62,22 +62,22 @@ def test_triangles_of_two_halves_join_to_the_triangle_of_the_whole(rows):
 def test_the_triangle_gives_what_lstsq_gives_on_all_rows(rows, swing):
     W, tau = stacked(rows)
     expected, (squares,), _, _ = np.linalg.lstsq(W, tau)
-    triangles = make_triangles(rows)
-    solution = ols(Reduced(triangles, TorqueModel(swing.leg, TERMS).names)).solution
+    r_factors = factorize_rows(rows)
+    solution = ols(Reduced(r_factors, TorqueModel(swing.leg, TERMS).names)).solution
     np.testing.assert_allclose(solution.values, expected, rtol=1e-10, atol=1e-12)
-    assert sum(t.residual(solution.values) ** 2 for t in triangles) == pytest.approx(squares, rel=1e-10)
+    assert sum(t.residual(solution.values) ** 2 for t in r_factors) == pytest.approx(squares, rel=1e-10)
     unit = W / np.linalg.norm(W, axis=0)
     assert solution.condition_number == pytest.approx(np.linalg.cond(unit), rel=1e-8)
 
 
 def test_halves_joined_give_the_estimate_of_the_whole(rows, swing):
     names = TorqueModel(swing.leg, TERMS).names
-    whole = make_triangles(rows)
+    whole = factorize_rows(rows)
     pieces = [
-        make_triangles(rows._replace(time=rows.time[p], W=rows.W[p], tau=rows.tau[p], usable=rows.usable[p]))
+        factorize_rows(rows._replace(time=rows.time[p], W=rows.W[p], tau=rows.tau[p], usable=rows.usable[p]))
         for p in (slice(None, 700), slice(700, None))
     ]
-    joined = [join(pair) for pair in zip(*pieces, strict=True)]
+    joined = [stack(pair) for pair in zip(*pieces, strict=True)]
     for estimator in (ols, wls):
         one, other = (estimator(Reduced(parts, names)).solution for parts in (whole, joined))
         np.testing.assert_allclose(other.values, one.values, rtol=1e-10, atol=1e-10 * np.abs(one.values).max())
@@ -87,7 +87,7 @@ def test_halves_joined_give_the_estimate_of_the_whole(rows, swing):
 def test_the_covariance_is_the_classical_one(rows, swing):
     """s² (WᵀW)⁻¹ with s² = ‖residual‖² / (rows − P)."""
     W, tau = stacked(rows)
-    solution = ols(Reduced(make_triangles(rows), TorqueModel(swing.leg, TERMS).names)).solution
+    solution = ols(Reduced(factorize_rows(rows), TorqueModel(swing.leg, TERMS).names)).solution
     residual = tau - W @ solution.values
     assert solution.dof == len(tau) - W.shape[1]
     expected = residual @ residual / solution.dof * np.linalg.inv(W.T @ W)
@@ -97,12 +97,12 @@ def test_the_covariance_is_the_classical_one(rows, swing):
 def test_weights_are_the_residuals_of_each_joint(rows, swing):
     """The same as scaling the rows of each joint by its own residual RMS."""
     names = TorqueModel(swing.leg, TERMS).names
-    triangles = make_triangles(rows)
-    first = ols(Reduced(triangles, names)).solution.values
+    r_factors = factorize_rows(rows)
+    first = ols(Reduced(r_factors, names)).solution.values
     rms = np.sqrt(np.mean((rows.tau - rows.W @ first) ** 2, axis=0))
     W, tau = (rows.W / rms[:, None]).reshape(-1, len(names)), (rows.tau / rms).ravel()
     expected, *_ = np.linalg.lstsq(W, tau)
-    solution = wls(Reduced(triangles, names)).solution
+    solution = wls(Reduced(r_factors, names)).solution
     np.testing.assert_allclose(solution.values, expected, rtol=1e-9, atol=1e-11)
     residual = tau - W @ expected
     covariance = residual @ residual / (len(tau) - len(names)) * np.linalg.inv(W.T @ W)
@@ -115,7 +115,7 @@ def test_units_of_the_parameters_do_not_matter():
     W, tau = rng.standard_normal((50, 3)), rng.standard_normal(50)
     scale = np.array([1e6, 1.0, 1e-6])
     one, other = (
-        solve(Triangle(np.linalg.qr(np.column_stack([x, tau]), mode="r"), 50, 50.0), "abc") for x in (W, W * scale)
+        solve(RFactor(np.linalg.qr(np.column_stack([x, tau]), mode="r"), 50, 50.0), "abc") for x in (W, W * scale)
     )
     np.testing.assert_allclose(other.values * scale, one.values, rtol=1e-12)
     assert other.condition_number == pytest.approx(one.condition_number, rel=1e-9)
@@ -125,7 +125,7 @@ def test_fewer_samples_than_parameters_are_refused():
     rng = np.random.default_rng(6)
     table = np.vstack([rng.standard_normal((3, 4)), np.zeros((1, 4))])
     with pytest.raises(ExoidError, match=r"3 independent ones for 3 parameters.*record longer"):
-        solve(Triangle(np.linalg.qr(table, mode="r"), 3, 3.0), "abc")
+        solve(RFactor(np.linalg.qr(table, mode="r"), 3, 3.0), "abc")
 
 
 @pytest.mark.parametrize("level", [0.5, 0.9, 0.95, 0.99])

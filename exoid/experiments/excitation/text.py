@@ -20,15 +20,15 @@ def precision_table(precision: Precision) -> Table:
         scales.values,
         precision.std,
         precision.relative,
-        precision.verdicts,
+        precision.identifiability,
         precision.units,
         strict=True,
     )
     return make_table(
         ["parameter", "expected", "± std", "% of scale", "determined", "unit"],
         [
-            (name, f"{value:.4g}", _digits(std), _digits(100.0 * relative), verdict, unit)
-            for name, value, std, relative, verdict, unit in rows
+            (name, f"{value:.4g}", _digits(std), _digits(100.0 * relative), grade, unit)
+            for name, value, std, relative, grade, unit in rows
         ],
     )
 
@@ -37,7 +37,7 @@ def doubts(precision: Precision) -> list[str]:
     """Name what will not be determined well."""
     lines = []
     for word, phrase in (("not", "cannot be determined"), ("weakly", "will be known only roughly")):
-        names = [n for n, verdict in zip(precision.names, precision.verdicts, strict=True) if verdict == word]
+        names = [n for n, grade in zip(precision.names, precision.identifiability, strict=True) if grade == word]
         if names:
             lines.append(f"{', '.join(names)} {phrase}")
     return lines or [
@@ -51,7 +51,7 @@ def precision_to_json(precision: Precision) -> dict[str, Any]:
     return {
         "predicted_std": dict(zip(names, map(_finite, precision.std), strict=True)),
         "relative_std": dict(zip(names, map(_finite, precision.relative), strict=True)),
-        "determined": dict(zip(names, precision.verdicts, strict=True)),
+        "determined": dict(zip(names, precision.identifiability, strict=True)),
         "scale": dict(zip(names, precision.scales.scale.tolist(), strict=True)),
         "condition_number": _finite(precision.condition_number),
         "duration": precision.duration,

@@ -1,10 +1,10 @@
 """Estimators: from a problem to parameters."""
 
-from exoid.regression.problem import Reduced
+from exoid.regression.fit import Fit
+from exoid.regression.problem import LeastSquaresProblem
 
-from .by_name import ESTIMATORS, find_estimator
+from .by_name import ESTIMATORS, Estimator, find_estimator, name_of
 from .closed_loop import ClosedLoop
-from .fit import Estimator, Fit, name_of
 from .gls import gls
 from .huber import huber
 from .instrumental import InstrumentalVariables
@@ -20,8 +20,8 @@ __all__ = [
     "Fit",
     "InstrumentalVariables",
     "JointML",
+    "LeastSquaresProblem",
     "OutputError",
-    "Reduced",
     "find_estimator",
     "gls",
     "huber",

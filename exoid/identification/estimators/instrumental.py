@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -12,8 +12,9 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
+from exoid.regression.fit import Fit
 from exoid.regression.noise import QuadraticForm
-from exoid.regression.prior_knowledge import NOTHING
+from exoid.regression.prior_knowledge import NO_PRIOR_KNOWLEDGE
 from exoid.regression.residuals import Point, Sandwich, fit_noise, series
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording
@@ -21,7 +22,6 @@ from exoid.torques import TorqueModel
 
 from .closed_loop import ClosedLoop, as_possible
 from .default_start import default_start, refuse_other_friction
-from .fit import Fit
 from .wls import wls
 
 ROUNDS = 8
@@ -64,7 +64,7 @@ class InstrumentalVariables:
                 "instruments come from a simulated loop, whose controller and reference must be known",
                 remedy="pass estimator=InstrumentalVariables(ClosedLoop(controller, reference)), or use ml",
             )
-        if problem.assumed != NOTHING:
+        if problem.prior_knowledge != NO_PRIOR_KNOWLEDGE:
             raise ExoidError(
                 "instrumental variables take no known parameters, priors or bounds",
                 remedy="use output error, ml or wls, which do",
@@ -84,17 +84,17 @@ class InstrumentalVariables:
             except ExoidError:  # no leg moves with such parameters
                 break
         solution = first.solution._replace(values=values, covariance=covariance)
-        remarks = () if converged else ("instrumental variables have not converged: prefer ml or output error",)
-        return Fit(solution, first.weights, noises=noises, remarks=remarks)
+        warnings = () if converged else ("instrumental variables have not converged: prefer ml or output error",)
+        return Fit(solution, first.weights, noises=noises, warnings=warnings)
 
 
 def _instruments(problem: Problem, loop: ClosedLoop, values: FloatArray) -> Problem:
     """The same problem from simulated recordings; poses, whose angles are exact, are their own instruments."""
     data = [
         simulated_recording(problem.model, loop, values, item) if isinstance(item, Recording) else item
-        for item in problem.here
+        for item in problem.local_data
     ]
-    return replace(problem, data=data)
+    return problem.with_data(data)
 
 
 def simulated_recording(model: TorqueModel, loop: ClosedLoop, values: FloatArray, recording: Recording) -> Recording:

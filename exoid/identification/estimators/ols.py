@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from exoid.regression.problem import Reduced
-from exoid.regression.r_factor import join
+from exoid.regression.fit import Fit
+from exoid.regression.problem import LeastSquaresProblem
+from exoid.regression.r_factor import stack
 
-from .fit import Fit
 
-
-def ols(problem: Reduced) -> Fit:
+def ols(problem: LeastSquaresProblem) -> Fit:
     """Every torque row counts the same, whichever joint it comes from: min Σ ‖W β − τ‖²."""
-    return Fit(problem.solve(join(problem.triangles)), [1.0] * len(problem.triangles))
+    return Fit(problem.solve(stack(problem.r_factors)), [1.0] * len(problem.r_factors))

@@ -63,7 +63,7 @@ def identification_report(
         Section("From what, and how", list(_origin(estimate))),
     ]
     title = f"{estimate.model.leg.description.name}: identified from {_count(len(estimate.inputs), 'recording')}"
-    return Page(title, words.verdict(estimate, tested), [section for section in sections if section.parts])
+    return Page(title, words.summary(estimate, tested), [section for section in sections if section.parts])
 
 
 def _torque(estimate: Estimate, evidence: Sequence[Evidence], held_out: bool) -> Iterator[Part]:

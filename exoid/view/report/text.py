@@ -10,7 +10,7 @@ from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.estimate.text import HEADERS, assumptions, influences, parameter_rows
 from exoid.experiments.excitation import Advice, assess
-from exoid.regression.trends import remarks
+from exoid.regression.trends import trend_warnings
 from exoid.signals import Recording
 from exoid.tables import DataTable, with_error
 
@@ -51,9 +51,9 @@ ADVICE = (
 """Above experiments to add."""
 
 
-def verdict(estimate: Estimate, tested: Sequence[Evidence]) -> list[str]:
+def summary(estimate: Estimate, tested: Sequence[Evidence]) -> list[str]:
     """Say how much is determined, how well unseen recordings are predicted, and what to beware of."""
-    judged = estimate.verdicts
+    judged = estimate.identifiability
     counts = ", ".join(f"{judged.count(word)} {said}" for word, said in SAID.items() if judged.count(word))
     lines = [f"{len(judged)} parameters: {counts}."]
     for evidence in tested:
@@ -114,7 +114,7 @@ def dependence(estimate: Estimate) -> list[str]:
             "There are too few independent samples to test whether residuals depend on velocity or angle. The bars "
             "below take all samples for independent and are too short."
         ]
-    return [_sentence(remark) for remark in remarks(estimate.trends)] or [
+    return [_sentence(remark) for remark in trend_warnings(estimate.trends)] or [
         "No residual depends on velocity or angle by more than noise explains and by more than 1 % of the torque."
     ]
 
@@ -129,7 +129,7 @@ def influence_parts(estimate: Estimate) -> Iterator[DataTable | list[str]]:
     for recording, change, share, expected in zip(*influence, strict=True):
         most = int(np.argmax(np.abs(change) / np.maximum(expected, 1.0)))
         moved = f"{change[most]:+.1f}".replace("-", "−") if np.isfinite(change[most]) else "not known without"
-        part = "–" if len(estimate.shapes) else f"{100 * share[uncertain].mean():.0f}"  # settings share in it, too
+        part = "–" if len(estimate.nonlinear) else f"{100 * share[uncertain].mean():.0f}"  # settings share in it, too
         usual = f"{expected[most]:.1f}" if expected[most] > 0.0 else "–"
         rows.append((recording, part, estimate.names[most], moved, usual))
     headers = ("recording", "of what is known [%]", "without it, moves most", "by [std]", "by noise alone, typically")
@@ -141,17 +141,18 @@ def influence_parts(estimate: Estimate) -> Iterator[DataTable | list[str]]:
 def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[list[str]]:
     """Name what is not well determined, what each such parameter trades against, and what to record."""
     correlation = np.abs(estimate.correlation - np.eye(len(estimate.names)))
-    poor = [name for name, judged in zip(estimate.names, estimate.verdicts, strict=True) if judged in POOR]
+    poor = [name for name, judged in zip(estimate.names, estimate.identifiability, strict=True) if judged in POOR]
     lines = []
     for name in poor:
         k = estimate.names.index(name)
         partner = int(correlation[k].argmax())
         lines.append(
-            f"{name} is {SAID[estimate.verdicts[k]]} ({' ± '.join(with_error(estimate.values[k], estimate.std[k]))} "
-            f"{estimate.units[k]}); it trades most against {estimate.names[partner]} "
+            f"{name} is {SAID[estimate.identifiability[k]]} "
+            f"({' ± '.join(with_error(estimate.values[k], estimate.std[k]))} {estimate.units[k]}); "
+            f"it trades most against {estimate.names[partner]} "
             f"(correlation {estimate.correlation[k, partner]:+.2f})."
         )
-    lines += [f"{doubt}." for doubt in estimate.shapes.doubts]
+    lines += [f"{doubt}." for doubt in estimate.nonlinear.warnings]
     if not lines:
         yield ["Every parameter is well determined. A recording that the fit has not seen tests the model."]
         return
@@ -201,8 +202,8 @@ def settings(estimate: Estimate) -> list[str]:
         f"Estimator: {estimate.estimator}; {estimate.dof:.0f} degrees of freedom.",
         f"Terms beside the rigid bodies: {terms}.",
         f"Preparation: {preparation}.",
-        *map(_sentence, assumptions(estimate.assumed, estimate.bounded)),
-        *(f"{merged}." for merged in estimate.merged),
+        *map(_sentence, assumptions(estimate.prior_knowledge, estimate.bounded)),
+        *(f"{regrouped}." for regrouped in estimate.regrouped),
     ]
 
 

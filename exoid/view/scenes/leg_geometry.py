@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from exoid import reduction
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate
 from exoid.leg import SIDES, Leg
+from exoid.lift import lift
 from exoid.view.style import CAD, IDENTIFIED, JOINT_COLOURS
 
 from .bars import bars, mount
@@ -154,7 +154,7 @@ def _lifted(estimate: Estimate) -> tuple[pin.Inertia, ...]:
     """Inertias that can exist and are nearest to the estimate."""
     leg = estimate.model.leg
     p = len(leg.parameter_names)
-    lifted = reduction.lift(leg, estimate.values[:p], estimate.covariance[:p, :p])
+    lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p])
     return tuple(pin.Inertia.FromDynamicParameters(row) for row in lifted.link_parameters)
 
 

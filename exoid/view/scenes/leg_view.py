@@ -23,7 +23,7 @@ GHOST = Look(IDENTIFIED, 0.35, behind=True)
 """Of the second leg."""
 
 
-class Act(NamedTuple):
+class LegView(NamedTuple):
     """A leg in a scene.
 
     Attributes:
@@ -49,7 +49,7 @@ class _Group(NamedTuple):
     drawn: Iterable[tuple[str, Command]]
 
 
-def act(figure: Figure, q: FloatArray, replay: Replay | None, ghost_label: str) -> Act:
+def act(figure: Figure, q: FloatArray, replay: Replay | None, ghost_label: str) -> LegView:
     """Draw a leg in a pose, or replaying a recording.
 
     Args:
@@ -77,7 +77,7 @@ def act(figure: Figure, q: FloatArray, replay: Replay | None, ghost_label: str) 
         layers.insert(1, Layer(ghost_label, (GHOST.colour,), (root,)))
         tracks |= _moving(figure, root, ghost)
         extent = np.vstack([extent, figure.extent(ghost)])
-    return Act(commands, layers, tracks, extent @ upright[:3, :3].T + upright[:3, 3], standing)
+    return LegView(commands, layers, tracks, extent @ upright[:3, :3].T + upright[:3, 3], standing)
 
 
 def _groups(figure: Figure, poses: Poses) -> Iterator[_Group]:

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.estimators import Fit
-from exoid.regression.problem import Stacked
+from exoid.estimate.equality import Equality, equality_of
+from exoid.regression.prior_knowledge import PriorKnowledge
+from exoid.regression.uncertainty import uncertainty_of
 
-from .equality import Equality, equality_of
-from .layout import Layout
-from .problem import JointProblem
-from .trust import noise_of
+from .estimators import Estimator
+from .problem import Problem
 
 DISAGREE = 0.01
 """Probability with which groups that do share their parameters would be said not to."""
@@ -50,16 +48,7 @@ class Agreement(NamedTuple):
         return (self.note,) if self.note else ()
 
 
-def own_equality(layout: Layout, values: FloatArray, covariance: FloatArray, dofs: FloatArray) -> Equality:
-    """Test whether own parameters are the same in all groups, with their joint covariance."""
-    groups = range(len(layout.groups))
-    places = {name: [layout.place(name, group) for group in groups] for name in layout.own}
-    return equality_of(places, values, covariance, dofs)
-
-
-def shared_agreement(
-    problem: JointProblem, estimator: Callable[[Stacked], Fit], samples: Sequence[float], *, white: bool
-) -> Agreement:
+def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[float], *, white: bool) -> Agreement:
     """Identify each group alone, without priors and bounds, and test whether shared parameters are the same.
 
     Args:
@@ -72,22 +61,24 @@ def shared_agreement(
     if len(groups) < 2 or not layout.shared:
         return Agreement(None)
     values, blocks, dofs = [], [], []
-    for group, alone, count in zip(groups, problem.problems, samples, strict=True):
+    for index, (group, rows, count) in enumerate(zip(groups, problem.groups, samples, strict=True)):
+        known = layout.known_by(index, problem.prior_knowledge).known
+        alone = Problem.of_one(rows, PriorKnowledge(known))
         try:
             fit = estimator(alone)
         except ExoidError as error:
             why = f"{group} cannot be identified alone ({error.what})"
             return Agreement(None, f"whether groups agree on what they share was not tested: {why}")
-        found = noise_of(alone, fit, white=white)
+        found = uncertainty_of(alone, fit, white=white)
         values.append(fit.solution.values)
         blocks.append(found.covariance)
         left = np.full(len(alone.names), max(1.0, count - len(alone.names)))
         dofs.append(left if found.dofs is None else np.clip(found.dofs, 1.0, left))
-    names, count = problem.problems[0].names, len(problem.problems[0].names)
+    names, count = problem.groups[0].names, len(problem.groups[0].names)
     places = {
         name: [group * count + names.index(name) for group in range(len(groups))]
         for name in layout.names[: layout.shared]
-        if name not in problem.assumed.known
+        if name not in problem.prior_knowledge.known
     }
     covariance = scipy.linalg.block_diag(*blocks)
     return Agreement(equality_of(places, np.concatenate(values), covariance, np.concatenate(dofs)))

@@ -9,12 +9,11 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.estimate.nonlinear import Shapes
-from exoid.regression.r_factor import join, make_triangle, refuse_empty_joints
-from exoid.torques import Shape, TorqueModel, free_shapes, with_shapes
+from exoid.estimate.nonlinear import NonlinearParameters
+from exoid.regression.r_factor import factorize, stack
+from exoid.torques import NonlinearSetting, TorqueModel, nonlinear_settings, with_settings
 from exoid.torques.linearised import linearise
 
-from .estimators import find_estimator
 from .fitting import Fitted, Start, Task, starting_model
 from .problem import Problem
 
@@ -68,39 +67,42 @@ def fit_model(task: Task, start: Start | None = None) -> Fitted:
         task: What to fit.
         start: Near the solution, such as that of nearly the same rows; None to search from the settings' own start.
 
+    Returns:
+        The fit.
+
     Raises:
         ExoidError: Parameters are not determined by the rows: names them.
     """
-    leg = task.leg
-    shapes = free_shapes(task.terms, leg.joint_names, leg.joint_labels)
-    if not shapes and not any(term.loaded for term in task.terms):
-        model = TorqueModel(leg, task.terms)
-        problem = task.problem(model)
-        refuse_empty_joints(model, [join(group) for group in zip(*problem.groups, strict=True)])
-        fit = find_estimator(task.estimator)(problem)
-        return Fitted(model, fit.solution.values, Shapes(), problem, fit, fit.remarks)
-    search = _Search(task, shapes, start)
-    if start is None:
-        search.run()
-    return search.polish()
+    settings = nonlinear_settings(task.terms, task.groups[0].leg.joint_names, task.groups[0].leg.joint_labels)
+    if settings or any(term.loaded for term in task.terms):
+        search = _Search(task, settings, start)
+        if start is None:
+            search.run()
+        return search.polish()
+    models = tuple(TorqueModel(group.leg, task.terms) for group in task.groups)
+    problem = task.problem(models)
+    problem.refuse_empty_joints()
+    fit = task.estimator(problem)
+    return Fitted(models, fit.solution.values, NonlinearParameters(), problem, fit, fit.warnings)
 
 
 class _Search:
     """Variable projection: parameters are solved for at each trial of the settings.
 
-    With rows [J_β J_θ r] reduced to a triangle R, r the torque less what the settings explain, R's lower right corner
+    With rows [J_β J_θ r] reduced to a R factor R, r the torque less what the settings explain, R's lower right corner
     holds the residual after the best β and its derivative by θ (Kaufman's), which is all that a trust-region method
     asks for; the rows themselves are never kept.
     """
 
-    def __init__(self, task: Task, shapes: Sequence[Shape], start: Start | None) -> None:
-        self.task, self.shapes = task, tuple(shapes)
-        model = starting_model(task.leg, task.terms)
-        self.merged, self.free = model.merged, task.assumed.free(model.names)
+    def __init__(self, task: Task, settings: Sequence[NonlinearSetting], start: Start | None) -> None:
+        self.task, self.nonlinear = task, tuple(settings)
+        self.leg = task.groups[0].leg
+        model = starting_model(self.leg, task.terms)
+        self.regrouped, self.free = model.regrouped, task.prior_knowledge.free(model.names)
         self.weights: Sequence[float] | None
         if start is None:
-            self.settings, self.weights = {s.name: s.free.start for s in shapes}, None
-            self.values = task.assumed.fixed_values(model.names)
+            self.settings, self.weights = {s.name: s.free.start for s in settings}, None
+            self.values = task.prior_knowledge.fixed_values(model.names)
             self._settle()
             self._weigh()
         else:
@@ -109,10 +111,10 @@ class _Search:
 
     def run(self) -> None:
         """Find the settings by weighted least squares."""
-        if not self.shapes:
+        if not self.nonlinear:
             self._settle()
             return
-        bounds = np.log([s.free.lower for s in self.shapes]), np.log([s.free.upper for s in self.shapes])
+        bounds = np.log([s.free.lower for s in self.nonlinear]), np.log([s.free.upper for s in self.nonlinear])
         inside = bounds[0] + INSIDE, bounds[1] - INSIDE
         for _ in range(ROUNDS):
             start = np.clip(np.log(list(self.settings.values())), *inside)
@@ -132,7 +134,7 @@ class _Search:
         unsettled: tuple[str, ...] = ()
         for _ in range(POLISH):
             problem = self._problem(tuple(held))
-            fit = find_estimator(self.task.estimator)(problem)
+            fit = self.task.estimator(problem)
             found = dict(zip(problem.names, fit.solution.values, strict=True))
             before = self._vector(problem.names)
             moved = fit.solution.values - before
@@ -145,13 +147,13 @@ class _Search:
                 break
         else:
             unsettled = (f"the fit has not settled in {POLISH} steps: start settings nearer, or leave some out",)
-        leg, names = self.task.leg, tuple(s.name for s in self.shapes)
-        settled = with_shapes(self.task.terms, leg.joint_names, leg.joint_labels, self.settings)
+        leg, names = self.leg, tuple(s.name for s in self.nonlinear)
+        settled = with_settings(self.task.terms, leg.joint_names, leg.joint_labels, self.settings)
         model = TorqueModel(leg, settled, self.values[: len(leg.parameter_names)])
         values = np.array([self.settings[name] for name in names])
-        units = tuple(s.unit for s in self.shapes)
-        shapes = Shapes(names, units, values, np.zeros((len(names),) * 2), tuple(held))
-        return Fitted(model, self.values, shapes, problem, fit, (*fit.remarks, *held.values(), *unsettled))
+        units = tuple(s.unit for s in self.nonlinear)
+        nonlinear = NonlinearParameters(names, units, values, np.zeros((len(names),) * 2), tuple(held))
+        return Fitted((model,), self.values, nonlinear, problem, fit, (*fit.warnings, *held.values(), *unsettled))
 
     def _residual(self, logs: FloatArray) -> FloatArray:
         """Residual after the best parameters, as long as there are settings, and one more."""
@@ -170,18 +172,18 @@ class _Search:
         """Solve for the parameters at the present settings, which takes more than one pass if rows depend on them."""
         for _ in range(passes):
             problem = self._problem()
-            refuse_empty_joints(problem.model, [join(group) for group in zip(*problem.groups, strict=True)])
-            self.triangles = problem.triangles
+            problem.refuse_empty_joints()
+            self.r_factors = problem.r_factors
             if self._solve() <= SETTLED:
                 break
 
     def _solve(self) -> float:
-        """Solve on the present triangles; tells how far predictions moved, as a part of the residual."""
+        """Solve on the present R factors; tells how far predictions moved, as a part of the residual."""
         count, theta = len(self.values), np.array(list(self.settings.values()))
-        R = join(self.triangles, self.weights).R
+        R = stack(self.r_factors, self.weights).R
         rest = R[:, -1] - R[:, count:-1] @ theta - R[:, :count][:, ~self.free] @ self.values[~self.free]
         table = np.column_stack([R[:, :count][:, self.free], R[:, count:-1], rest])
-        R, free = make_triangle(table, 0, 0.0).R, int(self.free.sum())
+        R, free = factorize(table, 0, 0.0).R, int(self.free.sum())
         before, self.values = self.values, self.values.copy()
         self.values[self.free] = _least_squares(R[:free, :free], R[:free, -1])
         self.corner = R[free:, free:]
@@ -192,8 +194,8 @@ class _Search:
     def _weigh(self) -> None:
         """Weigh each joint's rows by its residual, and solve again."""
         x = np.append(self.values, list(self.settings.values()))
-        sizes = [t.residual(x) / np.sqrt(max(t.rows, 1)) for t in self.triangles]
-        floor = TINY * max(float(np.linalg.norm(t.R[:, -1])) / np.sqrt(max(t.rows, 1)) for t in self.triangles)
+        sizes = [t.residual(x) / np.sqrt(max(t.rows, 1)) for t in self.r_factors]
+        floor = TINY * max(float(np.linalg.norm(t.R[:, -1])) / np.sqrt(max(t.rows, 1)) for t in self.r_factors)
         self.weights = [1.0 / max(size, floor) for size in sizes]
         self._solve()
 
@@ -204,9 +206,9 @@ class _Search:
             ExoidError: Names the parameters.
         """
         model = self._problem().model
-        columns = np.sqrt(sum(t.R**2 for t in self.triangles)).max(axis=0)
+        columns = np.sqrt(sum(t.R**2 for t in self.r_factors)).max(axis=0)
         places = {name: k for k, name in enumerate(model.names)}
-        known = self.task.assumed.known
+        known = self.task.prior_knowledge.known
         loads = [name for b in model.blocks if b.term.loaded for name in b.names if name not in known]
         unloaded = [name for name in loads if columns[places[name]] <= NO_LOAD * columns[-1]]
         if unloaded:
@@ -217,8 +219,8 @@ class _Search:
 
     def _problem(self, held: Sequence[str] = ()) -> Problem:
         task = self.task
-        model = linearise(task.leg, task.terms, self.values, self.settings, held=held, merged=self.merged)
-        return task.problem(model)
+        model = linearise(self.leg, task.terms, self.values, self.settings, held=held, regrouped=self.regrouped)
+        return task.problem((model,))
 
     def _vector(self, names: Sequence[str]) -> FloatArray:
         return np.append(self.values, [self.settings[name] for name in names[len(self.values) :]])
@@ -226,7 +228,7 @@ class _Search:
     def _take(self, found: dict[str, float]) -> None:
         """Go to a solution, within bounds."""
         self.values = np.array(list(found.values())[: len(self.values)])
-        for shape in self.shapes:
+        for shape in self.nonlinear:
             if shape.name in found:
                 value, free = self.settings[shape.name], shape.free
                 lower, upper = max(free.lower, value / STRIDE), min(free.upper, value * STRIDE)
@@ -235,7 +237,7 @@ class _Search:
     def _at_bounds(self) -> dict[str, str]:
         """Settings that have run to a bound, where they are put, and what to say."""
         held = {}
-        for shape in self.shapes:
+        for shape in self.nonlinear:
             value, free = self.settings[shape.name], shape.free
             for side, bound in (("lower", free.lower), ("upper", free.upper)):
                 if abs(np.log(value / bound)) < AT_BOUND:
@@ -246,16 +248,16 @@ class _Search:
     def _undetermined(self, at_bounds: Mapping[str, str]) -> dict[str, str]:
         """Settings that the rows do not determine, the worst first, and what to say."""
         held: dict[str, str] = {}
-        for _ in self.shapes:
-            left = [k for k, shape in enumerate(self.shapes) if shape.name not in {*at_bounds, *held}]
+        for _ in self.nonlinear:
+            left = [k for k, shape in enumerate(self.nonlinear) if shape.name not in {*at_bounds, *held}]
             if not left:
                 break
             spread = self._spread(left)
             worst = int(np.argmax(spread))
             if spread[worst] <= UNDETERMINED:
                 break
-            name = self.shapes[left[worst]].name
-            where = f"{self.settings[name]:.3g} {self.shapes[left[worst]].unit}"
+            name = self.nonlinear[left[worst]].name
+            where = f"{self.settings[name]:.3g} {self.nonlinear[left[worst]].unit}"
             held[name] = f"{name} is not determined by the recordings, and held at {where}: fix it or leave it out"
         return held
 
@@ -267,7 +269,7 @@ class _Search:
         if (norms <= 1e-12 * np.linalg.norm(self.corner[:, -1])).any():
             return np.where(norms <= 1e-12 * np.linalg.norm(self.corner[:, -1]), np.inf, 0.0)
         inverse = np.linalg.pinv(slope / norms) / norms[:, None]
-        samples = max(sum(t.samples for t in self.triangles) - len(self.values), 1.0)
+        samples = max(sum(t.samples for t in self.r_factors) - len(self.values), 1.0)
         rows = np.linalg.norm(self.corner[:, -1]) / np.sqrt(samples)
         return np.asarray(rows * np.linalg.norm(inverse, axis=1))
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.estimate.comparison import holm, hotelling
+from exoid.regression.layout import ParameterLayout
 
 
 class Equality(NamedTuple):
@@ -50,3 +51,10 @@ def equality_of(
         spread = contrast @ covariance[np.ix_(several, several)] @ contrast.T
         p_values[k] = hotelling(difference, spread, float(dof[several].min()))[1] if spread.any() else 1.0
     return Equality(tuple(places), p_values, holm(p_values))
+
+
+def own_equality(layout: ParameterLayout, values: FloatArray, covariance: FloatArray, dofs: FloatArray) -> Equality:
+    """Test whether own parameters are the same in all groups, with their joint covariance."""
+    groups = range(len(layout.groups))
+    places = {name: [layout.place(name, group) for group in groups] for name in layout.own}
+    return equality_of(places, values, covariance, dofs)

@@ -9,9 +9,9 @@ from typing import NamedTuple, TypedDict
 
 from exoid import identification
 from exoid.errors import ExoidError
+from exoid.estimate import grouped_to_json
 from exoid.estimate.file import estimate_text
 from exoid.files import refuse_unwritable, write_together
-from exoid.identification.together import together_to_json
 from exoid.leg import Leg
 from exoid.signals import Recording
 from exoid.torques import Term
@@ -30,8 +30,8 @@ class Settings(TypedDict):
     nonnegative: bool
 
 
-class Together(NamedTuple):
-    """Logs that are identified together.
+class GroupedLogs(NamedTuple):
+    """Logs that share parameters, and have some of their own.
 
     Attributes:
         names: Of the logs.
@@ -44,7 +44,7 @@ class Together(NamedTuple):
     paths: Mapping[str, Path]
 
     @staticmethod
-    def of(names: Sequence[str], own: Sequence[str], output: str | None) -> Together:
+    def of(names: Sequence[str], own: Sequence[str], output: str | None) -> GroupedLogs:
         """Name the file of each log's estimate after it, such as est-monday.json.
 
         Raises:
@@ -54,7 +54,7 @@ class Together(NamedTuple):
         files = {} if output is None else {n: path.with_name(f"{path.stem}-{_plain(n)}{path.suffix}") for n in names}
         for each in files.values():
             refuse_unwritable(each)
-        return Together(names, own, files)
+        return GroupedLogs(names, own, files)
 
     def identify(
         self,
@@ -75,11 +75,11 @@ class Together(NamedTuple):
         known = {each.joint_names: find(each.joint_names) for each in recordings}
         legs = {name: known[each.joint_names] for name, each in zip(self.names, recordings, strict=True)}
         groups = dict(zip(self.names, recordings, strict=True))
-        found = identification.identify_together(legs, groups, own=self.own, **settings)
+        found = identification.identify(legs, groups, own=self.own, **settings)
         write_together({path: estimate_text(found[name]) for name, path in self.paths.items()})
         if not as_json:
             return str(found)
-        data = together_to_json(found)
+        data = grouped_to_json(found)
         for estimate in data["groups"].values():
             del estimate["leg"]["urdf"]
         return json.dumps(data, indent=1)

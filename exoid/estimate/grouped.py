@@ -5,26 +5,37 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
+from rich.table import Table
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.estimate.comparison import Comparison, wald, welch
-from exoid.estimate.estimate import Estimate
-from exoid.regression.diagnostics import verdict, verdict_beside
+from exoid.regression.diagnostics import identifiability_beside, identifiability_class
 from exoid.regression.intervals import intervals
-from exoid.regression.prior_knowledge import Assumed
+from exoid.regression.layout import ParameterLayout
+from exoid.regression.prior_knowledge import PriorKnowledge
+from exoid.tables import make_table, to_text
 
+from .comparison import Comparison, wald, welch
 from .equality import Equality
-from .layout import Layout
+from .estimate import Estimate
+from .file import estimate_to_json
+from .text import assumptions, condition, written
+
+HEADERS = ("value", "± std", "95 % from", "to", "unit", "determined")
+"""Of what tables say of a parameter."""
+
+DIFFERENT = 0.05
+"""Probability with which own parameters of equal legs would be said to differ."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Together:
+class GroupedEstimate:
     """Estimates of several groups of recordings that share parameters; prints itself as tables.
 
-    ``together["left"]`` is the :class:`Estimate` of a group: its errors are correlated with those of the others.
+    ``grouped["left"]`` is the :class:`Estimate` of a group: its errors are correlated with those of the others.
 
     Attributes:
         estimates: One for each group, by its name.
@@ -32,8 +43,8 @@ class Together:
         values: Of all parameters in the order of :attr:`names`, (P,).
         covariance: Of the values, (P, P).
         dofs: Degrees of freedom of each, (P,).
-        sizes: Of parameters that would explain all torque of a joint alone, (P,).
-        calm_sizes: The same had joints moved as in a calm exercise, (P,).
+        parameter_scale: Of parameters that would explain all torque of a joint alone, (P,).
+        reference_scale: The same had joints moved as in a calm exercise, (P,).
         collinearity: Condition index of each parameter, (P,).
         condition_number: Of the regressor of all with columns scaled to unit length.
         assumed: What was known beside the recordings, by the names here.
@@ -45,15 +56,15 @@ class Together:
     """
 
     estimates: Mapping[str, Estimate]
-    layout: Layout
+    layout: ParameterLayout
     values: FloatArray
     covariance: FloatArray
     dofs: FloatArray
-    sizes: FloatArray
-    calm_sizes: FloatArray
+    parameter_scale: FloatArray
+    reference_scale: FloatArray
     collinearity: FloatArray
     condition_number: float
-    assumed: Assumed
+    prior_knowledge: PriorKnowledge
     equal: Equality
     agreement: Equality | None
     bounded: tuple[str, ...] = ()
@@ -63,7 +74,7 @@ class Together:
     def __post_init__(self) -> None:
         """Forbid changes."""
         object.__setattr__(self, "estimates", MappingProxyType(dict(self.estimates)))
-        for name in ("values", "covariance", "dofs", "sizes", "calm_sizes", "collinearity"):
+        for name in ("values", "covariance", "dofs", "parameter_scale", "reference_scale", "collinearity"):
             array = np.array(getattr(self, name), dtype=np.float64)
             array.flags.writeable = False
             object.__setattr__(self, name, array)
@@ -117,11 +128,11 @@ class Together:
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
-    def verdicts(self) -> tuple[str, ...]:
-        """How well each parameter is determined, see :attr:`Estimate.verdicts`."""
-        numbers = zip(self.values, self.std, self.sizes, self.calm_sizes, self.collinearity, strict=True)
+    def identifiability(self) -> tuple[str, ...]:
+        """How well each parameter is determined, see :attr:`Estimate.identifiability`."""
+        numbers = zip(self.values, self.std, self.parameter_scale, self.reference_scale, self.collinearity, strict=True)
         return tuple(
-            verdict_beside(name, self.assumed, each[1], verdict(*each))
+            identifiability_beside(name, self.prior_knowledge, each[1], identifiability_class(*each))
             for name, each in zip(self.names, numbers, strict=True)
         )
 
@@ -165,10 +176,86 @@ class Together:
 
     def __repr__(self) -> str:
         """Name groups and parameters."""
-        return f"Together({', '.join(self.groups)}; shared: {', '.join(self.shared)}; own: {', '.join(self.own)})"
+        return (
+            f"GroupedEstimate({', '.join(self.groups)}; shared: {', '.join(self.shared)}; own: {', '.join(self.own)})"
+        )
 
     def __str__(self) -> str:
         """Print as tables, followed by what the reader should know before trusting them."""
-        from .report import report  # noqa: PLC0415 - it needs this class
-
         return report(self)
+
+
+def report(grouped: GroupedEstimate) -> str:
+    """Print estimates that share parameters."""
+    kind = next(iter(grouped.estimates.values())).estimator
+    title = f"{', '.join(grouped.groups)}: {kind} estimate of {len(grouped.shared)} shared parameters"
+    parts: list[Table | str] = [f"{title}, {len(grouped.own)} own each"]
+    numbers = dict(zip(grouped.names, _numbers(grouped), strict=True))
+    if grouped.shared:
+        rows = [(name, *numbers[name]) for name in grouped.shared]
+        parts.append(make_table(("shared", *HEADERS), rows))
+    if grouped.own:
+        parts.append(make_table(("own", *HEADERS, "p equal"), _own_rows(grouped, numbers)))
+    return to_text(*parts, *_remarks(grouped))
+
+
+def grouped_to_json(grouped: GroupedEstimate) -> dict[str, Any]:
+    """Turn estimates that share parameters into what JSON can hold."""
+    names = grouped.names
+    of_each = {
+        "values": grouped.values.tolist(),
+        "std": grouped.std.tolist(),
+        "interval_95": grouped.interval().tolist(),
+        "units": grouped.units,
+        "determined": grouped.identifiability,
+        "degrees_of_freedom": grouped.dofs.tolist(),
+    }
+    return {
+        **{key: dict(zip(names, column, strict=True)) for key, column in of_each.items()},
+        "shared": list(grouped.shared),
+        "own": list(grouped.own),
+        "condition_number": grouped.condition_number,
+        "covariance": grouped.covariance.tolist(),
+        "equal": _equality_to_json(grouped.equal),
+        "agreement": None if grouped.agreement is None else _equality_to_json(grouped.agreement),
+        "warnings": list(grouped.warnings),
+        "notes": list(grouped.notes),
+        "groups": {group: estimate_to_json(grouped[group]) for group in grouped},
+    }
+
+
+def _numbers(grouped: GroupedEstimate) -> Iterator[tuple[str, ...]]:
+    """Write each parameter's numbers."""
+    columns = (grouped.values, grouped.std, grouped.interval(), grouped.units, grouped.identifiability)
+    for value, std, interval, unit, judged in zip(*columns, strict=True):
+        yield *written(value, std, interval), unit, judged
+
+
+def _own_rows(grouped: GroupedEstimate, numbers: dict[str, tuple[str, ...]]) -> Iterator[tuple[str, ...]]:
+    """Own parameters side by side, with the probability that they are the same in all groups."""
+    for k, name in enumerate(grouped.own):
+        for group in range(len(grouped)):
+            place = grouped.names[grouped.layout.place(name, group)]
+            p = f"{grouped.equal.p_values[k]:.3f}" if group == 0 and len(grouped) > 1 else ""
+            yield place, *numbers[place], p
+
+
+def _remarks(grouped: GroupedEstimate) -> Iterator[str]:
+    for group in grouped:
+        estimate = grouped[group]
+        residuals = zip(estimate.joint_names, estimate.residual_rms, strict=True)
+        yield f"residual RMS of {group} [N·m]: " + ", ".join(f"{joint} {rms:.3g}" for joint, rms in residuals)
+    yield condition(grouped.condition_number)
+    if grouped.own and len(grouped) > 1:
+        yield f"own parameters that differ at 5 % of all: {', '.join(grouped.equal.below(DIFFERENT)) or 'none'}"
+    if grouped.agreement is not None and grouped.shared:
+        least = float(grouped.agreement.adjusted.min())
+        yield f"shared parameters, each group alone: the smallest p of {len(grouped.shared)} is {least:.2g} (Holm)"
+    yield from assumptions(grouped.prior_knowledge, grouped.bounded)
+    yield from (f"warning: {warning}" for warning in grouped.warnings)
+    yield from (f"note: {note}" for note in grouped.notes)
+
+
+def _equality_to_json(equality: Equality) -> dict[str, Any]:
+    columns = {"p_values": equality.p_values, "adjusted": equality.adjusted}
+    return {key: dict(zip(equality.names, column.tolist(), strict=True)) for key, column in columns.items()}
