@@ -2,9 +2,9 @@
 
 from .comparison import Comparison, compare, comparison_to_json
 from .data import EstimateData, Input
-from .estimate import Estimate
+from .estimate import Estimate, estimate_from_json
 from .export import Export
-from .file import estimate_from_json, estimate_to_json
+from .file import estimate_to_json
 from .grouped import GroupedEstimate, grouped_to_json
 from .nonlinear import NonlinearParameters
 from .prediction import predict_motion

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
+from typing import Any
 
 from .data import EstimateData
 from .export import Export, export_urdf
+from .file import estimate_from_json as _from_json
 from .file import read_estimate, write_estimate
 from .text import report
 
@@ -90,3 +93,18 @@ class Estimate(EstimateData):
     def __str__(self) -> str:
         """Print as a table, followed by what the reader should know before trusting it."""
         return report(self)
+
+
+def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
+    """Rebuild an estimate from what :func:`estimate_to_json` made.
+
+    Args:
+        data: The estimate as JSON holds it.
+
+    Returns:
+        The estimate.
+
+    Raises:
+        ExoidError: Names of the values do not fit the leg and terms, or the URDF was changed.
+    """
+    return _from_json(data, Estimate)

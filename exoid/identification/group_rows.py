@@ -85,7 +85,7 @@ class GroupRows:
     def each(self) -> list[list[RFactor]]:
         """One R factor a joint for each recording."""
         if isinstance(self.data, Cluster):
-            return self._worker_rows.map(attrgetter("triangles"))
+            return self._worker_rows.map(attrgetter("r_factors"))
         return [_r_factors(self._blocks_of(index, decimated=False)) for index in range(len(self.data))]
 
     @cached_property

@@ -53,12 +53,20 @@ class Problem:
         Raises:
             ExoidError: There are several.
         """
+        self.refuse_several_groups()
+        return self.groups[0]
+
+    def refuse_several_groups(self) -> None:
+        """Refuse several groups of recordings.
+
+        Raises:
+            ExoidError: There are several.
+        """
         if len(self.groups) > 1:
             raise ExoidError(
                 "this estimator is for one leg alone, and there are several groups",
                 remedy="use one of gls, huber, ols, wls",
             )
-        return self.groups[0]
 
     @property
     def model(self) -> TorqueModel:

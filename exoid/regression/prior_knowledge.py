@@ -111,6 +111,9 @@ class PriorKnowledge:
         wrong = [name for name, value in known.items() if not np.isfinite(value)]
         if wrong:
             raise ExoidError(f"the known {', '.join(wrong)} is not finite", remedy="pass a number")
+        both = [name for name in known if name in self.prior.values]
+        if both:
+            raise ExoidError(f"{', '.join(both)} is known and has a prior", remedy="use one of the two")
         object.__setattr__(self, "known", MappingProxyType(known))
 
     @classmethod
@@ -135,9 +138,6 @@ class PriorKnowledge:
         Raises:
             ExoidError: Names what is not a parameter, is one twice, or was regrouped into others.
         """
-        both = [name for name in self.known if name in self.prior.values]
-        if both:
-            raise ExoidError(f"{', '.join(both)} is known and has a prior", remedy="use one of the two")
         self.check_regrouped(model.regrouped)
         for name in self.names:
             if name not in model.names:

@@ -34,7 +34,7 @@ def test_two_columns_that_are_nearly_one_are_found_and_a_third_is_not_blamed():
     (direction,) = found.directions
     assert sorted(direction.columns) == [0, 2]
     assert direction.condition == pytest.approx(200.0, rel=1e-3)
-    (remark,) = found.remarks(("X1", "Y1", "J1"))
+    (remark,) = found.warnings(("X1", "Y1", "J1"))
     assert "X1" in remark
     assert "J1" in remark
     assert "Y1" not in remark

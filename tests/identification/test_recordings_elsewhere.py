@@ -69,7 +69,7 @@ def assert_same(found, expected, *, inputs=True):
 @pytest.mark.parametrize("estimator", ["wls", "ols", "gls", "huber"])
 @pytest.mark.parametrize("kept", [2**26, 0], ids=["kept in memory", "kept in files"])
 def test_a_folder_gives_the_estimate_of_its_logs_in_memory(folder, in_memory, estimator, kept, monkeypatch):
-    monkeypatch.setattr("exoid.identification.problem.KEPT_BYTES", kept)
+    monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", kept)
     found = identify(SWING.leg, Recordings.from_folder(folder), TERMS, estimator)
     assert_same(found, identify(SWING.leg, in_memory, TERMS, estimator))
 
@@ -212,6 +212,6 @@ def test_nobody_at_the_address_is_one_line(folder, monkeypatch):
 
 
 def test_rows_without_a_filter_are_made_again_rather_than_written(folder, in_memory, monkeypatch):
-    monkeypatch.setattr("exoid.identification.problem.KEPT_BYTES", 0)
+    monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", 0)
     expected = identify(SWING.leg, in_memory, preparation=FiniteDifference())
     assert_same(identify(SWING.leg, Recordings.from_folder(folder), preparation=FiniteDifference()), expected)

@@ -36,7 +36,7 @@ def short_stretches(monkeypatch):
     def shorten(reach: float = 8.0) -> None:
         monkeypatch.setattr(rows_module, "BLOCK", 700)
         monkeypatch.setattr(rows_module, "REACHES", reach)
-        monkeypatch.setattr("exoid.identification.problem.KEPT_BYTES", 0)
+        monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", 0)
 
     return shorten
 
@@ -93,7 +93,7 @@ def test_thinned_rows_are_the_same_ones_in_stretches(short_stretches):
     problem = Problem.of_one(GroupRows(TorqueModel(SWING.leg, TERMS), [recording()], ZeroPhase()))
     (whole,) = problem.blocks(decimated=True)
     short_stretches(1.0)
-    problem = Problem.of_one(GroupRows(problem.model, problem.data, problem.preparation))
+    problem = Problem.of_one(GroupRows(problem.model, problem.local_data, problem.preparation))
     blocks = list(problem.blocks(decimated=True))
     assert len(blocks) > 5
     np.testing.assert_array_equal(np.concatenate([b.rows.time for b in blocks]), whole.rows.time)

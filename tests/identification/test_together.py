@@ -407,7 +407,7 @@ def test_what_is_part_of_a_shared_parameter_is_said_to_be(legs, sides):
 def test_rows_that_are_made_again_stretch_by_stretch_give_the_same(legs, sides, monkeypatch, estimator):
     recordings = record(sides, left=Noise(0.2, 0.9), right=Noise(0.3))
     whole = identify(legs, recordings, TERMS, estimator)
-    monkeypatch.setattr("exoid.identification.problem.KEPT_BYTES", 0)
+    monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", 0)
     monkeypatch.setattr("exoid.regression.rows.BLOCK", 300)
     pieces = identify(legs, recordings, TERMS, estimator)
     np.testing.assert_allclose(pieces.values, whole.values, rtol=1e-6, atol=1e-8)

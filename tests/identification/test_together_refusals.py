@@ -70,7 +70,7 @@ def test_recordings_on_a_cluster(leg, two):
     elsewhere = Cluster(None, ())
     for groups in (elsewhere, {"a": two["a"], "b": elsewhere}):
         with pytest.raises(ExoidError, match="on a cluster are for one leg alone"):
-            identify(leg, groups, TERMS)
+            identify(leg, groups, TERMS, own="offset")
 
 
 def test_two_files_of_one_name(leg, two, tmp_path):
@@ -79,7 +79,7 @@ def test_two_files_of_one_name(leg, two, tmp_path):
         path.parent.mkdir()
         recording.to_csv(path)
     with pytest.raises(ExoidError, match=r"two recordings are called log.csv.*name them"):
-        identify(leg, [exoid.Recording.from_csv(path) for path in paths], TERMS)
+        identify(leg, [exoid.Recording.from_csv(path) for path in paths], TERMS, own="offset")
 
 
 def test_names_of_legs_and_recordings_that_differ(leg, two):

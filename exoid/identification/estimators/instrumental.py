@@ -57,8 +57,9 @@ class InstrumentalVariables:
         """Fit.
 
         Raises:
-            ExoidError: No loop was given, or it cannot be simulated.
+            ExoidError: No loop was given, it cannot be simulated, or there are several groups.
         """
+        problem.refuse_several_groups()
         if self.loop is None:
             raise ExoidError(
                 "instruments come from a simulated loop, whose controller and reference must be known",

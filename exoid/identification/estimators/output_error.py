@@ -69,8 +69,9 @@ class OutputError:
         """Fit.
 
         Raises:
-            ExoidError: No loop was given, or it cannot be simulated.
+            ExoidError: No loop was given, it cannot be simulated, or there are several groups.
         """
+        problem.refuse_several_groups()
         if self.loop is None:
             raise ExoidError(
                 "output error simulates the loop, and must know its controller and reference",
