@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.codegen import CSource, write_c
 from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.signals import Preparation
@@ -21,12 +22,11 @@ from .bands import TorqueBand, torque_std
 from .diagnostics import JointNoise, verdict, verdict_beside
 from .influence import Influence
 from .intervals import half_width, intervals
+from .provenance import provenance
 from .shapes import Shapes
 from .trends import Trend
 
 if TYPE_CHECKING:
-    from exoid.codegen import CSource
-
     from .export import Export
 
 
@@ -340,9 +340,15 @@ class Estimate:
         Raises:
             ExoidError: The leg is not a planar chain, a term has no form in C, or the file cannot be written.
         """
-        from exoid.codegen import write_c  # noqa: PLC0415 - few need it
-
-        return write_c(self, path, precision=precision, name=name)
+        return write_c(
+            self.model,
+            self.values,
+            path,
+            provenance=provenance(self),
+            warnings=self.warnings,
+            precision=precision,
+            name=name,
+        )
 
     def __repr__(self) -> str:
         """Name the parameters."""
