@@ -42,11 +42,28 @@ class JointInC:
         return self.parameters.get(symbol, self.number(0.0))
 
     def number(self, value: float) -> str:
-        """Write a constant in the file's precision; see :meth:`Dialect.number`."""
+        """Write a constant in the file's precision; see :meth:`Dialect.number`.
+
+        Args:
+            value: The constant.
+
+        Returns:
+            Literal such as ``0.1f``.
+
+        Raises:
+            ExoidError: It is not finite in this precision.
+        """
         return self.dialect.number(value)
 
     def function(self, name: str) -> str:
-        """Name a function of <math.h> in the file's precision; see :meth:`Dialect.function`."""
+        """Name a function of <math.h> in the file's precision; see :meth:`Dialect.function`.
+
+        Args:
+            name: Name of the function for double, such as ``tanh``.
+
+        Returns:
+            ``tanh`` in double, ``tanhf`` in float.
+        """
         return self.dialect.function(name)
 
 
