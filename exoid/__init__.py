@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from . import datasets, published, signals, torques
+from ._version import __version__ as __version__
 from .catalog import load_leg
 from .errors import ExoidError
 from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, validate
@@ -14,8 +15,6 @@ from .torso import TorsoMotion
 
 if TYPE_CHECKING:
     from . import control
-
-__version__ = "0.1.0"
 
 __all__ = [
     "Armature",

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.estimate.comparison import holm, hotelling
 from exoid.regression.layout import ParameterLayout
+
+from .comparison import holm, hotelling
 
 
 class Equality(NamedTuple):

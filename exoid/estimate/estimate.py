@@ -6,10 +6,13 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
+from exoid.codegen import CSource, write_c
+
 from .data import EstimateData
 from .export import Export, export_urdf
 from .file import estimate_from_json as _from_json
 from .file import read_estimate, write_estimate
+from .provenance import provenance
 from .text import report
 
 
@@ -64,7 +67,7 @@ class Estimate(EstimateData):
         """
         return export_urdf(self, path)
 
-    def to_c(self, path: str | os.PathLike[str], *, precision: str = "double", name: str | None = None) -> "CSource":  # type: ignore[name-defined]  # noqa: F821, UP037
+    def to_c(self, path: str | os.PathLike[str], *, precision: str = "double", name: str | None = None) -> CSource:
         """Write the torques of a planar leg as one C99 file that needs nothing but ``<math.h>``.
 
         Gravity, friction, springs and offsets, mass matrix, rigid bodies, and all together (:meth:`torque`) are
@@ -82,9 +85,15 @@ class Estimate(EstimateData):
         Raises:
             ExoidError: The leg is not a planar chain, a term has no form in C, or the file cannot be written.
         """
-        from exoid.codegen import write_c  # noqa: PLC0415
-
-        return write_c(self, path, precision=precision, name=name)
+        return write_c(
+            self.model,
+            self.values,
+            path,
+            provenance=provenance(self),
+            warnings=self.warnings,
+            precision=precision,
+            name=name,
+        )
 
     def __repr__(self) -> str:
         """Name the parameters."""

@@ -20,13 +20,7 @@ from exoid.torques import Term, TorqueModel, nonlinear_settings
 
 from .arguments import check_recordings, choose_preparation
 from .group_rows import Data, map_recordings
-from .recording_summary import (
-    SMALLEST_MOTION,
-    RecordingSummary,
-    refuse_dead_torques,
-    refuse_still_joints,
-    summarize,
-)
+from .recording_summary import SMALLEST_MOTION, RecordingSummary, refuse_dead_torques, refuse_still_joints, summarize
 
 Measured = Recording | Poses | Iterable[Recording | Poses]
 """One recording or several."""

@@ -168,8 +168,8 @@ class _Sums:
 
     @classmethod
     def zero(cls, rows: int, columns: int) -> _Sums:
-        shapes = ((rows,), (rows,), (rows, columns), (rows, rows), (rows, columns))
-        return cls(*(np.zeros(shape) for shape in shapes))
+        nonlinear = ((rows,), (rows,), (rows, columns), (rows, rows), (rows, columns))
+        return cls(*(np.zeros(shape) for shape in nonlinear))
 
     def plus(self, other: _Sums) -> _Sums:
         return _Sums(*(getattr(self, field.name) + getattr(other, field.name) for field in fields(self)))

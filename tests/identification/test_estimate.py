@@ -214,7 +214,16 @@ def test_a_file_gives_the_estimate_back_to_the_last_bit(swing, recording, prepar
     assert (loaded.leg.inverse_dynamics(q, v, a) == estimate.leg.inverse_dynamics(q, v, a)).all()
     assert (loaded.interval(0.9) == estimate.interval(0.9)).all()
     assert (loaded.parameter_scale == estimate.parameter_scale).all()
-    for name in ("dof", "condition_number", "estimator", "preparation", "inputs", "noise", "warnings", "identifiability"):
+    for name in (
+        "dof",
+        "condition_number",
+        "estimator",
+        "preparation",
+        "inputs",
+        "noise",
+        "warnings",
+        "identifiability",
+    ):
         assert getattr(loaded, name) == getattr(estimate, name)
     assert loaded.model.terms == estimate.model.terms
     assert str(loaded) == str(estimate)
