@@ -23,10 +23,10 @@ from exoid.study import (
     Study,
     TrackingTask,
     dask_cluster,
-    here,
     plausible_truth,
     processes,
     run_chunk,
+    run_serially,
     run_study,
 )
 from exoid.study.driving import drive
@@ -137,7 +137,7 @@ def test_whoever_does_the_pieces_the_bits_are_the_same(result, tmp_path):
         assert same(run_study(study(), None, dask_cluster(cluster.scheduler_address)), result)
 
     def dying(what, numbers):
-        yield next(iter(here(what, numbers)))
+        yield next(iter(run_serially(what, numbers)))
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

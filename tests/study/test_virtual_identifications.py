@@ -25,10 +25,10 @@ from exoid.study import (
     Study,
     dask_cluster,
     document,
-    here,
     plausible_truth,
     processes,
     run_chunk,
+    run_serially,
     run_study,
 )
 from exoid.torques import DEFAULT_TERMS, TorqueModel
@@ -179,7 +179,7 @@ def test_a_study_that_was_stopped_goes_on(result, tmp_path):
     """Finished chunks are kept, damaged and half-written ones done again."""
 
     def dying(what, numbers):
-        for k, done in enumerate(here(what, numbers)):
+        for k, done in enumerate(run_serially(what, numbers)):
             if k == 2:
                 raise KeyboardInterrupt
             yield done
@@ -196,7 +196,7 @@ def test_a_study_that_was_stopped_goes_on(result, tmp_path):
 
     def watched(what, numbers):
         asked.extend(numbers)
-        return here(what, numbers)
+        return run_serially(what, numbers)
 
     assert same(run_study(study(), tmp_path / "kept", watched, shares.append), result)
     assert asked == [1, 2]

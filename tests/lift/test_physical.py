@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from planar_chains import PlanarURDF, planar_chains
+from public_robots import urdf_of
 from semidefinite import mass_range
-from test_numeric import urdf_of
 
 import exoid
 from exoid import ExoidError, Leg

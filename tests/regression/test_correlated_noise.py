@@ -147,7 +147,7 @@ def test_gls_is_near_statsmodels_glsar(pendulum):
 def test_huber_is_that_of_statsmodels(pendulum):
     problem = problem_of(pendulum, 6)
     rng = np.random.default_rng(7)
-    (recording,) = problem.data
+    (recording,) = problem.local_data
     tau = recording.tau + 20.0 * (rng.random(recording.tau.shape) < 0.05)
     problem = dataclasses.replace(problem, data=[dataclasses.replace(recording, tau=tau)])
     W, tau = regression_of(problem)

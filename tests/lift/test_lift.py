@@ -4,8 +4,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from lxml import etree
+from public_robots import urdf_of
 from semidefinite import nearest_to_estimate, nearest_to_prior
-from test_numeric import urdf_of
 
 import exoid
 from exoid import ExoidError, Leg
