@@ -47,7 +47,7 @@ class OtherTerm(NamedTuple):
         A law does not know the way since the last reversal: a contact that bends counts as one that slides.
         """
         out = np.zeros((len(self.values), q.size))
-        sliding = None if self.term.memory is None else np.tanh(v / SLIDING)
+        sliding = None if self.term.internal_state is None else np.tanh(v / SLIDING)
         self.term.fill(JointMotion(q, v, np.zeros_like(q), load, sliding), out)
         return np.asarray(self.values @ out)
 

@@ -18,7 +18,7 @@ from exoid.exported import IN_URDF, SCHEMA, sidecar_of
 from exoid.files import write_together
 from exoid.leg import Leg
 from exoid.lift import Lift, lift
-from exoid.lift.lumping import share_out
+from exoid.lift.lumping import distribute_bodies
 from exoid.rewriting import rewrite
 from exoid.tables import make_table, to_text
 from exoid.torques import term_to_json
@@ -95,7 +95,7 @@ def export_urdf(estimate: EstimateData, path: str | os.PathLike[str]) -> Export:
     leg = estimate.model.leg
     p = len(leg.parameter_names)
     lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p])
-    links = share_out(leg, lifted.link_parameters)
+    links = distribute_bodies(leg, lifted.link_parameters)
     values = estimate.values if lifted.feasible else _moved_along(estimate, lifted.values)
     dynamics, negative = _dynamics(estimate, values)
     text = rewrite(leg.description, links, dynamics, _note(leg, sidecar.name, links, dynamics))

@@ -30,7 +30,11 @@ def choose_preparation(
         return preparation_by_name(given)
     if given is not None:
         return given
-    return ZeroPhase(cutoff_from([one.bends for one in summaries if one.bends]) if cutoff is None else cutoff)
+    return ZeroPhase(
+        cutoff_from([one.acceleration_power for one in summaries if one.acceleration_power])
+        if cutoff is None
+        else cutoff
+    )
 
 
 def check_recordings(given: Recording | Poses | Iterable[Recording | Poses] | Cluster) -> Data:

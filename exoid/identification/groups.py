@@ -15,7 +15,7 @@ from exoid.leg import Leg
 from exoid.regression.layout import ParameterLayout
 from exoid.regression.prior_knowledge import PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording, Recordings
-from exoid.signals.recordings import Stored
+from exoid.signals.recordings import RecordingFile
 from exoid.torques import Term, TorqueModel, nonlinear_settings
 
 from .arguments import check_recordings, choose_preparation
@@ -183,7 +183,7 @@ def _file_name(recordings: Sequence[Recording | Poses], index: int) -> str:
     """Name of the file of a recording, without reading it if it is on disk; "" for one made in memory."""
     if isinstance(recordings, Recordings):
         item = recordings.items[index]
-        if isinstance(item, Stored):
+        if isinstance(item, RecordingFile):
             return item.path.name
     source = recordings[index].source
     return "" if source is None else source.name

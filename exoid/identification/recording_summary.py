@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from exoid.estimate.data import Input
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses, Recording
-from exoid.signals.cutoff import Bends, bends_of
+from exoid.signals.cutoff import AccelerationPower, acceleration_power
 from exoid.torques import TorqueModel
 
 SMALLEST_MOTION = 2e-3
@@ -53,7 +53,8 @@ class RecordingSummary(NamedTuple):
         highest: The same, (n,).
         mean: The same, (n,).
         torques: None where there are none.
-        bends: How its angles' noise compares with its motion; None where nobody asked, or nothing is derived from them.
+        acceleration_power: Noise and motion in the acceleration, for the choice of the cut-off frequency; None where
+            that is given, or where no acceleration is derived from the angles.
     """
 
     evidence: Input
@@ -62,7 +63,7 @@ class RecordingSummary(NamedTuple):
     highest: FloatArray
     mean: FloatArray
     torques: Torques | None
-    bends: Bends | None
+    acceleration_power: AccelerationPower | None
 
 
 def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool = True) -> RecordingSummary:
@@ -85,7 +86,7 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
         q.max(axis=1),
         q.mean(axis=1),
         None if tau is None else _torques(tau),
-        bends_of(chosen) if for_cutoff else None,
+        acceleration_power(chosen) if for_cutoff else None,
     )
 
 

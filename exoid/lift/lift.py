@@ -32,7 +32,7 @@ from exoid.model import dynamic_parameters
 from exoid.reduction.reduction import LINK_PARAMETERS, LINK_UNITS, Reduction
 from exoid.tables import make_table, to_text
 
-from .pseudo_inertia import BASIS, congruence, link_parameters, made_possible, pseudo_inertias, upper_factors
+from .pseudo_inertia import BASIS, congruence, link_parameters, make_consistent, pseudo_inertias, upper_factors
 
 PENALTIES = 10.0 ** -np.arange(11)
 """μ of the successive problems; what the last one leaves is mended exactly."""
@@ -88,7 +88,7 @@ class Lift:
         distance: How far ``values`` are from the target, χ in standard deviations of the estimate; 0 where feasible.
             Without a covariance the unit is a change of the links' inertias as large as these are.
         divergence: Entropic divergence from the leg's own links; 0 where these have the target's values already.
-        heaviest: What each link was allowed to weigh [kg], (n,).
+        mass_limits: Largest mass that each link was allowed [kg], (n,).
     """
 
     names: tuple[str, ...]
@@ -99,11 +99,11 @@ class Lift:
     feasible: bool
     distance: float
     divergence: float
-    heaviest: FloatArray
+    mass_limits: FloatArray
 
     def __post_init__(self) -> None:
         """Forbid changes."""
-        for array in (self.target, self.values, self.link_parameters, self.heaviest):
+        for array in (self.target, self.values, self.link_parameters, self.mass_limits):
             array.flags.writeable = False
 
     @property
@@ -139,7 +139,7 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
 
     Args:
         leg: The leg; its inertias are the prior. Links that no mass distribution has (point masses, rods) are first
-            given a little extent, see :func:`exoid.lift.pseudo_inertia.made_possible`.
+            given a little extent, see :func:`exoid.lift.pseudo_inertia.make_consistent`.
         values: Base parameters, (p,), in the order of ``leg.parameter_names``.
         covariance: Of the values, (p, p): the metric where they are not feasible; what is known best gives way least.
             None for a metric that counts every change by the change of the links' inertias that it takes.
@@ -160,7 +160,7 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
         (True, True)
     """
     target = checked_values(leg, values)
-    prior = made_possible(dynamic_parameters(leg.model))
+    prior = make_consistent(dynamic_parameters(leg.model))
     problem = _Problem.around(prior, leg.reduction)
     natural = _whitening(problem.K @ problem.K.T)
     own = natural @ leg.reduction.parameters(prior)
@@ -185,7 +185,7 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
         feasible=feasible,
         distance=0.0 if feasible else float(np.linalg.norm(metric @ (target - reached))),
         divergence=_divergence(upper_factors(pseudo_inertias(unit))),
-        heaviest=heaviest * prior[::10],
+        mass_limits=heaviest * prior[::10],
     )
 
 

@@ -18,7 +18,7 @@ from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.rewriting import read_inertials
 
-from .pseudo_inertia import congruence, link_parameters, made_possible, margins, pseudo_inertias, upper_factors
+from .pseudo_inertia import congruence, link_parameters, make_consistent, margins, pseudo_inertias, upper_factors
 
 ROOM = 1e-6
 """Smallest margin with which what is left of a body counts as possible."""
@@ -41,7 +41,7 @@ class LinkInertia(NamedTuple):
     parameters: FloatArray
 
 
-def share_out(leg: Leg, bodies: FloatArray) -> dict[str, FloatArray]:
+def distribute_bodies(leg: Leg, bodies: FloatArray) -> dict[str, FloatArray]:
     """Share bodies out among the links they are made of.
 
     Args:
@@ -83,7 +83,7 @@ def _left_over(own: str, parts: list[LinkInertia], body: FloatArray) -> list[Lin
 
 def _moved_alike(parts: list[LinkInertia], body: FloatArray) -> list[LinkInertia]:
     heavy = [part for part in parts if part.parameters[0] > 0.0]
-    before = pseudo_inertias(made_possible(np.concatenate([part.parameters for part in heavy])))
+    before = pseudo_inertias(make_consistent(np.concatenate([part.parameters for part in heavy])))
     old, new = upper_factors(before.sum(axis=0)[None])[0], upper_factors(pseudo_inertias(body))[0]
     A = np.linalg.solve(old.T, new.T).T
     after = link_parameters(A @ before @ A.T).reshape(-1, 10)

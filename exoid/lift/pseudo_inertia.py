@@ -55,7 +55,7 @@ def margins(link_parameters: FloatArray) -> FloatArray:
     return np.where(possible, smallest, -np.inf)
 
 
-def made_possible(link_parameters: FloatArray) -> FloatArray:
+def make_consistent(link_parameters: FloatArray) -> FloatArray:
     """Repair bodies that no mass distribution has, such as point masses or rods: they gain a little extent.
 
     Mass and centre of mass stay. Principal second moments about the centre of mass grow to at least

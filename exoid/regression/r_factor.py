@@ -48,7 +48,7 @@ def factorize_rows(rows: Rows) -> list[RFactor]:
     for joint in range(rows.tau.shape[1]):
         columns, table = joint_table(rows, joint)
         count = table.shape[1]
-        r_factor = factorize(table.T, count, count * rows.independence)
+        r_factor = factorize(table.T, count, count * rows.independent_fraction)
         r_factors.append(r_factor.among(columns, rows.W.shape[2] + 1))
     return r_factors
 

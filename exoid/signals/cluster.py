@@ -14,7 +14,7 @@ from exoid._typing import ArrayLike
 from exoid.errors import ExoidError
 
 from .recording import Recording
-from .recordings import Recordings, Stored
+from .recordings import RecordingFile, Recordings
 
 PATIENCE = "10s"
 """For a scheduler to answer."""
@@ -144,7 +144,7 @@ def connect(client: Any) -> Any:  # noqa: ANN401
 
 def _work(work: Callable[[Any], T], item: Any) -> T:  # noqa: ANN401
     """Run on a worker."""
-    return work(item.load() if isinstance(item, Stored) else item)
+    return work(item.load() if isinstance(item, RecordingFile) else item)
 
 
 def _same(item: T) -> T:

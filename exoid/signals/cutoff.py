@@ -33,7 +33,7 @@ KEPT = 0.5
 """At least this part of each recording is to be left between the ends that filters spoil."""
 
 
-class Bends(NamedTuple):
+class AccelerationPower(NamedTuple):
     """Sums of squared accelerations in a recording, up to each of the cut-offs, in the same unit, (71, n) each.
 
     Attributes:
@@ -66,10 +66,10 @@ def choose_cutoff(recordings: Iterable[Recording | Poses]) -> float:
         recordings: From which to identify, all of the same joints; poses, and recordings that contain accelerations, do
             not count.
     """
-    return cutoff_from([found for found in map(bends_of, recordings) if found is not None])
+    return cutoff_from([found for found in map(acceleration_power, recordings) if found is not None])
 
 
-def bends_of(recording: Recording | Poses) -> Bends | None:
+def acceleration_power(recording: Recording | Poses) -> AccelerationPower | None:
     """Compare noise and signal in a recording; None where its acceleration is not derived from angles.
 
     Raises:
@@ -80,10 +80,10 @@ def bends_of(recording: Recording | Poses) -> Bends | None:
     even = recording.resampled()
     pieces = [_sums(piece, even.sample_rate) for piece in np.array_split(even.q.T, -(-len(even) // PIECE), axis=1)]
     noise, total = (np.sum(sums, axis=0) for sums in zip(*pieces, strict=True))
-    return Bends(noise, total, len(even), even.sample_rate)
+    return AccelerationPower(noise, total, len(even), even.sample_rate)
 
 
-def cutoff_from(bends: Sequence[Bends]) -> float:
+def cutoff_from(bends: Sequence[AccelerationPower]) -> float:
     """Choose the cut-off [Hz] by what was found in each recording, see :func:`choose_cutoff`."""
     if not bends:
         return float(CUTOFFS[-1])
@@ -114,6 +114,6 @@ def _sums(q: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
     return np.multiply.outer(np.cumsum(bend)[below], noise), total.T
 
 
-def _is_long(bends: Bends, cutoff: float) -> bool:
+def _is_long(bends: AccelerationPower, cutoff: float) -> bool:
     spoiled = 2 * ZeroPhase(cutoff).edge(bends.rate) if cutoff < 0.4 * bends.rate else bends.samples
     return spoiled <= (1.0 - KEPT) * bends.samples

@@ -53,7 +53,7 @@ def read_log(
     joints = _joints(table, headers) if joint_names is None else _named(joint_names)
     present = _present(table, headers, joints)
     names = ("time", *(f"{quantity}_{joint}" for quantity in present for joint in joints))
-    where = SourceLocation(table.file, table.lines, headers, table.counted)
+    where = SourceLocation(table.file, table.lines, headers, table.row_name)
     checks.refuse_too_few(len(table), where)
     numbers = table.numbers([headers[name] for name in names])
     checks.refuse_not_finite(numbers, names, where)

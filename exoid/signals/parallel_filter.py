@@ -21,7 +21,7 @@ class ParallelFilter:
     """Butterworth forwards and backwards, as :func:`exoid.signals.zero_phase`, by its gain in the frequency domain.
 
     Behind it rows are redundant: of 500 a second, filtered at 8 Hz, sixteen carry independent noise. Sums of squares
-    and products over every :attr:`pace`-th row are those over all of them, so only these are worked out. The filter is
+    and products over every :attr:`stride`-th row are those over all of them, so only these are computed. The filter is
     linear and the same for every row: passed over both sides of τ = W β it keeps the equation true.
 
     Attributes:
@@ -40,14 +40,14 @@ class ParallelFilter:
         return reach(self.rate, self.cutoff, self.order)
 
     @cached_property
-    def independence(self) -> float:
+    def independent_fraction(self) -> float:
         """Share of filtered samples that carries independent noise."""
         return noise_bandwidth(self.rate, self.cutoff, self.order)
 
     @property
-    def pace(self) -> int:
+    def stride(self) -> int:
         """Of how many samples one is enough."""
-        return max(1, int(1.0 / (OVERSAMPLING * self.independence)))
+        return max(1, int(1.0 / (OVERSAMPLING * self.independent_fraction)))
 
     def __call__(self, signals: FloatArray, rows: range) -> FloatArray:
         """Filter, and return the rows that are wanted.

@@ -57,7 +57,7 @@ class Preparation(Protocol):
         """
         ...
 
-    def independence(self, rate: float) -> float:
+    def independent_fraction(self, rate: float) -> float:
         """Return the share of filtered samples at ``rate`` [Hz] that carries independent noise, at most 1."""
         ...
 
@@ -136,9 +136,9 @@ class ZeroPhase:
         """Low-pass at ``cutoff``."""
         return ParallelFilter(rate, self.cutoff, self.order)
 
-    def independence(self, rate: float) -> float:
+    def independent_fraction(self, rate: float) -> float:
         """Noise bandwidth of the parallel filter over half the rate."""
-        return self.parallel(rate).independence
+        return self.parallel(rate).independent_fraction
 
     def describe(self) -> dict[str, float | str]:
         """Name and settings."""
@@ -195,7 +195,7 @@ class Smoothed:
     def parallel(self, rate: float) -> None:
         """None: columns are not filtered."""
 
-    def independence(self, rate: float) -> float:
+    def independent_fraction(self, rate: float) -> float:
         """All samples: no torque is filtered."""
         return 1.0
 
@@ -236,7 +236,7 @@ class FiniteDifference:
     def parallel(self, rate: float) -> None:
         """None: columns are not filtered."""
 
-    def independence(self, rate: float) -> float:
+    def independent_fraction(self, rate: float) -> float:
         """All samples: nothing is filtered."""
         return 1.0
 
@@ -290,7 +290,7 @@ class MovingAverage:
     def parallel(self, rate: float) -> None:
         """None: columns are not filtered."""
 
-    def independence(self, rate: float) -> float:
+    def independent_fraction(self, rate: float) -> float:
         """Σ h² of the average, α / (2 − α)."""
         return self.alpha / (2.0 - self.alpha)
 

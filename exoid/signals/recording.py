@@ -16,7 +16,7 @@ from exoid.torso import TorsoMotion
 
 from . import checks, timebase
 from .csv_writer import write_csv
-from .formats import Table, Wanted, open_table, read_text_table
+from .formats import ReadOptions, Table, open_table, read_text_table
 from .log import read_log
 from .source import Source
 from .source_location import SourceLocation
@@ -281,7 +281,7 @@ class Recording:
         Example:
             >>> Recording.from_file("walk.mcap", columns={"q_hip": "q_left_hip_joint"})  # doctest: +SKIP
         """
-        table = open_table(path, Wanted(joint_names, dict(columns or {}), topic, stamps))
+        table = open_table(path, ReadOptions(joint_names, dict(columns or {}), topic, stamps))
         return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample)
 
     @classmethod

@@ -20,7 +20,7 @@ ENDINGS = (".csv", ".txt", ".tsv", ".parquet", ".npz", ".mat", ".mcap", ".db3", 
 """Files in a folder whose names end otherwise are no logs."""
 
 
-class Stored(NamedTuple):
+class RecordingFile(NamedTuple):
     """A recording on disk.
 
     Attributes:
@@ -55,7 +55,7 @@ class Recordings(Sequence[Recording | Poses]):
         >>> est = exoid.identify(leg, Recordings.from_folder("logs"))  # doctest: +SKIP
     """
 
-    items: tuple[Stored | Recording | Poses, ...]
+    items: tuple[RecordingFile | Recording | Poses, ...]
     watch: Callable[[Path], None] | None = None
 
     @staticmethod
@@ -114,7 +114,7 @@ class Recordings(Sequence[Recording | Poses]):
             topic=topic,
             stamps=stamps,
         )
-        return Recordings(tuple(Stored(Path(path), read) for path in paths))
+        return Recordings(tuple(RecordingFile(Path(path), read) for path in paths))
 
     def watched(self, watch: Callable[[Path], None]) -> Recordings:
         """Return the same, calling this whenever a file has been read."""
@@ -138,7 +138,7 @@ class Recordings(Sequence[Recording | Poses]):
         if isinstance(index, slice):
             return replace(self, items=self.items[index])
         item = self.items[index]
-        if not isinstance(item, Stored):
+        if not isinstance(item, RecordingFile):
             return item
         recording = item.load()
         if self.watch is not None:

@@ -17,7 +17,7 @@ class SourceLocation:
         file: Path of the file the rows came from; empty for arrays made in memory.
         lines: (N,) number of each row in that file; None where rows count from 0, as in arrays.
         headers: The file's own header of a column, where it is not called as exoid calls it.
-        counted: What a row of the file is called: "line", "row" or "message".
+        row_name: What a row of the file is called: "line", "row" or "message".
 
     Example:
         >>> SourceLocation().cell(17, "q_knee")
@@ -29,12 +29,12 @@ class SourceLocation:
     file: str = ""
     lines: NDArray[np.int64] | None = None
     headers: Mapping[str, str] = field(default_factory=dict)
-    counted: str = "line"
+    row_name: str = "line"
 
     def row(self, row: int) -> str:
         """Name a row: "row 17" (counted from 0) of an array, "log.csv, line 19" of a file."""
         if self.lines is not None:
-            return f"{self.file}, {self.counted} {self.lines[row]}"
+            return f"{self.file}, {self.row_name} {self.lines[row]}"
         return f"{self.file}, row {row}" if self.file else f"row {row}"
 
     def column(self, column: str) -> str:

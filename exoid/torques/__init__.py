@@ -4,8 +4,8 @@ from .armature import Armature
 from .catalog import DEFAULT_TERMS, TERMS, term_by_name, term_from_json, term_to_json
 from .coulomb import Coulomb
 from .dry_friction import DryFriction
+from .internal_state import InternalState
 from .load_friction import LoadFriction
-from .memory import Memory
 from .model import Regrouped, TorqueModel
 from .motion import JointMotion, Motion
 from .nonlinear import NonlinearParameter, NonlinearSetting, nonlinear_settings, with_settings
@@ -22,9 +22,9 @@ __all__ = [
     "Armature",
     "Coulomb",
     "DryFriction",
+    "InternalState",
     "JointMotion",
     "LoadFriction",
-    "Memory",
     "Motion",
     "NonlinearParameter",
     "NonlinearSetting",

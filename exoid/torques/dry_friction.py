@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .memory import Memory
+from .internal_state import InternalState
 from .motion import JointMotion
 from .nonlinear import NonlinearParameter, number
 from .presliding import Presliding
@@ -58,20 +58,20 @@ class DryFriction(Term):
         return True
 
     @property
-    def shape_symbols(self) -> Mapping[str, tuple[str, str]]:
+    def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
         """Smoothing and presliding."""
         return {"smoothing": ("ws", "rad/s"), "presliding": ("delta", "rad")}
 
     @property
-    def memory(self) -> Memory | None:
+    def internal_state(self) -> InternalState | None:
         """The bend of the contact, if it bends."""
         length = number(self.presliding)
         return Presliding(length) if length > 0.0 else None
 
     def direction(self, motion: JointMotion, out: FloatArray) -> None:
         """Write z, between −1 and 1, zero in the dead band, (N,)."""
-        if motion.memory is not None:
-            out[:] = motion.memory
+        if motion.state is not None:
+            out[:] = motion.state
         elif (smoothing := number(self.smoothing)) > 0.0:
             with np.errstate(over="ignore"):  # a tiny smoothing: tanh of infinity is 1
                 np.tanh(np.divide(motion.v, smoothing, out=out), out=out)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg import Leg
 
-from .model import JointTerm, LegMotion, Regrouped, TorqueModel
+from .model import JointTerm, LoadedMotion, Regrouped, TorqueModel
 from .nonlinear import NonlinearSetting, nonlinear_settings, with_settings
 from .term import Term
 
@@ -90,7 +90,7 @@ class Linearised(TorqueModel):
         return 1
 
     @property
-    def _remembering(self) -> tuple[JointTerm, ...]:
+    def _stateful(self) -> tuple[JointTerm, ...]:
         moved = (block for slope in self.slopes.values() for block in (*slope.above, *slope.below))
         return (*self.blocks, *moved)
 
@@ -98,7 +98,7 @@ class Linearised(TorqueModel):
     def _values(self) -> dict[str, float]:
         return dict(zip(super().names, self.point.tolist(), strict=True))
 
-    def _fill_terms(self, motion: LegMotion, out: FloatArray, names: tuple[str, ...]) -> None:
+    def _fill_terms(self, motion: LoadedMotion, out: FloatArray, names: tuple[str, ...]) -> None:
         """Columns ∂τ/∂β and ∂τ/∂θ, and the torque that they leave over."""
         super()._fill_terms(motion, out, names)
         rest = out[-1]
@@ -116,7 +116,7 @@ class Linearised(TorqueModel):
             rest -= by_load * motion.load
             out[: len(self.leg.parameter_names)] *= 1.0 + by_load
 
-    def _slope_by_load(self, block: JointTerm, motion: LegMotion) -> FloatArray:
+    def _slope_by_load(self, block: JointTerm, motion: LoadedMotion) -> FloatArray:
         """∂τ/∂τ_rb of one term, (N,)."""
         values = np.array([self._values.get(name, 0.0) for name in block.names])
         nudge = NUDGE * float(np.abs(motion.load[block.joint]).max())
@@ -168,7 +168,7 @@ def linearise(
     )
 
 
-def _torque(block: JointTerm, motion: LegMotion, values: FloatArray) -> FloatArray:
+def _torque(block: JointTerm, motion: LoadedMotion, values: FloatArray) -> FloatArray:
     """Torque of one term, (N,)."""
     columns = np.zeros((len(values), motion.q.shape[1]))
     block.term.fill(motion.of(block), columns)

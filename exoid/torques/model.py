@@ -15,7 +15,7 @@ from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.torso import TorsoMotion
 
-from .memory import Memory
+from .internal_state import InternalState
 from .motion import JointMotion, Motion
 from .nonlinear import nonlinear_settings
 from .term import Term
@@ -58,7 +58,7 @@ class JointTerm(NamedTuple):
     names: tuple[str, ...]
 
 
-class LegMotion(NamedTuple):
+class LoadedMotion(NamedTuple):
     """Motion of all joints over some samples, (n, N) each.
 
     Attributes:
@@ -73,11 +73,11 @@ class LegMotion(NamedTuple):
     v: FloatArray
     a: FloatArray
     load: FloatArray
-    states: Mapping[tuple[int, Memory], FloatArray]
+    states: Mapping[tuple[int, InternalState], FloatArray]
 
     def of(self, block: JointTerm) -> JointMotion:
         """Pick what a term may know."""
-        joint, memory = block.joint, block.term.memory
+        joint, memory = block.joint, block.term.internal_state
         state = None if memory is None else self.states[joint, memory]
         return JointMotion(self.q[joint], self.v[joint], self.a[joint], self.load[joint], state)
 
@@ -219,7 +219,7 @@ class TorqueModel:
     def motion(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> Motion:
         """Gather what the columns of a whole recording depend on, hidden states too; arguments as there."""
         q, v, a = self.leg.samples(q, v, a)
-        needed = {(block.joint, block.term.memory) for block in self._remembering}
+        needed = {(block.joint, block.term.internal_state) for block in self._stateful}
         states = {(j, memory): memory.states(q[:, j], v[:, j]) for j, memory in needed if memory is not None}
         return Motion(q, v, a, torso, states)
 
@@ -276,7 +276,7 @@ class TorqueModel:
         return 0
 
     @property
-    def _remembering(self) -> tuple[JointTerm, ...]:
+    def _stateful(self) -> tuple[JointTerm, ...]:
         """Blocks whose hidden states are needed."""
         return self.blocks
 
@@ -290,15 +290,15 @@ class TorqueModel:
             self._fill_terms(self._leg_motion(motion.rows(rows), out[..., rows]), out[..., rows], names)
         return out
 
-    def _leg_motion(self, motion: Motion, columns: FloatArray) -> LegMotion:
+    def _leg_motion(self, motion: Motion, columns: FloatArray) -> LoadedMotion:
         """Samples of a motion with their loads, from the rigid bodies' columns, (p or more, n, N)."""
         load = np.broadcast_to(0.0, motion.q.shape[::-1])
         if self.loaded:
             rigid = self.leg.parameters if self.rigid is None else self.rigid
             load = np.tensordot(rigid, columns[: len(rigid)], axes=1)
-        return LegMotion(motion.q.T, motion.v.T, motion.a.T, load, motion.states)
+        return LoadedMotion(motion.q.T, motion.v.T, motion.a.T, load, motion.states)
 
-    def _fill_terms(self, motion: LegMotion, out: FloatArray, names: tuple[str, ...]) -> None:
+    def _fill_terms(self, motion: LoadedMotion, out: FloatArray, names: tuple[str, ...]) -> None:
         """Write the terms' columns below those of the rigid bodies, (P or more, n, N)."""
         row = len(self.leg.parameter_names)
         for block in self.blocks:

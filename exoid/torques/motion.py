@@ -12,7 +12,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.torso import TorsoMotion
 
-from .memory import Memory
+from .internal_state import InternalState
 
 
 class Motion(NamedTuple):
@@ -30,7 +30,7 @@ class Motion(NamedTuple):
     v: FloatArray
     a: FloatArray
     torso: TorsoMotion | None = None
-    states: Mapping[tuple[int, Memory], FloatArray] = MappingProxyType({})
+    states: Mapping[tuple[int, InternalState], FloatArray] = MappingProxyType({})
 
     def rows(self, rows: slice) -> Motion:
         """Cut some rows out; nothing is copied."""
@@ -47,14 +47,14 @@ class JointMotion(NamedTuple):
         v: Velocity [rad/s], (N,).
         a: Acceleration [rad/s²], (N,).
         load: Rigid-body torque of the model at this joint [N·m], (N,): never the measured one.
-        memory: State that depends on all samples before, of terms that have a memory, (N,).
+        state: State that depends on all samples before, of terms that have a memory, (N,).
     """
 
     q: FloatArray
     v: FloatArray
     a: FloatArray
     load: FloatArray
-    memory: FloatArray | None = None
+    state: FloatArray | None = None
 
 
 def _cut(torso: TorsoMotion, count: int, rows: slice) -> TorsoMotion:

@@ -116,4 +116,4 @@ def _free_settings(term: Term) -> Iterator[tuple[str, str, str, NonlinearParamet
     for field in fields(term):
         value = getattr(term, field.name)
         if isinstance(value, NonlinearParameter):
-            yield (field.name, *term.shape_symbols[field.name], value)
+            yield (field.name, *term.nonlinear_symbols[field.name], value)

@@ -8,11 +8,11 @@ import numpy as np
 
 from exoid._typing import FloatArray
 
-from .memory import Memory
+from .internal_state import InternalState
 
 
 @dataclass(frozen=True)
-class Presliding(Memory):
+class Presliding(InternalState):
     """Rate-independent hysteresis after Dahl: dz/dq = (1 − z sgn(dq)) / δ, between −1 and 1.
 
     z takes the place of sgn(v) in dry friction: after a reversal it goes from one sign to the other over a way of a few

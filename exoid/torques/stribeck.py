@@ -44,9 +44,9 @@ class Stribeck(DryFriction):
         return ("N·m",)
 
     @property
-    def shape_symbols(self) -> Mapping[str, tuple[str, str]]:
+    def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
         """Those of dry friction, and the velocity."""
-        return {**super().shape_symbols, "velocity": ("vs", "rad/s")}
+        return {**super().nonlinear_symbols, "velocity": ("vs", "rad/s")}
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Column exp(−(v / velocity)²) z."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .memory import Memory
+from .internal_state import InternalState
 from .motion import JointMotion
 
 
@@ -57,12 +57,12 @@ class Term(ABC):
         return False
 
     @property
-    def memory(self) -> Memory | None:
+    def internal_state(self) -> InternalState | None:
         """What it remembers of the motion before a sample; None for a term that depends on the sample alone."""
         return None
 
     @property
-    def shape_symbols(self) -> Mapping[str, tuple[str, str]]:
+    def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
         """Symbol and unit of each setting that may be :class:`exoid.torques.NonlinearParameter`, by its field."""
         return {}
 

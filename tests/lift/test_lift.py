@@ -14,7 +14,7 @@ from exoid.lift import Lift, lift
 from exoid.lift.pseudo_inertia import (
     congruence,
     link_parameters,
-    made_possible,
+    make_consistent,
     margins,
     pseudo_inertias,
     upper_factors,
@@ -141,7 +141,7 @@ def test_infeasible_estimates_lift_to_the_optimum_of_the_semidefinite_program(ro
         if lifted.feasible:
             continue
         infeasible += 1
-        optimum = nearest_to_estimate(leg, values, covariance, lifted.heaviest)
+        optimum = nearest_to_estimate(leg, values, covariance, lifted.mass_limits)
         assert lifted.distance == pytest.approx(optimum.value, rel=1e-4, abs=1e-4)
         difference = lifted.values - leg.reduction.parameters(optimum.links)
         assert np.sqrt(difference @ np.linalg.solve(covariance, difference)) < 1e-2 * max(optimum.value, 1.0)
@@ -218,10 +218,10 @@ def rod(inertia):
 def test_links_that_cannot_exist_gain_a_little_extent(inertia):
     leg = rod(inertia)
     own = dynamic_parameters(leg.model)
-    repaired = made_possible(own)
+    repaired = make_consistent(own)
     assert margins(own)[0] < 1e-9 < margins(repaired)[0]
     np.testing.assert_array_equal(repaired[:4], own[:4])
-    np.testing.assert_array_equal(made_possible(repaired), repaired)
+    np.testing.assert_array_equal(make_consistent(repaired), repaired)
     lifted = lift(leg, leg.parameters * [1.0, 1.0, 1.2])
     assert lifted.feasible
     assert_possible(lifted)
@@ -248,7 +248,7 @@ def with_masses(text, factor):
 
 def test_possible_links_are_not_repaired(built_in_leg):
     own = dynamic_parameters(built_in_leg.model)
-    np.testing.assert_array_equal(made_possible(own), own)
+    np.testing.assert_array_equal(make_consistent(own), own)
 
 
 def test_pseudo_inertias_are_pinocchios():

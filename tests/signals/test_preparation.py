@@ -160,7 +160,7 @@ def test_a_preparation_is_found_by_its_name(way):
 @pytest.mark.parametrize("way", WAYS, ids=lambda way: way.name)
 def test_the_share_of_independent_samples_is_the_noise_power_left_by_the_filter(way):
     noise = np.random.default_rng(11).normal(size=(200_000, 1))
-    assert np.var(way.filter(noise, 100.0)) == pytest.approx(way.independence(100.0), rel=0.05)
+    assert np.var(way.filter(noise, 100.0)) == pytest.approx(way.independent_fraction(100.0), rel=0.05)
 
 
 def test_settings_appear_in_the_evidence():

@@ -41,7 +41,7 @@ seeds = st.integers(0, 2**32 - 1)
 def motion_of(term, q=0.0, v=0.0, load=0.0):
     """Motion of one joint, with its hidden state."""
     q, v, load = (np.array(x, dtype=float) for x in np.broadcast_arrays(np.atleast_1d(q), v, load))
-    memory = None if term.memory is None else term.memory.states(q, v)
+    memory = None if term.internal_state is None else term.internal_state.states(q, v)
     return JointMotion(q, v, np.zeros_like(q), load, memory)
 
 

@@ -11,7 +11,7 @@ from .mat import read_mat
 from .npz import read_npz
 from .parquet import read_parquet
 from .rosbag import read_rosbag
-from .table import Table, Wanted
+from .table import ReadOptions, Table
 from .text import read_text_table
 
 MARKS = {
@@ -39,28 +39,28 @@ REFUSED = {
 }
 
 
-def open_table(path: str | os.PathLike[str], wanted: Wanted | None = None) -> Table:
+def open_table(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Table:
     """Open a log of any kind that exoid reads.
 
     Raises:
         ExoidError: The file is missing, damaged, or of no such kind.
     """
-    wanted, file = wanted or Wanted(), os.fsdecode(path)
+    options, file = options or ReadOptions(), os.fsdecode(path)
     kind = kind_of(Path(file), file)
-    if kind != "bag" and (wanted.topic is not None or wanted.stamps != "header"):
+    if kind != "bag" and (options.topic is not None or options.stamps != "header"):
         raise ExoidError("topic and stamps are of bags, which this is not", where=file, remedy="leave them out")
-    if wanted.stamps not in ("header", "received"):
-        raise ExoidError(f"stamps is {wanted.stamps!r}", remedy='pass stamps="header" or stamps="received"')
+    if options.stamps not in ("header", "received"):
+        raise ExoidError(f"stamps is {options.stamps!r}", remedy='pass stamps="header" or stamps="received"')
     if kind in REFUSED:
         what, remedy = REFUSED[kind]
         raise ExoidError(what, where=file, remedy=remedy)
     if kind == "parquet":
         return read_parquet(Path(file), file)
     if kind == "npz":
-        return read_npz(Path(file), file, wanted)
+        return read_npz(Path(file), file, options)
     if kind == "mat":
-        return read_mat(Path(file), file, wanted)
-    return read_rosbag(Path(file), file, wanted) if kind == "bag" else read_text_table(file)
+        return read_mat(Path(file), file, options)
+    return read_rosbag(Path(file), file, options) if kind == "bag" else read_text_table(file)
 
 
 def kind_of(path: Path, file: str) -> str:

@@ -16,7 +16,7 @@ from exoid.errors import ExoidError
 from exoid.signals.source import Source
 
 from .mat_elements import expanded_size, readable_variables
-from .table import ArrayTable, Wanted, reading, refuse_expansion, to_columns
+from .table import ArrayTable, ReadOptions, reading, refuse_expansion, to_columns
 
 REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_names', '-v7')"
 
@@ -24,7 +24,7 @@ DEEPEST = 20
 """Structs in structs, at most."""
 
 
-def read_mat(path: Path, file: str, wanted: Wanted) -> ArrayTable:
+def read_mat(path: Path, file: str, options: ReadOptions) -> ArrayTable:
     """Read numbers and text; other variables are passed over. Rows count from 1, as in MATLAB.
 
     Raises:
@@ -39,7 +39,7 @@ def read_mat(path: Path, file: str, wanted: Wanted) -> ArrayTable:
         variables = {name: value for name, value in content.items() if not name.startswith("__")}
         if len(variables) == 1 and isinstance(only := next(iter(variables.values())), dict):
             variables = only
-        columns = to_columns(_flat(variables, file), file, wanted)
+        columns = to_columns(_flat(variables, file), file, options)
         rows = len(next(iter(columns.values())))
         return ArrayTable(file, Source.of(path), columns, np.arange(1, rows + 1))
 

@@ -9,12 +9,12 @@ import numpy as np
 
 from exoid.signals.source import Source
 
-from .table import ArrayTable, Wanted, reading, refuse_expansion, to_columns
+from .table import ArrayTable, ReadOptions, reading, refuse_expansion, to_columns
 
 REMEDY = "write it with np.savez(path, time=..., q=..., tau=..., joint_names=[...]), all arrays of numbers or text"
 
 
-def read_npz(path: Path, file: str, wanted: Wanted) -> ArrayTable:
+def read_npz(path: Path, file: str, options: ReadOptions) -> ArrayTable:
     """Read an archive of arrays; pickled ones are refused unread, as pickles run what is in them.
 
     Raises:
@@ -25,4 +25,4 @@ def read_npz(path: Path, file: str, wanted: Wanted) -> ArrayTable:
             refuse_expansion(sum(member.file_size for member in archive.infolist()), path, file)
         with np.load(path, allow_pickle=False) as data:
             arrays = {name: np.asarray(data[name]) for name in data.files}
-        return ArrayTable(file, Source.of(path), to_columns(arrays, file, wanted))
+        return ArrayTable(file, Source.of(path), to_columns(arrays, file, options))

@@ -32,7 +32,7 @@ class ParquetTable:
     header: tuple[str, ...]
     length: int
     lines: NDArray[np.int64] | None = None
-    counted: str = "row"
+    row_name: str = "row"
 
     def __len__(self) -> int:
         return self.length

@@ -13,7 +13,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals.source import Source
 
-from .table import ArrayTable, Wanted, needs, reading
+from .table import ArrayTable, ReadOptions, needs, reading
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 
@@ -33,22 +33,22 @@ class _Message(NamedTuple):
     effort: NDArray[np.float64]
 
 
-def read_rosbag(path: Path, file: str, wanted: Wanted) -> ArrayTable:
+def read_rosbag(path: Path, file: str, options: ReadOptions) -> ArrayTable:
     """Read the joint states of one topic: ``time``, ``q_<joint>`` and, where messages have them, ``v_`` and ``tau_``.
 
-    Time counts from the first message. Messages may name their joints in any order; those of none of the wanted joints
-    are passed over. A field that is empty, or NaN throughout, in all messages was not measured. Of what the bag itself
-    says about message types nothing is used.
+    Time starts at the first message. Messages may list their joints in any order. Messages without any requested joint
+    are skipped. A field that is empty or NaN in all messages was not measured. Message definitions stored in the bag
+    are ignored.
 
     Raises:
         ExoidError: rosbags is missing, the bag is damaged, no topic or several fit, or messages disagree on joints.
     """
     with reading(file, "a bag", REMEDY):
-        messages = list(_messages(path, file, wanted))
+        messages = list(_messages(path, file, options))
         if not messages:
             raise ExoidError("no joint states in the topic", where=file, remedy="choose another topic")
-        joints, messages = _common_joints(messages, file, wanted)
-        columns: dict[str, NDArray[Any]] = {"time": _seconds(messages, file, wanted)}
+        joints, messages = _common_joints(messages, file, options)
+        columns: dict[str, NDArray[Any]] = {"time": _seconds(messages, file, options)}
         for symbol, field in FIELDS.items():
             values = _matrix(messages, joints, field, file)
             if values is not None:
@@ -57,7 +57,7 @@ def read_rosbag(path: Path, file: str, wanted: Wanted) -> ArrayTable:
         return ArrayTable(file, Source.of(path), columns, numbers, "message")
 
 
-def _messages(path: Path, file: str, wanted: Wanted) -> Iterator[_Message]:
+def _messages(path: Path, file: str, options: ReadOptions) -> Iterator[_Message]:
     """Go over the joint states of the topic, numbered from 0 within it."""
     try:
         from rosbags import rosbag1, rosbag2  # noqa: PLC0415 - an extra
@@ -68,12 +68,12 @@ def _messages(path: Path, file: str, wanted: Wanted) -> Iterator[_Message]:
     store = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)
     decode = store.deserialize_ros1 if first else store.deserialize_cdr
     with (rosbag1.Reader if first else rosbag2.Reader)(path) as bag:
-        topic = _topic({connection.topic: connection.msgtype for connection in bag.connections}, file, wanted.topic)
+        topic = _topic({connection.topic: connection.msgtype for connection in bag.connections}, file, options.topic)
         chosen = [connection for connection in bag.connections if connection.topic == topic]
         for number, (_, received, raw) in enumerate(bag.messages(connections=chosen)):
             state: Any = decode(raw, JOINT_STATE)
             stamp = state.header.stamp
-            since = received if wanted.stamps == "received" else int(stamp.sec) * 10**9 + int(stamp.nanosec)
+            since = received if options.stamps == "received" else int(stamp.sec) * 10**9 + int(stamp.nanosec)
             fields = (np.array(getattr(state, field), dtype=np.float64) for field in FIELDS.values())
             yield _Message(number, since, tuple(state.name), *fields)
 
@@ -93,7 +93,7 @@ def _topic(kinds: Mapping[str, str], file: str, asked: str | None) -> str:
     return asked if asked is not None else fit[0]
 
 
-def _common_joints(messages: list[_Message], file: str, wanted: Wanted) -> tuple[tuple[str, ...], list[_Message]]:
+def _common_joints(messages: list[_Message], file: str, options: ReadOptions) -> tuple[tuple[str, ...], list[_Message]]:
     """Joints to read, and the messages that have them."""
     layouts = {message.joints: message.number for message in messages}
     for joints, number in layouts.items():
@@ -103,7 +103,7 @@ def _common_joints(messages: list[_Message], file: str, wanted: Wanted) -> tuple
                 where=f"{file}, message {number}",
                 remedy="mend the publisher",
             )
-    if wanted.joint_names is None:
+    if options.joint_names is None:
         if len({frozenset(joints) for joints in layouts}) > 1:
             found = "; ".join(", ".join(joints) for joints in layouts)
             raise ExoidError(
@@ -111,7 +111,7 @@ def _common_joints(messages: list[_Message], file: str, wanted: Wanted) -> tuple
             )
         return messages[0].joints, messages
     every = dict.fromkeys(joint for joints in layouts for joint in joints)
-    asked = {wanted.columns.get(f"q_{joint}", f"q_{joint}")[2:] for joint in wanted.joint_names}
+    asked = {options.columns.get(f"q_{joint}", f"q_{joint}")[2:] for joint in options.joint_names}
     joints = tuple(joint for joint in every if joint in asked) or tuple(every)
     kept = [message for message in messages if not set(joints).isdisjoint(message.joints)]
     for message in kept:
@@ -125,10 +125,10 @@ def _common_joints(messages: list[_Message], file: str, wanted: Wanted) -> tuple
     return joints, kept
 
 
-def _seconds(messages: Sequence[_Message], file: str, wanted: Wanted) -> FloatArray:
+def _seconds(messages: Sequence[_Message], file: str, options: ReadOptions) -> FloatArray:
     """Time since the first message [s]."""
     stamps = np.array([message.stamp for message in messages], dtype=np.int64)
-    if wanted.stamps == "header" and not stamps.any():
+    if options.stamps == "header" and not stamps.any():
         raise ExoidError(
             "the headers have no time stamps",
             where=file,

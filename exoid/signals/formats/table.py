@@ -25,11 +25,11 @@ MOST_EXPANSION = 200
 
 
 @dataclass(frozen=True)
-class Wanted:
+class ReadOptions:
     """What the caller asks of a file, where its format needs to know before it can be read.
 
     Attributes:
-        joint_names: Joints wanted, or None for those in the file.
+        joint_names: Joints to read, or None for those in the file.
         columns: The file's name for exoid's column name, where they differ.
         topic: Topic of a bag; None for the only one that fits.
         stamps: Which time a message of a bag counts at: that in its header, or when the bag received it.
@@ -65,7 +65,7 @@ class Table(Protocol):
         ...
 
     @property
-    def counted(self) -> str:
+    def row_name(self) -> str:
         """What a row is called: "line", "row" or "message"."""
         ...
 
@@ -92,7 +92,7 @@ class ArrayTable:
     source: Source
     columns: Mapping[str, NDArray[Any]]
     lines: NDArray[np.int64] | None = None
-    counted: str = "row"
+    row_name: str = "row"
 
     @property
     def header(self) -> tuple[str, ...]:
@@ -125,7 +125,7 @@ def as_column(values: NDArray[Any], where: str) -> FloatArray:
     return np.asarray(values, dtype=np.float64)
 
 
-def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, wanted: Wanted) -> dict[str, NDArray[Any]]:
+def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, options: ReadOptions) -> dict[str, NDArray[Any]]:
     """Spread arrays of (samples,) and (samples, joints) over named columns; the length of ``time`` tells samples.
 
     A matrix q of the joints named in the file, or else by the caller, gives ``q_<joint>``; any other gives
@@ -134,7 +134,7 @@ def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, wanted: Wanted) ->
     Raises:
         ExoidError: There is no time, or joint names do not fit the matrices.
     """
-    time = wanted.columns.get("time", "time")
+    time = options.columns.get("time", "time")
     if time not in arrays:
         exists = ", ".join(f"{name} {values.shape}" for name, values in list(arrays.items())[:20]) or "nothing"
         raise ExoidError(
@@ -151,7 +151,7 @@ def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, wanted: Wanted) ->
         matrix = None if name in (time, "joint_names") else _samples_first(values, samples)
         if matrix is None:
             continue
-        labels = _labels(name, matrix.shape[1], named, wanted.joint_names, file)
+        labels = _labels(name, matrix.shape[1], named, options.joint_names, file)
         columns.update(zip(labels, matrix.T, strict=True))
     return columns
 

@@ -41,7 +41,7 @@ class TextTable:
     delimiter: str
 
     @property
-    def counted(self) -> str:
+    def row_name(self) -> str:
         """What rows are called in messages."""
         return "line"
 
@@ -61,14 +61,14 @@ class TextTable:
             ExoidError: A row is ragged or a cell is empty or not a number; names line and column.
         """
         self._refuse_ragged()
-        wanted = [self.header.index(column) for column in columns]
+        places = [self.header.index(column) for column in columns]
         quote = '"' if any('"' in row for row in self.rows) else None
         try:
             table = np.loadtxt(
-                self.rows, delimiter=self.delimiter, usecols=wanted, ndmin=2, comments=None, quotechar=quote
+                self.rows, delimiter=self.delimiter, usecols=places, ndmin=2, comments=None, quotechar=quote
             )
         except ValueError as problem:
-            raise self._bad_cell(wanted, problem) from None
+            raise self._bad_cell(places, problem) from None
         if len(table) != len(self.rows):
             raise ExoidError("a quotation mark opens and does not close", where=self.file, remedy="remove the quotes")
         return np.asarray(table, dtype=np.float64)
@@ -84,11 +84,11 @@ class TextTable:
                     remedy="mend or drop that row (decimal commas split cells: write 0.5, not 0,5)",
                 )
 
-    def _bad_cell(self, wanted: Sequence[int], problem: ValueError) -> ExoidError:
+    def _bad_cell(self, places: Sequence[int], problem: ValueError) -> ExoidError:
         """Find the cell that is not a number, once the fast reader has failed."""
         for line, row in zip(self.lines, self.rows, strict=True):
             cells = _cells(row, self.delimiter, f"{self.file}, line {line}")
-            for column in wanted:
+            for column in places:
                 cell = cells[column] if column < len(cells) else ""
                 if _is_number(cell):
                     continue

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from exoid._typing import FloatArray
 
 
-class Memory(ABC):
+class InternalState(ABC):
     """A hidden state of a joint, computed over a whole recording in time order.
 
     Memories are values: terms at one joint whose memories are equal share one state.
