@@ -67,7 +67,7 @@ class Export:
         lines = [f"{self.urdf}: inertia of {', '.join(self.changed_links)}; friction and damping where identified"]
         only = ", ".join(self.only_in_sidecar) or "how friction is smoothed, and where all this comes from"
         lines.append(f"{self.sidecar}: what a URDF has no place for: {only}")
-        lines += [f"note: {regrouped}, also in the URDF" for regrouped in self.estimate.regrouped]
+        lines += [f"note: {regrouped} (also in the URDF)" for regrouped in self.estimate.regrouped]
         if self.not_dissipative:
             names = ", ".join(self.not_dissipative)
             lines.append(f"note: {names} below zero would feed energy in: 0 in the URDF, as estimated in the sidecar")

@@ -1,4 +1,4 @@
-"""What acts on a joint besides rigid-body dynamics, and the model that puts both together."""
+"""Joint torques besides rigid-body dynamics (friction, springs, rotors, offsets), and the torque model of a leg."""
 
 from .armature import Armature
 from .catalog import DEFAULT_TERMS, TERMS, term_by_name, term_from_json, term_to_json
@@ -6,11 +6,12 @@ from .coulomb import Coulomb
 from .dry_friction import DryFriction
 from .internal_state import InternalState
 from .load_friction import LoadFriction
-from .model import Regrouped, TorqueModel
+from .model import TorqueModel
 from .motion import JointMotion, Motion
 from .nonlinear import NonlinearParameter, NonlinearSetting, nonlinear_settings, with_settings
 from .offset import Offset
 from .presliding import Presliding
+from .regrouping import Regrouped
 from .stiffness import Stiffness
 from .stribeck import Stribeck
 from .term import Term

@@ -1,4 +1,4 @@
-"""Rotors behind their gears."""
+"""Rotor inertia reflected through the gear."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from .term import Term
 
 @dataclass(frozen=True, kw_only=True)
 class Armature(Term):
-    """Rotor inertia reflected to the joint, τ = Ia a, where torque is computed on the motor's side of the gear.
+    """Rotor inertia reflected to the joint (armature), τ = Ia a, for torque computed on the motor's side of the gear.
 
-    At the first joint of a planar leg it cannot be told from J1 and becomes part of it; at the others it is a parameter
-    of its own. Where torque is measured behind the gear it is zero.
+    At the first joint of a planar leg it is regrouped into J1. At the other joints it is a separate parameter. It is
+    zero where torque is measured behind the gear.
     """
 
     @property
     def symbols(self) -> tuple[str, ...]:
-        """Return Ia."""
+        """Symbol Ia."""
         return ("Ia",)
 
     @property
@@ -30,9 +30,14 @@ class Armature(Term):
 
     @property
     def nonnegative(self) -> tuple[str, ...]:
-        """Return Ia."""
+        """Symbol Ia."""
         return ("Ia",)
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Column a."""
+        """Write the column a.
+
+        Args:
+            motion: Motion of the joint, N samples.
+            out: Receives the columns, (1, N).
+        """
         out[0] = motion.a

@@ -29,12 +29,18 @@ TERMS: Mapping[str, type[Term]] = {
 }
 
 DEFAULT_TERMS: tuple[Term, ...] = (Coulomb(), Viscous(), Armature(), Offset())
-"""What a leg is assumed to have where the caller does not say: leaving out an effect that exists costs far more
-accuracy than including one that does not."""
+"""Terms of a leg if the caller gives none. Leaving out an effect that exists costs far more accuracy than including one
+that does not."""
 
 
 def term_by_name(name: str) -> Term:
     """Make a term with its default settings.
+
+    Args:
+        name: Name of the term, a key of :data:`TERMS`.
+
+    Returns:
+        The term.
 
     Raises:
         ExoidError: There is no such term.
@@ -46,6 +52,12 @@ def term_by_name(name: str) -> Term:
 
 def term_to_json(term: Term) -> dict[str, Any]:
     """Describe a term by its name and settings.
+
+    Args:
+        term: The term.
+
+    Returns:
+        Name under "term", and the settings.
 
     Raises:
         ExoidError: The term is not one of :data:`TERMS`.
@@ -59,8 +71,14 @@ def term_to_json(term: Term) -> dict[str, Any]:
 def term_from_json(data: Mapping[str, Any]) -> Term:
     """Make a term from its description.
 
+    Args:
+        data: Description that :func:`term_to_json` wrote.
+
+    Returns:
+        The term.
+
     Raises:
-        ExoidError: The description is of no known term.
+        ExoidError: The term or one of its settings is unknown.
     """
     try:
         return TERMS[data["term"]](**{key: _setting(value) for key, value in data.items() if key != "term"})

@@ -1,4 +1,4 @@
-"""Kinetic friction of constant size."""
+"""Coulomb friction."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ class Coulomb(DryFriction):
     """Coulomb friction τ = c0 z, z = tanh(v / smoothing) (doc. 1, eqs. (34)-(35), with the opposite sign).
 
     Attributes:
-        asymmetric: Whether it has a size for each direction, τ = c0p max(z, 0) + c0n min(z, 0). Half the difference is
-            nearly the same as an offset of the torque sensor: leave :class:`Offset` out then.
+        asymmetric: Whether each direction has a coefficient, τ = c0p max(z, 0) + c0n min(z, 0). Half the difference is
+            nearly equivalent to an offset of the torque sensor: leave :class:`Offset` out then.
     """
 
     asymmetric: bool = False
 
     @property
     def symbols(self) -> tuple[str, ...]:
-        """Return c0, or c0p forwards and c0n backwards."""
+        """Symbol c0, or c0p forwards and c0n backwards."""
         return ("c0p", "c0n") if self.asymmetric else ("c0",)
 
     @property
@@ -35,11 +35,16 @@ class Coulomb(DryFriction):
 
     @property
     def nonnegative(self) -> tuple[str, ...]:
-        """Return all of them."""
+        """All symbols."""
         return self.symbols
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Column z, or its positive and its negative part."""
+        """Write the column z, or its positive and its negative part.
+
+        Args:
+            motion: Motion of the joint, N samples.
+            out: Receives the columns, (1 or 2, N).
+        """
         self.direction(motion, out[0])
         if self.asymmetric:
             np.minimum(out[0], 0.0, out=out[1])

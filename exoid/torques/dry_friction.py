@@ -1,4 +1,4 @@
-"""What all friction between solids has in common: it changes sign with the direction of motion."""
+"""Dry friction, which changes sign with the direction of motion."""
 
 from __future__ import annotations
 
@@ -20,14 +20,17 @@ from .term import Term
 
 @dataclass(frozen=True, kw_only=True)
 class DryFriction(Term):
-    """A size times the direction z of motion: sgn(v), tanh(v / smoothing), or a state that bends before it slides.
+    """Friction proportional to the direction z of motion: sgn(v), tanh(v / smoothing), or a presliding state.
 
     Attributes:
         smoothing: Velocity over which the sign changes [rad/s]; 0 for a sharp sign.
-        presliding: Angle over which the contact bends after a reversal, δ of :class:`exoid.torques.Presliding` [rad],
-            about 1 mrad in gears; it then takes the place of the smoothing. 0 for none.
-        dead_band: Samples at or below this speed [rad/s] say nothing on friction and are left out of the fit, as in
-            doc. 1, sec. III-G; the columns are zero there.
+        presliding: Presliding length δ of :class:`exoid.torques.Presliding` [rad], about 1 mrad in gears; it replaces
+            the smoothing. 0 for none.
+        dead_band: Speed up to which samples are left out of the fit [rad/s], as in doc. 1, sec. III-G; the columns are
+            zero there.
+
+    Raises:
+        ExoidError: A setting is negative or not finite, or smoothing is nonlinear beside presliding.
     """
 
     smoothing: float | NonlinearParameter = 0.02
@@ -35,7 +38,7 @@ class DryFriction(Term):
     dead_band: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check that all settings make sense."""
+        """Check the settings."""
         for name, unit in (("smoothing", "a velocity in rad/s"), ("presliding", "an angle in rad")):
             value = getattr(self, name)
             if not isinstance(value, NonlinearParameter) and not 0.0 <= value < np.inf:
@@ -48,28 +51,36 @@ class DryFriction(Term):
             )
         if isinstance(self.smoothing, NonlinearParameter) and self.presliding != 0.0:
             raise ExoidError(
-                f"{type(self).__name__} has a free smoothing, of which presliding takes the place",
+                f"{type(self).__name__} has a nonlinear smoothing, which presliding replaces",
                 remedy="leave out one of the two",
             )
 
     @property
     def friction(self) -> bool:
-        """It is."""
+        """True."""
         return True
 
     @property
     def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
-        """Smoothing and presliding."""
+        """Symbols ws of the smoothing and delta of presliding."""
         return {"smoothing": ("ws", "rad/s"), "presliding": ("delta", "rad")}
 
     @property
     def internal_state(self) -> InternalState | None:
-        """The bend of the contact, if it bends."""
+        """Presliding state; None without presliding."""
         length = number(self.presliding)
         return Presliding(length) if length > 0.0 else None
 
     def direction(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write z, between −1 and 1, zero in the dead band, (N,)."""
+        """Write the direction z, between −1 and 1, zero in the dead band.
+
+        Args:
+            motion: Motion of the joint, N samples.
+            out: Receives z, (N,).
+
+        Raises:
+            ExoidError: A setting is a :class:`NonlinearParameter`.
+        """
         if motion.state is not None:
             out[:] = motion.state
         elif (smoothing := number(self.smoothing)) > 0.0:
@@ -81,5 +92,12 @@ class DryFriction(Term):
             out[~self.usable(motion.v)] = 0.0
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
-        """Outside the dead band."""
+        """Select the samples outside the dead band.
+
+        Args:
+            v: Velocity of the joint [rad/s], (N,).
+
+        Returns:
+            Whether each sample is outside, (N,).
+        """
         return np.asarray(np.abs(v) > self.dead_band) if self.dead_band > 0.0 else super().usable(v)

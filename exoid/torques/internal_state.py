@@ -1,4 +1,4 @@
-"""States of a joint that depend on its whole motion before."""
+"""Internal states of a joint, which depend on all of its motion before."""
 
 from __future__ import annotations
 
@@ -8,16 +8,19 @@ from exoid._typing import FloatArray
 
 
 class InternalState(ABC):
-    """A hidden state of a joint, computed over a whole recording in time order.
+    """Internal state of a joint, computed over a whole recording in time order.
 
-    Memories are values: terms at one joint whose memories are equal share one state.
+    Equal objects are one state: terms of a joint share it.
     """
 
     @abstractmethod
     def states(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """State at each sample, (N,).
+        """Compute the state at each sample.
 
         Args:
-            q: Angle [rad], (N,), in time order.
-            v: Velocity [rad/s], (N,).
+            q: Angle of the joint [rad], (N,), in time order.
+            v: Velocity of the joint [rad/s], (N,).
+
+        Returns:
+            State at each sample, (N,).
         """

@@ -1,4 +1,4 @@
-"""The zero of a torque sensor."""
+"""Offset of a torque sensor."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from .term import Term
 
 @dataclass(frozen=True, kw_only=True)
 class Offset(Term):
-    """Constant torque τ = offset: a sensor's zero, or friction that differs between the two directions."""
+    """Constant torque τ = offset: the zero of a torque sensor, or friction that differs between the directions."""
 
     @property
     def symbols(self) -> tuple[str, ...]:
-        """Return offset."""
+        """Symbol offset."""
         return ("offset",)
 
     @property
@@ -25,5 +25,10 @@ class Offset(Term):
         return ("N·m",)
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Column of ones."""
+        """Write a column of ones.
+
+        Args:
+            motion: Motion of the joint, N samples.
+            out: Receives the columns, (1, N).
+        """
         out[0] = 1.0

@@ -1,4 +1,4 @@
-"""Springs, hoses and straps: a torque that depends on the angle."""
+"""Stiffness of springs, hoses and straps: a torque that depends on the angle."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from .term import Term
 class Stiffness(Term):
     """Polynomial stiffness τ = b2 q² + b1 q + b0 (doc. 1, eqs. (21), (26), with the opposite sign).
 
-    b1 > 0 pulls the joint back to zero. b0 is the same as an offset of the torque sensor: use only one of the two.
+    b1 > 0 pulls the joint back to zero. b0 is equivalent to an offset of the torque sensor: use only one of them.
 
     Attributes:
-        degree: Of the polynomial.
+        degree: Degree of the polynomial, 0 to 8.
     """
 
     degree: int = 2
@@ -30,7 +30,7 @@ class Stiffness(Term):
 
     @property
     def symbols(self) -> tuple[str, ...]:
-        """Return b2, b1, b0."""
+        """Symbols b2, b1, b0 for degree 2."""
         return tuple(f"b{power}" for power in range(self.degree, -1, -1))
 
     @property
@@ -40,7 +40,12 @@ class Stiffness(Term):
         return tuple(units.get(power, f"N·m/rad^{power}") for power in range(self.degree, -1, -1))
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Columns q^degree, …, q, 1."""
+        """Write the columns q^degree, …, q, 1.
+
+        Args:
+            motion: Motion of the joint, N samples.
+            out: Receives the columns, (degree + 1, N).
+        """
         out[-1] = 1.0
         for k in range(self.degree - 1, -1, -1):
             out[k] = out[k + 1] * motion.q

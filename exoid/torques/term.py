@@ -1,4 +1,4 @@
-"""What acts on a joint besides rigid-body dynamics: a sum of columns times parameters."""
+"""Base class of the torques that act on a joint besides rigid-body dynamics: columns times parameters."""
 
 from __future__ import annotations
 
@@ -18,15 +18,31 @@ from .motion import JointMotion
 
 @dataclass(frozen=True, kw_only=True)
 class Term(ABC):
-    """A resistance of a joint: τ (actuator) = RNEA(q, v, a) + Σ columns · parameters.
+    """Resistance of a joint: τ (actuator) = RNEA(q, v, a) + Σ columns · parameters.
 
-    With this sign every dissipative friction and every restoring spring has positive parameters. (Doc. 1, eq. (13),
-    counts torques acting on the joint instead, so its B and C have the opposite sign.)
+    With this sign every dissipative friction and every restoring spring has positive parameters. Doc. 1, eq. (13), uses
+    torques that act on the joint instead, so its B and C have the opposite sign.
 
-    A term is the same at every joint it acts on, with parameters of its own at each: parameter ``symbol_joint``.
+    A term has the same form at every joint it acts on, and separate parameters ``symbol_joint``.
 
     Attributes:
         joints: Names (or labels) of the joints it acts on; None for all.
+
+    Example:
+        >>> class Quadratic(Term):
+        ...     @property
+        ...     def symbols(self):
+        ...         return ("c2",)
+        ...
+        ...     @property
+        ...     def units(self):
+        ...         return ("N·m·s²/rad²",)
+        ...
+        ...     def fill(self, motion, out):
+        ...         out[0] = motion.v * np.abs(motion.v)
+        >>> from exoid.torques import TorqueModel
+        >>> TorqueModel(exoid.load_leg("cuhk"), (Quadratic(joints=("knee",)),)).names[-1]
+        'c2_knee'
     """
 
     joints: tuple[str, ...] | None = None
@@ -43,27 +59,27 @@ class Term(ABC):
 
     @property
     def nonnegative(self) -> tuple[str, ...]:
-        """Symbols of parameters that cannot be negative in nature."""
+        """Symbols of the parameters that cannot be negative in nature."""
         return ()
 
     @property
     def friction(self) -> bool:
-        """Whether it is friction, which takes energy out of the motion: what figures draw over velocity."""
+        """Whether it is friction, which dissipates energy; figures show it over velocity."""
         return False
 
     @property
     def loaded(self) -> bool:
-        """Whether it depends on the rigid-body torque of its joint, so that the model is no longer linear."""
+        """Whether it depends on the rigid-body torque of its joint, which makes the model nonlinear."""
         return False
 
     @property
     def internal_state(self) -> InternalState | None:
-        """What it remembers of the motion before a sample; None for a term that depends on the sample alone."""
+        """Internal state, which depends on the motion before a sample; None for a term without memory."""
         return None
 
     @property
     def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
-        """Symbol and unit of each setting that may be :class:`exoid.torques.NonlinearParameter`, by its field."""
+        """Symbol and unit of each field that may be an :class:`exoid.torques.NonlinearParameter`."""
         return {}
 
     @abstractmethod
@@ -71,16 +87,30 @@ class Term(ABC):
         """Write the columns of one joint.
 
         Args:
-            motion: Of the joint, N samples.
+            motion: Motion of the joint, N samples.
             out: Receives torque per unit parameter, (number of symbols, N).
         """
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
-        """Say which samples the term can be identified from, given the velocity [rad/s] of one joint, (N,)."""
+        """Select the samples from which the term can be identified.
+
+        Args:
+            v: Velocity of the joint [rad/s], (N,).
+
+        Returns:
+            Whether each sample is usable, (N,).
+        """
         return np.ones(len(v), dtype=np.bool_)
 
     def joint_indices(self, names: Sequence[str], labels: Sequence[str]) -> tuple[int, ...]:
         """Find the joints it acts on among those of a leg.
+
+        Args:
+            names: Joints of the leg, (n,).
+            labels: Joint names as they occur in parameter names, (n,).
+
+        Returns:
+            Indices of the joints, in ascending order.
 
         Raises:
             ExoidError: A joint is missing.

@@ -1,4 +1,4 @@
-"""Friction proportional to velocity."""
+"""Viscous friction."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ class Viscous(Term):
     """Viscous friction τ = d v; d > 0 dissipates.
 
     Attributes:
-        asymmetric: Whether it has a coefficient for each direction, τ = dp max(v, 0) + dn min(v, 0).
+        asymmetric: Whether each direction has a coefficient, τ = dp max(v, 0) + dn min(v, 0).
     """
 
     asymmetric: bool = False
 
     @property
     def friction(self) -> bool:
-        """It is."""
+        """True."""
         return True
 
     @property
     def symbols(self) -> tuple[str, ...]:
-        """Return d, or dp forwards and dn backwards."""
+        """Symbol d, or dp forwards and dn backwards."""
         return ("dp", "dn") if self.asymmetric else ("d",)
 
     @property
@@ -39,11 +39,16 @@ class Viscous(Term):
 
     @property
     def nonnegative(self) -> tuple[str, ...]:
-        """Return all of them."""
+        """All symbols."""
         return self.symbols
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Column v, or its positive and its negative part."""
+        """Write the column v, or its positive and its negative part.
+
+        Args:
+            motion: Motion of the joint, N samples.
+            out: Receives the columns, (1 or 2, N).
+        """
         if self.asymmetric:
             np.maximum(motion.v, 0.0, out=out[0])
             np.minimum(motion.v, 0.0, out=out[1])

@@ -223,7 +223,7 @@ def test_friction_survives_a_round_trip_through_json(first, second, band, yes):
         (lambda: NonlinearParameter(0.1, 0.0, 1.0), "0 < lower ≤ start ≤ upper"),
         (lambda: NonlinearParameter(0.1, 0.1, np.inf), "0 < lower ≤ start ≤ upper"),
         (lambda: term_from_json({"term": "stribeck", "velocity": {"start": 1.0}}), "terms are"),
-        (lambda: TorqueModel(exoid.load_leg("cuhk"), (Stribeck(velocity=VS),)), "still to be found: vs_hip, vs_knee"),
+        (lambda: TorqueModel(exoid.load_leg("cuhk"), (Stribeck(velocity=VS),)), "no value yet: vs_hip, vs_knee"),
         (lambda: columns(Stribeck(velocity=VS)), "not yet a number"),
     ],
 )
@@ -235,7 +235,11 @@ def test_a_setting_that_makes_no_sense_is_refused(make, what):
 def test_one_quantity_of_a_joint_is_one_setting():
     names, labels = ("left_hip", "left_knee"), ("hip", "knee")
     terms = (Coulomb(presliding=DELTA), Offset(), Stribeck(presliding=DELTA, velocity=VS, joints=("knee",)))
-    assert [shape.name for shape in nonlinear_settings(terms, names, labels)] == ["delta_hip", "delta_knee", "vs_knee"]
+    assert [setting.name for setting in nonlinear_settings(terms, names, labels)] == [
+        "delta_hip",
+        "delta_knee",
+        "vs_knee",
+    ]
     settled = with_settings(terms, names, labels, {"delta_hip": 1e-3, "delta_knee": 2e-3, "vs_knee": 0.3})
     assert settled == (
         Coulomb(joints=("left_hip",), presliding=1e-3),
