@@ -1,4 +1,4 @@
-"""Signals: logs become arrays that can be trusted, and arrays become kinematics."""
+"""Signals: recordings, log files, checks, filters and derivatives."""
 
 from .cluster import Cluster
 from .cutoff import choose_cutoff

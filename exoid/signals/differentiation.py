@@ -1,4 +1,4 @@
-"""Finite differences along the first axis, and the kinematics they give."""
+"""Finite differences along the first axis."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ class Stencil(NamedTuple):
     """Weights of a finite difference.
 
     Attributes:
-        centre: Weights of the samples around the one in question, (2 m + 1,).
-        ends: One-sided weights for the first m samples, (m, w), on the first w samples of the record.
+        centre: Weights of a sample and its m neighbours on each side, (2 m + 1,).
+        ends: One-sided weights of the first w samples for the derivative at the first m samples, (m, w).
     """
 
     centre: FloatArray
@@ -38,13 +38,13 @@ SECOND: dict[Accuracy, Stencil] = {
 
 
 class Kinematics(NamedTuple):
-    """Angles, velocities and accelerations, and which rows of them to trust.
+    """Angles, velocities and accelerations of a recording.
 
     Attributes:
         q: Angles [rad], (N, n).
         v: Velocities [rad/s], (N, n).
         a: Accelerations [rad/s²], (N, n).
-        valid: Rows not spoiled by the ends of the record.
+        valid: Rows that are not affected by the ends of the record.
     """
 
     q: FloatArray
@@ -52,15 +52,20 @@ class Kinematics(NamedTuple):
     a: FloatArray
     valid: slice
 
+    def __repr__(self) -> str:
+        """Write the size in one line."""
+        samples, joints = self.q.shape
+        return f"Kinematics({samples} samples, {joints} joints, valid: {self.valid.start} to {self.valid.stop})"
+
 
 def central_difference(x: FloatArray, rate: float, accuracy: Accuracy = 2) -> FloatArray:
-    """First derivative by central differences (doc. 1, sec. III-B), one-sided at the ends.
+    """Compute the first derivative by central differences (doc. 1, sec. III-B), one-sided at the ends.
 
     ẋ_k = (x_{k+1} − x_{k−1})·rate/2 + O(dt²), or over five points + O(dt⁴). On a sine of ω the relative
     error is (ω dt)²/6 or (ω dt)⁴/30.
 
     Args:
-        x: Samples, (N, ...), in any unit u.
+        x: Samples [u], (N, ...).
         rate: Sampling rate [Hz].
         accuracy: Order of the error in dt.
 
@@ -74,13 +79,13 @@ def central_difference(x: FloatArray, rate: float, accuracy: Accuracy = 2) -> Fl
 
 
 def second_difference(x: FloatArray, rate: float, accuracy: Accuracy = 2) -> FloatArray:
-    """Second derivative by central differences (doc. 1, sec. III-B), one-sided at the ends.
+    """Compute the second derivative by central differences (doc. 1, sec. III-B), one-sided at the ends.
 
     ẍ_k = (x_{k+1} − 2 x_k + x_{k−1})·rate² + O(dt²), or over five points + O(dt⁴). On a sine of ω the
     relative error is (ω dt)²/12 or (ω dt)⁴/90.
 
     Args:
-        x: Samples, (N, ...), in any unit u.
+        x: Samples [u], (N, ...).
         rate: Sampling rate [Hz].
         accuracy: Order of the error in dt.
 
@@ -94,7 +99,7 @@ def second_difference(x: FloatArray, rate: float, accuracy: Accuracy = 2) -> Flo
 
 
 def _apply(stencil: Stencil, x: FloatArray) -> FloatArray:
-    """Weigh the neighbours of each sample; the far end is the near end in a mirror."""
+    """Apply a stencil to each sample; the weights at the far end are those of the near end reversed."""
     margin, width = len(stencil.ends), stencil.ends.shape[1]
     samples = len(x)
     if samples < max(width, 2 * margin + 1):

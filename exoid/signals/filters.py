@@ -1,4 +1,4 @@
-"""Low-pass filters: without delay (forward and backward), and the causal one of doc. 2."""
+"""Low-pass filters: zero-phase (forward and backward), and the causal moving average of doc. 2."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 BLOCK_BYTES = 2**19
-"""Signals are filtered in blocks of about this size, but never less than one, so that temporaries stay small."""
+"""Signals are filtered in blocks of about this size, of one signal at least, which keeps temporaries small."""
 TOLERANCE = 1e-3
-"""Part of a sample's acceleration that the end of the record may spoil; see `edge_length`."""
+"""Relative error of an acceleration that the end of the record may cause; see `edge_length`."""
 ROUNDING = 1e-15
-"""The same part where a record is cut into stretches: below what the filter's own rounding leaves."""
+"""The same error where a record is filtered in segments: below the rounding error of the filter."""
 
 
 def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
-    """Low-pass columns forwards and backwards: no delay, and 1/√2 of the amplitude left at ``cutoff``.
+    """Low-pass columns forwards and backwards, without delay and with a gain of 1/√2 at ``cutoff``.
 
     A Butterworth filter of order ``order`` runs over the data twice, so the whole has order 2·``order`` and
     the gain |H|² = 1 / (1 + (Ω/Ω_d)^(2·order)), Ω = tan(π f / rate). For |H|² = 1/√2 at ``cutoff`` each
@@ -27,8 +27,8 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Flo
 
         tan(π f_d / rate) = tan(π cutoff / rate) / (√2 − 1)^(1 / (2·order)).
 
-    Beyond its ends the record is continued by point reflection over `edge_length` samples. The filter is
-    linear: passed over both sides of an equation it keeps the equation true.
+    The record is extended beyond its ends by point reflection over `edge_length` samples. The filter is linear: an
+    equation still holds after both of its sides are filtered.
 
     Args:
         x: Signals in any unit, (N, ...); filtered along the first axis.
@@ -40,8 +40,8 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Flo
         Filtered signals, of the shape of ``x``.
 
     Raises:
-        ExoidError: The cut-off is not between 0 and half the rate, or the record is shorter than the
-            stretch that its end spoils.
+        ExoidError: The cut-off is not between 0 and half the rate, or the record is not longer than
+            `edge_length` samples.
     """
     sections = scipy.signal.butter(order, _design_frequency(rate, cutoff, order), fs=rate, output="sos")
     pad = edge_length(rate, cutoff, order)
@@ -62,14 +62,14 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Flo
 
 
 def _reflected(signals: FloatArray, pad: int) -> FloatArray:
-    """Continue signals (K, N) beyond their ends by point reflection."""
+    """Extend signals (K, N) beyond their ends by point reflection."""
     head = 2.0 * signals[:, :1] - signals[:, pad:0:-1]
     tail = 2.0 * signals[:, -1:] - signals[:, -2 : -pad - 2 : -1]
     return np.concatenate([head, signals, tail], axis=1)
 
 
 def _forth_and_back(sections: FloatArray, start: FloatArray, signals: FloatArray) -> FloatArray:
-    """Filter along the last axis, each pass from the state in which a constant leaves the filter."""
+    """Filter along the last axis; each pass starts in the steady state of its first value."""
     for _ in range(2):
         state = start * signals[:, 0, np.newaxis]
         signals = scipy.signal.sosfilt(sections, signals, zi=state)[0][:, ::-1]
@@ -77,21 +77,24 @@ def _forth_and_back(sections: FloatArray, start: FloatArray, signals: FloatArray
 
 
 def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = TOLERANCE) -> int:
-    """Return how many samples at each end of a record `zero_phase` spoils.
+    """Count the samples at each end of a record that `zero_phase` distorts.
 
-    Beyond the end the filter sees a point reflection, which has the right value and slope but curvature
-    −ẍ for +ẍ: m samples inside, a share 2·|Σ_{k>m} h_k| of the acceleration is missing, h the impulse
-    response of both passes. With the poles p_i of one pass, h_k = Σ c_i p_i^(k−1) for k ≥ 1, so
+    The point reflection beyond the end has the right value and slope, but curvature −ẍ instead of +ẍ. At m samples from
+    the end the relative error of the acceleration is 2·|Σ_{k>m} h_k|, with h the impulse response of both passes. With
+    the poles p_i of one pass, h_k = Σ c_i p_i^(k−1) for k ≥ 1, so
 
         2·|Σ_{k>m} h_k| ≤ 2·r^m·Σ |c_i / (1 − p_i)|,   r = max |p_i|.
 
-    The length is where this envelope falls to ``tolerance``.
+    The length is the m at which this bound falls to ``tolerance``.
 
     Args:
         rate: Sampling rate [Hz].
         cutoff: −3 dB frequency of the two passes together [Hz].
         order: Order of one pass.
-        tolerance: Share of the acceleration that may be missing.
+        tolerance: Relative error of the acceleration that is allowed.
+
+    Returns:
+        Number of samples at each end.
 
     Raises:
         ExoidError: The cut-off is not between 0 and half the rate.
@@ -108,57 +111,72 @@ def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = T
 
 
 def reach(rate: float, cutoff: float, order: int = 4) -> int:
-    """Return how many samples away a sample still matters, beyond rounding, to one that `zero_phase` filtered.
+    """Count the samples to each side that affect a sample that `zero_phase` filters, beyond rounding.
 
-    A stretch of a record, filtered with so many more samples at both sides, comes out as in the whole.
+    A segment of a record, filtered with this many samples more at both sides, is the same as in the whole record.
 
     Args:
         rate: Sampling rate [Hz].
         cutoff: −3 dB frequency of the two passes together [Hz].
         order: Order of one pass.
+
+    Returns:
+        Number of samples to each side.
+
+    Raises:
+        ExoidError: The cut-off is not between 0 and half the rate.
     """
     return edge_length(rate, cutoff, order, ROUNDING)
 
 
 def noise_bandwidth(rate: float, cutoff: float, order: int = 4) -> float:
-    """Return the share of white noise power that `zero_phase` lets through, 2/rate · ∫ |H|⁴ df up to rate/2.
+    """Compute the fraction of white-noise power that `zero_phase` passes, 2/rate · ∫ |H|⁴ df up to rate/2.
 
-    Of N filtered samples only this share carries independent noise.
+    Only this fraction of the filtered samples carries independent noise.
 
     Args:
         rate: Sampling rate [Hz].
         cutoff: −3 dB frequency of the two passes together [Hz].
         order: Order of one pass.
+
+    Returns:
+        Noise bandwidth over half the rate, between 0 and 1.
+
+    Raises:
+        ExoidError: The cut-off is not between 0 and half the rate.
     """
     midpoints = (np.arange(20_000, dtype=np.float64) + 0.5) * (0.5 * rate / 20_000)
     return float(np.mean(zero_phase_gain(midpoints, rate, cutoff, order) ** 2))
 
 
 def zero_phase_gain(frequency: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
-    """Return what `zero_phase` leaves of an amplitude, |H|² = 1 / (1 + (Ω/Ω_d)^(2·order)).
+    """Compute the gain of `zero_phase`, |H|² = 1 / (1 + (Ω/Ω_d)^(2·order)).
 
     Args:
-        frequency: From 0 to half the rate [Hz], any shape.
+        frequency: Frequencies from 0 to half the rate [Hz], any shape.
         rate: Sampling rate [Hz].
         cutoff: −3 dB frequency of the two passes together [Hz].
         order: Order of one pass.
+
+    Returns:
+        Gain at each frequency.
 
     Raises:
         ExoidError: The cut-off is not between 0 and half the rate.
     """
     ratio = np.tan(math.pi * frequency / rate) / math.tan(math.pi * _design_frequency(rate, cutoff, order) / rate)
-    with np.errstate(over="ignore"):  # at half the rate nothing is left
+    with np.errstate(over="ignore"):  # the gain at half the rate is 0
         return np.asarray(1.0 / (1.0 + ratio ** (2 * order)))
 
 
 def exponential_moving_average(x: FloatArray, alpha: float) -> FloatArray:
-    """Smooth columns as doc. 2, sec. III does: y_k = α x_k + (1 − α) y_{k−1}, started at y_0 = x_0.
+    """Smooth columns as in doc. 2, sec. III: y_k = α x_k + (1 − α) y_{k−1}, from y_0 = x_0.
 
-    Causal: a ramp comes out (1 − α)/α samples late.
+    The filter is causal: it delays a ramp by (1 − α)/α samples.
 
     Args:
         x: Signals in any unit, (N, ...); filtered along the first axis.
-        alpha: Weight of the newest sample, 0 < α ≤ 1; 1 leaves ``x`` as it is.
+        alpha: Weight of the newest sample, 0 < α ≤ 1; 1 does not change ``x``.
 
     Returns:
         Smoothed signals, of the shape of ``x``.
@@ -173,7 +191,7 @@ def exponential_moving_average(x: FloatArray, alpha: float) -> FloatArray:
 
 
 def _design_frequency(rate: float, cutoff: float, order: int) -> float:
-    """Return f_d [Hz], where one pass has −3 dB so that both together have it at ``cutoff``."""
+    """Cut-off f_d [Hz] of one pass for which both passes together have −3 dB at ``cutoff``."""
     if order < 1 or order != int(order):
         raise ExoidError(f"filter order is {order}", remedy="pass a whole number from 1; 4 is usual")
     if not 0.0 < cutoff < rate / 2.0:

@@ -198,7 +198,7 @@ def test_the_moving_average_delays_every_signal_alike_and_smooths_columns_only_o
 
 def test_a_recording_that_is_all_edges_is_refused():
     with pytest.raises(
-        ExoidError, match=r"100 samples are too few: the filters spoil \d+ at the beginning.*record longer"
+        ExoidError, match=r"100 samples are too few: the filters distort \d+ at the beginning.*record longer"
     ):
         ZeroPhase().kinematics(recording(200.0, 0.5))
     with pytest.raises(ExoidError, match="20 samples are too few"):

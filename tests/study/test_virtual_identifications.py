@@ -275,7 +275,7 @@ def test_a_dask_cluster_gives_the_same_bits_even_if_a_worker_dies(tmp_path):
 
 def test_nobody_at_the_address_of_a_scheduler_is_one_line(monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("exoid.signals.cluster.PATIENCE", "1s")
+    monkeypatch.setattr("exoid.signals.cluster.TIMEOUT", "1s")
     with pytest.raises(ExoidError, match="no Dask scheduler answers"):
         run_study(study(), None, dask_cluster("tcp://127.0.0.1:9"))
 
