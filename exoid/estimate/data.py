@@ -19,7 +19,7 @@ from exoid.signals import Preparation
 from exoid.torques import Regrouped, TorqueModel
 from exoid.torso import TorsoMotion
 
-from .nonlinear import NonlinearParameters
+from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from .torque_band import TorqueBand, torque_std
 
 LARGE = 1e300
@@ -93,7 +93,7 @@ class EstimateData:
     bounded: tuple[str, ...] = ()
     influence: Influence | None = None
     trends: tuple[Trend, ...] = ()
-    nonlinear: NonlinearParameters = field(default_factory=NonlinearParameters)
+    nonlinear: NonlinearParameters = NO_NONLINEAR_PARAMETERS
     dof_each: FloatArray = field(default_factory=lambda: np.zeros(0))
     reference_scale: FloatArray = field(default_factory=lambda: np.zeros(0))
     collinearity: FloatArray = field(default_factory=lambda: np.zeros(0))

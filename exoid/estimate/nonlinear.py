@@ -86,3 +86,7 @@ class NonlinearParameters:
         """
         half = half_width(level, dof) * self.std / self.values
         return np.column_stack([self.values * np.exp(-half), self.values * np.exp(half)])
+
+
+NO_NONLINEAR_PARAMETERS = NonlinearParameters()
+"""Of a model that is linear in all parameters."""

@@ -44,6 +44,13 @@ class Task(NamedTuple):
     prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
     keep: Keep | None = None
 
+    @property
+    def linear(self) -> bool:
+        """Whether torque is linear in all parameters."""
+        leg = self.groups[0].leg
+        settings = nonlinear_settings(self.terms, leg.joint_names, leg.joint_labels)
+        return not settings and not any(term.loaded for term in self.terms)
+
     def problem(self, models: Sequence[TorqueModel]) -> Problem:
         """Form the regression problem of torque models, one for each group."""
         share = 1.0 / len(self.groups)

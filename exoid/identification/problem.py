@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError, within
+from exoid.errors import ExoidError
 from exoid.regression.layout import ParameterLayout
 from exoid.regression.least_squares import Solution, solve
 from exoid.regression.prior_knowledge import NO_PRIOR_KNOWLEDGE, PriorKnowledge
@@ -21,6 +21,7 @@ from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 
 from .group_rows import GroupRows
+from .groups import within
 
 T = TypeVar("T")
 

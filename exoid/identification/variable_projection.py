@@ -1,4 +1,4 @@
-"""Fits of models that are linear in most parameters but not in all: separable least squares."""
+"""Variable projection: fits of models that are linear in most parameters but not in all."""
 
 from __future__ import annotations
 
@@ -60,11 +60,11 @@ ROUNDING = 1e-6
 """and this part of itself, where there is no noise."""
 
 
-def fit_model(task: Task, start: Start | None = None) -> Fitted:
-    """Fit a model; where it is linear in all parameters, by one call of the estimator.
+def search(task: Task, start: Start | None = None) -> Fitted:
+    """Fit a model that is not linear in all parameters.
 
     Args:
-        task: What to fit.
+        task: What to fit, with one group.
         start: Near the solution, such as that of nearly the same rows; None to search from the settings' own start.
 
     Returns:
@@ -73,17 +73,12 @@ def fit_model(task: Task, start: Start | None = None) -> Fitted:
     Raises:
         ExoidError: Parameters are not determined by the rows: names them.
     """
-    settings = nonlinear_settings(task.terms, task.groups[0].leg.joint_names, task.groups[0].leg.joint_labels)
-    if settings or any(term.loaded for term in task.terms):
-        search = _Search(task, settings, start)
-        if start is None:
-            search.run()
-        return search.polish()
-    models = tuple(TorqueModel(group.leg, task.terms) for group in task.groups)
-    problem = task.problem(models)
-    problem.refuse_empty_joints()
-    fit = task.estimator(problem)
-    return Fitted(models, fit.solution.values, NonlinearParameters(), problem, fit, fit.warnings)
+    leg = task.groups[0].leg
+    settings = nonlinear_settings(task.terms, leg.joint_names, leg.joint_labels)
+    found = _Search(task, settings, start)
+    if start is None:
+        found.run()
+    return found.polish()
 
 
 class _Search:

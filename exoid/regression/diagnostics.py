@@ -11,7 +11,7 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 
-from .collinearity import HOPELESS, ILL_CONDITIONED
+from .least_squares import HOPELESS, ILL_CONDITIONED
 from .model import RegressorModel
 from .noise import LagSums
 from .prior_knowledge import PriorKnowledge

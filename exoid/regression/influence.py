@@ -62,9 +62,7 @@ class Influence(NamedTuple):
         return [(name, np.flatnonzero(row).tolist()) for name, row in found if row.any()]
 
 
-def influence(
-    problem: RecordingProblem, names: Sequence[str], weights: Sequence[float], std: FloatArray
-) -> Influence | None:
+def influence(problem: RecordingProblem, names: Sequence[str], weights: Sequence[float], std: FloatArray) -> Influence:
     """Leave out one recording after the other, with the weights of the whole.
 
     With A = Σ A_r the information WᵀW of all recordings, and of priors, the share of recording r in parameter i is the
@@ -73,15 +71,13 @@ def influence(
 
     Args:
         problem: The problem.
-        names: Names of its recordings, (R,).
+        names: Names of its recordings, (R,); at least two.
         weights: Weights of the rows of each R factor.
         std: Standard deviations of the parameters, (P,).
 
     Returns:
-        Influence on all parameters; nothing for one recording.
+        Influence on all parameters.
     """
-    if len(names) < 2:
-        return None
     each = problem.recording_r_factors(weights)
     whole = problem.solve(stack(each))
     change, share, expected = np.zeros((3, len(each), len(std)))

@@ -10,8 +10,8 @@ import exoid
 from exoid import Recording, Stiffness
 from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
-from exoid.regression.collinearity import HOPELESS, ILL_CONDITIONED, Collinearity
 from exoid.regression.diagnostics import identifiability_class, reference_scale
+from exoid.regression.least_squares import HOPELESS, ILL_CONDITIONED, Collinearity
 from exoid.signals import FiniteDifference
 from exoid.torques import Stribeck, TorqueModel
 

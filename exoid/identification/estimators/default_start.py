@@ -9,7 +9,7 @@ from exoid.regression.rows import for_leg
 from exoid.signals import ZeroPhase, choose_cutoff
 from exoid.torques import TorqueModel
 
-from .wls import wls
+from .least_squares import wls
 
 
 def default_preparation(problem: Problem) -> ZeroPhase:

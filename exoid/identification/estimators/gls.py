@@ -15,7 +15,7 @@ from exoid.regression.problem import RowProblem
 from exoid.regression.r_factor import RFactor, factorize, stack
 from exoid.regression.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
 
-from .wls import wls
+from .least_squares import wls
 
 ROUNDS = 6
 """Noise and parameters are estimated in turn at most so often."""

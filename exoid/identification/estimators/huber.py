@@ -12,7 +12,7 @@ from exoid.regression.fit import Fit
 from exoid.regression.problem import RowProblem
 from exoid.regression.r_factor import RFactor, factorize, joint_table, stack
 
-from .wls import noise_floor, wls
+from .least_squares import noise_floor, wls
 
 TUNING = 1.345
 """Residuals of this many standard deviations start to count less; 95 % efficient for normal noise."""

@@ -22,7 +22,7 @@ from exoid.torques import TorqueModel
 
 from .closed_loop import ClosedLoop, as_possible
 from .default_start import default_start, refuse_other_friction
-from .wls import wls
+from .least_squares import wls
 
 ROUNDS = 8
 """Simulations at most."""

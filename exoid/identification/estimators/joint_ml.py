@@ -20,9 +20,9 @@ from exoid.torques import Term, TorqueModel
 from exoid.torques.dry_friction import DryFriction
 
 from .default_start import default_preparation, default_start, refuse_other_friction
+from .least_squares import wls
 from .motion_fit import MotionFit, fit_motion
 from .motion_system import Moving, Still
-from .wls import wls
 
 COARSE = 0.04
 """Knot spacing [s] to begin with."""

@@ -21,7 +21,7 @@ from exoid.signals import Poses
 
 from .closed_loop import ClosedLoop, as_possible
 from .default_start import default_start, refuse_other_friction
-from .wls import wls
+from .least_squares import wls
 
 ROUNDS = 12
 """Gauss–Newton steps at most."""

@@ -1,4 +1,4 @@
-"""Weighted least squares."""
+"""Ordinary least squares, and least squares weighted joint by joint."""
 
 from __future__ import annotations
 
@@ -11,10 +11,13 @@ from exoid.regression.fit import Fit
 from exoid.regression.problem import LeastSquaresProblem
 from exoid.regression.r_factor import RFactor, stack
 
-from .ols import ols
-
 NOISELESS = 1e-9
 """Residuals below this fraction of the leg's torque are rounding, not noise, and do not raise a weight further."""
+
+
+def ols(problem: LeastSquaresProblem) -> Fit:
+    """Every torque row counts the same, whichever joint it comes from: min Σ ‖W β − τ‖²."""
+    return Fit(problem.solve(stack(problem.r_factors)), [1.0] * len(problem.r_factors))
 
 
 def wls(problem: LeastSquaresProblem) -> Fit:
