@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -13,13 +14,14 @@ from exoid.leg import Leg
 from exoid.regression.diagnostics import JointNoise, identifiability_beside, identifiability_class
 from exoid.regression.influence import Influence
 from exoid.regression.intervals import half_width, intervals
-from exoid.regression.prior_knowledge import NO_PRIOR_KNOWLEDGE, PriorKnowledge
+from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
 from exoid.regression.trends import Trend
 from exoid.signals import Preparation
 from exoid.torques import Regrouped, TorqueModel
 from exoid.torso import TorsoMotion
 
 from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
+from .parameter import Parameter
 from .torque_band import TorqueBand, torque_std
 
 LARGE = 1e300
@@ -198,15 +200,48 @@ class EstimateData:
         """
         return intervals(self.values, self.std, self.dof_each, level)
 
-    def value(self, name: str) -> float:
-        """Look one parameter up by name.
+    def __getitem__(self, name: str) -> Parameter:
+        """Look up one parameter by name, a nonlinear one too.
+
+        Args:
+            name: Name of the parameter, such as "X1".
+
+        Returns:
+            Value, standard deviation, 95 % interval, unit and identifiability.
 
         Raises:
-            ExoidError: There is none of that name.
+            ExoidError: There is no such parameter.
         """
-        if name not in self.names:
-            raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(self.names)}")
-        return float(self.values[self.names.index(name)])
+        of_all = self if name in self.names else self.nonlinear
+        if name not in of_all.names:
+            names = (*self.names, *self.nonlinear.names)
+            raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(names)}")
+        k = of_all.names.index(name)
+        low, high = (self.interval() if of_all is self else self.nonlinear.interval(self.dof))[k]
+        value, std = float(of_all.values[k]), float(of_all.std[k])
+        return Parameter(name, value, std, (float(low), float(high)), of_all.units[k], of_all.identifiability[k])
+
+    def __iter__(self) -> Iterator[str]:
+        """Go over the names of all parameters."""
+        return iter((*self.names, *self.nonlinear.names))
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a parameter of that name."""
+        return name in self.names or name in self.nonlinear.names
+
+    def value(self, name: str) -> float:
+        """Look up the value of one parameter: short for ``estimate[name].value``.
+
+        Args:
+            name: Name of the parameter.
+
+        Returns:
+            Its value.
+
+        Raises:
+            ExoidError: There is no such parameter.
+        """
+        return self[name].value
 
     @cached_property
     def leg(self) -> Leg:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.regression.layout import ParameterLayout
+from exoid.regression.parameters import ParameterLayout
 
 from .comparison import holm, hotelling
 

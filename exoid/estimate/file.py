@@ -18,7 +18,7 @@ from exoid.files import write_whole
 from exoid.leg import Leg
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.influence import influence_from_json, influence_to_json
-from exoid.regression.prior_knowledge import Prior, PriorKnowledge
+from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.regression.trends import trends_from_json, trends_to_json
 from exoid.signals import PREPARATIONS, Preparation
 from exoid.torques import TorqueModel, term_from_json, term_to_json

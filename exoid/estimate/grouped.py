@@ -14,8 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.regression.diagnostics import identifiability_beside, identifiability_class
 from exoid.regression.intervals import intervals
-from exoid.regression.layout import ParameterLayout
-from exoid.regression.prior_knowledge import PriorKnowledge
+from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.tables import make_table, to_text
 
 from .comparison import Comparison, wald, welch

@@ -11,7 +11,7 @@ import scipy  # its parts load when they are first used
 from exoid.errors import ExoidError
 from exoid.estimate.equality import Equality, equality_of
 from exoid.regression.fit import uncertainty_of
-from exoid.regression.prior_knowledge import PriorKnowledge
+from exoid.regression.parameters import PriorKnowledge
 
 from .estimators import Estimator
 from .problem import Problem

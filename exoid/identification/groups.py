@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.regression.layout import ParameterLayout
-from exoid.regression.prior_knowledge import PriorKnowledge
+from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording, Recordings, ZeroPhase, preparation_by_name
 from exoid.signals.cutoff import cutoff_from
 from exoid.signals.recordings import Stored
@@ -59,6 +58,12 @@ class Group(NamedTuple):
     leg: Leg
     data: Data
     preparation: Preparation | None = None
+
+    @property
+    def chosen_preparation(self) -> Preparation:
+        """How the recordings become rows, chosen by :func:`prepare_groups`."""
+        assert self.preparation is not None
+        return self.preparation
 
 
 def make_groups(

@@ -10,16 +10,17 @@ from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
 from exoid.leg import Leg
-from exoid.regression.prior_knowledge import Prior, PriorKnowledge
+from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .estimators import Estimator, find_estimator
-from .fitting import Fitted, Start, Task, starting_model
+from .fitting import Fitted, Start, Task
 from .group_checks import refuse_nonlinear_terms
 from .groups import Measured, make_groups, own_parameters, prepare_groups, summarize_groups
+from .problem import Problem
 from .result import Result
-from .variable_projection import search
+from .variable_projection import is_nonlinear, search, starting_model
 
 NOISES = ("correlated", "white")
 
@@ -170,10 +171,10 @@ def fit_model(task: Task, start: Start | None = None) -> Fitted:
     Raises:
         ExoidError: Parameters are not determined by the rows: names them.
     """
-    if not task.linear:
+    if is_nonlinear(task.groups[0].leg, task.terms):
         return search(task, start)
     models = tuple(TorqueModel(group.leg, task.terms) for group in task.groups)
-    problem = task.problem(models)
+    problem = Problem.of(task.groups, models, task.own, task.prior_knowledge, task.keep)
     problem.refuse_empty_joints()
     fit = task.estimator(problem)
     return Fitted(models, fit.solution.values, NO_NONLINEAR_PARAMETERS, problem, fit, fit.warnings)

@@ -10,11 +10,12 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.nonlinear import NonlinearParameters
-from exoid.regression.r_factor import factorize, stack
-from exoid.torques import NonlinearSetting, TorqueModel, nonlinear_settings, with_settings
+from exoid.leg import Leg
+from exoid.regression.least_squares import factorize, stack
+from exoid.torques import NonlinearSetting, Term, TorqueModel, nonlinear_settings, with_settings
 from exoid.torques.linearised import linearise
 
-from .fitting import Fitted, Start, Task, starting_model
+from .fitting import Fitted, Start, Task
 from .problem import Problem
 
 PASSES = 6
@@ -58,6 +59,18 @@ STILL = 0.1
 
 ROUNDING = 1e-6
 """and this part of itself, where there is no noise."""
+
+
+def is_nonlinear(leg: Leg, terms: Sequence[Term]) -> bool:
+    """Whether torque is not linear in all parameters of some terms."""
+    return bool(nonlinear_settings(terms, leg.joint_names, leg.joint_labels)) or any(term.loaded for term in terms)
+
+
+def starting_model(leg: Leg, terms: Sequence[Term]) -> TorqueModel:
+    """Make a torque model with all nonlinear parameters at their start values."""
+    names, labels = leg.joint_names, leg.joint_labels
+    start = {setting.name: setting.free.start for setting in nonlinear_settings(terms, names, labels)}
+    return TorqueModel(leg, with_settings(terms, names, labels, start))
 
 
 def search(task: Task, start: Start | None = None) -> Fitted:
@@ -215,7 +228,7 @@ class _Search:
     def _problem(self, held: Sequence[str] = ()) -> Problem:
         task = self.task
         model = linearise(self.leg, task.terms, self.values, self.settings, held=held, regrouped=self.regrouped)
-        return task.problem((model,))
+        return Problem.of(task.groups, (model,), task.own, task.prior_knowledge, task.keep)
 
     def _vector(self, names: Sequence[str]) -> FloatArray:
         return np.append(self.values, [self.settings[name] for name in names[len(self.values) :]])

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
+from .least_squares import stack
 from .problem import RecordingProblem
-from .r_factor import stack
 
 NO_ESTIMATE = np.inf
 """Change of a parameter that cannot be identified without a recording."""

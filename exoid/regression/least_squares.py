@@ -1,4 +1,4 @@
-"""Least squares by orthogonal factorisations, and which parameters the rows determine."""
+"""Least squares on R factors: all rows of a joint in one triangle, and which parameters they determine."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .prior_knowledge import NO_PRIOR_KNOWLEDGE, PriorKnowledge
-from .r_factor import RFactor, factorize
+from .parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
+from .rows import Rows
 
 UNDETERMINED = 1e-7
 """Singular values of the unit-column regressor below this fraction of the largest count as zero."""
@@ -28,89 +28,90 @@ ROUNDING = 1e-9
 TINY = 1e-150
 """Smallest number to divide by."""
 
-
-ILL_CONDITIONED = 100.0
-"""Beyond this condition index an error of a thousandth of the torque may grow to a tenth of that of a parameter,"""
-
-HOPELESS = 300.0
-"""and beyond this to a third."""
-
-LARGEST = 1e100
-"""Condition indices are cut off here."""
-
-HALF = 0.5
-"""A parameter belongs to the directions that make up this part of its variance."""
-
-NAMED = 3
-"""So many groups of parameters are named."""
-
-NAMED_PART = 0.2
-"""A column with at least this part in a direction is named with it."""
+COLUMNS = 4
+"""Columns that are factorised at once: of so few as a joint has, fastest."""
 
 
-class Direction(NamedTuple):
-    """Parameters whose columns nearly cancel each other, those most involved first.
+class RFactor(NamedTuple):
+    """All that least squares needs to know of the rows of one joint: R of the QR factorisation of [W τ].
 
     Attributes:
-        condition: Its condition index, the largest singular value of the unit-column regressor over its own.
-        columns: Their indices.
+        R: Upper R factor, (P + 1, P + 1).
+        rows: How many rows went in.
+        samples: How many independent samples they amount to.
     """
 
-    condition: float
-    columns: tuple[int, ...]
+    R: FloatArray
+    rows: int
+    samples: float
+
+    def among(self, columns: NDArray[np.intp], width: int) -> RFactor:
+        """Put the columns into the places that they have among so many, the others being zero."""
+        R = np.zeros((len(self.R), width))
+        R[:, columns] = self.R
+        return factorize(R, self.rows, self.samples)
+
+    def residual(self, values: FloatArray) -> float:
+        """Root of the sum of squared residuals ‖W β − τ‖ [N·m]."""
+        return float(np.linalg.norm(self.R @ np.append(values, -1.0)))
 
 
-class Collinearity(NamedTuple):
-    """What a least-squares problem says on parameters that it can hardly tell apart.
+def factorize_rows(rows: Rows) -> list[RFactor]:
+    """Reduce the rows of each joint to a R factor."""
+    r_factors = []
+    for joint in range(rows.tau.shape[1]):
+        columns, table = joint_table(rows, joint)
+        count = table.shape[1]
+        r_factor = factorize(table.T, count, count * rows.independence)
+        r_factors.append(r_factor.among(columns, rows.W.shape[2] + 1))
+    return r_factors
 
-    Attributes:
-        indices: Condition index of each parameter: at least half of its variance comes from directions of this index
-            or worse, (P,); 1 for known parameters.
-        directions: Those beyond :data:`ILL_CONDITIONED`, the worst first.
+
+def joint_table(rows: Rows, joint: int) -> tuple[NDArray[np.intp], FloatArray]:
+    """Columns of [W τ] that act on a joint, the last that of its torque, and usable rows in them, (p, N)."""
+    W, use = rows.W[:, joint].T, rows.usable[:, joint]
+    columns = np.flatnonzero(rows.acting[joint])
+    table = np.empty((len(columns) + 1, int(np.count_nonzero(use))))
+    used = slice(None) if use.all() else use
+    for row, column in zip(table, columns, strict=False):
+        row[:] = W[column, used]
+    table[-1] = rows.tau[used, joint]
+    return np.append(columns, len(W)), table
+
+
+def factorize(table: FloatArray, rows: int, samples: float) -> RFactor:
+    """Factorise rows of [W τ]."""
+    width = table.shape[1]
+    if len(table) < width:
+        table = np.vstack([table, np.zeros((width - len(table), width))])
+    factored, *_ = scipy.linalg.lapack.dgeqrt(min(COLUMNS, width), table)
+    return RFactor(np.triu(factored[:width]), rows, samples)
+
+
+def rms_residual(r_factors: Sequence[RFactor], values: FloatArray) -> float:
+    """RMS residual over the rows of several R factors [N·m]."""
+    squares = sum(r_factor.residual(values) ** 2 for r_factor in r_factors)
+    return float(np.sqrt(squares / max(sum(r_factor.rows for r_factor in r_factors), 1)))
+
+
+def stack(r_factors: Sequence[RFactor], weights: Sequence[float] | None = None) -> RFactor:
+    """Combine R factors, each multiplied by its weight, into the R factor of all their rows."""
+    weights = [1.0] * len(r_factors) if weights is None else weights
+    table = np.vstack([weight * r_factor.R for weight, r_factor in zip(weights, r_factors, strict=True)])
+    return factorize(table, sum(t.rows for t in r_factors), sum(t.samples for t in r_factors))
+
+
+def refuse_empty_joints(joint_names: Sequence[str], r_factors: Sequence[RFactor]) -> None:
+    """Refuse a fit in which the terms' dead bands left no sample of a joint.
+
+    Raises:
+        ExoidError: Names the joints.
     """
-
-    indices: FloatArray = np.ones(0)
-    directions: tuple[Direction, ...] = ()
-
-    @classmethod
-    def of(cls, sigma: FloatArray, Vt: FloatArray, places: NDArray[np.intp], count: int) -> Collinearity:
-        """Look at the singular value decomposition of a unit-column regressor.
-
-        With singular values σ_k and right vectors v_k a parameter's variance is Σ_k v_ik² / σ_k²: each term over the
-        sum is the variance-decomposition proportion of direction k.
-
-        Args:
-            sigma: Singular values, the largest first, (p,).
-            Vt: Right singular vectors, (p, p).
-            places: Of the columns among all parameters, (p,).
-            count: Of all parameters, P.
-        """
-        worst_first, columns = np.minimum(sigma[0] / sigma[::-1], LARGEST), Vt[::-1]
-        parts = (columns * worst_first[:, None]) ** 2
-        summed = np.cumsum(parts, axis=0) / np.maximum(parts.sum(axis=0), np.finfo(np.float64).tiny)
-        indices = np.ones(count)
-        indices[places] = worst_first[np.argmax(summed >= HALF, axis=0)]
-        directions = []
-        for index, direction in zip(worst_first, np.abs(columns), strict=True):
-            if index <= ILL_CONDITIONED:
-                break
-            order = np.argsort(-direction)
-            named = [int(places[k]) for k in order if direction[k] >= NAMED_PART]
-            directions.append(Direction(float(index), tuple(named)))
-        return cls(indices, tuple(directions))
-
-    def warnings(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Name the parameters that move together, in one sentence."""
-        groups = [
-            f"{', '.join(names[k] for k in direction.columns)} (condition index {direction.condition:.3g})"
-            for direction in self.directions
-        ]
-        if not groups:
-            return ()
-        more = f"; and {len(groups) - NAMED} other groups" if len(groups) > NAMED else ""
-        return (
-            f"these recordings hardly tell apart {'; '.join(groups[:NAMED])}{more}: small errors of model, sensors or "
-            "filters move them together by much, so excite more, or plan a motion",
+    empty = [joint for joint, r_factor in zip(joint_names, r_factors, strict=True) if r_factor.rows == 0]
+    if empty:
+        raise ExoidError(
+            f"no sample of {', '.join(empty)} is faster than the dead band of its friction term",
+            remedy="move faster, or choose a smaller dead_band",
         )
 
 
@@ -125,7 +126,9 @@ class Solution(NamedTuple):
         inverse: (WᵀW)⁻¹ of the rows as weighted, those of priors among them; zero for known parameters, (P, P).
         prior_noise: Share of the priors' own uncertainty in Wᵀ Γ W, (P, P).
         bounded: Indices of parameters that would have become negative.
-        collinearity: Which parameters move together.
+        sigma: Singular values of the regressor with columns scaled to unit length, the largest first, (p,).
+        Vt: Its right singular vectors, (p, p).
+        free: Indices of the p parameters that are not known.
     """
 
     values: FloatArray
@@ -135,7 +138,9 @@ class Solution(NamedTuple):
     inverse: FloatArray
     prior_noise: FloatArray
     bounded: tuple[int, ...] = ()
-    collinearity: Collinearity = Collinearity()
+    sigma: FloatArray = np.ones(0)
+    Vt: FloatArray = np.ones((0, 0))
+    free: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
 
     def prior_gains(self, names: Sequence[str], prior_knowledge: PriorKnowledge) -> FloatArray:
         """How far parameters follow priors p, ∂β/∂p = (WᵀW)⁻¹ s² / σ² of rows (s/σ) β = (s/σ) p, (P, K)."""
@@ -204,8 +209,8 @@ def solve(
     all_values = prior_knowledge.fixed_values(names)
     all_values[free] = values
     places = tuple(int(k) for k in np.flatnonzero(free)[bounded])
-    together = Collinearity.of(sigma, Vt, np.flatnonzero(free), len(names))
-    return Solution(all_values, variance * whole, float(sigma[0] / sigma[-1]), dof, whole, noise, places, together)
+    condition = float(sigma[0] / sigma[-1])
+    return Solution(all_values, variance * whole, condition, dof, whole, noise, places, sigma, Vt, np.flatnonzero(free))
 
 
 def _without_known(r_factor: RFactor, fixed: FloatArray, free: NDArray[np.bool_]) -> RFactor:

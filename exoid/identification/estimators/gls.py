@@ -8,11 +8,9 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.regression.degrees_of_freedom import degrees_of_freedom
-from exoid.regression.fit import Fit
-from exoid.regression.least_squares import Solution
+from exoid.regression.fit import Fit, degrees_of_freedom
+from exoid.regression.least_squares import RFactor, Solution, factorize, stack
 from exoid.regression.problem import RowProblem
-from exoid.regression.r_factor import RFactor, factorize, stack
 from exoid.regression.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
 
 from .least_squares import wls

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.regression.fit import Fit
+from exoid.regression.least_squares import RFactor, factorize, joint_table, stack
 from exoid.regression.problem import RowProblem
-from exoid.regression.r_factor import RFactor, factorize, joint_table, stack
 
 from .least_squares import noise_floor, wls
 

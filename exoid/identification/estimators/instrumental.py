@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
 from exoid.regression.fit import Fit
 from exoid.regression.noise import QuadraticForm
-from exoid.regression.prior_knowledge import NO_PRIOR_KNOWLEDGE
+from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE
 from exoid.regression.residuals import Point, Sandwich, fit_noise, series
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording

@@ -8,8 +8,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.regression.fit import Fit
+from exoid.regression.least_squares import RFactor, stack
 from exoid.regression.problem import LeastSquaresProblem
-from exoid.regression.r_factor import RFactor, stack
 
 NOISELESS = 1e-9
 """Residuals below this fraction of the leg's torque are rounding, not noise, and do not raise a weight further."""

@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.regression.least_squares import Solution
-from exoid.regression.r_factor import RFactor
+from exoid.regression.least_squares import RFactor, Solution
 from exoid.torques import TorqueModel
 
 from .bordered import eliminate

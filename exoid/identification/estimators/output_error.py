@@ -12,9 +12,8 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
 from exoid.regression.fit import Fit
-from exoid.regression.least_squares import Solution, solve
+from exoid.regression.least_squares import RFactor, Solution, factorize, solve
 from exoid.regression.noise import AutoregressiveNoise, autocovariance_sums
-from exoid.regression.r_factor import RFactor, factorize
 from exoid.regression.residuals import Point, fit_noise
 from exoid.regression.rows import for_leg, make_rows
 from exoid.signals import Poses
