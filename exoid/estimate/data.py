@@ -64,11 +64,11 @@ class EstimateData:
         noise: What the residuals of each joint look like, n of them, or none.
         parameter_scale: Of parameters that would explain all torque of a joint alone, (P,); see
             :attr:`identifiability`.
-        reference_scale: The same had joints moved as in a calm exercise; as good as infinite in older files, (P,).
+        reference_scale: The same had joints moved as in a calm exercise; (P,).
         collinearity: Condition index of each parameter: half of its variance comes from directions that the recordings
-            see so many times worse than the best; 1 in older files, (P,).
+            see so many times worse than the best, (P,).
         prior_gains: How far each parameter follows the value of each prior, ∂β/∂p, (P, K); empty where that is not
-            known, as of ``ml``, output error and older files.
+            known, as of ``ml`` and output error.
         warnings: What makes this estimate doubtful.
         assumed: What was known beside the recordings.
         bounded: Parameters that would have become negative and were kept at zero. Intervals are then centred there, as
@@ -89,7 +89,7 @@ class EstimateData:
     preparation: Preparation
     inputs: tuple[Input, ...] = field(default=())
     noise: tuple[JointNoise, ...] = ()
-    parameter_scale: FloatArray | None = None
+    parameter_scale: FloatArray = field(default_factory=lambda: np.zeros(0))
     warnings: tuple[str, ...] = ()
     prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
     bounded: tuple[str, ...] = ()
@@ -104,23 +104,15 @@ class EstimateData:
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
         count, joints = len(self.names), len(self.joint_names)
-        if self.parameter_scale is None:
-            object.__setattr__(self, "parameter_scale", np.zeros(count))
-        missing = {"dof_each": self.dof, "reference_scale": LARGE, "collinearity": 1.0}
-        for name, number in missing.items():
+        unknown = {"dof_each": self.dof, "parameter_scale": 0.0, "reference_scale": LARGE, "collinearity": 1.0}
+        for name, number in unknown.items():
             if not len(getattr(self, name)):
                 object.__setattr__(self, name, np.full(count, number))
-        nonlinear = {
-            "values": (count,),
-            "covariance": (count, count),
-            "residual_rms": (joints,),
-            "parameter_scale": (count,),
-        }
-        nonlinear.update(dict.fromkeys(missing, (count,)))
-        nonlinear["prior_gains"] = (
-            (count, len(self.prior_knowledge.prior.values)) if np.size(self.prior_gains) else (0, 0)
-        )
-        for name, shape in nonlinear.items():
+        shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("values", *unknown), (count,))
+        shapes |= {"covariance": (count, count), "residual_rms": (joints,)}
+        priors = len(self.prior_knowledge.prior.values)
+        shapes["prior_gains"] = (count, priors) if np.size(self.prior_gains) else (0, 0)
+        for name, shape in shapes.items():
             array = np.array(getattr(self, name), dtype=np.float64)
             if array.shape != shape or not np.isfinite(array).all():
                 raise ExoidError(
@@ -182,8 +174,7 @@ class EstimateData:
         that would give three times all torque of a joint is not determined: it only cancels another. And what moves
         together with others is at best weakly determined from a condition index of 100 on, and not from 300 on.
         """
-        sizes = np.zeros(len(self.values)) if self.parameter_scale is None else self.parameter_scale
-        numbers = zip(self.values, self.std, sizes, self.reference_scale, self.collinearity, strict=True)
+        numbers = zip(self.values, self.std, self.parameter_scale, self.reference_scale, self.collinearity, strict=True)
         return tuple(
             identifiability_beside(name, self.prior_knowledge, each[1], identifiability_class(*each))
             for name, each in zip(self.names, numbers, strict=True)

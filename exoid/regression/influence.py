@@ -122,15 +122,19 @@ def influence_to_json(found: Influence | None, names: Sequence[str]) -> list[dic
 def influence_from_json(data: Sequence[dict[str, Any]], names: Sequence[str]) -> Influence | None:
     """Read what :func:`influence_to_json` wrote.
 
-    In older files the expected change follows from the share, √(share / (1 − share)), which is right for one parameter.
+    Args:
+        data: Influence of each recording.
+        names: Names of the parameters, (P,).
+
+    Returns:
+        The influence; None for no recording.
     """
     if not data:
         return None
-    change, share, expected = (
-        np.array([[one[key][n] if key in one else np.nan for n in names] for one in data], dtype=np.float64)
+    arrays = (
+        np.array([[one[key][name] for name in names] for one in data], dtype=np.float64)
         for key in ("change", "share", "expected")
     )
+    change, share, expected = arrays
     change[np.isnan(change)] = NO_ESTIMATE
-    part = np.clip(share, 0.0, 1.0 - TINY)
-    expected = np.where(np.isnan(expected), np.sqrt(part / (1.0 - part)), expected)
     return Influence(tuple(str(one["recording"]) for one in data), change, share, expected)

@@ -234,14 +234,14 @@ def test_every_preparation_has_a_name_that_files_can_hold():
         assert kind().name == name
 
 
-def test_a_file_without_diagnostics_can_still_be_read(estimate):
-    """As files were before there were any."""
+@pytest.mark.parametrize("key", ["noise", "sizes", "calm_sizes", "collinearity", "warnings", "trends", "prior"])
+def test_a_file_without_its_evidence_is_refused(estimate, tmp_path, key):
     data = estimate_to_json(estimate)
-    for key in ("noise", "sizes", "determined", "warnings"):
-        del data[key]
-    again = estimate_from_json(data)
-    assert (again.values == estimate.values).all()
-    assert (again.noise, again.warnings) == ((), ())
+    del data[key]
+    path = tmp_path / "leg.json"
+    path.write_text(json.dumps(data), encoding="utf-8")
+    with pytest.raises(ExoidError, match=f"leg.json: damaged: .*{key}.*identify again"):
+        Estimate.load(path)
 
 
 def test_a_file_needs_no_urdf(swing, recording, tmp_path):
