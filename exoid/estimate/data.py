@@ -186,6 +186,9 @@ class EstimateData:
         Args:
             level: Probability that an interval contains the true value, between 0 and 1.
 
+        Returns:
+            Lower and upper ends, (P, 2).
+
         Raises:
             ExoidError: The level is not between 0 and 1.
         """
@@ -268,6 +271,9 @@ class EstimateData:
             torso: Motion of the torso, if it moves.
             measured: Whether to add the noise of a new measurement, which has passed the same filter as those that the
                 estimate was made from.
+
+        Returns:
+            Standard deviations [N·m], (N, n).
         """
         model = self.model.loaded_by(self.values)
         std = torque_std(model, self.covariance, model.motion(q, v, a, torso))
@@ -298,6 +304,9 @@ class EstimateData:
             level: The probability, between 0 and 1.
             measured: True for a torque measured and filtered like those that the estimate was made from, False for the
                 model's own, without noise.
+
+        Returns:
+            Torque with the lower and upper edge of its band [N·m], (N, n) each.
         """
         dof = self.dof if measured else float(self.dof_each.min())
         half = half_width(level, dof) * self.torque_std(q, v, a, torso, measured=measured)

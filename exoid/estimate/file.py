@@ -32,7 +32,12 @@ E = TypeVar("E", bound=EstimateData)
 
 
 def write_estimate(estimate: EstimateData, path: str | os.PathLike[str]) -> None:
-    """Write an estimate; see :meth:`Estimate.save`."""
+    """Write an estimate; see :meth:`Estimate.save`.
+
+    Args:
+        estimate: The estimate.
+        path: File to write.
+    """
     write_whole(path, [estimate_text(estimate)])
 
 
@@ -42,7 +47,18 @@ def estimate_text(estimate: EstimateData) -> str:
 
 
 def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
-    """Read an estimate; see :meth:`Estimate.load`."""
+    """Read an estimate; see :meth:`Estimate.load`.
+
+    Args:
+        path: The file.
+        kind: Class to make.
+
+    Returns:
+        The estimate.
+
+    Raises:
+        ExoidError: The file is unreadable or not an estimate.
+    """
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
@@ -62,7 +78,14 @@ def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
 
 
 def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
-    """Turn an estimate into what JSON can hold, values by name."""
+    """Turn an estimate into what JSON can hold, values by name.
+
+    Args:
+        estimate: The estimate.
+
+    Returns:
+        All that :func:`estimate_from_json` needs, and figures for other programs.
+    """
     model, leg = estimate.model, estimate.model.leg
     interval = estimate.interval(0.95)
     return {
@@ -108,6 +131,13 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
 
 def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
     """Rebuild an estimate.
+
+    Args:
+        data: The estimate as JSON holds it.
+        kind: Class to make.
+
+    Returns:
+        The estimate.
 
     Raises:
         ExoidError: Names of the values do not fit the leg and terms, or the URDF was changed.

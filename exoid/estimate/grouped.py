@@ -81,6 +81,12 @@ class GroupedEstimate:
     def __getitem__(self, group: str) -> Estimate:
         """Look the estimate of a group up.
 
+        Args:
+            group: Name of the group.
+
+        Returns:
+            Its estimate.
+
         Raises:
             ExoidError: There is no such group.
         """
@@ -141,6 +147,9 @@ class GroupedEstimate:
         Args:
             level: Probability that an interval contains the true value, between 0 and 1.
 
+        Returns:
+            Lower and upper ends, (P, 2).
+
         Raises:
             ExoidError: The level is not between 0 and 1.
         """
@@ -154,6 +163,9 @@ class GroupedEstimate:
         Args:
             first: Name of a group.
             second: Name of another.
+
+        Returns:
+            Differences with their tests.
 
         Raises:
             ExoidError: There is no such group, or it has no parameters of its own.
@@ -199,7 +211,14 @@ def report(grouped: GroupedEstimate) -> str:
 
 
 def grouped_to_json(grouped: GroupedEstimate) -> dict[str, Any]:
-    """Turn estimates that share parameters into what JSON can hold."""
+    """Turn estimates that share parameters into what JSON can hold.
+
+    Args:
+        grouped: The estimates.
+
+    Returns:
+        Shared and own parameters, tests, and the estimate of each group.
+    """
     names = grouped.names
     of_each = {
         "values": grouped.values.tolist(),

@@ -127,6 +127,9 @@ class GroupRows:
         Args:
             decimated: Only as many as carry independent noise, see :func:`exoid.regression.rows.decimate`.
 
+        Yields:
+            Blocks of rows.
+
         Raises:
             ExoidError: They are on a cluster, which does not let them go.
         """

@@ -168,6 +168,9 @@ def degrees_of_freedom(
         noises: The noise that the covariance is for.
         solution: Covariance V, and (WᵀW)⁻¹ of the weighted rows.
         whitened: Whether V = (W Γ⁻¹ Wᵀ)⁻¹, not the sandwich.
+
+    Returns:
+        Degrees of freedom of each parameter, (P,).
     """
     rows = solution.covariance if whitened else solution.inverse
     slopes: dict[tuple[NoiseKind, int], FloatArray] = {}

@@ -68,6 +68,9 @@ def fit_motion(
         solve: For β, with what is known beside the rows.
         priors: Rows of unit variance that it adds, as [W τ], (K, P + 1).
         settled: When to stop.
+
+    Returns:
+        Parameters, motions and noise levels.
     """
     system = System(model, moving, still, priors, [Trajectory.on(data.time, spacing) for data in moving])
     state = system.begin(values)

@@ -121,6 +121,9 @@ def held_out(task: Task, recordings: Sequence[Recording], split: Split, start: S
         start: Near the solution; None to search.
         cutoff: Of the filter that measured and predicted torque pass for comparison [Hz].
 
+    Returns:
+        Prediction errors on the tested rows.
+
     Raises:
         ExoidError: The rows that are left do not determine the parameters, or none is left to test.
     """
