@@ -38,20 +38,20 @@ class GroupedEstimate:
 
     Attributes:
         estimates: One for each group, by its name.
-        layout: Which parameters are shared.
-        values: Of all parameters in the order of :attr:`names`, (P,).
-        covariance: Of the values, (P, P).
+        layout: Parameter layout: which parameters are shared.
+        values: Values of all parameters in the order of :attr:`names`, (P,).
+        covariance: Covariance of the values, (P, P).
         dofs: Degrees of freedom of each, (P,).
-        parameter_scale: Of parameters that would explain all torque of a joint alone, (P,).
-        reference_scale: The same had joints moved as in a calm exercise, (P,).
+        parameter_scale: Parameter scale, see :class:`EstimateData`, (P,).
+        reference_scale: Reference scale, the smallest of all groups, (P,).
         collinearity: Condition index of each parameter, (P,).
-        condition_number: Of the regressor of all with columns scaled to unit length.
-        assumed: What was known beside the recordings, by the names here.
-        bounded: Parameters that would have become negative and were kept at zero.
-        equal: Whether own parameters are the same in all groups.
-        agreement: Whether shared ones would be, were each group identified alone; None if one cannot be.
-        warnings: What makes the estimates doubtful.
-        notes: What else the reader should know.
+        condition_number: Condition number of the regressor of all groups with columns scaled to unit length.
+        prior_knowledge: Known parameters, priors and signs, by the names here.
+        bounded: Parameters at their bound, zero.
+        equal: Test whether own parameters are the same in all groups.
+        agreement: Test whether shared parameters are the same where each group is identified alone; None without it.
+        warnings: Reasons to doubt the estimates.
+        notes: Notes for the reader.
     """
 
     estimates: Mapping[str, Estimate]
@@ -207,7 +207,7 @@ def report(grouped: GroupedEstimate) -> str:
         parts.append(make_table(("shared", *HEADERS), rows))
     if grouped.own:
         parts.append(make_table(("own", *HEADERS, "p equal"), _own_rows(grouped, numbers)))
-    return to_text(*parts, *_remarks(grouped))
+    return to_text(*parts, *_closing_lines(grouped))
 
 
 def grouped_to_json(grouped: GroupedEstimate) -> dict[str, Any]:
@@ -258,7 +258,7 @@ def _own_rows(grouped: GroupedEstimate, numbers: dict[str, tuple[str, ...]]) -> 
             yield place, *numbers[place], p
 
 
-def _remarks(grouped: GroupedEstimate) -> Iterator[str]:
+def _closing_lines(grouped: GroupedEstimate) -> Iterator[str]:
     for group in grouped:
         estimate = grouped[group]
         residuals = zip(estimate.joint_names, estimate.residual_rms, strict=True)

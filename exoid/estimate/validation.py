@@ -126,7 +126,7 @@ def validate(
     Args:
         estimate: The estimate.
         recordings: Motions with torques, better none that the estimate was fitted to.
-        preparation: How to filter both torques; None for the way the estimate was made.
+        preparation: Filter of both torques; None for the estimate's own.
 
     Returns:
         Measured and predicted torque with RMSE, NRMSE and R² of each joint, over all recordings and of each.
