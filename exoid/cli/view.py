@@ -51,7 +51,7 @@ def view(
     as_json: AsJson = False,
 ) -> None:
     """Show LEG in a browser until Ctrl-C, on 127.0.0.1 only; or write it as a page that needs no network."""
-    from exoid import view as views  # noqa: PLC0415 - it draws, and matplotlib would slow down every command
+    from exoid import view as views  # noqa: PLC0415 - matplotlib would slow down the help
 
     if html is not None and port is not None:
         raise ExoidError("--port has no effect: --html serves nothing", remedy="leave out one of the two")
