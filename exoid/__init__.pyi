@@ -1,4 +1,4 @@
-# Table of contents: what `exoid.` offers, imported when it is first used. To add a name, import it here and list it.
+# Table of contents of exoid: to add a name, import it here and list it. It is imported when it is first used.
 
 from . import (
     catalog,

@@ -15,6 +15,7 @@ import typer
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
+from exoid import view
 from exoid.errors import ExoidError
 from exoid.experiments import excitation
 from exoid.experiments.excitation import Assessment, Clearance, Plan
@@ -145,8 +146,6 @@ def _write(result: Assessment | Plan, output: str | None, figure: str | None) ->
 
 def _draw(result: Assessment | Plan, path: str) -> None:
     from matplotlib.figure import Figure  # noqa: PLC0415 - only a figure needs matplotlib
-
-    from exoid import view  # noqa: PLC0415
 
     with view.paper():
         sheet = Figure(figsize=FIGURE_INCHES)

@@ -13,7 +13,7 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from exoid import published
+from exoid import published, view
 from exoid._typing import FloatArray
 from exoid.catalog import load_leg
 from exoid.control import ControlModel, Law, gravity_friction_pd
@@ -138,8 +138,6 @@ def _numbers(option: str, text: str, plant: Plant) -> FloatArray:
 
 def _draw(path: str, runs: Regulations, margins: GainMargins) -> None:
     from matplotlib.figure import Figure  # noqa: PLC0415 - only a figure needs matplotlib
-
-    from exoid import view  # noqa: PLC0415
 
     with view.paper():
         drawing = Figure(figsize=(7.0, 5.0))
