@@ -8,14 +8,13 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.regression.diagnostics import identifiability_beside, identifiability_class
 from exoid.regression.intervals import intervals
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
-from exoid.tables import make_table, to_text
+from exoid.tables import DataTable, make_table, to_text
 
 from .comparison import Comparison, wald, welch
 from .equality import Equality
@@ -200,7 +199,7 @@ def report(grouped: GroupedEstimate) -> str:
     """Print estimates that share parameters."""
     kind = next(iter(grouped.estimates.values())).estimator
     title = f"{', '.join(grouped.groups)}: {kind} estimate of {len(grouped.shared)} shared parameters"
-    parts: list[Table | str] = [f"{title}, {len(grouped.own)} own each"]
+    parts: list[DataTable | str] = [f"{title}, {len(grouped.own)} own each"]
     numbers = dict(zip(grouped.names, _numbers(grouped), strict=True))
     if grouped.shared:
         rows = [(name, *numbers[name]) for name in grouped.shared]
