@@ -28,13 +28,13 @@ from .data import EstimateData
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Export:
-    """What was written where; prints itself.
+    """Files that an export wrote; prints itself.
 
     Attributes:
         urdf: The URDF.
         sidecar: The file beside it, with everything that a URDF has no place for.
         sha256: Hash of the URDF, by which the sidecar knows it.
-        estimate: What was exported.
+        estimate: Estimate that was exported.
         lift: The links, and by how much the estimate had to move to be possible.
         values: All parameters as exported, (P,), in the order of ``estimate.names``. Where the rigid bodies had to
             move, the other terms move along as their correlation with these says.
@@ -87,7 +87,18 @@ class Export:
 
 
 def export_urdf(estimate: EstimateData, path: str | os.PathLike[str]) -> Export:
-    """Write an estimate as a URDF with a sidecar; see :meth:`Estimate.to_urdf`."""
+    """Write an estimate as a URDF with a sidecar; see :meth:`Estimate.to_urdf`.
+
+    Args:
+        estimate: The estimate.
+        path: The URDF to write.
+
+    Returns:
+        What was written.
+
+    Raises:
+        ExoidError: The path names no URDF, or a file cannot be written.
+    """
     urdf = Path(path)
     sidecar = sidecar_of(urdf) if urdf.name else urdf
     if sidecar == urdf:
@@ -107,7 +118,14 @@ def export_urdf(estimate: EstimateData, path: str | os.PathLike[str]) -> Export:
 
 
 def export_to_json(export: Export) -> dict[str, Any]:
-    """Describe an export as the sidecar has it."""
+    """Describe an export as the sidecar has it.
+
+    Args:
+        export: The export.
+
+    Returns:
+        Parameters, terms and lift, as the sidecar file has them.
+    """
     estimate, leg = export.estimate, export.estimate.model.leg
     return {
         "schema": SCHEMA,
