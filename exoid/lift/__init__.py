@@ -1,4 +1,4 @@
-"""From base parameters back to links that can exist."""
+"""Lift: from base parameters to physically consistent links."""
 
 from .lift import Lift, lift
 from .lumping import distribute_bodies

@@ -1,4 +1,4 @@
-"""Lifted links can exist, reproduce what can be reproduced, and are those that a semidefinite program finds."""
+"""Lifted links are physically consistent, reproduce the parameters, and are those that a semidefinite program finds."""
 
 import numpy as np
 import pinocchio as pin
@@ -174,7 +174,7 @@ def test_parameters_that_are_known_exactly_do_not_move(bleex):
 
 
 @pytest.mark.parametrize("part", range(4))
-def test_a_thousand_noisy_estimates_lift_to_links_that_can_exist(bleex, part):
+def test_a_thousand_noisy_estimates_lift_to_consistent_links(bleex, part):
     rng = np.random.default_rng(100 + part)
     feasible = 0
     for share in np.repeat([0.05, 0.2, 0.5, 1.0, 3.0], 50):
@@ -190,7 +190,7 @@ def test_a_thousand_noisy_estimates_lift_to_links_that_can_exist(bleex, part):
 
 
 @pytest.mark.parametrize("share", [0.01, 0.3, 3.0])
-def test_noisy_estimates_of_an_arm_lift_to_links_that_can_exist(arm, share):
+def test_noisy_estimates_of_an_arm_lift_to_consistent_links(arm, share):
     rng = np.random.default_rng(5)
     for _ in range(5):
         assert_possible(lift(arm, *noisy(arm, rng, share)))
@@ -215,7 +215,7 @@ def rod(inertia):
     ],
     ids=["point", "rod", "no triangle"],
 )
-def test_links_that_cannot_exist_gain_a_little_extent(inertia):
+def test_links_without_a_mass_distribution_get_a_small_extent(inertia):
     leg = rod(inertia)
     own = dynamic_parameters(leg.model)
     repaired = make_consistent(own)
@@ -281,7 +281,7 @@ def test_a_lift_says_what_had_to_give_way(bleex):
     assert "J3" in text
     assert "left_shank" in text
     assert "feasible=False" in repr(lifted)
-    assert "exactly the parameters asked for" in str(lift(bleex, bleex.parameters))
+    assert "exactly the requested parameters" in str(lift(bleex, bleex.parameters))
     with pytest.raises(ValueError, match="read-only"):
         lifted.values[0] = 1.0
 

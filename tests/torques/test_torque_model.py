@@ -276,7 +276,7 @@ def test_a_share_other_than_one_is_stated():
 )
 def test_a_term_twice_at_one_joint_is_refused(leg, terms, repeated):
     with pytest.raises(
-        ExoidError, match=f"parameters occur twice: {repeated}\\. To mend it: give each term once a joint"
+        ExoidError, match=f"parameters occur twice: {repeated}\\. To fix it: give each term once a joint"
     ):
         TorqueModel(leg, terms)
 
