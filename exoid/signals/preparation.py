@@ -244,7 +244,7 @@ class ZeroPhase:
 
 
 @dataclass(frozen=True)
-class Unfiltered:
+class _Unfiltered:
     """Base class of the preparations without a parallel filter.
 
     Attributes:
@@ -305,7 +305,7 @@ class Unfiltered:
 
 
 @dataclass(frozen=True)
-class Smoothed(Unfiltered):
+class Smoothed(_Unfiltered):
     """Smooth the angles without delay and derive, but do not filter columns and torques.
 
     This preparation is for joints with stick-slip: a filter after sgn(v) would smear the jump of friction over rows
@@ -340,7 +340,7 @@ class Smoothed(Unfiltered):
 
 
 @dataclass(frozen=True)
-class FiniteDifference(Unfiltered):
+class FiniteDifference(_Unfiltered):
     """Central differences without a filter, as in doc. 1, sec. III-B; the first and last samples are dropped.
 
     Recorded velocities and accelerations are used unchanged.
@@ -365,7 +365,7 @@ class FiniteDifference(Unfiltered):
 
 
 @dataclass(frozen=True)
-class MovingAverage(Unfiltered):
+class MovingAverage(_Unfiltered):
     """Smooth every measured signal by an exponential moving average, as in doc. 2, sec. III.
 
     Differences of the smoothed angle give the velocity if none was recorded. All signals have the same delay of
