@@ -19,7 +19,6 @@ from exoid.tables import DataTable, make_table, to_text
 from .comparison import Comparison, wald, welch
 from .equality import Equality
 from .estimate import Estimate
-from .file import estimate_to_json
 from .text import assumptions, condition, written
 
 HEADERS = ("value", "± std", "95 % from", "to", "unit", "determined")
@@ -184,6 +183,34 @@ class GroupedEstimate:
         least = min(self[group].dof for group in (first, second))
         return wald(self.own, units, self.values[other] - self.values[one], covariance, dof, least)
 
+    def to_json(self) -> dict[str, Any]:
+        """Turn estimates that share parameters into what JSON can hold.
+
+        Returns:
+            Shared and own parameters, tests, and the estimate of each group.
+        """
+        names = self.names
+        of_each = {
+            "values": self.values.tolist(),
+            "std": self.std.tolist(),
+            "interval_95": self.interval().tolist(),
+            "units": self.units,
+            "determined": self.identifiability,
+            "degrees_of_freedom": self.dofs.tolist(),
+        }
+        return {
+            **{key: dict(zip(names, column, strict=True)) for key, column in of_each.items()},
+            "shared": list(self.shared),
+            "own": list(self.own),
+            "condition_number": self.condition_number,
+            "covariance": self.covariance.tolist(),
+            "equal": _equality_to_json(self.equal),
+            "agreement": None if self.agreement is None else _equality_to_json(self.agreement),
+            "warnings": list(self.warnings),
+            "notes": list(self.notes),
+            "groups": {group: self[group].to_json() for group in self},
+        }
+
     def __repr__(self) -> str:
         """Name groups and parameters."""
         return (
@@ -207,38 +234,6 @@ def report(grouped: GroupedEstimate) -> str:
     if grouped.own:
         parts.append(make_table(("own", *HEADERS, "p equal"), _own_rows(grouped, numbers)))
     return to_text(*parts, *_closing_lines(grouped))
-
-
-def grouped_to_json(grouped: GroupedEstimate) -> dict[str, Any]:
-    """Turn estimates that share parameters into what JSON can hold.
-
-    Args:
-        grouped: The estimates.
-
-    Returns:
-        Shared and own parameters, tests, and the estimate of each group.
-    """
-    names = grouped.names
-    of_each = {
-        "values": grouped.values.tolist(),
-        "std": grouped.std.tolist(),
-        "interval_95": grouped.interval().tolist(),
-        "units": grouped.units,
-        "determined": grouped.identifiability,
-        "degrees_of_freedom": grouped.dofs.tolist(),
-    }
-    return {
-        **{key: dict(zip(names, column, strict=True)) for key, column in of_each.items()},
-        "shared": list(grouped.shared),
-        "own": list(grouped.own),
-        "condition_number": grouped.condition_number,
-        "covariance": grouped.covariance.tolist(),
-        "equal": _equality_to_json(grouped.equal),
-        "agreement": None if grouped.agreement is None else _equality_to_json(grouped.agreement),
-        "warnings": list(grouped.warnings),
-        "notes": list(grouped.notes),
-        "groups": {group: estimate_to_json(grouped[group]) for group in grouped},
-    }
 
 
 def _numbers(grouped: GroupedEstimate) -> Iterator[tuple[str, ...]]:
