@@ -1,4 +1,4 @@
-"""How figures look: colours that a colour-blind reader tells apart, sizes for a two-column paper."""
+"""Style of all figures: colours that colour-blind readers can distinguish, sizes for a two-column paper."""
 
 from __future__ import annotations
 
@@ -8,17 +8,22 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 
+from exoid._typing import FloatArray
+
 COLUMN = 3.5
 """Width of a column [inches]."""
 
-MEASURED, IDENTIFIED, CAD, LEFT_OVER, GUIDE = "#222222", "#0072B2", "#D55E00", "#999999", "#cccccc"
-"""Of what was measured, what an identified model says, what CAD says, residuals, and lines that guide the eye."""
+MEASURED, IDENTIFIED, CAD, RESIDUAL, GUIDE = "#222222", "#0072B2", "#D55E00", "#999999", "#cccccc"
+"""Colours of measured data, identified models, CAD models, residuals, and guide lines."""
 
 JOINT_COLOURS = ("#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2", "#D55E00", "#7F7F7F")
-"""Hip, knee, ankle, and the further joints of an arm."""
+"""Colours of hip, knee, ankle, and the further joints of an arm."""
 
 SHADES = ("#9ecae1", "#4292c6", "#08519c", "#08306b")
-"""Of several sets of the same, from light to dark."""
+"""Colours of several data sets of one kind, from light to dark."""
+
+MAX_POINTS = 4000
+"""Largest number of samples that a scatter plot draws."""
 
 SETTINGS: Any = {
     "font.size": 8,
@@ -41,15 +46,47 @@ SETTINGS: Any = {
 
 
 def paper() -> AbstractContextManager[None]:
-    """Use these settings inside a ``with``."""
+    """Use the style of a two-column paper inside a ``with`` block.
+
+    Returns:
+        Context manager that restores matplotlib's settings at the end.
+    """
     return rc_context(SETTINGS)
 
 
 def legend_above(ax: Axes, columns: int = 3) -> None:
-    """Put the legend above the axes, where it hides no data."""
+    """Put the legend above the axes, where it hides no data.
+
+    Args:
+        ax: Axes with labelled artists.
+        columns: Number of columns of the legend.
+    """
     ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.1, columnspacing=1.2)
 
 
 def joint_colour(joint: int) -> str:
-    """Colour of a joint, the same in every figure."""
+    """Return the colour of a joint, by its index; it is the same in every figure."""
     return JOINT_COLOURS[joint % len(JOINT_COLOURS)]
+
+
+def decimation(count: int, most: int = MAX_POINTS) -> slice:
+    """Return the slice that decimates ``count`` samples to at most ``most``."""
+    return slice(0, count, max(1, -(-count // most)))
+
+
+def draw_samples(
+    ax: Axes, x: FloatArray, y: FloatArray, colour: str, *, size: float, alpha: float = 0.5, label: str | None = None
+) -> None:
+    """Draw samples as dots, decimated to :data:`MAX_POINTS`.
+
+    Args:
+        ax: Axes to draw on.
+        x: Horizontal coordinates, (N,).
+        y: Vertical coordinates, (N,).
+        colour: Colour of the dots.
+        size: Diameter of the dots [points].
+        alpha: Opacity of the dots.
+        label: Name in the legend.
+    """
+    shown = decimation(len(x))
+    ax.plot(x[shown], y[shown], ".", ms=size, color=colour, alpha=alpha, rasterized=True, label=label)

@@ -13,7 +13,7 @@ import exoid
 from exoid import Leg
 from exoid.estimate import predict_motion
 from exoid.view import scene
-from exoid.view.report import Embedded, Page, Section
+from exoid.view.report import EmbeddedPage, Page, Section
 from exoid.view.style import CAD, IDENTIFIED, JOINT_COLOURS
 
 READY = "window.exoid !== undefined && window.exoid.viewer.renderer.info.render.frame > 0"
@@ -183,7 +183,7 @@ def framed(scenes):
 def reported(scenes):
     """A report with scenes, whose frames may do nothing but draw."""
     return Page(
-        "Two legs", ["Both stand."], [Section("Scenes", [Embedded(each.html(), each.title) for each in scenes])]
+        "Two legs", ["Both stand."], [Section("Scenes", [EmbeddedPage(each.html(), each.title) for each in scenes])]
     ).html()
 
 
@@ -207,7 +207,7 @@ def test_two_scenes_live_side_by_side_in_one_page(browser, tmp_path, write):
 
 def test_errors_within_a_frame_are_noticed(browser, tmp_path):
     """The check of the check above."""
-    broken = Embedded("<script>console.error('lost'); fetch('http://example.com/b.js')</script>", "broken")
+    broken = EmbeddedPage("<script>console.error('lost'); fetch('http://example.com/b.js')</script>", "broken")
     (tmp_path / "page.html").write_text(Page("x", [], [Section("y", [broken])]).html(), "utf-8")
     with browser.page((tmp_path / "page.html").as_uri()) as page:
         until = time.monotonic() + 30.0
