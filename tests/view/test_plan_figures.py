@@ -1,4 +1,4 @@
-"""Figures of plans show the motion, its limits, and how well each parameter will be known."""
+"""Figures of plans show the motion, its limits, and the expected precision of each parameter."""
 
 import numpy as np
 import pytest

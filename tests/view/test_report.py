@@ -51,7 +51,7 @@ def test_every_parameter_stands_in_the_table_with_its_interval_and_the_urdfs_val
     assert rows["c0_hip"][-1] == "–"
 
 
-def test_the_summary_counts_and_says_how_well_an_unseen_recording_is_predicted(page, swing):
+def test_the_summary_counts_parameters_and_gives_the_error_on_a_held_out_recording(page, swing):
     data, estimate = swing
     nrmse = exoid.validate(estimate, data.test).nrmse
     summary = " ".join(page.summary)
@@ -61,7 +61,7 @@ def test_the_summary_counts_and_says_how_well_an_unseen_recording_is_predicted(p
 
 def test_without_a_held_out_recording_the_report_says_so(swing):
     data, estimate = swing
-    assert "not tested" in " ".join(identification_report(estimate, [data.train]).summary)
+    assert "no held-out recording" in " ".join(identification_report(estimate, [data.train]).summary)
 
 
 def test_inputs_and_settings_are_listed(page, swing):

@@ -40,7 +40,7 @@ def parameter_pictures(estimate: Estimate, other_values: Mapping[str, Mapping[st
         plot_correlation,
         (estimate,),
         f"Correlation matrix of the errors of {len(estimate.names)} parameters",
-        "Correlation of the errors: of pairs in strong colours, only a combination is well identified",
+        "Correlation of the errors; strong colours mark pairs that are hard to separate",
         aspect=0.9,
     )
 

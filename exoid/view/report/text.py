@@ -58,11 +58,11 @@ def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[s
         joints = ", ".join(f"{joint} {100 * e:.1f} %" for joint, e in zip(estimate.joint_names, nrmse, strict=True))
         quality = "predicts well" if (nrmse <= GOOD_NRMSE).all() else "does not predict every joint well"
         lines.append(
-            f"On {prediction.validation.source}, a held-out recording, it {quality} (RMS error over the standard "
-            f"deviation of the torque: {joints})."
+            f"On the held-out recording {prediction.validation.source} the estimate {quality} (RMS error over the "
+            f"standard deviation of the torque: {joints})."
         )
     if not tested:
-        lines.append("It was not tested on a held-out recording: the errors below are those of the fit.")
+        lines.append("There is no held-out recording: the errors below are those of the fit.")
     return lines + [f"Warning: {warning}." for warning in estimate.warnings]
 
 
