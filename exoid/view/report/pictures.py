@@ -116,6 +116,7 @@ def _plot(
 
 
 def _draw_prediction(figure: Figure, prediction: RecordingPrediction, joint: int, label: str) -> None:
+    """Draw torque with its band above, and the residual on its own scale below."""
     validation = prediction.validation
     time = validation.time - validation.time[0]
     shown = decimation(int(np.searchsorted(time, SHOWN_SECONDS)), MAX_LINE_POINTS)

@@ -60,6 +60,7 @@ def set_animation(tracks: Tracks) -> Command:
 
 
 def _track(name: str, values: FloatArray) -> dict[str, Any]:
+    """Describe keyframes of one quantity in three.js's format."""
     kind = "quaternion" if name == "quaternion" else "vector3"
     keys = [{"time": frame, "value": _rounded(value)} for frame, value in enumerate(values)]
     return {"name": f".{name}", "type": kind, "keys": keys}

@@ -90,6 +90,7 @@ class _LayerDrawing(NamedTuple):
 
 
 def _layers(geometry: LegGeometry, trajectory: LegTrajectory) -> Iterator[_LayerDrawing]:
+    """Layers of the legend, from top to bottom."""
     colours = tuple(dict.fromkeys(geometry.joint_colours))
     yield _LayerDrawing("leg", (PLAIN,), geometry.draw_bodies(geometry.root))
     yield _LayerDrawing("joint axes", colours, geometry.draw_axes())

@@ -180,6 +180,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(body)
 
     def _stream(self) -> None:
+        """Send commands as they come, until the server ends or the page is closed."""
         scene_server = self.server.scene_server
         listener = scene_server.subscribe()
         try:

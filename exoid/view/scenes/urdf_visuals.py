@@ -104,6 +104,7 @@ def _material(element: etree._Element, colours: dict[str, Material | None], wher
 
 
 def _colour(material: etree._Element, where: str) -> Material | None:
+    """Material of a ``<color>`` element, or None."""
     colour = material.find("color")
     if colour is None:
         return None
@@ -122,6 +123,7 @@ def _origin(element: etree._Element, where: str) -> FloatArray:
 
 
 def _numbers(element: etree._Element, attribute: str, count: int, where: str, default: str = "") -> FloatArray:
+    """Read finite numbers from an attribute, (count,)."""
     text = element.get(attribute, default)
     try:
         values = np.array([float(word) for word in text.split()])
