@@ -125,10 +125,10 @@ def identify(
     if report is not None:
         _report(estimate, all_at_once(recordings), held_out, report)
     if as_json:
-        data = estimates.estimate_to_json(estimate)
+        data = estimate.to_json()
         del data["leg"]["urdf"]
         if predicted:
-            data["tests"] = [estimates.validation_to_json(each) for each in predicted]
+            data["tests"] = [each.to_json() for each in predicted]
         typer.echo(json.dumps(data, indent=1))
     else:
         typer.echo("\n\n".join(map(str, [estimate, *predicted])))

@@ -64,6 +64,21 @@ class Comparison:
         """Whether the legs differ, at 5 %, all parameters together."""
         return self.p_value < SIGNIFICANT
 
+    def to_json(self) -> dict[str, Any]:
+        """Turn a comparison into what JSON can hold.
+
+        Returns:
+            Differences and p-values by name, and the test of all.
+        """
+        by_name = ("difference", "std", "p_values", "adjusted")
+        return {
+            **{key: dict(zip(self.names, getattr(self, key).tolist(), strict=True)) for key in by_name},
+            "units": dict(zip(self.names, self.units, strict=True)),
+            "remarks": list(self.notes),
+            "statistic": self.statistic,
+            "p_value": self.p_value,
+        }
+
     def __repr__(self) -> str:
         """Name the parameters that differ."""
         return f"Comparison(p_value={self.p_value:.3g}, different: {', '.join(self._different()) or 'none'})"
@@ -218,25 +233,6 @@ def _told(first: EstimateData, second: EstimateData, unknown: Collection[str]) -
             "differences may be surer than stated"
         )
     return tuple(told)
-
-
-def comparison_to_json(comparison: Comparison) -> dict[str, Any]:
-    """Turn a comparison into what JSON can hold.
-
-    Args:
-        comparison: The comparison.
-
-    Returns:
-        Differences and p-values by name, and the test of all.
-    """
-    by_name = ("difference", "std", "p_values", "adjusted")
-    return {
-        **{key: dict(zip(comparison.names, getattr(comparison, key).tolist(), strict=True)) for key in by_name},
-        "units": dict(zip(comparison.names, comparison.units, strict=True)),
-        "remarks": list(comparison.notes),
-        "statistic": comparison.statistic,
-        "p_value": comparison.p_value,
-    }
 
 
 def welch(v1: FloatArray, v2: FloatArray, dof1: float | FloatArray, dof2: float | FloatArray) -> FloatArray:
