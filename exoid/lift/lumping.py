@@ -1,9 +1,9 @@
 """Lumping: distributes the inertia of an identified body among the links of the URDF that form it.
 
 Fixed and locked joints lump links into one body: the link that a joint carries and all links fixed to it. The fixed
-links keep their inertia, and the carried link gets the rest of the body. If this rest is not physically consistent, or
-the link has no inertia in the URDF, one affine map P → A P Aᵀ from the old body to the new one changes all links. Each
-link stays consistent, and their sum is exact.
+links keep their inertia, and the carried link gets the rest of the body. This rest may be physically inconsistent, or
+the link may have no inertia in the URDF. Then one affine map P → A P Aᵀ from the old body to the new one changes all
+links. Each link stays consistent, and their sum is exact.
 """
 
 from __future__ import annotations

@@ -458,8 +458,8 @@ def _derive(
 ) -> Kinematics:
     """Smooth the recorded quantities and derive the others from q.
 
-    The acceleration is derived from q even if v was recorded. Drives filter the velocity they report, and a delay of
-    1 ms costs more accuracy than the noise of a second difference (measured on the DFKI double pendulum).
+    The acceleration is derived from q even if v was recorded, because drives filter the velocity they report. On the
+    DFKI double pendulum, a delay of 1 ms costs more accuracy than the noise of a second difference.
     """
     rate, q = recording.sample_rate, smooth(recording.q)
     v = central_difference(q, rate, accuracy) if recording.v is None else smooth(recording.v)

@@ -200,7 +200,7 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, log, monk
         monkeypatch.setattr(Path, "replace", fail)
     else:
         monkeypatch.setattr(Path, "open", open_on_a_full_disk)
-    with pytest.raises(ExoidError, match=r"log\.csv: cannot be written: No space left on device.*disk with room"):
+    with pytest.raises(ExoidError, match=r"log\.csv: cannot be written: No space left on device.*disk with free space"):
         recording.to_csv(path)
     monkeypatch.undo()
     assert len(seen) == 2  # the old file and the half-written one beside it

@@ -1,4 +1,4 @@
-"""Kinds of log files: each becomes a table of named columns, whatever it looks like on disk."""
+"""Log file formats: readers that turn each format into a table of named columns."""
 
 from .kinds import open_table
 from .table import QUANTITIES, ArrayTable, ReadOptions, Table

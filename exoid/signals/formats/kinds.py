@@ -42,6 +42,13 @@ REFUSED = {
 def open_table(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Table:
     """Open a log of any kind that exoid reads.
 
+    Args:
+        path: The file, or the folder of a rosbag2.
+        options: What the caller requests.
+
+    Returns:
+        The table.
+
     Raises:
         ExoidError: The file is missing, damaged, or of no such kind.
     """

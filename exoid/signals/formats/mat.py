@@ -25,7 +25,15 @@ DEEPEST = 20
 
 
 def read_mat(path: Path, file: str, options: ReadOptions) -> ArrayTable:
-    """Read numbers and text; other variables are passed over. Rows count from 1, as in MATLAB.
+    """Read numbers and text; other variables are skipped. Rows count from 1, as in MATLAB.
+
+    Args:
+        path: The file.
+        file: Path as the caller gave it, for messages.
+        options: What the caller requests.
+
+    Returns:
+        The table.
 
     Raises:
         ExoidError: The file is damaged, of version 7.3, or has no time.

@@ -15,7 +15,15 @@ REMEDY = "write it with np.savez(path, time=..., q=..., tau=..., joint_names=[..
 
 
 def read_npz(path: Path, file: str, options: ReadOptions) -> ArrayTable:
-    """Read an archive of arrays; pickled ones are refused unread, as pickles run what is in them.
+    """Read an archive of arrays; pickled arrays are refused, because unpickling runs code from the file.
+
+    Args:
+        path: The file.
+        file: Path as the caller gave it, for messages.
+        options: What the caller requests.
+
+    Returns:
+        The table.
 
     Raises:
         ExoidError: The file is damaged, or holds objects.

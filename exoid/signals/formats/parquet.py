@@ -21,7 +21,7 @@ REMEDY = "check that the writer closed it; write it anew"
 
 @dataclass(frozen=True, eq=False)
 class ParquetTable:
-    """A Parquet file, of which only the columns asked for are read; attributes as those of ``Table``.
+    """A Parquet file, of which only the requested columns are read; attributes as those of ``Table``.
 
     Attributes:
         length: Number of rows.
@@ -57,6 +57,13 @@ class ParquetTable:
 
 def read_parquet(path: Path, file: str) -> ParquetTable:
     """Read the header of a Parquet file.
+
+    Args:
+        path: The file.
+        file: Path as the caller gave it, for messages.
+
+    Returns:
+        The table.
 
     Raises:
         ExoidError: polars is missing, or the file is damaged.

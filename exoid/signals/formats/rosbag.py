@@ -40,6 +40,14 @@ def read_rosbag(path: Path, file: str, options: ReadOptions) -> ArrayTable:
     are skipped. A field that is empty or NaN in all messages was not measured. Message definitions stored in the bag
     are ignored.
 
+    Args:
+        path: The file.
+        file: Path as the caller gave it, for messages.
+        options: What the caller requests.
+
+    Returns:
+        The table.
+
     Raises:
         ExoidError: rosbags is missing, the bag is damaged, no topic or several fit, or messages disagree on joints.
     """
