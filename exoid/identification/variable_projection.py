@@ -14,6 +14,7 @@ from exoid.regression.r_factor import factorize, stack
 from exoid.torques import NonlinearSetting, TorqueModel, nonlinear_settings, with_settings
 from exoid.torques.linearised import linearise
 
+from .estimators import fit_by
 from .fitting import Fitted, Start, Task, starting_model
 from .problem import Problem
 
@@ -82,7 +83,7 @@ def fit_model(task: Task, start: Start | None = None) -> Fitted:
     models = tuple(TorqueModel(group.leg, task.terms) for group in task.groups)
     problem = task.problem(models)
     problem.refuse_empty_joints()
-    fit = task.estimator(problem)
+    fit = fit_by(task.estimator, problem)
     return Fitted(models, fit.solution.values, NonlinearParameters(), problem, fit, fit.warnings)
 
 
@@ -134,7 +135,7 @@ class _Search:
         unsettled: tuple[str, ...] = ()
         for _ in range(POLISH):
             problem = self._problem(tuple(held))
-            fit = self.task.estimator(problem)
+            fit = fit_by(self.task.estimator, problem)
             found = dict(zip(problem.names, fit.solution.values, strict=True))
             before = self._vector(problem.names)
             moved = fit.solution.values - before

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -297,26 +297,6 @@ class MovingAverage:
     def describe(self) -> dict[str, float | str]:
         """Name and setting."""
         return {"name": self.name, "alpha": self.alpha}
-
-
-PREPARATIONS: Mapping[str, type[ZeroPhase] | type[Smoothed] | type[FiniteDifference] | type[MovingAverage]] = {
-    "finite-difference": FiniteDifference,
-    "moving-average": MovingAverage,
-    "smoothed": Smoothed,
-    "zero-phase": ZeroPhase,
-}
-"""Preparations by the name they give themselves."""
-
-
-def preparation_by_name(name: str) -> Preparation:
-    """Make a preparation with its default settings.
-
-    Raises:
-        ExoidError: There is none of that name.
-    """
-    if name not in PREPARATIONS:
-        raise ExoidError(f"no preparation {name!r}", remedy=f"use one of {', '.join(PREPARATIONS)}")
-    return PREPARATIONS[name]()
 
 
 def _derive(
