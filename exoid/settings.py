@@ -131,13 +131,22 @@ def _value_to_json(value: Any, nested: type | None, where: str) -> Any:  # noqa:
         return [_value_to_json(item, nested, where) for item in value]
     if isinstance(value, float) and math.isfinite(value):
         return float(value)
-    if value is None or type(value) in (bool, int, str):
+    if value is None or type(value) in (bool, int) or (type(value) is str and _is_unicode(value)):
         return value
     beside = "" if nested is None else f", {nested.__name__}"
     raise ExoidError(
         f"{where}{reprlib.repr(value)}) cannot be written to a file",
         remedy=f"let settings be finite numbers, text, True, False, None{beside}, or tuples of these",
     )
+
+
+def _is_unicode(text: str) -> bool:
+    """Tell text from the bytes of a file's name, which Python keeps as half characters."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _value_from_json(value: Any, nested: type[Any] | None) -> Any:  # noqa: ANN401
