@@ -57,6 +57,9 @@ def read_exported(path: str | Path, joints: Sequence[str] | None = None) -> Expo
         path: The URDF. Its sidecar, where there is one, says which joints move, and where the others are locked.
         joints: Joints that move, where there is no sidecar; None for all of one degree of freedom.
 
+    Returns:
+        The leg, what acts on its joints besides, and the zeros of its torque sensors.
+
     Raises:
         ExoidError: The URDF or the sidecar cannot be read, the sidecar is of another URDF, or of other joints.
 

@@ -67,11 +67,13 @@ def register_preparation(name: str, kind: Kind | None = None) -> Kind | Callable
         ExoidError: The name is taken or has another form, or a member is missing.
 
     Example:
+        >>> from dataclasses import dataclass
         >>> @register_preparation("slow")
         ... @dataclass(frozen=True)
         ... class Slow(ZeroPhase):
         ...     '''Zero-phase filter with a low cut-off [Hz].'''
         ...     cutoff: float = 2.0
+        ...     name = "slow"
         >>> preparation_by_name("slow")
         Slow(cutoff=2.0, kinematics_cutoff=None, order=4)
     """

@@ -66,6 +66,7 @@ def register_term(name: str, kind: Kind | None = None) -> Kind | Callable[[Kind]
         ExoidError: The name is taken or has another form, or this is no type of term.
 
     Example:
+        >>> from dataclasses import dataclass
         >>> @register_term("drag")
         ... @dataclass(frozen=True, kw_only=True)
         ... class Drag(exoid.Viscous):

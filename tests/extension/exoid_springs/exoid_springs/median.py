@@ -24,3 +24,6 @@ class Median(ZeroPhase):
     def kinematics(self, recording):
         even = recording.resampled()
         return super().kinematics(replace(even, q=median_filter(even.q, (self.window, 1), mode="nearest")))
+
+    def describe(self):
+        return {**super().describe(), "window": self.window}
