@@ -126,7 +126,11 @@ class Selection:
         return validate(estimate, recording, preparation=preparation)
 
     def to_json(self) -> dict[str, Any]:
-        """Turn a selection into what JSON can hold."""
+        """Turn a selection into what JSON can hold.
+
+        Returns:
+            Scores of all candidates, and the choice.
+        """
         return {
             "cutoff": self.cutoff,
             "folds": self.folds,

@@ -1,9 +1,9 @@
 """Weighted least squares with weights that spikes do not move."""
 
 import numpy as np
-from exoid.regression.r_factor import joint_table, stack
 
 from exoid.identification.estimators import Fit, ols
+from exoid.regression import joint_table, stack
 
 MAD_TO_STD = 1.4826
 
