@@ -16,7 +16,8 @@ from .computed_torque import computed_torque
 from .feedforward_pd import feedforward_pd
 from .gravity_friction_pd import gravity_friction_pd
 from .law import RATE, Law
-from .lqr import POINTS, lqr
+from .lqr import lqr
+from .mean_pose import mean_pose
 from .model import ControlModel
 from .pd import pd
 
@@ -28,9 +29,6 @@ BANDWIDTH = 5.0
 
 DAMPING = 0.1
 """Kd over Kp [s]."""
-
-INSTANTS = 64
-"""Of the reference, to take the mean pose from."""
 
 
 def standard_laws(
@@ -65,14 +63,13 @@ def standard_laws(
     """
     model = ControlModel.of(source)
     inertia = np.diagonal(model.mass_matrix(mean_pose(reference, period)))
-    points = max(1, min(POINTS, round(period * rate))) if np.isfinite(period * rate) else POINTS
     soft = [np.asarray(gain, dtype=np.float64) / inertia for gain in (kp, kd)]
     makers: dict[str, Callable[[], Law]] = {
         "pd": lambda: pd(kp, kd, rate=rate),
         "pd_gravity_friction": lambda: gravity_friction_pd(model, kp, kd, rate=rate),
         "pd_feedforward": lambda: feedforward_pd(model, kp, kd, rate=rate),
         "computed_torque": lambda: computed_torque(model, *soft, rate=rate),
-        "lqr": lambda: lqr(model, reference, period, points=points, rate=rate),
+        "lqr": lambda: lqr(model, reference, period, rate=rate),
     }
     refuse_unknown_laws(names)
     return {name: makers[name]() for name in names}
@@ -101,9 +98,3 @@ def default_gains(source: Estimate | Leg | Plant | ControlModel, pose: FloatArra
     """
     kp = BANDWIDTH**2 * np.diagonal(ControlModel.of(source).mass_matrix(pose))
     return kp, DAMPING * kp
-
-
-def mean_pose(reference: Reference, period: float) -> FloatArray:
-    """Mean angles of one leg's reference over a period [rad], (n,)."""
-    angles = [reference.at(period * k / INSTANTS).q[:, 0] for k in range(INSTANTS)]
-    return np.asarray(np.mean(angles, axis=0))
