@@ -7,7 +7,6 @@ from .closed_loop import ClosedLoop
 from .fit import Estimator, Fit, name_of
 from .gls import gls
 from .huber import huber
-from .instrumental import InstrumentalVariables
 from .joint_ml import JointML
 from .ols import ols
 from .output_error import OutputError
@@ -18,7 +17,6 @@ __all__ = [
     "ClosedLoop",
     "Estimator",
     "Fit",
-    "InstrumentalVariables",
     "JointML",
     "OutputError",
     "Reduced",

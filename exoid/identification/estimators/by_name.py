@@ -9,7 +9,6 @@ from exoid.errors import ExoidError
 from .fit import Estimator
 from .gls import gls
 from .huber import huber
-from .instrumental import InstrumentalVariables
 from .joint_ml import JointML
 from .ols import ols
 from .output_error import OutputError
@@ -18,7 +17,7 @@ from .wls import wls
 ESTIMATORS: Mapping[str, Estimator] = {"gls": gls, "huber": huber, "ml": JointML(), "ols": ols, "wls": wls}
 """Estimators that need no settings."""
 
-NEED_LOOP: Mapping[str, Estimator] = {"iv": InstrumentalVariables(), "output-error": OutputError()}
+NEED_LOOP: Mapping[str, Estimator] = {"output-error": OutputError()}
 """Estimators that need a :class:`ClosedLoop`, and say so when they are used without."""
 
 
