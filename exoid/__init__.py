@@ -3,9 +3,11 @@
 from typing import TYPE_CHECKING, Any
 
 from . import datasets, published, signals, torques
+from ._version import __version__ as __version__
 from .catalog import load_leg
 from .errors import ExoidError
-from .identification import Comparison, Estimate, Validation, compare, identify, identify_together, validate
+from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, validate
+from .identification import identify
 from .leg import Leg
 from .signals import Recording, Recordings
 from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
@@ -14,14 +16,13 @@ from .torso import TorsoMotion
 if TYPE_CHECKING:
     from . import control
 
-__version__ = "0.1.0"
-
 __all__ = [
     "Armature",
     "Comparison",
     "Coulomb",
     "Estimate",
     "ExoidError",
+    "GroupedEstimate",
     "Leg",
     "Offset",
     "Recording",
@@ -34,7 +35,6 @@ __all__ = [
     "control",
     "datasets",
     "identify",
-    "identify_together",
     "load_leg",
     "published",
     "signals",

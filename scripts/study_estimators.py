@@ -140,10 +140,10 @@ def recording(
     whole = exoid.Recording(tracked.time, read, tau=tau, joint_names=leg(which).joint_names)
     if exact:
         whole = replace(whole, q=tracked.q, v=tracked.v, a=tracked.a)
-    return thinned(whole, every)
+    return decimated(whole, every)
 
 
-def thinned(whole: exoid.Recording, every: int) -> exoid.Recording:
+def decimated(whole: exoid.Recording, every: int) -> exoid.Recording:
     """Keep one of so many samples."""
     v, a, tau = (None if x is None else x[::every] for x in (whole.v, whole.a, whole.tau))
     return exoid.Recording(whole.time[::every], whole.q[::every], v, a, tau, joint_names=whole.joint_names)

@@ -86,13 +86,15 @@ def noise(rng: np.random.Generator, coloured: float, shape: tuple[int, ...]) -> 
     return math.sqrt(coloured) * lfilter([1.0], [1.0, -MEMORY], drive, axis=0) + math.sqrt(1.0 - coloured) * white
 
 
-def replicate(seed: int, kind: str, preparation: str, estimator: str, assumed: str = "correlated") -> Outcome:
+def replicate(seed: int, kind: str, preparation: str, estimator: str, prior_knowledge: str = "correlated") -> Outcome:
     """Identify once."""
     leg, truth, stamps, (q, v, a), tau = swing()
     rng = np.random.default_rng([seed, list(COLOURED).index(kind)])
     measured = tau + NOISE * noise(rng, COLOURED[kind], tau.shape)
     recording = exoid.Recording(stamps, q, v=v, a=a, tau=measured, joint_names=leg.joint_names)
-    estimate = exoid.identify(leg, recording, TERMS, estimator, preparation=PREPARATIONS[preparation], noise=assumed)
+    estimate = exoid.identify(
+        leg, recording, TERMS, estimator, preparation=PREPARATIONS[preparation], noise=prior_knowledge
+    )
     low, high = estimate.interval().T
     return Outcome(estimate.values - truth, (low <= truth) & (truth <= high), estimate.std)
 
@@ -132,7 +134,7 @@ def study(replicates: int, estimators: Names, preparations: Names, kinds: Names,
                 kind=kind,
                 preparation=preparation,
                 estimator=name,
-                assumed="white" if naive else "correlated",
+                prior_knowledge="white" if naive else "correlated",
             )
             start = time.perf_counter()
             results = list(pool.map(run, range(replicates), chunksize=5))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import exoid
-from exoid.identification import predict_motion
+from exoid.estimate import predict_motion
 
 HORIZONS = (0.1, 0.25, 0.5, 1.0)
 

@@ -77,7 +77,7 @@ def hub(material: str, radius: float, width: float, xyz: Vector) -> Visual:
 
 
 def ring(material: str, radius: float, height: float, centre: Vector, span: tuple[float, float]) -> list[Visual]:
-    """A piece of a band around a limb: thin boxes from one bearing to another [deg, 0 forward, 90 left]."""
+    """A piece of a band around a limb: decimate boxes from one bearing to another [deg, 0 forward, 90 left]."""
     pieces = 9
     step = math.radians(span[1] - span[0]) / pieces
     plate = (0.008, 2.08 * radius * math.tan(step / 2), height)

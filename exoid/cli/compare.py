@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from exoid import identification
+from exoid import estimate as estimates
 
 from .inputs import AsJson
 
@@ -18,8 +18,8 @@ def compare(
     as_json: AsJson = False,
 ) -> None:
     """Test whether B differs from A: left and right, one day and another, with and without a wearer."""
-    result = identification.compare(*(identification.Estimate.load(path) for path in (first, second)))
+    result = estimates.compare(*(estimates.Estimate.load(path) for path in (first, second)))
     if as_json:
-        typer.echo(json.dumps(identification.comparison_to_json(result), indent=1))
+        typer.echo(json.dumps(estimates.comparison_to_json(result), indent=1))
     else:
         typer.echo(str(result))

@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
-from exoid import codegen, identification
+from exoid import codegen
+from exoid import estimate as estimates
 from exoid.errors import ExoidError
-from exoid.identification.export import export_to_json
+from exoid.estimate.export import export_to_json
 
 from .inputs import AsJson
 
@@ -30,8 +31,8 @@ def export(
         raise ExoidError("one file is written at a time", remedy="give either -o LEG.URDF or --c LEG.C")
     if c is None and precision is not None:
         raise ExoidError("--precision has no effect on a URDF", remedy="leave out --precision, or give --c LEG.C")
-    found = identification.Estimate.load(estimate)
-    written: identification.Export | codegen.CSource
+    found = estimates.Estimate.load(estimate)
+    written: estimates.Export | codegen.CSource
     if output is not None:
         written = found.to_urdf(output)
         as_data = export_to_json(written)

@@ -10,12 +10,13 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from exoid import estimate as estimates
 from exoid import identification
 from exoid.files import refuse_unwritable
 from exoid.signals import Recording
 from exoid.torques import TERMS
 
-from .far_logs import all_at_once, at_hand, each_log, is_folder_of_logs, logs_on_disk
+from .grouped import GroupedLogs, Settings, log_names
 from .inputs import (
     AsJson,
     Column,
@@ -33,7 +34,7 @@ from .inputs import (
     split_names,
 )
 from .numbers import parse_known, parse_prior
-from .together import Settings, Together, log_names
+from .remote_logs import all_at_once, at_hand, each_log, is_folder_of_logs, logs_on_disk
 
 
 def identify(
@@ -98,7 +99,7 @@ def identify(
     options = LogOptions(column, degrees, start, stop, topic, received)
     far = scheduler is not None or (own is None and any(map(is_folder_of_logs, logs)))
     logs = each_log(logs)
-    together = None if own is None else _together(logs, own, output, test, report, scheduler)
+    grouped = None if own is None else _grouped(logs, own, output, test, report, scheduler)
     recordings = logs_on_disk(logs, options) if far else read_logs(logs, options)
     held_out = read_logs(test or [], options)
     find = partial(find_leg, leg, side, inertias, split_names(joints))
@@ -112,43 +113,43 @@ def identify(
         prior=parse_prior(prior),
         nonnegative=nonnegative,
     )
-    if together is not None:
-        typer.echo(together.identify(all_at_once(recordings), find, settings, as_json=as_json))
+    if grouped is not None:
+        typer.echo(grouped.identify(all_at_once(recordings), find, settings, as_json=as_json))
         return
     found = find(recordings[0].joint_names)
     with at_hand(recordings, scheduler) as source:
         estimate = identification.identify(found, source, **settings)
-    predicted = [identification.validate(estimate, recording) for recording in held_out]
+    predicted = [estimates.validate(estimate, recording) for recording in held_out]
     if output is not None:
         estimate.save(output)
     if report is not None:
         _report(estimate, all_at_once(recordings), held_out, report)
     if as_json:
-        data = identification.estimate_to_json(estimate)
+        data = estimates.estimate_to_json(estimate)
         del data["leg"]["urdf"]
         if predicted:
-            data["tests"] = [identification.validation_to_json(each) for each in predicted]
+            data["tests"] = [estimates.validation_to_json(each) for each in predicted]
         typer.echo(json.dumps(data, indent=1))
     else:
         typer.echo("\n\n".join(map(str, [estimate, *predicted])))
 
 
-def _together(
+def _grouped(
     logs: list[str],
     own: str,
     output: str | None,
     test: list[str] | None,
     report: str | None,
     scheduler: str | None,
-) -> Together:
+) -> GroupedLogs:
     """Prepare to identify logs each with parameters of its own."""
     refuse({"--test": test, "--report": report}, "with --own there is an estimate of each log")
     refuse({"--scheduler": scheduler}, "logs with parameters of their own are read here")
-    return Together.of(log_names(logs), split_names(own) or (), output)
+    return GroupedLogs.of(log_names(logs), split_names(own) or (), output)
 
 
 def _report(
-    estimate: identification.Estimate, recordings: Sequence[Recording], held_out: Sequence[Recording], path: str
+    estimate: estimates.Estimate, recordings: Sequence[Recording], held_out: Sequence[Recording], path: str
 ) -> None:
     """Write the report."""
     from exoid.view.report import identification_report  # noqa: PLC0415 - matplotlib would slow down every command

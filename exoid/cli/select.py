@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
+from exoid import estimate as estimates
 from exoid import identification
 from exoid.errors import ExoidError
 from exoid.identification.selection import Candidate, friction_candidates, selection_to_json
@@ -58,7 +59,7 @@ def select(
     data, text = selection_to_json(selection), [str(selection), str(estimate)]
     if tested is not None:
         validation = selection.validate(estimate, tested)
-        data["test"] = identification.validation_to_json(validation)
+        data["test"] = estimates.validation_to_json(validation)
         text.append(str(validation))
     typer.echo(json.dumps(data, indent=1) if as_json else "\n\n".join(text))
 

@@ -16,8 +16,8 @@ from rich.progress import Progress
 from exoid import published
 from exoid.catalog import load_leg
 from exoid.errors import ExoidError
+from exoid.estimate import Estimate
 from exoid.files import write_bytes
-from exoid.identification import Estimate
 
 from .inputs import AsJson
 

@@ -19,7 +19,7 @@ from .inputs import AsJson, find_leg, parse_numbers, parse_terms, refuse, split_
 
 if TYPE_CHECKING:
     from exoid.experiments.excitation import Plan
-    from exoid.study import Course, Protocol
+    from exoid.study import Protocol, TrackingTask
 
 PROTOCOLS = ("planned", "document")
 
@@ -37,7 +37,7 @@ def study(
     leg: Annotated[str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset's name, or a URDF file.")],
     folder: Annotated[
         str | None,
-        typer.Option("--folder", "-o", metavar="DIR", help="Keep finished pieces there, and go on from them."),
+        typer.Option("--folder", "-o", metavar="DIR", help="Keep finished chunks there, and go on from them."),
     ] = None,
     side: Annotated[str | None, typer.Option(help="left or right, of a built-in leg.")] = None,
     inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
@@ -92,7 +92,7 @@ def study(
     if laws is None:
         refuse({"--course": course, "--kp": kp, "--kd": kd}, "no --laws are tried")
     truth = studies.plausible_truth(model, scales.typical)
-    who = studies.here if workers == 1 else studies.processes(workers)
+    who = studies.run_serially if workers == 1 else studies.processes(workers)
     who = who if scheduler is None else studies.dask_cluster(scheduler)
     noises = tuple(studies.Noise(name, std, _share(name), memory) for name in split_names(colours) or ())
     console = Console(stderr=True)
@@ -137,7 +137,7 @@ def _course(
     truth: tuple[float, ...],
     gains: tuple[str | None, str | None],
     planning: Mapping[str, Any],
-) -> Course:
+) -> TrackingTask:
     """Make what laws follow, by its name: a gait as in ``exoid track``, or a plan that is not the protocol's."""
     import numpy as np  # noqa: PLC0415 - see above
 
@@ -152,9 +152,9 @@ def _course(
             gait = on_leg(model.leg, healthy_gait(SCALE, PERIOD))
         except ExoidError as error:
             raise ExoidError(error.what, where=error.where, remedy=f"{error.remedy}, or --course planned") from None
-        return studies.Course.of(names, gait, PERIOD, known, kp, kd)
+        return studies.TrackingTask.of(names, gait, PERIOD, known, kp, kd)
     plan = _plan(model.leg, model.terms, {**planning, "duration": PERIOD, "seed": OTHER}).motions[0]
-    return studies.Course.of(names, plan.reference, plan.period, known, kp, kd)
+    return studies.TrackingTask.of(names, plan.reference, plan.period, known, kp, kd)
 
 
 def _plan(leg: Leg, terms: tuple[Term, ...], planning: Mapping[str, Any]) -> Plan:

@@ -17,8 +17,8 @@ from exoid import published
 from exoid._typing import FloatArray
 from exoid.catalog import load_leg
 from exoid.errors import ExoidError
+from exoid.estimate import Estimate
 from exoid.files import refuse_unwritable
-from exoid.identification import Estimate
 from exoid.leg import Leg
 from exoid.signals import Recording
 from exoid.tables import DataTable, to_text

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 from rich.console import Console
 
-from exoid import identification
+from exoid import estimate as estimates
 from exoid.catalog import SEGMENTS
 from exoid.errors import ExoidError
 from exoid.leg import Leg
@@ -64,7 +64,7 @@ def view(
     with Console(stderr=True).status("drawing"):
         estimate = shown.legs[0]
         if ghost is None and recording is not None and recording.tau is not None and not isinstance(estimate, Leg):
-            ghost, label = identification.predict_motion(estimate, recording, horizon), "predicted"
+            ghost, label = estimates.predict_motion(estimate, recording, horizon), "predicted"
         drawn = views.scene(
             *shown.legs,
             pose=_pose(pose_deg or []),
@@ -87,7 +87,7 @@ def view(
 class _Shown(NamedTuple):
     """Legs to draw, and others whose inertias stand beside theirs."""
 
-    legs: Sequence[Leg | identification.Estimate]
+    legs: Sequence[Leg | estimates.Estimate]
     identified: Sequence[Leg] = ()
 
 
@@ -96,7 +96,7 @@ def _shown(
 ) -> _Shown:
     if name.endswith(".json"):
         refuse({"--side": side, "--inertias": inertias, "--joints": joints}, "an estimate has its leg in it")
-        return _Shown([identification.Estimate.load(name)])
+        return _Shown([estimates.Estimate.load(name)])
     if name in SEGMENTS:
         sides = ("left", "right") if side == "both" else (side,)
         legs = [find_leg(name, each, None, joints, logged) for each in sides]

@@ -1,6 +1,18 @@
-"""An identified leg as C, for a microcontroller that runs neither Python nor Pinocchio."""
+"""A leg with known parameters as C, for a microcontroller that runs neither Python nor Pinocchio."""
 
 from .dialect import PRECISIONS, Dialect
-from .source import CSource, c_source, c_source_to_json, write_c
+from .forms import JointInC, Place, register_c_form
+from .planar_leg import c_source, write_c
+from .source import CSource, c_source_to_json
 
-__all__ = ["PRECISIONS", "CSource", "Dialect", "c_source", "c_source_to_json", "write_c"]
+__all__ = [
+    "PRECISIONS",
+    "CSource",
+    "Dialect",
+    "JointInC",
+    "Place",
+    "c_source",
+    "c_source_to_json",
+    "register_c_form",
+    "write_c",
+]

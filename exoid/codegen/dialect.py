@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -42,9 +43,17 @@ class Dialect:
     def number(self, value: float) -> str:
         """Write a constant so that the compiler reads the same bits.
 
+        Args:
+            value: The constant.
+
+        Returns:
+            Literal of this precision, such as ``0.1f``.
+
         Raises:
-            ExoidError: It is too large for this precision.
+            ExoidError: It is not finite in this precision.
         """
+        if not math.isfinite(value):
+            raise ExoidError(f"C has no number {value}", remedy="give every parameter and setting a finite value")
         if self.real == "double":
             return repr(float(value))
         with np.errstate(over="ignore"):
@@ -55,12 +64,25 @@ class Dialect:
         return f"{text if '.' in text or 'e' in text else f'{text}.0'}f"
 
     def function(self, name: str) -> str:
-        """Name a function of <math.h> in this precision: sin, or sinf."""
+        """Name a function of <math.h> in this precision.
+
+        Args:
+            name: Name of the function for double, such as ``sin``.
+
+        Returns:
+            ``sin`` in double, ``sinf`` in float.
+        """
         return name if self.real == "double" else f"{name}f"
 
 
 def identifier(path: str | Path) -> str:
     """Turn a file's name into the prefix of the names in it.
+
+    Args:
+        path: The file, or a name of one's choice.
+
+    Returns:
+        An identifier of letters, digits and single underscores.
 
     Raises:
         ExoidError: Nothing in the name can stand in C.
@@ -78,7 +100,11 @@ def identifier(path: str | Path) -> str:
 def comment(text: str) -> str:
     """Make a text fit for a comment, whatever it contains: one line of ASCII that ends no comment and starts none.
 
-    Its indentation stays.
+    Args:
+        text: Any text.
+
+    Returns:
+        The text with its indentation.
 
     Example:
         >>> comment("X1 [kg·m²] */ int main")

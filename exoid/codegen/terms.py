@@ -2,139 +2,126 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Literal, NamedTuple
+import re
+from typing import NamedTuple, get_args
 
-from exoid.errors import ExoidError
-from exoid.torques import Armature, Coulomb, Offset, Stiffness, Stribeck, Term, TorqueModel, Viscous
+from exoid._typing import FloatArray
+from exoid.torques import Armature, Coulomb, Offset, Stiffness, Stribeck, TorqueModel, Viscous
 from exoid.torques.dry_friction import DryFriction
-from exoid.torques.free import number
+from exoid.torques.nonlinear import number
 
 from .dialect import Dialect
-
-Place = Literal["friction", "stiffness", "rotor"]
-
-
-class Expression(NamedTuple):
-    """Torque of one term at one joint.
-
-    Attributes:
-        place: Function it belongs to, or the table of rotors.
-        text: In C.
-    """
-
-    place: Place
-    text: str
+from .forms import JointInC, Place, c_form, register_c_form
 
 
-class JointTerm(NamedTuple):
-    """One term at one joint.
+class TermsInC(NamedTuple):
+    """The terms of a leg.
 
     Attributes:
-        term: The term.
-        joint: Index of the joint.
-        names: Full name of the parameter behind each of its symbols, those merged into others left out.
+        friction: Torque of each joint as an expression in v[j], n of them.
+        stiffness: Torque of each joint as an expression in q[j], n of them.
+        rotor: Inertia of each joint as a constant expression, n of them.
+        table: Names of the parameters in the table that friction and stiffness refer to, in its order.
     """
 
-    term: Term
-    joint: int
-    names: dict[str, str]
+    friction: list[str]
+    stiffness: list[str]
+    rotor: list[str]
+    table: list[str]
 
 
-def joint_terms(model: TorqueModel) -> list[JointTerm]:
-    """List the terms of each joint with the parameters that they have in an estimate."""
-    names, labels = model.leg.joint_names, model.leg.joint_labels
-    found = []
-    for joint in range(len(names)):
-        for term in model.terms:
-            every = {symbol: f"{symbol}_{labels[joint]}" for symbol in term.symbols}
-            kept = {symbol: name for symbol, name in every.items() if name in model.names}
-            if joint in term.joint_indices(names, labels) and kept:
-                found.append(JointTerm(term, joint, kept))
-    return found
-
-
-def express(term: Term, joint: int, constants: Mapping[str, str], dialect: Dialect) -> Expression:
-    """Write a term in C.
+def terms_in_c(model: TorqueModel, values: FloatArray, table: str, dialect: Dialect) -> TermsInC:
+    """Write all terms of a model.
 
     Args:
-        term: The term.
-        joint: Index of its joint.
-        constants: What stands in C for each of its symbols; symbols merged into other parameters are missing.
+        model: The model.
+        values: Its parameters, (P,).
+        table: Name in C of the table of parameters.
         dialect: Precision.
 
+    Returns:
+        Expressions of each joint, and the names of the parameters in the table.
+
     Raises:
-        ExoidError: The term has no form in C.
+        ExoidError: A term has no form in C, or a number cannot be written.
     """
-    if type(term) not in WRITERS or term.memory is not None:  # a subclass may compute something else
-        known = ", ".join(kind.__name__ for kind in WRITERS)
-        remembers = " and a memory" if term.memory is not None else ""
-        raise ExoidError(
-            f"{type(term).__name__} ({', '.join(constants)}){remembers} has no form in C",
-            remedy=f"identify with terms that have one: {known}, without presliding",
+    known = {name: dialect.number(value) for name, value in zip(model.names, values, strict=True)}
+    forms = [(block, c_form(block.term)) for block in model.blocks if any(name in known for name in block.names)]
+    tabled = [
+        name for block, form in forms if form.place != "rotor" for name in block.names if name in known
+    ]  # an inertia initialises a table itself, where C99 wants numbers
+    constants = {**known, **{name: f"{table}[{index}]" for index, name in enumerate(tabled)}}
+    summands: dict[Place, list[list[str]]] = {place: [[] for _ in model.leg.joint_names] for place in get_args(Place)}
+    for block, form in forms:
+        symbols = zip(block.term.symbols, block.names, strict=True)
+        parameters = {symbol: constants[name] for symbol, name in symbols if name in constants}
+        variable = {"friction": f"v[{block.joint}]", "stiffness": f"q[{block.joint}]", "rotor": ""}[form.place]
+        summands[form.place][block.joint].append(
+            _summand(form.write(block.term, JointInC(variable, parameters, dialect)))
         )
-    return WRITERS[type(term)](term, joint, constants, dialect)
+    zero = dialect.number(0.0)
+    sums = {place: [" + ".join(joint) or zero for joint in joints] for place, joints in summands.items()}
+    return TermsInC(sums["friction"], sums["stiffness"], sums["rotor"], tabled)
 
 
-def _armature(term: Armature, joint: int, constants: Mapping[str, str], dialect: Dialect) -> Expression:
-    return Expression("rotor", constants["Ia"])
+def _summand(expression: str) -> str:
+    """Put parentheses around an expression that ends in an operator weaker than a sum, such as a conditional."""
+    outside, inside = "", expression
+    while outside != inside:
+        outside, inside = inside, re.sub(r"\([^()]*\)", "", inside)
+    return f"({expression})" if re.search("[?<>=!&|^,]", outside) else expression
 
 
-def _coulomb(term: Coulomb, joint: int, constants: Mapping[str, str], dialect: Dialect) -> Expression:
-    size = _by_direction("c0", joint, constants, dialect) if term.asymmetric else constants["c0"]
-    return _dry(term, size, joint, dialect)
+@register_c_form(Armature, "rotor")
+def _armature(term: Armature, joint: JointInC) -> str:
+    return joint.parameters["Ia"]
 
 
-def _stribeck(term: Stribeck, joint: int, constants: Mapping[str, str], dialect: Dialect) -> Expression:
-    ratio = f"(v[{joint}] / {dialect.number(number(term.velocity))})"
-    return _dry(term, f"{constants['cs']} * {dialect.function('exp')}(-{ratio} * {ratio})", joint, dialect)
+@register_c_form(Coulomb, "friction")
+def _coulomb(term: Coulomb, joint: JointInC) -> str:
+    return _dry(term, _by_direction("c0", joint) if term.asymmetric else joint.parameters["c0"], joint)
 
 
-def _dry(term: DryFriction, size: str, joint: int, dialect: Dialect) -> Expression:
+@register_c_form(Offset, "stiffness")
+def _offset(term: Offset, joint: JointInC) -> str:
+    return joint.parameters["offset"]
+
+
+@register_c_form(Stiffness, "stiffness")
+def _stiffness(term: Stiffness, joint: JointInC) -> str:
+    """Horner's scheme; a power whose parameter is part of another has none of its own."""
+    text = joint.parameters.get(term.symbols[0], "")
+    for symbol in term.symbols[1:]:
+        text = f"{f'({text})' if ' + ' in text else text} * {joint.variable}" if text else ""
+        text = " + ".join(part for part in (text, joint.parameters.get(symbol, "")) if part)
+    return text
+
+
+@register_c_form(Stribeck, "friction")
+def _stribeck(term: Stribeck, joint: JointInC) -> str:
+    ratio = f"({joint.variable} / {joint.number(number(term.velocity))})"
+    return _dry(term, f"{joint.parameters['cs']} * {joint.function('exp')}(-{ratio} * {ratio})", joint)
+
+
+@register_c_form(Viscous, "friction")
+def _viscous(term: Viscous, joint: JointInC) -> str:
+    return f"{_by_direction('d', joint) if term.asymmetric else joint.parameters['d']} * {joint.variable}"
+
+
+def _dry(term: DryFriction, size: str, joint: JointInC) -> str:
     """Write a size times the direction of motion, zero in the dead band."""
-    x, zero = f"v[{joint}]", dialect.number(0.0)
+    v, zero = joint.variable, joint.number(0.0)
     if (smoothing := number(term.smoothing)) > 0.0:
-        direction = f"{dialect.function('tanh')}({x} / {dialect.number(smoothing)})"
+        direction = f"{joint.function('tanh')}({v} / {joint.number(smoothing)})"
     else:
-        one, minus = dialect.number(1.0), dialect.number(-1.0)
-        direction = f"({x} > {zero} ? {one} : {x} < {zero} ? {minus} : {x})"
+        direction = f"({v} > {zero} ? {joint.number(1.0)} : {v} < {zero} ? {joint.number(-1.0)} : {v})"
     torque = f"{size} * {direction}"
     if term.dead_band > 0.0:
-        torque = f"({dialect.function('fabs')}({x}) > {dialect.number(term.dead_band)} ? {torque} : {zero})"
-    return Expression("friction", torque)
+        torque = f"({joint.function('fabs')}({v}) > {joint.number(term.dead_band)} ? {torque} : {zero})"
+    return torque
 
 
-def _viscous(term: Viscous, joint: int, constants: Mapping[str, str], dialect: Dialect) -> Expression:
-    rate = _by_direction("d", joint, constants, dialect) if term.asymmetric else constants["d"]
-    return Expression("friction", f"{rate} * v[{joint}]")
-
-
-def _by_direction(symbol: str, joint: int, constants: Mapping[str, str], dialect: Dialect) -> str:
-    """Choose between forwards and backwards; zero where one of the two is part of another parameter."""
-    zero = dialect.number(0.0)
-    forwards, backwards = (constants.get(f"{symbol}{way}", zero) for way in "pn")
-    return f"(v[{joint}] > {zero} ? {forwards} : {backwards})"
-
-
-def _offset(term: Offset, joint: int, constants: Mapping[str, str], dialect: Dialect) -> Expression:
-    return Expression("stiffness", constants["offset"])
-
-
-def _stiffness(term: Stiffness, joint: int, constants: Mapping[str, str], dialect: Dialect) -> Expression:
-    """Horner's scheme; a power whose parameter is part of another has none of its own."""
-    text, x = constants.get(term.symbols[0], ""), f"q[{joint}]"
-    for symbol in term.symbols[1:]:
-        text = f"{f'({text})' if ' + ' in text else text} * {x}" if text else ""
-        text = " + ".join(part for part in (text, constants.get(symbol, "")) if part)
-    return Expression("stiffness", text)
-
-
-WRITERS: Mapping[type[Term], Callable[..., Expression]] = {
-    Armature: _armature,
-    Coulomb: _coulomb,
-    Offset: _offset,
-    Stiffness: _stiffness,
-    Stribeck: _stribeck,
-    Viscous: _viscous,
-}
-"""Terms that have a form in C."""
+def _by_direction(symbol: str, joint: JointInC) -> str:
+    """Choose between the parameter forwards and the one backwards."""
+    forwards, backwards = joint.parameter(f"{symbol}p"), joint.parameter(f"{symbol}n")
+    return f"({joint.variable} > {joint.number(0.0)} ? {forwards} : {backwards})"

@@ -11,17 +11,7 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.experiments import refuse_motion_beyond_limits
-from exoid.rig import (
-    Actuator,
-    IdealTorque,
-    PinocchioStepper,
-    PlanarStepper,
-    Plant,
-    Rates,
-    Reference,
-    Sensors,
-    Target,
-)
+from exoid.rig import Actuator, IdealTorque, PinocchioStepper, PlanarStepper, Plant, Rates, Reference, Sensors, Target
 from exoid.rig import simulate as simulate_rig
 
 from .law import Law, State

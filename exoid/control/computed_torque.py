@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.identification import Estimate
+from exoid.estimate import Estimate
 from exoid.leg import Leg
 from exoid.rig import Plant, Target
 
+from .estimate_checks import warn_of_active_friction
 from .friction import AHEAD, FrictionCompensation
 from .law import RATE, State, acceleration, gains, refuse_rate, spread
 from .model import ControlModel
-from .suspicion import warn_of_active_friction
 
 
 @dataclass(frozen=True, eq=False)

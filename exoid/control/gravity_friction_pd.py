@@ -9,15 +9,15 @@ from math import tanh
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.identification import Estimate
+from exoid.estimate import Estimate
 from exoid.leg import Leg
 from exoid.rig import Plant, Target
 
+from .estimate_checks import warn_of_active_friction
 from .friction import SMOOTH, FrictionCompensation
 from .law import RATE, State, gains
 from .model import ControlModel
 from .pd import PD
-from .suspicion import warn_of_active_friction
 
 
 @dataclass(frozen=True, eq=False)

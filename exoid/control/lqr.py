@@ -10,16 +10,16 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.identification import Estimate
+from exoid.estimate import Estimate
 from exoid.leg import Leg
 from exoid.rig import Plant, Reference, Target
 
+from .estimate_checks import warn_of_active_friction
 from .friction import AHEAD, FrictionCompensation
 from .law import RATE, State, acceleration, refuse_rate
 from .linearise import discretise, linearise
 from .mean_pose import mean_pose
 from .model import ControlModel
-from .suspicion import warn_of_active_friction
 
 
 class Weights(NamedTuple):

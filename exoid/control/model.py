@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification import Estimate
+from exoid.estimate import Estimate
 from exoid.leg import Leg
 from exoid.model import configuration
 from exoid.rig import Plant
@@ -222,7 +222,7 @@ def _of_parameters(model: TorqueModel, parameters: FloatArray) -> ControlModel:
     others = []
     for term in model.terms:
         for joint in term.joint_indices(leg.joint_names, leg.joint_labels):
-            # what is merged into another parameter is compensated there
+            # what is regrouped into another parameter is compensated there
             found = np.array([values.get(f"{symbol}_{leg.joint_labels[joint]}", 0.0) for symbol in term.symbols])
             kind = type(term)
             if isinstance(term, Stiffness):

@@ -9,7 +9,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike
 from exoid.errors import ExoidError
-from exoid.identification import Estimate
+from exoid.estimate import Estimate
 from exoid.leg import Leg
 from exoid.rig import Payload, Plant, Reference, Sensors, load_plant
 

@@ -2,70 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from exoid._typing import FloatArray
-from exoid.leg import Leg
-from exoid.signals import Cluster, Poses, Preparation, Recording
-from exoid.torques import Term, TorqueModel, free_shapes, with_shapes
+from exoid.estimate.nonlinear import NonlinearParameters
+from exoid.regression.fit import Fit
+from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
+from exoid.torques import Term, TorqueModel
 
-from .assumed import NOTHING, Assumed
-from .estimators import Estimator, Fit
+from .estimators import Estimator
+from .group_rows import Keep
+from .groups import Group
 from .problem import Problem
-from .shapes import Shapes
-
-Keep = Callable[[int, FloatArray], NDArray[np.bool_]]
-"""Which rows to use: recording index, times [s] → mask."""
 
 
 class Task(NamedTuple):
     """What is fitted to what.
 
     Attributes:
-        leg: The leg.
-        terms: Terms, settings of which may be free.
-        data: Recordings and poses.
-        preparation: How they become rows.
-        estimator: The estimator, or its name.
+        groups: Groups of recordings; one is the usual case.
+        terms: Terms, settings of which may be nonlinear parameters.
+        estimator: The estimator.
+        own: Names of parameters that each group has of its own.
+        prior_knowledge: What is known beside the recordings.
         keep: Which rows to use; None for all.
-        assumed: What is known beside them.
     """
 
-    leg: Leg
+    groups: tuple[Group, ...]
     terms: tuple[Term, ...]
-    data: Sequence[Recording | Poses] | Cluster
-    preparation: Preparation
-    estimator: Estimator | str
+    estimator: Estimator
+    own: tuple[str, ...] = ()
+    prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
     keep: Keep | None = None
-    assumed: Assumed = NOTHING
-
-    def problem(self, model: TorqueModel) -> Problem:
-        """Rows of a model."""
-        return Problem(model, self.data, self.preparation, self.keep, self.assumed)
 
 
 class Fitted(NamedTuple):
     """A fit.
 
     Attributes:
-        model: With all settings, loaded by the fitted rigid bodies.
+        models: Torque model of each group with all settings, loaded by the fitted rigid bodies.
         values: β, (P,).
-        shapes: Settings that were found, without covariance.
-        problem: Rows, about the solution linear in β and in the settings that are not held.
+        nonlinear: Nonlinear parameters that were found, without covariance.
+        problem: Rows, about the solution linear in β and in the nonlinear parameters that are not held.
         fit: Solution in both.
-        remarks: What the reader should know.
+        warnings: What the reader should know.
     """
 
-    model: TorqueModel
+    models: tuple[TorqueModel, ...]
     values: FloatArray
-    shapes: Shapes
+    nonlinear: NonlinearParameters
     problem: Problem
     fit: Fit
-    remarks: tuple[str, ...]
+    warnings: tuple[str, ...]
 
 
 class Start(NamedTuple):
@@ -74,7 +63,7 @@ class Start(NamedTuple):
     Attributes:
         values: β, (P,).
         settings: θ by name.
-        weights: Of the triangles.
+        weights: Weights of the R factors.
     """
 
     values: FloatArray
@@ -84,13 +73,6 @@ class Start(NamedTuple):
     @staticmethod
     def at(fitted: Fitted) -> Start:
         """Begin where a fit has ended."""
-        shapes = fitted.shapes
-        settings = dict(zip(shapes.names, shapes.values.tolist(), strict=True))
+        nonlinear = fitted.nonlinear
+        settings = dict(zip(nonlinear.names, nonlinear.values.tolist(), strict=True))
         return Start(fitted.values, settings, fitted.fit.weights)
-
-
-def starting_model(leg: Leg, terms: Sequence[Term]) -> TorqueModel:
-    """Make a model with all settings that are to be found where they start."""
-    names, labels = leg.joint_names, leg.joint_labels
-    start = {shape.name: shape.free.start for shape in free_shapes(terms, names, labels)}
-    return TorqueModel(leg, with_shapes(terms, names, labels, start))

@@ -3,181 +3,190 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
-from os import PathLike
-
-import numpy as np
+from typing import overload
 
 from exoid.errors import ExoidError
+from exoid.estimate.estimate import Estimate
+from exoid.estimate.grouped import GroupedEstimate
+from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
 from exoid.leg import Leg
-from exoid.signals import Cluster, Poses, Preparation, Recording, Recordings, ZeroPhase, preparation_by_name
-from exoid.signals.cutoff import cutoff_from
-from exoid.torques import DEFAULT_TERMS, Term
+from exoid.regression.parameters import Prior, PriorKnowledge
+from exoid.signals import Cluster, Poses, Preparation, Recording
+from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .assumed import Assumed, Prior
-from .degrees_of_freedom import degrees_of_freedom
-from .diagnostics import calm_sizes, judge_noise, judge_sizes, negative
-from .estimate import Estimate
-from .estimators import Estimator, find_estimator, name_of
-from .fitting import Task, starting_model
-from .influence import influence
-from .residuals import sandwich
-from .separable import fit_model
-from .sources import go_over
-from .survey import Survey, angles, refuse_dead_torques, refuse_still_joints, survey
-from .trends import remarks, residual_trends
-from .triangles import rms_residual
+from .estimators import Estimator, find_estimator
+from .fitting import Fitted, Start, Task
+from .group_checks import refuse_nonlinear_terms
+from .groups import Measured, make_groups, own_parameters, prepare_groups, summarize_groups
+from .problem import Problem
+from .result import Result
+from .variable_projection import is_nonlinear, search, starting_model
 
 NOISES = ("correlated", "white")
 
 
+@overload
 def identify(
     leg: Leg,
     recordings: Recording | Poses | Iterable[Recording | Poses] | Cluster,
     terms: Sequence[Term] | None = None,
     estimator: str | Estimator = "wls",
     *,
+    own: None = None,
     cutoff: float | None = None,
     preparation: Preparation | str | None = None,
     noise: str = "correlated",
     known: Mapping[str, float] | None = None,
     prior: Prior | Mapping[str, tuple[float, float]] | None = None,
     nonnegative: bool = False,
-) -> Estimate:
+) -> Estimate: ...
+
+
+@overload
+def identify(
+    leg: Leg | Mapping[str, Leg],
+    recordings: Mapping[str, Measured],
+    terms: Sequence[Term] | None = None,
+    estimator: str | Estimator = "wls",
+    *,
+    own: str | Sequence[str] | None = None,
+    cutoff: float | None = None,
+    preparation: Preparation | str | None = None,
+    noise: str = "correlated",
+    known: Mapping[str, float] | None = None,
+    prior: Prior | Mapping[str, tuple[float, float]] | None = None,
+    nonnegative: bool = False,
+) -> GroupedEstimate: ...
+
+
+@overload
+def identify(
+    leg: Leg | Mapping[str, Leg],
+    recordings: Iterable[Recording | Poses],
+    terms: Sequence[Term] | None = None,
+    estimator: str | Estimator = "wls",
+    *,
+    own: str | Sequence[str],
+    cutoff: float | None = None,
+    preparation: Preparation | str | None = None,
+    noise: str = "correlated",
+    known: Mapping[str, float] | None = None,
+    prior: Prior | Mapping[str, tuple[float, float]] | None = None,
+    nonnegative: bool = False,
+) -> GroupedEstimate: ...
+
+
+def identify(
+    leg: Leg | Mapping[str, Leg],
+    recordings: Measured | Mapping[str, Measured] | Cluster,
+    terms: Sequence[Term] | None = None,
+    estimator: str | Estimator = "wls",
+    *,
+    own: str | Sequence[str] | None = None,
+    cutoff: float | None = None,
+    preparation: Preparation | str | None = None,
+    noise: str = "correlated",
+    known: Mapping[str, float] | None = None,
+    prior: Prior | Mapping[str, tuple[float, float]] | None = None,
+    nonnegative: bool = False,
+) -> Estimate | GroupedEstimate:
     """Identify the parameters of a leg from recorded motions and torques.
 
-    τ = W(q, v, a) β is formed for every sample, columns and torque pass the same zero-phase low-pass (the parallel
+    τ = W(q, v, a) β is formed for every sample. Columns and torque pass the same zero-phase low-pass (the parallel
     filter), the ends that filters spoil are removed, and β follows by least squares on an orthogonal factorisation.
+    With ``own``, or with recordings by name, each group of recordings (a leg, a session) has some parameters of its
+    own and shares the others: β = (shared, own of the first group, own of the second, …). Every group has noise of its
+    own, joint by joint, and its own cut-off.
 
     Args:
-        leg: The leg; its inertias do not enter, only its geometry.
+        leg: The leg, or one for each group by its name; its inertias do not enter, only its geometry. Legs of groups
+            have the same joints and geometry.
         recordings: One recording or several of the same leg, with torques; also :class:`exoid.signals.Poses`. Velocity
             and acceleration are derived where they are missing. :class:`exoid.signals.Recordings` stay on disk, and a
-            :class:`exoid.signals.Cluster` keeps them on its workers.
+            :class:`exoid.signals.Cluster` keeps them on its workers. Groups have names, such as
+            {"left": left, "right": [first, second]}; without names, each recording is a group if ``own`` is given.
         terms: What acts on the joints besides rigid-body dynamics; None for Coulomb and viscous friction, rotor
-            inertia and offset at every joint; () for nothing. Settings that are :class:`exoid.torques.Free` are found
-            by separable least squares, and stand in ``shapes`` of the estimate.
+            inertia and offset at every joint; () for nothing. Settings that are
+            :class:`exoid.torques.NonlinearParameter` are found by variable projection, and stand in ``nonlinear`` of
+            the estimate; with several groups they must be numbers.
         estimator: "wls" (each joint, at rest and in motion, weighted by its residuals), "huber" (the same, and spikes
             count less), "gls" (whitened by a model of the noise; only where the model of the leg is right), "ml"
             (motion and parameters together; where angles are noisy and the model is right) or "ols". Also an object
-            with settings, such as :class:`exoid.identification.estimators.OutputError`.
-        cutoff: Of the parallel filter [Hz]; above the fastest motion, below the noise. None to choose it from the noise
-            of the angles, at most 8 Hz, see :func:`exoid.signals.choose_cutoff`.
+            with settings, such as :class:`exoid.identification.estimators.OutputError`, or your own function.
+        own: Parameters that each group has of its own: symbols such as "offset" or "c0", which mean all joints, or
+            names such as "c0_hip" or "J1"; () for nothing but noise. None for one group, or for everything but the
+            rigid bodies where recordings have names.
+        cutoff: Cut-off frequency of the parallel filter [Hz]; above the fastest motion, below the noise. None to choose
+            it from the noise of the angles, at most 8 Hz, see :func:`exoid.signals.choose_cutoff`.
         preparation: Another way from a recording to rows, such as :class:`exoid.signals.MovingAverage`, or its name:
             "finite-difference" (doc. 1), "moving-average" (doc. 2), "smoothed"; ``cutoff`` then does not apply.
         noise: What the covariance assumes of the torque noise: "correlated" (its autocorrelation is estimated from the
             residuals) or "white" (the textbook's formula: intervals far too narrow where it is not).
-        known: Parameters that are held fixed, by name, such as a mass that was weighed.
-        prior: Values that others are believed to have, with standard deviations, such as
+        known: Parameters that are held fixed, by name, such as a mass that was weighed. An own parameter without its
+            group, "c0_hip", is that of all groups, and "c0_hip[left]" that of one.
+        prior: Values that parameters are believed to have, with standard deviations, such as
             ``Prior.from_leg(leg, 0.2)`` of a leg with its CAD's inertias. They count as measurements.
         nonnegative: Keep friction and rotor inertia from falling below zero. Without it one that is negative beyond its
             error is named in a warning: something in the model is wrong, which a bound would hide.
 
     Returns:
-        The estimate, with the covariance of its parameters.
+        The estimate with the covariance of its parameters; of groups, one estimate each, with their joint covariance.
 
     Raises:
-        ExoidError: A joint stands still or is missing, torque is missing or never changes, samples are too few, or
-            parameters are not determined by the recordings: names them and what to do.
+        ExoidError: A joint stands still or is missing, torque is missing or never changes, samples are too few,
+            parameters are not determined by the recordings (names them and what to do), or groups do not fit together.
 
     Example:
         >>> est = identify(leg, Recording.from_csv("log.csv"))  # doctest: +SKIP
+        >>> both = identify(leg, {"monday": a, "tuesday": b}, own="offset")  # doctest: +SKIP
+        >>> both["monday"].torque(q, v, a)  # doctest: +SKIP
     """
-    recordings = recordings if isinstance(recordings, Cluster) else check_recordings(recordings)
-    estimate = find_estimator(estimator)
-    check_noise(noise)
-    terms = check_terms(terms)
-    model = starting_model(leg, terms)
-    assumed = Assumed(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
-    assumed.check(model)
-    listen = preparation is None and cutoff is None
-    surveys = go_over(recordings, partial(survey, model, listen=listen))
-    refuse_still_joints(model, surveys, assumed.names)
-    preparation = choose_preparation(surveys, preparation, cutoff)
-    refuse_dead_torques(model, surveys)
-    fitted = fit_model(Task(leg, terms, recordings, preparation, estimate, assumed=assumed))
-    problem, fit = fitted.problem, fitted.fit
-    solution, count = fit.solution, len(fitted.values)
-    covariance, noises, dofs = solution.covariance, fit.noises, fit.dofs
-    if noises is None:
-        covariance, noises = sandwich(problem, fit.point, solution)
-        settled = solution._replace(covariance=covariance)
-        dofs = degrees_of_freedom(problem, fit.point, noises, settled, whitened=False)
-    judged = judge_noise(problem, fit.point, noises)
-    independent = sum(of_joint.effective_samples for of_joint in judged)
-    residuals = [rms_residual(of_joint, solution.values) for of_joint in zip(*problem.groups, strict=True)]
-    if noise == "white":
-        covariance, dof, dofs = solution.covariance, solution.dof, None
-    else:
-        dof = max(1.0, independent - int(assumed.free(problem.names).sum()))
-    inputs = tuple(one.evidence for one in surveys)
-    followed = prior and (fit.noises is None or fit.dofs is not None)  # ml and output error minimise something else
-    trends = residual_trends(problem, fit.point, noises, solution, covariance, whitened=fit.noises is not None)
-    std = np.sqrt(np.diag(covariance))
-    shapes = fitted.shapes.with_covariance(problem.names[count:], covariance[count:, count:])
-    collinearity = solution.collinearity
-    doubts = (
-        *shapes.doubts,
-        *collinearity.remarks(problem.names),
-        *negative(fitted.model, fitted.values, std[:count]),
-        *remarks(trends),
+    _check_noise(noise)
+    chosen, terms = find_estimator(estimator), _check_terms(terms)
+    groups = make_groups(leg, recordings, own)
+    if len(groups) > 1:
+        refuse_nonlinear_terms({group.name: group.leg for group in groups}, terms)
+    models = {group.name: starting_model(group.leg, terms) for group in groups}
+    own_names = own_parameters(models, own)
+    knowledge = PriorKnowledge.of(known, prior, nonnegative=nonnegative)
+    summaries = summarize_groups(
+        groups, models, own_names, knowledge, for_cutoff=preparation is None and cutoff is None
     )
-    return Estimate(
-        model=fitted.model,
-        values=fitted.values,
-        covariance=covariance[:count, :count],
-        condition_number=solution.condition_number,
-        dof=dof,
-        dof_each=np.full(count, dof) if dofs is None else np.clip(dofs[:count], 1.0, dof),
-        residual_rms=np.array(residuals),
-        estimator=fit.name or name_of(estimate),
-        preparation=preparation,
-        inputs=inputs,
-        noise=judged,
-        sizes=judge_sizes(problem.triangles)[:count],
-        calm_sizes=calm_sizes(fitted.model.loaded_by(fitted.values), *angles(surveys), problem.triangles),
-        collinearity=collinearity.indices[:count],
-        prior_gains=solution.prior_gains(problem.names, assumed)[:count] if followed else np.zeros((0, 0)),
-        warnings=(*fitted.remarks, *doubts),
-        shapes=shapes,
-        assumed=assumed,
-        bounded=tuple(problem.names[k] for k in solution.bounded),
-        influence=influence(problem, [source.name for source in inputs], fit, std, count),
-        trends=trends,
-    )
+    task = Task(prepare_groups(groups, models, summaries, preparation, cutoff), terms, chosen, own_names, knowledge)
+    result = Result.of(fit_model(task), list(summaries.values()), chosen, white=noise == "white")
+    return result.estimate() if groups[0].name == "" else result.grouped_estimate()
 
 
-def check_noise(noise: str) -> None:
+def fit_model(task: Task, start: Start | None = None) -> Fitted:
+    """Fit a model: by one call of the estimator where it is linear in all parameters, else by variable projection.
+
+    Args:
+        task: What to fit.
+        start: Near the solution, such as that of nearly the same rows; None to search from the start values of the
+            nonlinear parameters.
+
+    Returns:
+        The fit.
+
+    Raises:
+        ExoidError: Parameters are not determined by the rows: names them.
+    """
+    if is_nonlinear(task.groups[0].leg, task.terms):
+        return search(task, start)
+    models = tuple(TorqueModel(group.leg, task.terms) for group in task.groups)
+    problem = Problem.of(task.groups, models, task.own, task.prior_knowledge, task.keep)
+    problem.refuse_empty_joints()
+    fit = task.estimator(problem)
+    return Fitted(models, fit.solution.values, NO_NONLINEAR_PARAMETERS, problem, fit, fit.warnings)
+
+
+def _check_noise(noise: str) -> None:
     """Check the name of what a covariance assumes."""
     if noise not in NOISES:
         raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
 
 
-def choose_preparation(surveys: Sequence[Survey], given: Preparation | str | None, cutoff: float | None) -> Preparation:
-    """Take the preparation that was given, or the parallel filter with a cut-off given or chosen from recordings."""
-    if isinstance(given, str):
-        return preparation_by_name(given)
-    if given is not None:
-        return given
-    return ZeroPhase(cutoff_from([one.bends for one in surveys if one.bends]) if cutoff is None else cutoff)
-
-
-def check_recordings(given: Recording | Poses | Iterable[Recording | Poses]) -> Sequence[Recording | Poses]:
-    """Check that there is at least one recording, and nothing else; those on disk stay there."""
-    if isinstance(given, Recordings) and len(given):
-        return given
-    several = [given] if isinstance(given, (Recording, Poses, str, PathLike)) else list(given)
-    wrong = [item for item in several if not isinstance(item, (Recording, Poses, Recordings))]
-    if wrong or not several:
-        what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"
-        raise ExoidError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
-    if any(isinstance(item, Recordings) for item in several):
-        items = (item.items if isinstance(item, Recordings) else (item,) for item in several)
-        return Recordings(tuple(each for of_item in items for each in of_item))
-    return several
-
-
-def check_terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
+def _check_terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
     """Check that terms are terms, not names of terms."""
     if given is None:
         return DEFAULT_TERMS

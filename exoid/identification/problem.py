@@ -1,281 +1,254 @@
-"""What estimators work on: triangles that hold all rows, and the rows themselves, recording by recording."""
+"""Regression problem of one or several groups of recordings, each with a torque model of its own."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from operator import attrgetter
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.signals import Cluster, Poses, Preparation, Recording
+from exoid.regression.least_squares import RFactor, Solution, refuse_empty_joints, solve, stack
+from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, ParameterLayout, PriorKnowledge
+from exoid.regression.rows import NoiseKind, RowBlock
+from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 
-from .assumed import NOTHING, Assumed
-from .least_squares import Solution, solve
-from .rows import Prepared, Rows, chain, form_rows, prepare, thin, thinning
-from .rows_file import RowsFile
-from .sources import at_rest
-from .triangles import Triangle, join, make_triangles
-
-KEPT_BYTES = 2**26
-"""Rows are kept between passes as long as together they stay below this, and made again otherwise,"""
-
-WORTH_FILING = 4
-"""unless thinning leaves no more than one of so many: these go to a temporary file."""
+from .group_rows import GroupRows, Keep
+from .groups import Group, within
 
 T = TypeVar("T")
 
 
-class Kind(NamedTuple):
-    """Rows whose torque noise is of one kind.
-
-    Attributes:
-        at_rest: Poses, whose noise is independent from one to the next.
-        pace: Logarithm of the sampling interval, in steps of a tenth: recordings of one pace share a noise model.
-    """
-
-    at_rest: bool
-    pace: int
-
-
-class Block(NamedTuple):
-    """Consecutive rows of one recording and the kind of their noise.
-
-    Attributes:
-        kind: Of the noise.
-        rows: The rows.
-        begins: Whether these are the first of the recording.
-        ends: Whether these are the last of it.
-        first: Index of the first joint of the rows among those of the problem.
-    """
-
-    kind: Kind
-    rows: Rows
-    begins: bool
-    ends: bool
-    first: int = 0
-
-
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """τ = W β over recordings and poses.
+    """τ_g = W_g β[places of g] over groups g; one group is the usual case.
 
-    A first pass over the rows leaves triangles, which suffice for least squares; whoever needs more goes over
-    :meth:`blocks`. A regressor is never formed for more than some ten thousand samples at once: memory is that of
-    the kinematics of one recording, and of rows that are kept where there are few.
+    Joints, and so noise and weights, are counted through all groups.
 
     Attributes:
-        model: What is to be identified.
-        data: Recordings and poses, in memory, on disk, or on a cluster.
-        preparation: How they become rows.
-        assumed: What is known beside them.
-        keep: Which rows to use, given the index of the recording and their times [s], (N,); None for all.
-        room: Part of the memory for rows that are kept, where there are several problems.
+        groups: Rows of each group.
+        layout: Where the parameters of each group stand in β.
+        prior_knowledge: What is known beside the rows, by the names of the layout.
     """
 
-    model: TorqueModel
-    data: Sequence[Recording | Poses] | Cluster
-    preparation: Preparation
-    keep: Callable[[int, FloatArray], NDArray[np.bool_]] | None = None
-    assumed: Assumed = NOTHING
-    room: float = 1.0
-    _kept: dict[tuple[int, bool], list[Rows]] = field(default_factory=dict, init=False, repr=False)
-    _filed: dict[int, RowsFile] = field(default_factory=dict, init=False, repr=False)
-    _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)
+    groups: tuple[GroupRows, ...]
+    layout: ParameterLayout
+    prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
+
+    @classmethod
+    def of(
+        cls,
+        groups: Sequence[Group],
+        models: Sequence[TorqueModel],
+        own: Sequence[str] = (),
+        prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE,
+        keep: Keep | None = None,
+    ) -> Problem:
+        """Form the regression problem of groups of recordings.
+
+        Args:
+            groups: The groups, with their preparations.
+            models: Torque model of each.
+            own: Names of parameters that each group has of its own.
+            prior_knowledge: What is known beside the rows.
+            keep: Which rows to use; None for all.
+
+        Returns:
+            The problem; rows are formed when they are first needed.
+        """
+        rows = tuple(
+            GroupRows(model, group.data, group.chosen_preparation, keep, 1.0 / len(groups))
+            for model, group in zip(models, groups, strict=True)
+        )
+        layout = ParameterLayout.of([group.name for group in groups], models[0].names, models[0].units, own)
+        return cls(rows, layout, layout.spread(prior_knowledge))
+
+    @classmethod
+    def of_one(cls, rows: GroupRows, prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE) -> Problem:
+        """Make the problem of one group, whose parameters are those of its model."""
+        return cls((rows,), ParameterLayout.of(("",), rows.model.names, rows.model.units), prior_knowledge)
+
+    @property
+    def single(self) -> GroupRows:
+        """Rows of the only group.
+
+        Raises:
+            ExoidError: There are several.
+        """
+        self.refuse_several_groups()
+        return self.groups[0]
+
+    def refuse_several_groups(self) -> None:
+        """Refuse several groups of recordings.
+
+        Raises:
+            ExoidError: There are several.
+        """
+        if len(self.groups) > 1:
+            raise ExoidError(
+                "this estimator is for one leg alone, and there are several groups",
+                remedy="use one of gls, huber, ols, wls",
+            )
+
+    @property
+    def model(self) -> TorqueModel:
+        """Torque model of the only group."""
+        return self.single.model
+
+    @property
+    def local_data(self) -> Sequence[Recording | Poses]:
+        """Recordings and poses of the only group."""
+        return self.single.local_data
+
+    @property
+    def preparation(self) -> Preparation:
+        """How the recordings of the only group become rows."""
+        return self.single.preparation
+
+    def prepared_by(self, preparation: Preparation) -> Problem:
+        """Return the same problem with rows that are made in another way."""
+        return replace(self, groups=tuple(replace(group, preparation=preparation) for group in self.groups))
+
+    def with_data(self, data: Sequence[Recording | Poses]) -> Problem:
+        """Return the same problem with other recordings of the only group."""
+        return replace(self, groups=(replace(self.single, data=data),))
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the parameters."""
-        return self.model.names
+        """Names of all parameters."""
+        return self.layout.names
 
-    def solve(self, triangle: Triangle) -> Solution:
+    @property
+    def joint_names(self) -> list[str]:
+        """Joints of all groups, group by group."""
+        return [name for group in self.groups for name in group.model.joint_names]
+
+    def solve(self, r_factor: RFactor) -> Solution:
         """Solve for weighted rows, with what is known beside them."""
-        bounds = self.model.nonnegative if self.assumed.nonnegative else None
-        return solve(triangle, self.names, self.assumed, bounds)
-
-    @property
-    def here(self) -> Sequence[Recording | Poses]:
-        """Recordings and poses.
-
-        Raises:
-            ExoidError: They are on a cluster, which does not let them go.
-        """
-        if isinstance(self.data, Cluster):
-            raise ExoidError(
-                "recordings stay on the workers of the cluster, and this estimator wants them here",
-                remedy="use wls or ols, or pass Recordings on disk",
-            )
-        return self.data
+        return self._solve(r_factor, self.prior_knowledge)
 
     @cached_property
-    def each(self) -> list[list[Triangle]]:
-        """One triangle a joint for each recording."""
-        if isinstance(self.data, Cluster):
-            return self._pieces.map(attrgetter("triangles"))
-        return [_triangles(self._blocks_of(index, thinned=False)) for index in range(len(self.data))]
+    def nonnegative(self) -> NDArray[np.bool_]:
+        """Which parameters cannot be negative in nature, (P,)."""
+        never = np.zeros(len(self.names), dtype=np.bool_)
+        for places, rows in zip(self.layout.places, self.groups, strict=True):
+            never[places] |= rows.model.nonnegative
+        return never
 
     @cached_property
-    def groups(self) -> list[list[Triangle]]:
-        """One triangle a joint over all recordings, and one over all poses, which have noise of their own."""
-        groups = ([t for k, t in enumerate(self.each) if self.at_rest(k) is still] for still in (False, True))
-        return [[join(of_joint) for of_joint in zip(*group, strict=True)] for group in groups if group]
-
-    @property
-    def triangles(self) -> list[Triangle]:
-        """All triangles, joint by joint, those of recordings before those of poses."""
-        return [triangle for group in self.groups for triangle in group]
+    def r_factors(self) -> list[RFactor]:
+        """R factors of all groups, group by group, with a column for every parameter."""
+        pairs = enumerate(self.groups)
+        return [self.widened(r_factor, group) for group, rows in pairs for r_factor in rows.r_factors]
 
     @cached_property
     def columns(self) -> list[NDArray[np.intp]]:
         """Parameters that can act on each joint, as indices."""
-        return [np.flatnonzero(acting) for acting in self.model.acting]
+        pairs = zip(self.layout.places, self.groups, strict=True)
+        return [places[columns] for places, rows in pairs for columns in rows.columns]
 
-    def weight_index(self, kind: Kind, joint: int) -> int:
-        """Place among :attr:`triangles` of the one that holds the rows of a kind and joint."""
-        return self.place(kind.at_rest, joint)
+    def weight_index(self, kind: NoiseKind, joint: int) -> int:
+        """Place among :attr:`r_factors` of the one that holds the rows of a kind and joint."""
+        group = int(np.searchsorted(self._joints, joint, side="right")) - 1
+        return int(self._r_factors[group]) + self.groups[group].weight_index(kind, joint - int(self._joints[group]))
 
-    def place(self, at_rest: bool, joint: int) -> int:
-        """Place among :attr:`triangles` of a joint in poses, or in motion."""
-        return joint + (len(self.groups[0]) if at_rest and len(self.groups) > 1 else 0)
+    def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
+        """Go over the rows, group by group; columns are those of the group's own model."""
+        for first, rows in zip(self._joints, self.groups, strict=False):
+            for block in rows.blocks(decimated=decimated):
+                yield block._replace(first=int(first))
+            self._forget(rows)
 
-    def at_rest(self, index: int) -> bool:
-        """Say whether one of the recordings is poses."""
-        return at_rest(self.data, index)
+    def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
+        """Let work go over the decimated rows of each recording, group by group, and bring back what it finds."""
+        for first, rows in zip(self._joints, self.groups, strict=False):
+            yield from rows.gather(partial(_work_from, work, int(first)))
+            self._forget(rows)
 
-    def blocks(self, *, thinned: bool = False) -> Iterator[Block]:
-        """Go over the rows, recording by recording, each in order of time.
+    def widened(self, r_factor: RFactor, group: int) -> RFactor:
+        """Put the columns of an R factor of one group where its parameters stand."""
+        if self.layout.identity:
+            return r_factor
+        count = len(self.names)
+        return r_factor.among(np.append(self.layout.places[group], count), count + 1)
 
-        Args:
-            thinned: Only as many as carry independent noise, see :func:`exoid.identification.rows.thin`.
+    def refuse_empty_joints(self) -> None:
+        """Refuse a fit in which the terms' dead bands left no sample of a joint.
 
         Raises:
-            ExoidError: They are on a cluster, which does not let them go.
+            ExoidError: Names group and joints.
         """
-        for index in range(len(self.here)):
-            yield from self._blocks_of(index, thinned=thinned)
+        for name, rows in zip(self.layout.groups, self.groups, strict=True):
+            with within(name):
+                of_joints = [stack(r_factors) for r_factors in zip(*rows.by_kind, strict=True)]
+                refuse_empty_joints(rows.model.joint_names, of_joints)
+            self._forget(rows)
 
-    def gather(self, work: Callable[[Iterable[Block]], T]) -> Iterator[T]:
-        """Let work go over the thinned rows of each recording, wherever they are, and bring back what it finds."""
-        if isinstance(self.data, Cluster):
-            yield from self._pieces.map(partial(_on_blocks, work))
-            return
-        for index in range(len(self.data)):
-            yield work(self._blocks_of(index, thinned=True))
+    def weights_of(self, group: int, weights: Sequence[float]) -> list[float]:
+        """Weights of the R factors of one group."""
+        return list(weights[self._r_factors[group] : self._r_factors[group + 1]])
+
+    def joints_of(self, group: int) -> tuple[int, int]:
+        """First joint of a group, and the one behind its last, among those of all groups."""
+        return int(self._joints[group]), int(self._joints[group + 1])
+
+    def rows_of(self, group: int, weights: Sequence[float]) -> RFactor:
+        """Weighted rows of one group."""
+        return self.widened(stack(self.groups[group].r_factors, self.weights_of(group, weights)), group)
+
+    def recording_r_factors(self, weights: Sequence[float]) -> list[RFactor]:
+        """R factor of the weighted rows of each recording, group by group."""
+        return [
+            self.widened(rows.recording_r_factor(index, self.weights_of(group, weights)), group)
+            for group, rows in enumerate(self.groups)
+            for index in range(len(rows.data))
+        ]
+
+    def without(self, index: int, others: RFactor, solution: Solution) -> FloatArray:
+        """Solve without one of the recordings; a group that has no other loses its own parameters.
+
+        Args:
+            index: Index of the recording.
+            others: R factor of the weighted rows of the others.
+            solution: Solution with all of them.
+
+        Returns:
+            Values, infinite for what was lost, (P,).
+        """
+        group = [g for g, rows in enumerate(self.groups) for _ in rows.each][index]
+        if len(self.groups[group].data) > 1:
+            return self.solve(others).values
+        places = [self.layout.place(name, group) for name in self.layout.own]
+        lost = [k for k in places if self.names[k] not in self.prior_knowledge.names]
+        known = {**self.prior_knowledge.known, **{self.names[k]: float(solution.values[k]) for k in lost}}
+        found = self._solve(others, replace(self.prior_knowledge, known=known)).values.copy()
+        found[lost] = np.inf
+        return found
+
+    def _forget(self, rows: GroupRows) -> None:
+        """Release the kinematics of a group's last recording where other groups need the memory."""
+        if len(self.groups) > 1:
+            rows.forget()
+
+    def _solve(self, r_factor: RFactor, prior_knowledge: PriorKnowledge) -> Solution:
+        return solve(r_factor, self.names, prior_knowledge, self.nonnegative if prior_knowledge.nonnegative else None)
 
     @cached_property
-    def _pieces(self) -> Cluster:
-        """Rows of each recording of a cluster, where they are."""
-        assert isinstance(self.data, Cluster)
-        return self.data.keep(partial(_make_piece, self.model, self.preparation))
+    def _joints(self) -> NDArray[np.intp]:
+        """First joint of each group, and how many there are in all."""
+        return np.cumsum([0, *(len(rows.columns) for rows in self.groups)])
 
-    def _blocks_of(self, index: int, *, thinned: bool) -> Iterator[Block]:
-        """Go over the rows of one recording."""
-        filed = self._filed.get(index) if thinned else None
-        stretches = filed or self._kept.get((index, thinned)) or self._make(index, thinned)
-        kind = None
-        for rows, begins, ends in _with_ends(stretches):
-            kind = kind or Kind(self.at_rest(index), _pace(rows.time))
-            yield Block(kind, rows, begins, ends)
-
-    def forget(self) -> None:
-        """Let go of the recording that was prepared last; rows that are kept stay."""
-        self._prepared.clear()
-
-    def _make(self, index: int, thinned: bool) -> Iterator[Rows]:
-        """Make rows stretch by stretch, and keep them and what is left of them after thinning where there is room."""
-        prepared = self._prepare(index)
-        count, step = len(prepared.rows), thinning(prepared.independence)
-        size = 8 * count * prepared.tau.shape[1] * len(self.names)
-        room = self.room * KEPT_BYTES - sum(rows.W.nbytes for kept in self._kept.values() for rows in kept)
-        keep_few = size / step <= room
-        keep_whole = size * (1.0 + 1.0 / step) <= room
-        file = RowsFile() if not keep_few and step >= WORTH_FILING else None
-        whole, few = [], []
-        before = 0
-        for stretch in prepared.stretches():
-            rows = form_rows(self.model, prepared, stretch)
-            fewer = thin(rows, before, count)
-            before += len(stretch)
-            if len(fewer.time):
-                if keep_few:
-                    few.append(fewer)
-                elif file is not None:
-                    file.add(fewer)
-            if keep_whole:
-                whole.append(rows)
-            if not thinned:
-                yield rows
-            elif len(fewer.time):
-                yield fewer
-        if keep_few:
-            self._kept[index, True] = [chain(few)]
-        if keep_whole:
-            self._kept[index, False] = whole
-        if file is not None:
-            self._filed[index] = file
-
-    def _prepare(self, index: int) -> Prepared:
-        """Prepare a recording, and remember the last one."""
-        if index not in self._prepared:
-            self._prepared.clear()
-            prepared = prepare(self.model, self.here[index], self.preparation)
-            if self.keep is not None:
-                prepared = prepared._replace(usable=prepared.usable & self.keep(index, prepared.time)[:, None])
-            self._prepared[index] = prepared
-        return self._prepared[index]
+    @cached_property
+    def _r_factors(self) -> NDArray[np.intp]:
+        """First R factor of each group, and how many there are in all."""
+        return np.cumsum([0, *(len(rows.r_factors) for rows in self.groups)])
 
 
-class Piece(NamedTuple):
-    """What is made of one recording on a worker, and stays there.
-
-    Attributes:
-        triangles: One a joint.
-        blocks: Thinned rows.
-    """
-
-    triangles: list[Triangle]
-    blocks: tuple[Block, ...]
-
-
-def _make_piece(model: TorqueModel, preparation: Preparation, data: Recording) -> Piece:
-    """Make the rows of one recording."""
-    alone = Problem(model, [data], preparation)
-    # not alone.each: before Python 3.12 a cached property waits for that of any other object, which waits for this one
-    return Piece(_triangles(alone.blocks()), tuple(alone.blocks(thinned=True)))
-
-
-def _on_blocks(work: Callable[[Iterable[Block]], T], piece: Piece) -> T:
-    return work(piece.blocks)
-
-
-def _triangles(blocks: Iterable[Block]) -> list[Triangle]:
-    """Triangles of the rows of one recording, joint by joint."""
-    found: list[Triangle] = []
-    for block in blocks:
-        new = make_triangles(block.rows)
-        found = [join(pair) for pair in zip(found, new, strict=True)] if found else new
-    return found
-
-
-def _pace(time: FloatArray) -> int:
-    """Logarithm of the sampling interval to base 1.1, rounded."""
-    return 0 if len(time) < 2 else round(math.log(time[1] - time[0]) / math.log(1.1))
-
-
-def _with_ends(stretches: Iterable[Rows]) -> Iterator[tuple[Rows, bool, bool]]:
-    """Say of each stretch whether it is the first, and whether it is the last."""
-    begins, before = True, None
-    for rows in stretches:
-        if before is not None:
-            yield before, begins, False
-            begins = False
-        before = rows
-    if before is not None:
-        yield before, begins, True
+def _work_from(work: Callable[[Iterable[RowBlock]], T], first: int, blocks: Iterable[RowBlock]) -> T:
+    """Count joints from that one on."""
+    return work(block._replace(first=first) for block in blocks)

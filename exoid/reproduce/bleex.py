@@ -12,15 +12,16 @@ from exoid import published
 from exoid._typing import FloatArray
 from exoid.catalog import load_leg
 from exoid.errors import ExoidError
+from exoid.estimate import Estimate
 from exoid.experiments import bleex
-from exoid.identification import Estimate, identify
-from exoid.identification.sequential import Known
-from exoid.identification.sequential import bleex as steps
+from exoid.identification import identify
 from exoid.leg import Leg
 from exoid.signals import Poses, Recording, Smoothed
 from exoid.torques import Coulomb, Stiffness, TorqueModel
 
 from .bleex_measurements import Extent, Measurements, measure_bleex, truth_of
+from .sequential import Known
+from .sequential import bleex as steps
 from .torque_error import by_name, torque_nrmse
 
 SIDES = ("left", "right")
@@ -146,7 +147,7 @@ def sequential_bleex(
     """All steps of document 1 in its order: ankle, knee and hip statics, then inertias, then kinetic friction.
 
     Args:
-        model: Of :func:`exoid.identification.sequential.bleex.document_model`.
+        model: Of :func:`exoid.reproduce.sequential.bleex.document_model`.
         sets: The poses asked for.
         poses: What was measured there, in the order of ``sets.all``.
         swings: Recordings of the swinging hip, knee and ankle.

@@ -11,19 +11,20 @@ from exoid import published
 from exoid._typing import FloatArray
 from exoid.catalog import load_leg
 from exoid.errors import ExoidError
+from exoid.estimate import Estimate
 from exoid.experiments import Bench, Harmonics, StaticProtocol, cuhk, run_motion, run_static
-from exoid.identification import Estimate, identify
-from exoid.identification.sequential import Known
-from exoid.identification.sequential import cuhk as steps
+from exoid.identification import identify
 from exoid.leg import Leg
 from exoid.rig import DcMotor, Plant, Proportional, ProportionalDerivative, Rates, Sensors
 from exoid.signals import MovingAverage, Poses, Preparation, Recording, ZeroPhase
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Viscous
 
+from .sequential import Known
+from .sequential import cuhk as steps
 from .torque_error import by_name, predicted_torque, torque_nrmse, torque_rmse, validation_rows
 
 MOTOR = DcMotor(torque_constant=0.0705, ratio=50.0, rotor_inertia=3.2e-4, current_limit=15.0)
-"""A 90 W flat motor behind a gear of 50: 0.8 kg·m² at the joint. Assumed, as the document names neither."""
+"""A 90 W flat motor behind a gear of 50: 0.8 kg·m² at the joint. PriorKnowledge, as the document names neither."""
 
 SENSORS = Sensors(encoder_counts=2.0**13, angle_noise=np.deg2rad(0.03), velocity_noise=0.01, torque_noise=0.3)
 """Potentiometer behind a 13-bit converter, tachometer and current sensor; assumed."""

@@ -13,8 +13,9 @@ from exoid._typing import FloatArray
 from exoid.catalog import load_leg
 from exoid.control import ControlModel, Law, Tracking, compare_laws, gravity_friction_pd, pd, standard_laws
 from exoid.errors import ExoidError
+from exoid.estimate import Estimate
 from exoid.experiments import cuhk, healthy_gait, refuse_motion_beyond_limits
-from exoid.identification import Estimate, identify
+from exoid.identification import identify
 from exoid.rig import IdealTorque, Payload, PinocchioStepper, Plant, ProportionalDerivative, load_plant, simulate
 
 from .cuhk import DURATION, MOTOR, PREPARATION, RATES, SENSORS, SERVOS, SETTLE, TERMS

@@ -6,8 +6,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from exoid.experiments import healthy_gait
-from exoid.identification.sequential.bleex import FASTER_THAN, document_model
-from exoid.identification.sequential.rows import rows_in_motion
 from exoid.signals import Approaches, FiniteDifference
 from exoid.view import (
     paper,
@@ -22,6 +20,8 @@ from exoid.view.style import CAD, COLUMN, IDENTIFIED
 
 from .bleex import SideReplay
 from .cuhk import CuhkReplay
+from .sequential.bleex import FASTER_THAN, document_model
+from .sequential.rows import rows_in_motion
 from .torque_error import by_name, predicted_torque, validation_rows
 
 KNEE, ANKLE = 1, 2

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.identification import Estimate
-from exoid.identification.sequential import Known
+from exoid.estimate import Estimate
 from exoid.tables import DataTable, to_text, with_error
 
 from .bleex import BleexReplay, SideReplay
 from .cuhk import FIVEFOLD, CuhkReplay
+from .sequential import Known
 from .torque_error import by_name
 
 BLEEX_JOINTS = ("hip", "knee", "ankle")

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.identification import Estimate
-from exoid.identification.rows import Rows, make_rows
+from exoid.estimate import Estimate
+from exoid.regression.rows import Rows, make_rows
 from exoid.signals import Recording, ZeroPhase
 from exoid.torques import TorqueModel
 

@@ -11,7 +11,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.torso import TorsoMotion
 
-from .whereabouts import Whereabouts
+from .source_location import SourceLocation
 
 FEWEST_SAMPLES = 10
 """Fewer rows than this are no motion."""
@@ -82,7 +82,7 @@ def refuse_shape(values: FloatArray, shape: tuple[int, ...], name: str) -> None:
     raise ExoidError(f"{name} has shape {values.shape}, expected {shape}", remedy=remedy)
 
 
-def refuse_too_few(samples: int, where: Whereabouts) -> None:
+def refuse_too_few(samples: int, where: SourceLocation) -> None:
     """Refuse a recording of fewer than `FEWEST_SAMPLES` rows.
 
     Raises:
@@ -96,7 +96,7 @@ def refuse_too_few(samples: int, where: Whereabouts) -> None:
         )
 
 
-def refuse_not_finite(values: FloatArray, columns: tuple[str, ...], where: Whereabouts) -> None:
+def refuse_not_finite(values: FloatArray, columns: tuple[str, ...], where: SourceLocation) -> None:
     """Refuse NaN and infinity, naming the first one.
 
     Args:
@@ -117,7 +117,7 @@ def refuse_not_finite(values: FloatArray, columns: tuple[str, ...], where: Where
         )
 
 
-def refuse_absurd(values: FloatArray, columns: tuple[str, ...], where: Whereabouts) -> None:
+def refuse_absurd(values: FloatArray, columns: tuple[str, ...], where: SourceLocation) -> None:
     """Refuse values that no leg can have, (N, k), before arithmetic overflows on them.
 
     Raises:
@@ -132,7 +132,7 @@ def refuse_absurd(values: FloatArray, columns: tuple[str, ...], where: Whereabou
         )
 
 
-def refuse_time_disorder(time: FloatArray, where: Whereabouts) -> None:
+def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
     """Refuse time stamps [s] that do not strictly increase, or cannot be seconds.
 
     Raises:
@@ -162,7 +162,7 @@ def refuse_time_disorder(time: FloatArray, where: Whereabouts) -> None:
         )
 
 
-def refuse_degrees(q: FloatArray, columns: tuple[str, ...], largest: float, where: Whereabouts) -> None:
+def refuse_degrees(q: FloatArray, columns: tuple[str, ...], largest: float, where: SourceLocation) -> None:
     """Refuse angles [rad] beyond ``largest`` [rad]: they look like degrees.
 
     Raises:
@@ -182,7 +182,7 @@ def refuse_degrees(q: FloatArray, columns: tuple[str, ...], largest: float, wher
 
 
 def refuse_velocity_in_other_unit(
-    time: FloatArray, q: FloatArray, v: FloatArray, joints: tuple[str, ...], where: Whereabouts
+    time: FloatArray, q: FloatArray, v: FloatArray, joints: tuple[str, ...], where: SourceLocation
 ) -> None:
     """Refuse velocities that are 180/π or π/180 times the rate of change of their angles.
 

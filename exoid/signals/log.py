@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from . import checks
 from .formats import QUANTITIES, Table
 from .source import Source
-from .whereabouts import Whereabouts
+from .source_location import SourceLocation
 
 
 class Log(NamedTuple):
@@ -32,7 +32,7 @@ class Log(NamedTuple):
     arrays: Mapping[str, FloatArray]
     joint_names: tuple[str, ...]
     source: Source
-    where: Whereabouts
+    where: SourceLocation
 
 
 def read_log(
@@ -53,7 +53,7 @@ def read_log(
     joints = _joints(table, headers) if joint_names is None else _named(joint_names)
     present = _present(table, headers, joints)
     names = ("time", *(f"{quantity}_{joint}" for quantity in present for joint in joints))
-    where = Whereabouts(table.file, table.lines, headers, table.counted)
+    where = SourceLocation(table.file, table.lines, headers, table.counted)
     checks.refuse_too_few(len(table), where)
     numbers = table.numbers([headers[name] for name in names])
     checks.refuse_not_finite(numbers, names, where)

@@ -19,7 +19,7 @@ from .csv_writer import write_csv
 from .formats import Table, Wanted, open_table, read_text_table
 from .log import read_log
 from .source import Source
-from .whereabouts import Whereabouts
+from .source_location import SourceLocation
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -77,7 +77,7 @@ class Recording:
                 object.__setattr__(self, name, checks.as_numbers(values, name))
 
     def _check(self) -> None:
-        where, names, samples = Whereabouts(), self.joint_names, self.time.size
+        where, names, samples = SourceLocation(), self.joint_names, self.time.size
         checks.refuse_names(names)
         if not names:
             raise ExoidError("joint_names is empty", remedy="name each column of q")
@@ -189,7 +189,7 @@ class Recording:
                 f"cannot resample from {own:.4g} Hz to {new:.4g} Hz",
                 remedy="keep the rate: a lower one folds fast signals onto slow ones",
             )
-        timebase.refuse_gaps(self.time, Whereabouts())
+        timebase.refuse_gaps(self.time, SourceLocation())
         rows = timebase.uncrowded(self.time)
         time = self.time[rows]
         grid = timebase.even_grid(time, new)

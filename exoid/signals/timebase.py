@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .whereabouts import Whereabouts
+from .source_location import SourceLocation
 
 EVENNESS = 1e-3
 """Largest deviation of one interval from the median, relative, at which a log still counts as uniform.
@@ -42,7 +42,7 @@ def sampling_rate(time: FloatArray) -> float:
     return float(1.0 / np.median(np.diff(time)))
 
 
-def refuse_gaps(time: FloatArray, where: Whereabouts) -> None:
+def refuse_gaps(time: FloatArray, where: SourceLocation) -> None:
     """Refuse stamps [s] with an interval longer than 20 ms, a limit kept within 10 to 100 median intervals.
 
     Raises:

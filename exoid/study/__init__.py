@@ -1,36 +1,36 @@
 """Studies: virtual identifications in great number, and control laws told by them, on one processor or many."""
 
-from .course import Course
-from .design import Driver, LegText, Piece, Study, plausible_truth
+from .design import Chunk, Driver, LegText, Study, plausible_truth
 from .law_figures import LawFigures, Spread
 from .noise import Noise
 from .protocol import Protocol, document, planned
-from .replicates import Outcomes, do_piece
+from .replicates import Outcomes, run_chunk
 from .result import Combination, StudyResult
 from .run import run_study
-from .workers import Done, Workers, dask_cluster, here, processes
+from .tracking_task import TrackingTask
+from .workers import Done, Workers, dask_cluster, processes, run_serially
 
 __all__ = [
+    "Chunk",
     "Combination",
-    "Course",
     "Done",
     "Driver",
     "LawFigures",
     "LegText",
     "Noise",
     "Outcomes",
-    "Piece",
     "Protocol",
     "Spread",
     "Study",
     "StudyResult",
+    "TrackingTask",
     "Workers",
     "dask_cluster",
-    "do_piece",
     "document",
-    "here",
     "planned",
     "plausible_truth",
     "processes",
+    "run_chunk",
+    "run_serially",
     "run_study",
 ]

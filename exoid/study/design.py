@@ -1,4 +1,4 @@
-"""What a study varies, and the pieces it falls into."""
+"""What a study varies, and the chunks it falls into."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from exoid.leg import Leg
 from exoid.torques import Term, TorqueModel, term_to_json
 from exoid.torso import TorsoMotion
 
-from .course import Course
 from .noise import Noise
 from .protocol import Protocol
+from .tracking_task import TrackingTask
 
 SCHEMA = "exoid-study-1"
 
@@ -71,7 +71,7 @@ class Driver(NamedTuple):
     knows: str
 
 
-class Piece(NamedTuple):
+class Chunk(NamedTuple):
     """Some replicates of one protocol under one noise.
 
     Attributes:
@@ -107,7 +107,7 @@ class Study:
         cutoff: Of the parallel filter [Hz].
         followed: "exactly" (angles, velocities and accelerations as commanded: what remains is noise), or "by a rig"
             (simulated with servo, stiction and encoder: what the model leaves out shows as bias).
-        piece: Replicates that are done at once; a rig's are simulated side by side.
+        chunk: Replicates that are done at once; a rig's are simulated side by side.
         course: What laws that know the estimates follow on the same leg; None for nothing.
     """
 
@@ -122,8 +122,8 @@ class Study:
     rate: float = 100.0
     cutoff: float = 8.0
     followed: str = "exactly"
-    piece: int = 20
-    course: Course | None = None
+    chunk: int = 20
+    course: TrackingTask | None = None
 
     def __post_init__(self) -> None:
         """Check what can be checked before anything runs."""
@@ -136,11 +136,11 @@ class Study:
             raise ExoidError(f"estimators {', '.join(self.estimators)}", remedy="name each once")
         if self.followed not in FOLLOWED:
             raise ExoidError(f"motions followed {self.followed!r}", remedy=f"use one of {', '.join(FOLLOWED)}")
-        if self.replicates < 2 or self.piece < 1 or self.seed < 0 or not self.protocols or not self.noises:
+        if self.replicates < 2 or self.chunk < 1 or self.seed < 0 or not self.protocols or not self.noises:
             raise ExoidError(
-                f"{self.replicates} replicates in pieces of {self.piece}, seed {self.seed}, "
+                f"{self.replicates} replicates in chunks of {self.chunk}, seed {self.seed}, "
                 f"{len(self.protocols)} protocols, {len(self.noises)} noises",
-                remedy="at least two replicates, one in a piece, one protocol and one noise; no negative seed",
+                remedy="at least two replicates, one in a chunk, one protocol and one noise; no negative seed",
             )
         names, joints = self.model.names, len(self.leg.joints)
         if len(self.truth) != len(names) or any(len(noise.std) != joints for noise in self.noises):
@@ -158,11 +158,11 @@ class Study:
         return _model(self.leg, self.terms)
 
     @cached_property
-    def pieces(self) -> tuple[Piece, ...]:
-        """All pieces, in the order of their numbers."""
-        firsts = range(0, self.replicates, self.piece)
+    def chunks(self) -> tuple[Chunk, ...]:
+        """All chunks, in the order of their numbers."""
+        firsts = range(0, self.replicates, self.chunk)
         return tuple(
-            Piece(protocol, noise, first, min(self.piece, self.replicates - first))
+            Chunk(protocol, noise, first, min(self.chunk, self.replicates - first))
             for protocol, noise, first in itertools.product(range(len(self.protocols)), range(len(self.noises)), firsts)
         )
 
@@ -173,9 +173,9 @@ class Study:
         knows = {law: ("nothing",) if law == BLIND else (TRUTH, *self.estimators) for law in laws}
         return tuple(Driver(law, who) for law in laws for who in knows[law])
 
-    def generator(self, piece: Piece, replicate: int) -> np.random.Generator:
+    def generator(self, chunk: Chunk, replicate: int) -> np.random.Generator:
         """Random numbers of one replicate, whoever draws them."""
-        return np.random.default_rng([self.seed, piece.protocol, piece.noise, replicate])
+        return np.random.default_rng([self.seed, chunk.protocol, chunk.noise, replicate])
 
     def torso(self, protocol: Protocol, motion: int) -> TorsoMotion | None:
         """How the torso is held during a motion."""
@@ -196,7 +196,7 @@ class Study:
 
     def to_json(self) -> dict[str, Any]:
         """Describe it completely: equal descriptions have equal results."""
-        plain = ("estimators", "replicates", "seed", "rate", "cutoff", "followed", "piece")
+        plain = ("estimators", "replicates", "seed", "rate", "cutoff", "followed")
         return {
             "schema": SCHEMA,
             "leg": {**self.leg._asdict(), "locked": dict(self.leg.locked)},
@@ -205,6 +205,7 @@ class Study:
             "protocols": [protocol.to_json() for protocol in self.protocols],
             "noises": [asdict(noise) for noise in self.noises],
             **{name: getattr(self, name) for name in plain},
+            "piece": self.chunk,
             **({} if self.course is None else {"course": self.course.to_json()}),
         }
 

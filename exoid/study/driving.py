@@ -1,4 +1,4 @@
-"""Laws that know what a piece of a study identified, on the leg as it truly is."""
+"""Laws that know what a chunk of a study identified, on the leg as it truly is."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from exoid._typing import FloatArray
 from exoid.control import ControlModel, Law, SideBySide, Tracking, simulate_many
 from exoid.control.track import SENSORS
 from exoid.errors import ExoidError
-from exoid.identification import Estimate
+from exoid.estimate import Estimate
 from exoid.rig import Plant, Sensors
 
-from .course import Course
-from .design import BLIND, TRUTH, Driver, Piece, Study
+from .design import BLIND, TRUTH, Chunk, Driver, Study
+from .tracking_task import TrackingTask
 
 MEASURES = ("rms_deg", "peak_deg", "rms_torque")
 """Of :class:`exoid.control.Tracking`, by joint."""
@@ -24,7 +24,7 @@ Laws = Sequence[Law | None]
 """One a replicate; None where there is none, as for an estimate that no leg can have."""
 
 
-def drive(study: Study, piece: Piece, estimates: Mapping[str, Sequence[Estimate]]) -> FloatArray:
+def drive(study: Study, chunk: Chunk, estimates: Mapping[str, Sequence[Estimate]]) -> FloatArray:
     """Let each driver follow the course in each replicate; D drivers, R replicates, n joints.
 
     The virtual leg is the true one. An offset is torque that the joint needs, on the scale of the sensor that it was
@@ -32,7 +32,7 @@ def drive(study: Study, piece: Piece, estimates: Mapping[str, Sequence[Estimate]
 
     Args:
         study: With a course.
-        piece: Whose replicates.
+        chunk: Whose replicates.
         estimates: By estimator, one a replicate.
 
     Returns:
@@ -42,15 +42,15 @@ def drive(study: Study, piece: Piece, estimates: Mapping[str, Sequence[Estimate]
     assert course is not None
     truth = ControlModel.of_parameters(study.model, np.array(study.truth))
     known = {name: [ControlModel.of(estimate) for estimate in each] for name, each in estimates.items()}
-    exact = [truth] * piece.replicates
+    exact = [truth] * chunk.replicates
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of friction that noise made negative: results show what it does
         laws = [_laws(course, driver, known.get(driver.knows, exact)) for driver in study.drivers]
-    seed = (study.seed, piece.protocol, piece.noise, piece.first, 2)
+    seed = (study.seed, chunk.protocol, chunk.noise, chunk.first, 2)
     return np.array(_runs(truth.plant(), course, laws, seed))
 
 
-def _laws(course: Course, driver: Driver, known: Sequence[ControlModel]) -> Laws:
+def _laws(course: TrackingTask, driver: Driver, known: Sequence[ControlModel]) -> Laws:
     """Laws of one driver; those that know the same are one."""
     if driver.law == BLIND or driver.knows == TRUTH:
         return (course.law(driver.law, known[0]),) * len(known)
@@ -63,7 +63,7 @@ def _laws(course: Course, driver: Driver, known: Sequence[ControlModel]) -> Laws
     return laws
 
 
-def _runs(plant: Plant, course: Course, laws: Sequence[Laws], seed: tuple[int, ...]) -> list[FloatArray]:
+def _runs(plant: Plant, course: TrackingTask, laws: Sequence[Laws], seed: tuple[int, ...]) -> list[FloatArray]:
     """Run all drivers side by side; where one diverges each by itself, and its replicates one by one.
 
     Each by itself meets the same noise still; replicates one by one have noise of their own.
@@ -78,14 +78,14 @@ def _runs(plant: Plant, course: Course, laws: Sequence[Laws], seed: tuple[int, .
     return [np.array([_alone(plant, course, law, (*seed, k)) for k, law in enumerate(laws[0])])]
 
 
-def _side_by_side(plant: Plant, course: Course, laws: Sequence[Laws], seed: tuple[int, ...]) -> list[FloatArray]:
+def _side_by_side(plant: Plant, course: TrackingTask, laws: Sequence[Laws], seed: tuple[int, ...]) -> list[FloatArray]:
     every = tuple(law for each in laws for law in each if law is not None)
     runs = _simulate(plant, course, every, len(laws), seed)
     figures = np.array([_figures(run) for run in runs])
     return list(figures.reshape(len(laws), -1, *figures.shape[1:]))
 
 
-def _alone(plant: Plant, course: Course, law: Law | None, seed: tuple[int, ...]) -> FloatArray:
+def _alone(plant: Plant, course: TrackingTask, law: Law | None, seed: tuple[int, ...]) -> FloatArray:
     try:
         return _figures(_simulate(plant, course, (law,), 1, seed)[0]) if law is not None else _lost(plant)
     except ExoidError:
@@ -93,7 +93,7 @@ def _alone(plant: Plant, course: Course, law: Law | None, seed: tuple[int, ...])
 
 
 def _simulate(
-    plant: Plant, course: Course, laws: tuple[Law, ...], alike: int, seed: tuple[int, ...]
+    plant: Plant, course: TrackingTask, laws: tuple[Law, ...], alike: int, seed: tuple[int, ...]
 ) -> tuple[Tracking, ...]:
     noise = Sensors(SENSORS.encoder_counts, SENSORS.angle_noise, SENSORS.velocity_noise, alike=alike)
     return simulate_many(

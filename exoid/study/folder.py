@@ -1,4 +1,4 @@
-"""Finished pieces of a study, kept so that a study that was killed goes on where it stopped."""
+"""Finished chunks of a study, kept so that a study that was killed goes on where it stopped."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ABOUT = "study.json"
 
 
 class Folder:
-    """A folder with ``study.json`` and a file for each finished piece; each is written whole or not at all."""
+    """A folder with ``study.json`` and a file for each finished chunk; each is written whole or not at all."""
 
     def __init__(self, path: Path, study: Study) -> None:
         """Open it, or make it.
@@ -37,7 +37,7 @@ class Folder:
             ) from None
         about = path / ABOUT
         found = [file for file in path.iterdir() if not file.name.startswith(".")]  # others may be writing
-        if about.exists():  # looked for after the pieces, before which it is written
+        if about.exists():  # looked for after the chunks, before which it is written
             self._refuse_another(about)
         elif found:
             raise ExoidError("holds other files", where=str(path), remedy="name a new folder for the results")
@@ -46,20 +46,20 @@ class Folder:
             write_whole(about, [json.dumps(described, indent=1, ensure_ascii=False), "\n"])
 
     def read(self, number: int) -> Outcomes | None:
-        """Read a piece; None if it is not there, or damaged and so to be done again."""
+        """Read a chunk; None if it is not there, or damaged and so to be done again."""
         try:
             with np.load(self._name(number), allow_pickle=False) as file:
                 outcomes = Outcomes(file["values"], file["std"], file["inside"], file["driven"])
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
             return None
-        study, replicates = self._study, self._study.pieces[number].replicates
+        study, replicates = self._study, self._study.chunks[number].replicates
         shape = (len(study.estimators), replicates, len(study.truth))
         driven = (len(study.drivers), replicates, len(MEASURES), len(study.leg.joints))
         fits = all(array.shape == shape for array in outcomes[:3]) and outcomes.driven.shape == driven
         return outcomes if fits and np.isfinite(outcomes.values).all() else None
 
     def write(self, number: int, outcomes: Outcomes) -> None:
-        """Keep a piece.
+        """Keep a chunk.
 
         Raises:
             ExoidError: It cannot be written.

@@ -1,4 +1,4 @@
-"""Doing one piece of a study."""
+"""Doing one chunk of a study."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from exoid._typing import FloatArray
+from exoid.estimate import Estimate
 from exoid.experiments import Bench, run_motion, stiff_servo
-from exoid.identification import Estimate, identify
+from exoid.identification import identify
 from exoid.rig import IdealTorque, Plant, Rates, Sensors
 from exoid.signals import Recording
 
-from .design import Piece, Study
+from .design import Chunk, Study
 from .driving import MEASURES, drive
 
 LEVEL = 0.95
@@ -29,7 +30,7 @@ CONTROL, STEP = 500.0, 2e-3
 
 
 class Outcomes(NamedTuple):
-    """What came out of the replicates of a piece; E estimators, R replicates, P parameters.
+    """What came out of the replicates of a chunk; E estimators, R replicates, P parameters.
 
     Attributes:
         values: Estimates, (E, R, P).
@@ -44,15 +45,15 @@ class Outcomes(NamedTuple):
     driven: FloatArray
 
 
-def do_piece(study: Study, number: int) -> Outcomes:
-    """Record and identify the replicates of a piece; the same bits wherever it runs, as one thread does the algebra."""
-    piece, truth, model = study.pieces[number], np.array(study.truth), study.model
-    shape = (len(study.estimators), piece.replicates, len(truth))
+def run_chunk(study: Study, number: int) -> Outcomes:
+    """Record and identify the replicates of a chunk; the same bits wherever it runs, as one thread does the algebra."""
+    chunk, truth, model = study.chunks[number], np.array(study.truth), study.model
+    shape = (len(study.estimators), chunk.replicates, len(truth))
     values, std, inside = np.empty(shape), np.empty(shape), np.empty(shape, dtype=np.bool_)
     estimates: dict[str, list[Estimate]] = {name: [] for name in study.estimators}
-    driven = np.empty((0, piece.replicates, len(MEASURES), len(study.leg.joints)))
+    driven = np.empty((0, chunk.replicates, len(MEASURES), len(study.leg.joints)))
     with threadpool_limits(limits=1):
-        for k, recordings in enumerate(_recorded(study, piece)):
+        for k, recordings in enumerate(_recorded(study, chunk)):
             for e, name in enumerate(study.estimators):
                 estimate = identify(model.leg, recordings, study.terms, name, cutoff=study.cutoff)
                 low, high = estimate.interval(LEVEL).T
@@ -61,16 +62,16 @@ def do_piece(study: Study, number: int) -> Outcomes:
                 if study.course is not None:
                     estimates[name].append(estimate)
         if study.course is not None:
-            driven = drive(study, piece, estimates)
+            driven = drive(study, chunk, estimates)
     return Outcomes(values, std, inside, driven)
 
 
-def _recorded(study: Study, piece: Piece) -> Iterator[list[Recording]]:
+def _recorded(study: Study, chunk: Chunk) -> Iterator[list[Recording]]:
     """Recordings of each replicate."""
-    noise = study.noises[piece.noise]
-    clean = _by_rig(study, piece) if study.followed == "by a rig" else _exactly(study, piece)
-    for replicate in range(piece.replicates):
-        rng, noisy = study.generator(piece, piece.first + replicate), []
+    noise = study.noises[chunk.noise]
+    clean = _by_rig(study, chunk) if study.followed == "by a rig" else _exactly(study, chunk)
+    for replicate in range(chunk.replicates):
+        rng, noisy = study.generator(chunk, chunk.first + replicate), []
         for of_motion in clean:
             recording = of_motion[replicate % len(of_motion)]
             assert recording.tau is not None
@@ -89,9 +90,9 @@ def _recorded(study: Study, piece: Piece) -> Iterator[list[Recording]]:
         yield noisy
 
 
-def _exactly(study: Study, piece: Piece) -> list[list[Recording]]:
+def _exactly(study: Study, chunk: Chunk) -> list[list[Recording]]:
     """One recording without noise of each motion, for all replicates."""
-    protocol, model, clean = study.protocols[piece.protocol], study.model, []
+    protocol, model, clean = study.protocols[chunk.protocol], study.model, []
     for k in range(len(protocol.motions)):
         states, torso = protocol.states(k, study.rate), study.torso(protocol, k)
         tau = model.regressor(*states, torso) @ np.array(study.truth)
@@ -100,9 +101,9 @@ def _exactly(study: Study, piece: Piece) -> list[list[Recording]]:
     return clean
 
 
-def _by_rig(study: Study, piece: Piece) -> list[list[Recording]]:
+def _by_rig(study: Study, chunk: Chunk) -> list[list[Recording]]:
     """Recordings of each motion by rigs side by side, one a replicate, that start a little off."""
-    protocol, model, clean = study.protocols[piece.protocol], study.model, []
+    protocol, model, clean = study.protocols[chunk.protocol], study.model, []
     named = dict(zip(model.names, study.truth, strict=True))
     offset = [named.pop(f"offset_{label}", 0.0) for label in model.leg.joint_labels]
     bench = Bench(
@@ -111,9 +112,9 @@ def _by_rig(study: Study, piece: Piece) -> list[list[Recording]]:
         Sensors(encoder_counts=ENCODER, angle_noise=np.pi / ENCODER, torque_offset=offset),
         Rates(control=CONTROL, log=study.rate, step=STEP),
     )
-    rng = np.random.default_rng([study.seed, piece.protocol, piece.noise, piece.first, 1])
+    rng = np.random.default_rng([study.seed, chunk.protocol, chunk.noise, chunk.first, 1])
     for k, motion in enumerate(protocol.motions):
-        plant = Plant.build(model.leg, named, pitch=protocol.pitches[k]).each(piece.replicates)
+        plant = Plant.build(model.leg, named, pitch=protocol.pitches[k]).each(chunk.replicates)
         run = run_motion(plant, motion, bench, protocol.seconds, rng)
-        clean.append([run.recording(rig) for rig in range(piece.replicates)])
+        clean.append([run.recording(rig) for rig in range(chunk.replicates)])
     return clean

@@ -13,51 +13,51 @@ from .folder import Folder
 from .law_figures import LawFigures
 from .replicates import Outcomes
 from .result import Combination, StudyResult
-from .workers import Workers, here
+from .workers import Workers, run_serially
 
 
 def run_study(
     study: Study,
     folder: str | Path | None = None,
-    workers: Workers = here,
+    workers: Workers = run_serially,
     progress: Callable[[float], None] | None = None,
 ) -> StudyResult:
-    """Do what is left of a study, and put all pieces together in the order of their numbers.
+    """Do what is left of a study, and put all chunks together in the order of their numbers.
 
-    The result is the same, bit for bit, whoever does the pieces, in whatever order, and however often it was killed.
+    The result is the same, bit for bit, whoever does the chunks, in whatever order, and however often it was killed.
 
     Args:
         study: What to do.
-        folder: Where finished pieces are kept; None for nowhere.
-        workers: Who does the pieces.
+        folder: Where finished chunks are kept; None for nowhere.
+        workers: Who does the chunks.
         progress: Told the share that is done.
 
     Raises:
         ExoidError: The folder holds another study, or workers fail.
     """
     kept = None if folder is None else Folder(Path(folder), study)
-    pieces: dict[int, Outcomes] = {}
-    for number in range(len(study.pieces)):
+    chunks: dict[int, Outcomes] = {}
+    for number in range(len(study.chunks)):
         found = kept.read(number) if kept is not None else None
         if found is not None:
-            pieces[number] = found
-    left = [number for number in range(len(study.pieces)) if number not in pieces]
+            chunks[number] = found
+    left = [number for number in range(len(study.chunks)) if number not in chunks]
     told = progress or (lambda _: None)
-    told(len(pieces) / len(study.pieces))
+    told(len(chunks) / len(study.chunks))
     for done in workers(study, left) if left else ():
         if kept is not None:
             kept.write(done.number, done.outcomes)
-        pieces[done.number] = done.outcomes
-        told(len(pieces) / len(study.pieces))
-    with threadpool_limits(limits=1):  # as for the pieces
-        return StudyResult(study, tuple(_combinations(study, pieces)), tuple(_laws(study, pieces)))
+        chunks[done.number] = done.outcomes
+        told(len(chunks) / len(study.chunks))
+    with threadpool_limits(limits=1):  # as for the chunks
+        return StudyResult(study, tuple(_combinations(study, chunks)), tuple(_laws(study, chunks)))
 
 
-def _combinations(study: Study, pieces: dict[int, Outcomes]) -> list[Combination]:
+def _combinations(study: Study, chunks: dict[int, Outcomes]) -> list[Combination]:
     combinations = []
     for p, protocol in enumerate(study.protocols):
         for n, noise in enumerate(study.noises):
-            values, std, inside, _ = _together(study, pieces, p, n)
+            values, std, inside, _ = _together(study, chunks, p, n)
             bound, truth = study.bound(p, n), np.array(study.truth)
             for e, name in enumerate(study.estimators):
                 errors = values[e] - truth
@@ -79,11 +79,11 @@ def _combinations(study: Study, pieces: dict[int, Outcomes]) -> list[Combination
     return combinations
 
 
-def _laws(study: Study, pieces: dict[int, Outcomes]) -> list[LawFigures]:
+def _laws(study: Study, chunks: dict[int, Outcomes]) -> list[LawFigures]:
     laws = []
     for p, protocol in enumerate(study.protocols):
         for n, noise in enumerate(study.noises):
-            driven = _together(study, pieces, p, n).driven
+            driven = _together(study, chunks, p, n).driven
             for driver, runs in zip(study.drivers, driven, strict=True):
                 told = Driver(driver.law, TRUTH)
                 best = driven[study.drivers.index(told)] if told in study.drivers else None
@@ -92,7 +92,7 @@ def _laws(study: Study, pieces: dict[int, Outcomes]) -> list[LawFigures]:
     return laws
 
 
-def _together(study: Study, pieces: dict[int, Outcomes], protocol: int, noise: int) -> Outcomes:
-    """Put the pieces of one protocol under one noise together."""
-    numbers = [k for k, piece in enumerate(study.pieces) if (piece.protocol, piece.noise) == (protocol, noise)]
-    return Outcomes(*(np.concatenate(parts, axis=1) for parts in zip(*(pieces[k] for k in numbers), strict=True)))
+def _together(study: Study, chunks: dict[int, Outcomes], protocol: int, noise: int) -> Outcomes:
+    """Put the chunks of one protocol under one noise together."""
+    numbers = [k for k, chunk in enumerate(study.chunks) if (chunk.protocol, chunk.noise) == (protocol, noise)]
+    return Outcomes(*(np.concatenate(parts, axis=1) for parts in zip(*(chunks[k] for k in numbers), strict=True)))

@@ -1,4 +1,4 @@
-"""Who does the pieces: this process, several on this machine, or a Dask cluster."""
+"""Who does the chunks: this process, several on this machine, or a Dask cluster."""
 
 from __future__ import annotations
 
@@ -12,31 +12,31 @@ from exoid.errors import ExoidError
 from exoid.signals.cluster import connect
 
 from .design import Study
-from .replicates import Outcomes, do_piece
+from .replicates import Outcomes, run_chunk
 
 ATTEMPTS = 5
-"""Times in a row that all workers may die before a piece is done."""
+"""Times in a row that all workers may die before a chunk is done."""
 
 
 class Done(NamedTuple):
-    """A piece that is finished."""
+    """A chunk that is finished."""
 
     number: int
     outcomes: Outcomes
 
 
 Workers = Callable[[Study, Sequence[int]], Iterator[Done]]
-"""Do pieces of a study by their numbers, in any order."""
+"""Do chunks of a study by their numbers, in any order."""
 
 
-def here(study: Study, numbers: Sequence[int]) -> Iterator[Done]:
+def run_serially(study: Study, numbers: Sequence[int]) -> Iterator[Done]:
     """Do them in this process, one after the other."""
     for number in numbers:
-        yield Done(number, do_piece(study, number))
+        yield Done(number, run_chunk(study, number))
 
 
 def processes(count: int) -> Workers:
-    """Use so many processes on this machine; one that is killed is replaced, and its piece done again.
+    """Use so many processes on this machine; one that is killed is replaced, and its chunk done again.
 
     joblib keeps the processes for the next study of the same interpreter, and stops idle ones after five minutes.
 
@@ -44,7 +44,7 @@ def processes(count: int) -> Workers:
         count: Number of processes.
 
     Returns:
-        What does the pieces.
+        What does the chunks.
 
     Raises:
         ExoidError: There is none, or (when used) they die again and again.
@@ -65,7 +65,7 @@ def processes(count: int) -> Workers:
                 failures += 1
                 if failures >= ATTEMPTS:
                     raise ExoidError(
-                        f"workers died {failures} times without finishing a piece",
+                        f"workers died {failures} times without finishing a chunk",
                         remedy="give the study more memory, or fewer workers",
                     ) from None
 
@@ -73,7 +73,7 @@ def processes(count: int) -> Workers:
 
 
 def _done(study: Study, number: int) -> Done:
-    return Done(number, do_piece(study, number))
+    return Done(number, run_chunk(study, number))
 
 
 def dask_cluster(address: str) -> Workers:
@@ -90,7 +90,7 @@ def dask_cluster(address: str) -> Workers:
         with connect(address) as client:
             import distributed  # noqa: PLC0415 - an extra, which is there
 
-            futures = {client.submit(do_piece, study, number, pure=False): number for number in numbers}
+            futures = {client.submit(run_chunk, study, number, pure=False): number for number in numbers}
             for future in distributed.as_completed(futures):
                 try:
                     yield Done(futures[future], future.result())

@@ -4,11 +4,11 @@ from .armature import Armature
 from .catalog import DEFAULT_TERMS, TERMS, term_by_name, term_from_json, term_to_json
 from .coulomb import Coulomb
 from .dry_friction import DryFriction
-from .free import Free, Shape, free_shapes, with_shapes
 from .load_friction import LoadFriction
 from .memory import Memory
-from .model import Merged, TorqueModel
+from .model import Regrouped, TorqueModel
 from .motion import JointMotion, Motion
+from .nonlinear import NonlinearParameter, NonlinearSetting, nonlinear_settings, with_settings
 from .offset import Offset
 from .presliding import Presliding
 from .stiffness import Stiffness
@@ -22,23 +22,23 @@ __all__ = [
     "Armature",
     "Coulomb",
     "DryFriction",
-    "Free",
     "JointMotion",
     "LoadFriction",
     "Memory",
-    "Merged",
     "Motion",
+    "NonlinearParameter",
+    "NonlinearSetting",
     "Offset",
     "Presliding",
-    "Shape",
+    "Regrouped",
     "Stiffness",
     "Stribeck",
     "Term",
     "TorqueModel",
     "Viscous",
-    "free_shapes",
+    "nonlinear_settings",
     "term_by_name",
     "term_from_json",
     "term_to_json",
-    "with_shapes",
+    "with_settings",
 ]

@@ -10,8 +10,8 @@ from exoid.errors import ExoidError
 
 from .armature import Armature
 from .coulomb import Coulomb
-from .free import Free
 from .load_friction import LoadFriction
+from .nonlinear import NonlinearParameter
 from .offset import Offset
 from .stiffness import Stiffness
 from .stribeck import Stribeck
@@ -70,5 +70,5 @@ def term_from_json(data: Mapping[str, Any]) -> Term:
 
 def _setting(value: Any) -> Any:  # noqa: ANN401 - of many types
     if isinstance(value, Mapping):
-        return Free(**value)
+        return NonlinearParameter(**value)
     return tuple(value) if isinstance(value, list) else value

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .free import Free, number
 from .memory import Memory
 from .motion import JointMotion
+from .nonlinear import NonlinearParameter, number
 from .presliding import Presliding
 from .term import Term
 
@@ -30,21 +30,23 @@ class DryFriction(Term):
             doc. 1, sec. III-G; the columns are zero there.
     """
 
-    smoothing: float | Free = 0.02
-    presliding: float | Free = 0.0
+    smoothing: float | NonlinearParameter = 0.02
+    presliding: float | NonlinearParameter = 0.0
     dead_band: float = 0.0
 
     def __post_init__(self) -> None:
         """Check that all settings make sense."""
         for name, unit in (("smoothing", "a velocity in rad/s"), ("presliding", "an angle in rad")):
             value = getattr(self, name)
-            if not isinstance(value, Free) and not 0.0 <= value < np.inf:
-                raise ExoidError(f"{type(self).__name__}({name}={value})", remedy=f"{unit}, zero or positive, or Free")
+            if not isinstance(value, NonlinearParameter) and not 0.0 <= value < np.inf:
+                raise ExoidError(
+                    f"{type(self).__name__}({name}={value})", remedy=f"{unit}, zero or positive, or NonlinearParameter"
+                )
         if not 0.0 <= self.dead_band < np.inf:
             raise ExoidError(
                 f"{type(self).__name__}(dead_band={self.dead_band})", remedy="a velocity in rad/s, zero or positive"
             )
-        if isinstance(self.smoothing, Free) and self.presliding != 0.0:
+        if isinstance(self.smoothing, NonlinearParameter) and self.presliding != 0.0:
             raise ExoidError(
                 f"{type(self).__name__} has a free smoothing, of which presliding takes the place",
                 remedy="leave out one of the two",

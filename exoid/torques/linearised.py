@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg import Leg
 
-from .free import Shape, free_shapes, with_shapes
-from .model import Block, LegMotion, Merged, TorqueModel
+from .model import JointTerm, LegMotion, Regrouped, TorqueModel
+from .nonlinear import NonlinearSetting, nonlinear_settings, with_settings
 from .term import Term
 
 STEP = 1e-4
@@ -37,8 +37,8 @@ class Slope(NamedTuple):
 
     value: float
     step: float
-    above: tuple[Block, ...]
-    below: tuple[Block, ...]
+    above: tuple[JointTerm, ...]
+    below: tuple[JointTerm, ...]
     values: tuple[FloatArray, ...]
 
 
@@ -54,13 +54,13 @@ class Linearised(TorqueModel):
         point: β where it is linear, (P,).
         slopes: Derivatives by the settings, by name.
         shapes: Settings that are to be found.
-        known_merged: What is merged, which does not depend on the point.
+        known_regrouped: What is regrouped, which does not depend on the point.
     """
 
     point: FloatArray = field(kw_only=True)
     slopes: Mapping[str, Slope] = field(kw_only=True)
-    shapes: tuple[Shape, ...] = field(kw_only=True)
-    known_merged: tuple[Merged, ...] = field(kw_only=True)
+    nonlinear: tuple[NonlinearSetting, ...] = field(kw_only=True)
+    known_regrouped: tuple[Regrouped, ...] = field(kw_only=True)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -70,12 +70,12 @@ class Linearised(TorqueModel):
     @property
     def units(self) -> tuple[str, ...]:
         """Their units."""
-        return (*super().units, *(shape.unit for shape in self.shapes))
+        return (*super().units, *(shape.unit for shape in self.nonlinear))
 
     @cached_property
-    def merged(self) -> tuple[Merged, ...]:
+    def regrouped(self) -> tuple[Regrouped, ...]:
         """As it is at every point."""
-        return self.known_merged
+        return self.known_regrouped
 
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
@@ -90,7 +90,7 @@ class Linearised(TorqueModel):
         return 1
 
     @property
-    def _remembering(self) -> tuple[Block, ...]:
+    def _remembering(self) -> tuple[JointTerm, ...]:
         moved = (block for slope in self.slopes.values() for block in (*slope.above, *slope.below))
         return (*self.blocks, *moved)
 
@@ -116,7 +116,7 @@ class Linearised(TorqueModel):
             rest -= by_load * motion.load
             out[: len(self.leg.parameter_names)] *= 1.0 + by_load
 
-    def _slope_by_load(self, block: Block, motion: LegMotion) -> FloatArray:
+    def _slope_by_load(self, block: JointTerm, motion: LegMotion) -> FloatArray:
         """∂τ/∂τ_rb of one term, (N,)."""
         values = np.array([self._values.get(name, 0.0) for name in block.names])
         nudge = NUDGE * float(np.abs(motion.load[block.joint]).max())
@@ -133,29 +133,29 @@ def linearise(
     settings: Mapping[str, float],
     *,
     held: Sequence[str] = (),
-    merged: tuple[Merged, ...] | None = None,
+    regrouped: tuple[Regrouped, ...] | None = None,
 ) -> Linearised:
     """Linearise a model about a point.
 
     Args:
         leg: The leg.
-        terms: Terms, of which some settings are :class:`exoid.torques.Free`.
+        terms: Terms, of which some settings are :class:`exoid.torques.NonlinearParameter`.
         values: β, (P,).
         settings: θ by name.
         held: Settings that are not to be found after all.
-        merged: What is merged, if that is known already.
+        regrouped: What is regrouped, if that is known already.
     """
     names, labels = leg.joint_names, leg.joint_labels
-    centre = TorqueModel(leg, with_shapes(terms, names, labels, settings), values[: len(leg.parameter_names)])
-    merged = centre.merged if merged is None else merged
-    gone = {m.name for m in merged}
+    centre = TorqueModel(leg, with_settings(terms, names, labels, settings), values[: len(leg.parameter_names)])
+    regrouped = centre.regrouped if regrouped is None else regrouped
+    gone = {m.name for m in regrouped}
     known = dict(zip((n for n in centre.every_name if n not in gone), values.tolist(), strict=True))
-    shapes = tuple(shape for shape in free_shapes(terms, names, labels) if shape.name not in held)
+    nonlinear = tuple(shape for shape in nonlinear_settings(terms, names, labels) if shape.name not in held)
     slopes = {}
-    for shape in shapes:
+    for shape in nonlinear:
         value = settings[shape.name]
         above, below = (
-            TorqueModel(leg, with_shapes(terms, names, labels, {**settings, shape.name: value * factor})).blocks
+            TorqueModel(leg, with_settings(terms, names, labels, {**settings, shape.name: value * factor})).blocks
             for factor in (1.0 + STEP, 1.0 - STEP)
         )
         moved = [k for k, block in enumerate(above) if block.term != centre.blocks[k].term]
@@ -163,10 +163,12 @@ def linearise(
         slopes[shape.name] = Slope(
             value, STEP * value, tuple(above[k] for k in moved), tuple(below[k] for k in moved), parameters
         )
-    return Linearised(leg, centre.terms, centre.rigid, point=values, slopes=slopes, shapes=shapes, known_merged=merged)
+    return Linearised(
+        leg, centre.terms, centre.rigid, point=values, slopes=slopes, nonlinear=nonlinear, known_regrouped=regrouped
+    )
 
 
-def _torque(block: Block, motion: LegMotion, values: FloatArray) -> FloatArray:
+def _torque(block: JointTerm, motion: LegMotion, values: FloatArray) -> FloatArray:
     """Torque of one term, (N,)."""
     columns = np.zeros((len(values), motion.q.shape[1]))
     block.term.fill(motion.of(block), columns)

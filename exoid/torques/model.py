@@ -15,9 +15,9 @@ from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.torso import TorsoMotion
 
-from .free import free_shapes
 from .memory import Memory
 from .motion import JointMotion, Motion
+from .nonlinear import nonlinear_settings
 from .term import Term
 
 BLOCK = 32768
@@ -27,7 +27,7 @@ DEPENDENT = 1e-9
 """A unit column this close to the span of those before it is dependent on them."""
 
 
-class Merged(NamedTuple):
+class Regrouped(NamedTuple):
     """A parameter that no motion can tell from others, and therefore became part of them.
 
     Attributes:
@@ -44,7 +44,7 @@ class Merged(NamedTuple):
         return f"{self.name} cannot be told from {share} by any motion: it is part of it"
 
 
-class Block(NamedTuple):
+class JointTerm(NamedTuple):
     """One term at one joint.
 
     Attributes:
@@ -75,7 +75,7 @@ class LegMotion(NamedTuple):
     load: FloatArray
     states: Mapping[tuple[int, Memory], FloatArray]
 
-    def of(self, block: Block) -> JointMotion:
+    def of(self, block: JointTerm) -> JointMotion:
         """Pick what a term may know."""
         joint, memory = block.joint, block.term.memory
         state = None if memory is None else self.states[joint, memory]
@@ -102,7 +102,7 @@ class TorqueModel:
         repeated = sorted({name for name in names if names.count(name) > 1})
         if repeated:
             raise ExoidError(f"parameters occur twice: {', '.join(repeated)}", remedy="give each term once a joint")
-        free = free_shapes(self.terms, self.leg.joint_names, self.leg.joint_labels)
+        free = nonlinear_settings(self.terms, self.leg.joint_names, self.leg.joint_labels)
         if free:
             raise ExoidError(
                 f"settings are still to be found: {', '.join(shape.name for shape in free)}",
@@ -110,8 +110,18 @@ class TorqueModel:
             )
 
     @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Joints of the leg, (n,)."""
+        return self.leg.joint_names
+
+    @property
+    def joint_labels(self) -> tuple[str, ...]:
+        """Names that parameters call the joints by, (n,)."""
+        return self.leg.joint_labels
+
+    @property
     def every_name(self) -> tuple[str, ...]:
-        """Names of all parameters, those that are merged too."""
+        """Names of all parameters, those that are regrouped too."""
         return (*self.leg.parameter_names, *(name for block in self.blocks for name in block.names))
 
     @property
@@ -130,7 +140,7 @@ class TorqueModel:
         return any(block.term.loaded for block in self.blocks)
 
     @cached_property
-    def merged(self) -> tuple[Merged, ...]:
+    def regrouped(self) -> tuple[Regrouped, ...]:
         """Parameters of terms that are part of others, whatever the motion (a rotor at the hip is part of J1).
 
         Terms that depend on the load are left to the fit: what they can be told from depends on the parameters.
@@ -143,15 +153,15 @@ class TorqueModel:
         scale = np.linalg.norm(W, axis=0)
         scale = np.where(scale > 0.0, scale, 1.0)
         W = np.asarray(np.linalg.qr(W / scale, mode="r"))  # as small as can be: a seven-joint arm has 80 columns
-        kept, merged = list(range(count)), []
+        kept, regrouped = list(range(count)), []
         for k in (k for k in range(count, len(every)) if every[k] not in loaded):
             share, *_ = np.linalg.lstsq(W[:, kept], W[:, k])
             if W[:, k].any() and np.linalg.norm(W[:, k] - W[:, kept] @ share) < DEPENDENT:
                 shares = zip(kept, share * scale[k] / scale[kept], strict=True)
-                merged.append(Merged(every[k], {every[i]: float(s) for i, s in shares if abs(s) > DEPENDENT}))
+                regrouped.append(Regrouped(every[k], {every[i]: float(s) for i, s in shares if abs(s) > DEPENDENT}))
             else:
                 kept.append(k)
-        return tuple(merged)
+        return tuple(regrouped)
 
     def loaded_by(self, values: FloatArray) -> TorqueModel:
         """Return the same model with joints loaded by the rigid-body torque of these parameters, (P,)."""
@@ -242,11 +252,11 @@ class TorqueModel:
         return usable
 
     @cached_property
-    def blocks(self) -> tuple[Block, ...]:
+    def blocks(self) -> tuple[JointTerm, ...]:
         """Terms joint by joint, in the order of the columns."""
         names, labels = self.leg.joint_names, self.leg.joint_labels
         return tuple(
-            Block(term, joint, tuple(f"{symbol}_{labels[joint]}" for symbol in term.symbols))
+            JointTerm(term, joint, tuple(f"{symbol}_{labels[joint]}" for symbol in term.symbols))
             for term in self.terms
             for joint in term.joint_indices(names, labels)
         )
@@ -256,8 +266,8 @@ class TorqueModel:
         units = dict(zip(self.leg.parameter_names, self.leg.parameter_units, strict=True))
         for block in self.blocks:
             units.update(zip(block.names, block.term.units, strict=True))
-        for merged in self.merged:
-            del units[merged.name]
+        for regrouped in self.regrouped:
+            del units[regrouped.name]
         return units
 
     @property
@@ -266,7 +276,7 @@ class TorqueModel:
         return 0
 
     @property
-    def _remembering(self) -> tuple[Block, ...]:
+    def _remembering(self) -> tuple[JointTerm, ...]:
         """Blocks whose hidden states are needed."""
         return self.blocks
 

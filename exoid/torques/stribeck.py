@@ -11,8 +11,8 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .dry_friction import DryFriction
-from .free import Free, number
 from .motion import JointMotion
+from .nonlinear import NonlinearParameter, number
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,15 +22,15 @@ class Stribeck(DryFriction):
     At breakaway dry friction is c0 + cs, at speed c0. cs below zero is friction that grows with speed and levels off.
 
     Attributes:
-        velocity: Speed over which it drops [rad/s], or :class:`Free` for the fit to find it.
+        velocity: Speed over which it drops [rad/s], or :class:`NonlinearParameter` for the fit to find it.
     """
 
-    velocity: float | Free = 0.1
+    velocity: float | NonlinearParameter = 0.1
 
     def __post_init__(self) -> None:
         """Check that all settings make sense."""
         super().__post_init__()
-        if not isinstance(self.velocity, Free) and not 0.0 < self.velocity < np.inf:
+        if not isinstance(self.velocity, NonlinearParameter) and not 0.0 < self.velocity < np.inf:
             raise ExoidError(f"Stribeck(velocity={self.velocity})", remedy="a velocity in rad/s, positive, or Free")
 
     @property

@@ -63,7 +63,7 @@ class Term(ABC):
 
     @property
     def shape_symbols(self) -> Mapping[str, tuple[str, str]]:
-        """Symbol and unit of each setting that may be :class:`exoid.torques.Free`, by its field."""
+        """Symbol and unit of each setting that may be :class:`exoid.torques.NonlinearParameter`, by its field."""
         return {}
 
     @abstractmethod

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 
 from exoid.errors import ExoidError
-from exoid.identification import Estimate
+from exoid.estimate import Estimate
 from exoid.tables import with_error
 
 from .style import CAD, GUIDE, IDENTIFIED, LEFT_OVER, MEASURED, legend_above

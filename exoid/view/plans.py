@@ -9,11 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from exoid.experiments.excitation import Plan, Precision
-from exoid.identification.diagnostics import WEAKLY, WELL
+from exoid.regression.diagnostics import WEAKLY, WELL
 
 from .style import CAD, GUIDE, IDENTIFIED, JOINT_COLOURS, legend_above
 
-VERDICT_COLOURS = {"well": IDENTIFIED, "weakly": "#E69F00", "not": CAD}
+IDENTIFIABILITY_COLOURS = {"well": IDENTIFIED, "weakly": "#E69F00", "not": CAD}
 
 UNSEEN = 10.0
 """Relative standard deviation at which bars end, of parameters that are not determined at all."""
@@ -61,7 +61,12 @@ def plot_precision(ax: Axes, precision: Precision) -> Axes:
     """
     relative = np.minimum(np.where(np.isfinite(precision.relative), precision.relative, UNSEEN), UNSEEN)
     places = np.arange(len(relative))[::-1]
-    ax.barh(places, 100.0 * relative, color=[VERDICT_COLOURS[verdict] for verdict in precision.verdicts], height=0.7)
+    ax.barh(
+        places,
+        100.0 * relative,
+        color=[IDENTIFIABILITY_COLOURS[grade] for grade in precision.identifiability],
+        height=0.7,
+    )
     for limit in (WELL, WEAKLY):
         ax.axvline(100.0 * limit, color=GUIDE, lw=1.0, zorder=0)
     ax.set_yticks(places, precision.names)
@@ -71,7 +76,7 @@ def plot_precision(ax: Axes, precision: Precision) -> Axes:
     ax.set_ylim(-0.6, len(places) - 0.4)
     ax.grid(visible=False, axis="y")
     ax.set(xlabel="predicted standard deviation [% of scale]")
-    kinds = [kind for kind in VERDICT_COLOURS if kind in precision.verdicts]
-    handles = [Line2D([], [], color=VERDICT_COLOURS[kind], lw=4.0) for kind in kinds]
+    kinds = [kind for kind in IDENTIFIABILITY_COLOURS if kind in precision.identifiability]
+    handles = [Line2D([], [], color=IDENTIFIABILITY_COLOURS[kind], lw=4.0) for kind in kinds]
     ax.legend(handles, kinds, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.1)
     return ax

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from exoid._typing import FloatArray
-from exoid.identification import Trend
+from exoid.regression import Trend
 
 from .style import GUIDE, IDENTIFIED, LEFT_OVER, MEASURED, joint_colour, legend_above
 

@@ -18,8 +18,9 @@ from turns import best_of_turns, show
 import exoid
 from exoid import Coulomb, Recording, Viscous
 from exoid.identification.estimators import ols
-from exoid.identification.least_squares import Solution
+from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
+from exoid.regression.least_squares import Solution
 from exoid.signals import FiniteDifference
 from exoid.torques import TorqueModel
 
@@ -32,7 +33,7 @@ BYTES = 40.0
 LEG = exoid.load_leg("bleex")
 TERMS = (Coulomb(), Viscous())
 MODEL = TorqueModel(LEG, TERMS)
-OURS = "regressor, triangles, solution, covariance, in blocks"
+OURS = "regressor, R factors, solution, covariance, in blocks"
 
 
 @cache
@@ -52,7 +53,7 @@ def recording(samples: int = SAMPLES) -> Recording:
 
 def ours(samples: int = SAMPLES) -> Solution:
     """Least squares on q, v, a as they are; only the first and the last sample are dropped."""
-    return ols(Problem(MODEL, [recording(samples)], FiniteDifference())).solution
+    return ols(Problem.of_one(GroupRows(MODEL, [recording(samples)], FiniteDifference()))).solution
 
 
 def whole() -> exoid.Estimate:

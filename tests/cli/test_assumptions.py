@@ -29,11 +29,11 @@ def test_known_prior_and_bounds_reach_the_estimate(tmp_path):
     assert done.exit_code == 0, done.output
     estimate = Estimate.load(path)
     assert estimate.value("X1") == 4.1
-    assert dict(estimate.assumed.prior.values) == {"J3": (0.05, 0.01), "Y3": (0.1, 0.02)}
-    assert estimate.assumed.nonnegative
+    assert dict(estimate.prior_knowledge.prior.values) == {"J3": (0.05, 0.01), "Y3": (0.1, 0.02)}
+    assert estimate.prior_knowledge.nonnegative
     data = exoid.datasets.bleex_swing()
     same = exoid.identify(
-        data.leg, data.train, noise="white", known={"X1": 4.1}, prior=dict(estimate.assumed.prior.values),
+        data.leg, data.train, noise="white", known={"X1": 4.1}, prior=dict(estimate.prior_knowledge.prior.values),
         nonnegative=True,
     )  # fmt: skip
     np.testing.assert_allclose(estimate.covariance, same.covariance, rtol=1e-9)

@@ -15,7 +15,7 @@ import exoid
 from exoid import Coulomb, Estimate, Recording, Stiffness
 from exoid.cli import app
 from exoid.cli.identify import identify
-from exoid.identification import estimate_to_json, validation_to_json
+from exoid.estimate import estimate_to_json, validation_to_json
 from exoid.view.report import identification_report
 
 TRAIN, TEST = "bleex_swing:train", "bleex_swing:test"

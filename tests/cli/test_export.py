@@ -11,7 +11,7 @@ import exoid
 from exoid import Leg
 from exoid.cli import main
 from exoid.codegen import c_source_to_json
-from exoid.identification.export import export_to_json
+from exoid.estimate.export import export_to_json
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import pytest
 
 import exoid
 from exoid import Estimate, Recording
-from exoid.identification.together import together_to_json
+from exoid.estimate import grouped_to_json
 
 ZERO = (2.0, -1.0, 0.5)
 """By which torque sensors differ between the two logs [N·m]."""
@@ -28,7 +28,7 @@ def logs(tmp_path):
 
 def test_each_log_has_its_own_and_the_table_says_so(exoid_, logs):
     code, out, err = exoid_("identify", "bleex", *logs, "--own", "offset", "-o", "leg.json")
-    together = exoid.identify_together(
+    together = exoid.identify(
         exoid.load_leg("bleex"), {log[:-4]: Recording.from_csv(log) for log in logs}, own="offset"
     )
     assert (code, out, err) == (0, f"{together}\n", "")
@@ -42,13 +42,13 @@ def test_each_log_has_its_own_and_the_table_says_so(exoid_, logs):
 
 def test_json_equals_the_api(exoid_, logs):
     code, out, err = exoid_("identify", "bleex", *logs, "--own", "offset,c0_hip", "--terms", "coulomb,offset", "--json")
-    together = exoid.identify_together(
+    together = exoid.identify(
         exoid.load_leg("bleex"),
         {log[:-4]: Recording.from_csv(log) for log in logs},
         (exoid.Coulomb(), exoid.Offset()),
         own=("offset", "c0_hip"),
     )
-    expected = json.loads(json.dumps(together_to_json(together), allow_nan=False))
+    expected = json.loads(json.dumps(grouped_to_json(together), allow_nan=False))
     for estimate in expected["groups"].values():
         del estimate["leg"]["urdf"]
     assert (code, err) == (0, "")

@@ -14,7 +14,7 @@ import pytest
 import exoid
 from exoid import Coulomb, Offset, Stiffness, Viscous
 from exoid.cli import main
-from exoid.identification import Estimate
+from exoid.estimate import Estimate
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 

@@ -10,8 +10,8 @@ import pytest
 import exoid
 from exoid import control, published, reproduce
 from exoid.cli import main
+from exoid.estimate import Estimate
 from exoid.experiments import healthy_gait
-from exoid.identification import Estimate
 from exoid.rig import Plant
 from exoid.signals import ZeroPhase
 from exoid.torques import Armature, Coulomb, Offset, TorqueModel, Viscous

@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from exoid import Armature, Coulomb, Estimate, Leg, Stiffness, Viscous
-from exoid.identification import Input
+from exoid.codegen import CSource, c_source
+from exoid.estimate import Input
+from exoid.estimate.provenance import provenance
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 
@@ -59,18 +61,28 @@ def compile_c(arguments, *sources: Path, to: Path) -> Path:
     return to
 
 
-class CompiledLeg:
-    """The functions of an estimate's C file, each over samples (N, n); ``change`` is done to its text before."""
+def source_of(estimate: Estimate, name: str = "leg", precision: str = "double") -> CSource:
+    """What ``Estimate.to_c`` writes, without a file."""
+    return c_source(
+        estimate.model,
+        estimate.values,
+        provenance=provenance(estimate),
+        warnings=estimate.warnings,
+        precision=precision,
+        name=name,
+    )
 
-    def __init__(self, estimate: Estimate, folder: Path, *, precision="double", flags=("-O2",), change=None) -> None:
-        self.n = len(estimate.joint_names)
-        self.real = ctypes.c_double if precision == "double" else ctypes.c_float
-        self.type = np.float64 if precision == "double" else np.float32
-        source = folder / "leg.c"
-        self.written = estimate.to_c(source, precision=precision)
-        if change is not None:
-            source.write_text(change(self.written.text))
-        self.library = ctypes.CDLL(str(compile_c((*flags, "-shared", "-fPIC"), source, to=folder / "leg.so")))
+
+class CompiledLeg:
+    """The functions of a C file, whose prefix is ``leg``, each over samples (N, n)."""
+
+    def __init__(self, source: CSource, folder: Path) -> None:
+        self.n = len(source.model.leg.joint_names)
+        self.real = ctypes.c_double if source.dialect.real == "double" else ctypes.c_float
+        self.type = np.float64 if source.dialect.real == "double" else np.float32
+        file = folder / "leg.c"
+        file.write_text(source.text)
+        self.library = ctypes.CDLL(str(compile_c(("-O2", "-shared", "-fPIC"), file, to=folder / "leg.so")))
 
     def __call__(self, function: str, *inputs, shape=None) -> np.ndarray:
         call, pointer = getattr(self.library, f"leg_{function}"), ctypes.POINTER(self.real)

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+import ast
 import shutil
 import subprocess
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from compiled import COMPILER, EVERY_TERM, STRICT, CompiledLeg, compile_c, made_up, needs_compiler
+from compiled import COMPILER, EVERY_TERM, STRICT, CompiledLeg, compile_c, made_up, needs_compiler, source_of
 from planar_chains import assert_relative, random_chain, random_motion
 
 import exoid
-from exoid import Coulomb, ExoidError, Leg, Offset, Stiffness, Viscous
-from exoid.codegen import c_source, c_source_to_json
+from exoid import Coulomb, ExoidError, Leg, Offset, Stiffness, Viscous, codegen
+from exoid.codegen import c_source, c_source_to_json, write_c
 from exoid.description import describe
-from exoid.identification import Input
-from exoid.torques import LoadFriction, Stribeck
+from exoid.estimate import Input
+from exoid.torques import LoadFriction, Stribeck, TorqueModel
 
 CUHK = exoid.load_leg("cuhk")
 ESTIMATE = made_up(CUHK)
@@ -60,7 +62,7 @@ def test_it_keeps_no_state_and_needs_the_mathematical_library_only(precision, su
     wanted = {f"{name}{suffix}" for name in ("sin", "cos", "sincos", "tanh", "fabs", "exp")} | {"_GLOBAL_OFFSET_TABLE_"}
     assert {name for kind, name in symbols if kind == "U"} <= wanted
     assert not {name for kind, name in symbols if kind.upper() in "BDCS"}, "writable data"
-    assert {name for kind, name in symbols if kind == "T"} == set(c_source(ESTIMATE, "leg").functions)
+    assert {name for kind, name in symbols if kind == "T"} == set(source_of(ESTIMATE, "leg").functions)
 
 
 @needs_compiler
@@ -118,7 +120,7 @@ def test_it_compiles_as_cpp_too(tmp_path):
 
 def test_the_comment_says_where_the_numbers_come_from():
     estimate = replace(ESTIMATE, inputs=(Input("monday.csv", "0123" * 16, 500, 50.0),), warnings=("it limped",))
-    head = c_source(estimate).text.split("*/")[0]
+    head = source_of(estimate).text.split("*/")[0]
     for word in (
         *("cuhk.urdf", CUHK.description.sha256, "monday.csv", "0123" * 16, "500 samples at 50 Hz", "it limped"),
         *(exoid.__version__, "left_hip, left_knee", "N m", "rad", "M(q) a", "double", "Ia_hip cannot be told from J1"),
@@ -130,8 +132,8 @@ def test_the_comment_says_where_the_numbers_come_from():
 
 
 def test_the_same_estimate_gives_the_same_file():
-    assert c_source(ESTIMATE).sha256 == c_source(made_up(CUHK)).sha256
-    assert c_source(ESTIMATE).sha256 != c_source(made_up(CUHK, seed=1)).sha256
+    assert source_of(ESTIMATE).sha256 == source_of(made_up(CUHK)).sha256
+    assert source_of(ESTIMATE).sha256 != source_of(made_up(CUHK, seed=1)).sha256
 
 
 @needs_compiler
@@ -141,17 +143,60 @@ def test_no_name_can_break_out_of_a_comment(tmp_path):
     text = CUHK.description.text.replace("left_hip", joints[0]).replace("left_knee", joints[1])
     leg = Leg.from_description(describe(text, name=nasty), joints, cumulative=False)
     estimate = made_up(leg, inputs=(Input(nasty, nasty, 3, 1.0),), warnings=(nasty,))
-    c = CompiledLeg(estimate, tmp_path)
+    c = CompiledLeg(source_of(estimate), tmp_path)
     motion = random_motion(np.random.default_rng(0), 2)
     assert_relative(c("inverse_dynamics", *motion), estimate.torque(*motion), 1e-12)
     assert (tmp_path / "leg.c").read_bytes().isascii()
 
 
+def test_a_model_needs_no_estimate_and_no_provenance(tmp_path):
+    model = TorqueModel(CUHK, (Viscous(),))
+    values = np.append(CUHK.parameters, [1.0, 2.0])
+    source = write_c(model, values, tmp_path / "leg.c", name="cuhk")
+    assert source.functions[0] == "cuhk_gravity"
+    assert (tmp_path / "leg.c").read_text() == source.text == c_source(model, values, name="cuhk").text
+    head = source.text.split("*/")[0]
+    assert CUHK.description.sha256 in head
+    assert "Estimator" not in head
+    assert "None" not in source.text
+    assert c_source_to_json(source)["values"]["d_knee"] == 2.0
+
+
+def test_provenance_and_warnings_stand_where_they_belong():
+    model = TorqueModel(CUHK, ())
+    source = c_source(model, CUHK.parameters, provenance=("From CAD.", "", "  see */ drawing 7"), warnings=("old",))
+    assert " * From CAD.\n *\n *   see * / drawing 7\n */\n" in source.text
+    assert "old" not in source.text
+    assert "warning: old" in str(source).splitlines()
+    assert c_source_to_json(source)["warnings"] == ["old"]
+
+
+@needs_compiler
+def test_labels_that_are_alike_do_not_shorten_a_table(tmp_path):
+    """From "x" to "y to z", and from "x to y" to "z": the same text twice."""
+    chain = random_chain(np.random.default_rng(3), 4)
+    leg = replace(chain, joint_names=("x", "y to z", "x to y", "z")).leg()
+    c = CompiledLeg(c_source(TorqueModel(leg, ()), leg.parameters), tmp_path)
+    motion = random_motion(np.random.default_rng(0), 4)
+    assert_relative(c("rigid_bodies", *motion), leg.inverse_dynamics(*motion), 1e-12)
+
+
+def test_codegen_stands_below_the_estimate():
+    """It imports nothing of identification, not even for types."""
+    for file in Path(codegen.__file__).parent.glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                imported = {node.module or "", *(f"{node.module}.{alias.name}" for alias in node.names)}
+            else:
+                imported = {alias.name for alias in node.names} if isinstance(node, ast.Import) else set()
+            assert not any("identification" in name or name == "exoid" for name in imported), (file.name, imported)
+
+
 def test_constants_are_written_to_the_last_bit():
-    text = c_source(ESTIMATE).text
+    text = source_of(ESTIMATE).text
     for value in ESTIMATE.values:
         assert f"    {float(value)!r}, /* " in text or f" {float(value)!r}" in text
-    single = c_source(ESTIMATE, precision="float").text
+    single = source_of(ESTIMATE, precision="float").text
     assert f"{np.float32(ESTIMATE.value('J1'))!s}f, /* 0: J1 */" in single
 
 
@@ -192,18 +237,23 @@ class TestRefusals:
 
     def test_an_unknown_precision(self):
         with pytest.raises(ExoidError, match=r"no precision 'half'.*double or float"):
-            c_source(ESTIMATE, precision="half")
+            source_of(ESTIMATE, precision="half")
 
     def test_a_number_that_no_float_can_hold(self):
         estimate = replace(ESTIMATE, values=np.where(np.arange(len(ESTIMATE.values)) == 0, 1e39, ESTIMATE.values))
         with pytest.raises(ExoidError, match=r"1e\+39 is too large for a float.*double"):
-            c_source(estimate, precision="float")
-        assert "1e+39" in c_source(estimate).text
+            source_of(estimate, precision="float")
+        assert "1e+39" in source_of(estimate).text
+
+    @pytest.mark.parametrize("values", [[], CUHK.parameters[:-1], np.full(len(CUHK.parameters), np.nan)])
+    def test_values_that_are_not_one_finite_number_for_each_parameter(self, values):
+        with pytest.raises(ExoidError, match=r"must be 6 finite numbers.*X1, Y1, J1"):
+            c_source(TorqueModel(CUHK, ()), values)
 
     @pytest.mark.parametrize("name", ["", ".c", "___", "腿.c"])
     def test_a_name_that_c_cannot_have(self, name):
         with pytest.raises(ExoidError, match="is no name for C"):
-            c_source(ESTIMATE, name)
+            source_of(ESTIMATE, name)
 
     def test_a_folder_that_does_not_exist(self, tmp_path):
         with pytest.raises(ExoidError, match=r"nowhere/leg.c: cannot be written"):
@@ -219,7 +269,7 @@ class TestRefusals:
 
 def test_what_was_written_prints_itself(tmp_path):
     written = ESTIMATE.to_c(tmp_path / "left_leg.c", precision="float")
-    assert (tmp_path / "left_leg.c").read_text() == written.text
+    assert (tmp_path / "left_leg.c").read_text() == written.text == source_of(ESTIMATE, "left_leg", "float").text
     for word in ("left_leg.c", "float", "left_leg_gravity", "LEFT_LEG_DECLARATIONS_ONLY", "left_hip, left_knee"):
         assert word in str(written).replace("\n", " ")
     assert repr(written) == f"CSource({str(tmp_path / 'left_leg.c')!r}, 'float')"

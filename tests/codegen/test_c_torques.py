@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from compiled import EVERY_TERM, CompiledLeg, made_up, needs_compiler
+from compiled import EVERY_TERM, CompiledLeg, made_up, needs_compiler, source_of
 from planar_chains import assert_relative, random_chain, random_motion
 
 import exoid
@@ -32,7 +34,7 @@ LEGS = {
 def case(request, tmp_path_factory):
     """An estimate with every term, and its C."""
     estimate = made_up(LEGS[request.param], seed=len(request.param))
-    return estimate, CompiledLeg(estimate, tmp_path_factory.mktemp("leg"))
+    return estimate, CompiledLeg(source_of(estimate), tmp_path_factory.mktemp("leg"))
 
 
 @pytest.fixture(params=["bleex left", "cuhk right", "chain 4, cumulative"])
@@ -83,7 +85,7 @@ def test_the_parts_add_up_to_the_whole(case):
 
 def test_float_is_as_accurate_as_float_can_be(leg, tmp_path):
     estimate = made_up(leg)
-    c = CompiledLeg(estimate, tmp_path, precision="float")
+    c = CompiledLeg(source_of(estimate, precision="float"), tmp_path)
     rng = np.random.default_rng(2)
     q, v, a = (x.astype(np.float32).astype(np.float64) for x in random_motion(rng, c.n, turns=0.25))
     expected = estimate.torque(q, v, a)
@@ -113,7 +115,7 @@ SETS = {
 @pytest.mark.parametrize("terms", SETS.values(), ids=SETS)
 def test_every_form_of_every_term_is_the_same_in_c(terms, tmp_path):
     estimate = made_up(exoid.load_leg("cuhk"), terms)
-    c = CompiledLeg(estimate, tmp_path)
+    c = CompiledLeg(source_of(estimate), tmp_path)
     q, v, a = motion_of(estimate)
     v[:8] = [
         [0.0, 0.5],
@@ -133,15 +135,17 @@ def test_an_estimate_from_data_survives_the_way_through_its_file_into_c(tmp_path
     exoid.identify(data.leg, data.train, terms=EVERY_TERM).save(tmp_path / "est.json")
     estimate = exoid.Estimate.load(tmp_path / "est.json")
     motion = motion_of(estimate)
-    assert_relative(CompiledLeg(estimate, tmp_path)("inverse_dynamics", *motion), estimate.torque(*motion), EXACT)
+    c = CompiledLeg(estimate.to_c(tmp_path / "leg.c"), tmp_path)
+    assert_relative(c("inverse_dynamics", *motion), estimate.torque(*motion), EXACT)
 
 
 def test_a_wrong_sign_would_be_seen(tmp_path):
     """The comparison can fail: with one joint's axis turned round it does."""
     estimate = made_up(exoid.load_leg("cuhk"))
     right, wrong = "    -1.0, /* 1: axis of left_knee", "    1.0, /* 1: axis of left_knee"
-    c = CompiledLeg(estimate, tmp_path, change=lambda text: text.replace(right, wrong))
-    assert right in c.written.text
+    source = source_of(estimate)
+    assert right in source.text
+    c = CompiledLeg(replace(source, text=source.text.replace(right, wrong)), tmp_path)
     motion = motion_of(estimate)
     with pytest.raises(AssertionError, match="Not equal to tolerance"):
         assert_relative(c("inverse_dynamics", *motion), estimate.torque(*motion), 0.1)

@@ -7,23 +7,27 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
-from compiled import compile_c, needs_compiler
+from compiled import CompiledLeg, compile_c, needs_compiler
+from planar_chains import assert_relative, random_motion
 
 import exoid
 from exoid.cli import main
+from exoid.codegen import c_source
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "microcontroller.md"
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.M | re.S) if PAGE.is_file() else []
+"""Language and text of each block: commands, program, how to build it, what it prints; then a term in Python."""
 
 pytestmark = [needs_compiler, pytest.mark.skipif(not BLOCKS, reason="needs the source tree")]
 
 
 def test_the_commands_and_the_program_print_what_the_page_shows(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    (commands, (_, program), (_, build), (_, shown)) = (BLOCKS[0][1], *BLOCKS[1:])
+    (_, commands), (_, program), (_, build), (_, shown) = BLOCKS[:4]
     for line in commands.splitlines():
         monkeypatch.setattr(sys, "argv", shlex.split(line))
         with pytest.raises(SystemExit) as stop:
@@ -36,6 +40,20 @@ def test_the_commands_and_the_program_print_what_the_page_shows(tmp_path, monkey
     compile_c((), Path("main.c"), Path("leg.c"), to=Path("strict"))
     printed = [float(value) for value in re.findall(r": (\S+) N m", shown)]
     assert printed == pytest.approx(expected(exoid.Estimate.load("est.json")), abs=0.006)
+
+
+def test_the_term_of_ones_own_computes_the_same_in_c(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    ((language, text),) = BLOCKS[4:]
+    assert language == "python"
+    page = ModuleType("page")
+    monkeypatch.setitem(sys.modules, "page", page)  # where dataclass looks for the class
+    exec(text, vars(page))
+    estimate = page.est
+    assert "drag_term" in Path("drag.c").read_text(encoding="utf-8")
+    c = CompiledLeg(c_source(estimate.model, estimate.values, precision="float"), tmp_path)
+    motion = np.float64(np.float32(random_motion(np.random.default_rng(0), c.n, turns=0.25)))
+    assert_relative(c("inverse_dynamics", *motion), estimate.torque(*motion), 3e-6)
 
 
 def expected(estimate: exoid.Estimate) -> np.ndarray:

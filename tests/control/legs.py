@@ -7,7 +7,7 @@ import pinocchio as pin
 
 import exoid
 from exoid import published
-from exoid.identification import Estimate
+from exoid.estimate import Estimate
 from exoid.rig import Plant, Target
 from exoid.signals import ZeroPhase
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, TorqueModel, Viscous

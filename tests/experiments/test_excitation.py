@@ -10,14 +10,7 @@ from hypothesis import strategies as st
 import exoid
 from exoid.errors import ExoidError
 from exoid.experiments import refuse_motion_beyond_limits
-from exoid.experiments.excitation import (
-    Clearance,
-    MotionLimits,
-    Scales,
-    TorqueNoise,
-    plan_excitation,
-    write_plan,
-)
+from exoid.experiments.excitation import Clearance, MotionLimits, Scales, TorqueNoise, plan_excitation, write_plan
 from exoid.experiments.excitation.fourier import Basis
 from exoid.experiments.excitation.objective import Objective, Stage
 from exoid.experiments.excitation.search import search

@@ -8,15 +8,7 @@ import pytest
 import exoid
 from exoid.errors import ExoidError
 from exoid.experiments import Bench, Harmonics, cuhk, run_motion
-from exoid.experiments.excitation import (
-    MotionLimits,
-    Scales,
-    StaticRows,
-    TorqueNoise,
-    assess,
-    plan_excitation,
-    predict,
-)
+from exoid.experiments.excitation import MotionLimits, Scales, StaticRows, TorqueNoise, assess, plan_excitation, predict
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
 from exoid.signals import FiniteDifference, MovingAverage, Poses, ZeroPhase
 from exoid.torques import DEFAULT_TERMS, TorqueModel
@@ -114,10 +106,10 @@ def test_a_recording_in_which_one_joint_moves_is_called_poor_for_the_other():
     """The knee's inertia, friction and rotor leave no trace when it is held."""
     motion = Harmonics(np.full((2, 1), 0.5), np.array([[[0.4], [0.0]]]), np.full((1, 1, 1), 4.0), np.zeros((1, 1, 1)))
     said = assess(LEG, log(motion, 30.0), noise=STD)
-    verdicts = dict(zip(said.precision.names, said.precision.verdicts, strict=True))
+    identifiability = dict(zip(said.precision.names, said.precision.identifiability, strict=True))
     for name in ("c0_knee", "d_knee", "Ia_knee"):
-        assert verdicts[name] == "not"
-    assert verdicts["c0_hip"] == verdicts["d_hip"] == "well"
+        assert identifiability[name] == "not"
+    assert identifiability["c0_hip"] == identifiability["d_hip"] == "well"
     assert said.precision.condition_number == np.inf
     assert "left_knee" in " ".join(advice.what for advice in said.advice if "c0_knee" in advice.parameters)
     assert "cannot be determined" in str(said)
@@ -129,9 +121,9 @@ def test_the_slow_motions_of_document_2_do_not_determine_inertia():
     """Table II at 0.05 Hz: gravity is well known afterwards, inertia and the rotor are not."""
     swings = [log(cuhk.swing(joint), 20.0) for joint in (cuhk.HIP, cuhk.KNEE, cuhk.HIP)]
     said = assess(LEG, swings, noise=0.3)
-    verdicts = dict(zip(said.precision.names, said.precision.verdicts, strict=True))
-    assert {verdicts[name] for name in ("J1", "J2", "Ia_knee")} == {"not"}
-    assert {verdicts[name] for name in ("X1", "X2", "Y1", "Y2", "c0_hip", "c0_knee")} == {"well"}
+    identifiability = dict(zip(said.precision.names, said.precision.identifiability, strict=True))
+    assert {identifiability[name] for name in ("J1", "J2", "Ia_knee")} == {"not"}
+    assert {identifiability[name] for name in ("X1", "X2", "Y1", "Y2", "c0_hip", "c0_knee")} == {"well"}
     assert any("quickly" in advice.what for advice in said.advice if "J1" in advice.parameters)
 
 
@@ -144,7 +136,7 @@ def test_the_validation_motion_of_document_2_is_blind_to_the_shank():
 def test_a_good_recording_needs_no_advice(multisine):
     said = assess(LEG, log(multisine), noise=0.3)
     assert said.advice == ()
-    assert set(said.precision.verdicts) == {"well"}
+    assert set(said.precision.identifiability) == {"well"}
     assert "every parameter is determined well" in str(said)
 
 

@@ -63,7 +63,7 @@ def test_exact_torques_give_the_parameters(arm):
     """All that is left is the error of the derivatives and of the low-pass on the angles."""
     estimate = exoid.identify(arm.leg, arm.recording(TRAIN, 0.0))
     truth = np.array([arm.truth[name] for name in estimate.names])
-    effect = np.abs(estimate.values - truth) / estimate.sizes
+    effect = np.abs(estimate.values - truth) / estimate.parameter_scale
     assert effect.max() < 1e-3
 
 

@@ -14,10 +14,10 @@ from exoid.identification.estimators import JointML
 from exoid.identification.estimators.bordered import eliminate
 from exoid.identification.estimators.joint_ml import smooth
 from exoid.identification.estimators.motion_fit import fit_motion
-from exoid.identification.estimators.motion_system import Levels, Moving, State, Still, System
+from exoid.identification.estimators.motion_system import Levels, MotionState, Moving, Still, System
 from exoid.identification.estimators.sensitivity import respond
 from exoid.identification.estimators.trajectory import Trajectory
-from exoid.identification.least_squares import solve
+from exoid.regression.least_squares import solve
 from exoid.signals import Poses
 from exoid.torques import Motion, TorqueModel
 
@@ -115,7 +115,7 @@ def test_the_score_is_the_derivative_of_the_sum_of_squares(system, swing):
 
     def squares(share, values, coefficients):
         moved = [c + share * x for c, x in zip(state.coefficients, coefficients, strict=True)]
-        return system.squares(State(moved, state.values + share * values), LEVELS)
+        return system.squares(MotionState(moved, state.values + share * values), LEVELS)
 
     rng = np.random.default_rng(6)
     for _ in range(3):
@@ -129,14 +129,14 @@ def test_the_score_is_the_derivative_of_the_sum_of_squares(system, swing):
 def test_at_the_optimum_no_direction_reduces_the_sum_of_squares(system, swing):
     found = fit_motion(system.model, system.moving, system.still, swing.truth, 0.07, solver(swing), NO_PRIORS, 1e-6)
     trajectories = system.trajectories
-    state = State([t.through(q) for t, q in zip(trajectories, found.motions, strict=True)], found.solution.values)
+    state = MotionState([t.through(q) for t, q in zip(trajectories, found.motions, strict=True)], found.solution.values)
     found_std = np.sqrt(np.diag(found.solution.covariance))
     least, rng = system.squares(state, found.levels), np.random.default_rng(7)
     for size in (1e-3, 1e-2):
         for _ in range(5):
             moved = [c + 1e-3 * size * rng.standard_normal(c.shape) for c in state.coefficients]
             values = state.values + size * rng.standard_normal(len(state.values)) * found_std
-            assert system.squares(State(moved, values), found.levels) > least
+            assert system.squares(MotionState(moved, values), found.levels) > least
 
 
 def test_without_noise_it_is_the_truth_and_what_the_default_says(swing):

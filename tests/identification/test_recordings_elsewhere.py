@@ -57,7 +57,7 @@ def assert_same(found, expected, *, inputs=True):
     np.testing.assert_allclose(found.residual_rms, expected.residual_rms, rtol=1e-9)
     assert found.dof == pytest.approx(expected.dof, rel=1e-9)
     assert found.preparation == expected.preparation
-    assert found.verdicts == expected.verdicts
+    assert found.identifiability == expected.identifiability
     np.testing.assert_allclose(found.influence.change, expected.influence.change, rtol=1e-6, atol=1e-6)
     for one, other in zip(found.trends, expected.trends, strict=True):
         np.testing.assert_allclose(one.mean, other.mean, rtol=1e-6, atol=1e-9)
@@ -69,7 +69,7 @@ def assert_same(found, expected, *, inputs=True):
 @pytest.mark.parametrize("estimator", ["wls", "ols", "gls", "huber"])
 @pytest.mark.parametrize("kept", [2**26, 0], ids=["kept in memory", "kept in files"])
 def test_a_folder_gives_the_estimate_of_its_logs_in_memory(folder, in_memory, estimator, kept, monkeypatch):
-    monkeypatch.setattr("exoid.identification.problem.KEPT_BYTES", kept)
+    monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", kept)
     found = identify(SWING.leg, Recordings.from_folder(folder), TERMS, estimator)
     assert_same(found, identify(SWING.leg, in_memory, TERMS, estimator))
 
@@ -144,7 +144,7 @@ def test_a_bag_and_an_array_of_dask_give_the_estimate_of_memory(client, in_memor
 
 
 def test_a_worker_that_dies_costs_only_time(folder, in_memory, monkeypatch):
-    """It is killed when triangles are back; rows that it had kept for the noise model are made again elsewhere."""
+    """It is killed when R factors are back; rows that it had kept for the noise model are made again elsewhere."""
     distributed = pytest.importorskip("distributed")
     options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": ":0", "host": "127.0.0.1"}
     passes = []
@@ -165,11 +165,11 @@ def test_a_worker_that_dies_costs_only_time(folder, in_memory, monkeypatch):
 
 
 def test_free_settings_are_found_on_a_cluster_too(client, in_memory):
-    terms = (exoid.Viscous(), exoid.torques.Stribeck(velocity=exoid.torques.Free(0.1, 0.01, 1.0)))
+    terms = (exoid.Viscous(), exoid.torques.Stribeck(velocity=exoid.torques.NonlinearParameter(0.1, 0.01, 1.0)))
     bag = pytest.importorskip("dask.bag").from_sequence(in_memory[:2], npartitions=2)
     found, expected = identify(SWING.leg, Cluster.of_bag(client, bag), terms), identify(SWING.leg, in_memory[:2], terms)
     np.testing.assert_allclose(found.values, expected.values, rtol=1e-6, atol=1e-8)
-    np.testing.assert_allclose(found.shapes.values, expected.shapes.values, rtol=1e-6)
+    np.testing.assert_allclose(found.nonlinear.values, expected.nonlinear.values, rtol=1e-6)
 
 
 def test_rows_never_leave_the_workers(client, in_memory, monkeypatch):
@@ -212,6 +212,6 @@ def test_nobody_at_the_address_is_one_line(folder, monkeypatch):
 
 
 def test_rows_without_a_filter_are_made_again_rather_than_written(folder, in_memory, monkeypatch):
-    monkeypatch.setattr("exoid.identification.problem.KEPT_BYTES", 0)
+    monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", 0)
     expected = identify(SWING.leg, in_memory, preparation=FiniteDifference())
     assert_same(identify(SWING.leg, Recordings.from_folder(folder), preparation=FiniteDifference()), expected)

@@ -11,7 +11,7 @@ import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
 from exoid.catalog import urdf_folder
 from exoid.identification import ESTIMATORS
-from exoid.identification.rows import make_rows
+from exoid.regression.rows import make_rows
 from exoid.signals import FiniteDifference, ZeroPhase
 from exoid.torques import TorqueModel
 

@@ -162,7 +162,7 @@ def test_an_unknown_estimator_is_refused_with_those_there_are(swing):
 
 def test_stiffness_and_offset_are_one_parameter_and_the_estimate_says_so(swing):
     estimate = exoid.identify(swing.leg, swing.recording(), (*TERMS, Stiffness(joints=("ankle",)), Offset()))
-    assert [merged.name for merged in estimate.merged] == ["offset_ankle"]
+    assert [regrouped.name for regrouped in estimate.regrouped] == ["offset_ankle"]
     assert "offset_ankle" not in estimate.names
     assert "note: offset_ankle cannot be told from b0_ankle by any motion: it is part of it" in str(estimate)
 
@@ -272,9 +272,9 @@ def test_friction_columns_that_are_nearly_the_same_are_not_determined(swing, smo
     """Never a confident number: two values that cancel are told from their size, whatever their error."""
     recording = swing.with_noise(np.random.default_rng(0), 0.5)
     estimate = exoid.identify(swing.leg, recording, (Coulomb(smoothing=smoothing), Viscous()))
-    verdicts = dict(zip(estimate.names, estimate.verdicts, strict=True))
+    identifiability = dict(zip(estimate.names, estimate.identifiability, strict=True))
     for name in ("c0_hip", "c0_knee", "c0_ankle", "d_hip", "d_knee", "d_ankle"):
-        assert verdicts[name] == "not"
+        assert identifiability[name] == "not"
     assert "ill-conditioned" in str(estimate)
     assert any("d_hip" in warning for warning in estimate.warnings)
 
@@ -299,4 +299,4 @@ def test_ten_samples_of_a_single_joint_give_no_confident_number():
     swing = Swing(leg, 100.0)
     recording = swing.with_noise(np.random.default_rng(0), 1.0).slice(0, 10)
     estimate = exoid.identify(leg, recording, TERMS, preparation=PLAIN)
-    assert "well" not in estimate.verdicts
+    assert "well" not in estimate.identifiability

@@ -2,12 +2,11 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-from example_robot_data.robots_loader import ROBOTS, getModelPath
 from planar_chains import assert_relative, random_motion
+from public_robots import urdf_of
 
 import exoid
 from exoid import ExoidError, Leg
@@ -24,12 +23,6 @@ CASES = {  # joints to use (None for all of one degree of freedom), and how many
     "tiago_no_hand": (("torso_lift_joint", *(f"arm_{k}_joint" for k in range(1, 8))), 44),
     "xarm7": (None, 43),
 }
-
-
-def urdf_of(robot: str) -> Path:
-    loader = ROBOTS[robot]
-    inside = Path(loader.path) / loader.urdf_subpath / loader.urdf_filename
-    return Path(getModelPath(str(inside))) / inside
 
 
 @pytest.fixture(scope="module", params=list(CASES))

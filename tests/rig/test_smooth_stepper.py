@@ -9,15 +9,7 @@ from rigs import BLEEX, FRICTION, Swing
 from scipy.integrate import solve_ivp
 
 from exoid import ExoidError
-from exoid.rig import (
-    IdealTorque,
-    Plant,
-    Proportional,
-    ProportionalDerivative,
-    Rates,
-    SmoothStepper,
-    simulate,
-)
+from exoid.rig import IdealTorque, Plant, Proportional, ProportionalDerivative, Rates, SmoothStepper, simulate
 from exoid.rig.continuous import follow
 
 SMOOTHING = 0.05

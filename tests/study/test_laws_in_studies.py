@@ -16,17 +16,17 @@ from exoid.errors import ExoidError
 from exoid.experiments import cuhk, healthy_gait, on_leg
 from exoid.experiments.excitation import MotionLimits, Scales
 from exoid.study import (
-    Course,
     Driver,
     LegText,
     Noise,
     Protocol,
     Study,
+    TrackingTask,
     dask_cluster,
-    do_piece,
-    here,
     plausible_truth,
     processes,
+    run_chunk,
+    run_serially,
     run_study,
 )
 from exoid.study.driving import drive
@@ -42,14 +42,14 @@ RMS, PEAK, TORQUE = range(3)
 
 
 def course(*laws, **gains):
-    return Course.of(laws, GAIT, PERIOD, KNOWN, **gains)
+    return TrackingTask.of(laws, GAIT, PERIOD, KNOWN, **gains)
 
 
 def study(**changes):
     motion = cuhk.multisine(LEG, np.random.default_rng(0), draws=20)
     protocol = Protocol("multisine", (motion,), 6.0, (0.0,))
     noise = Noise("white", (1.0, 1.0))
-    plain = Study(LegText.of(LEG), DEFAULT_TERMS, TRUTH, (protocol,), (noise,), replicates=4, piece=2, seed=4)
+    plain = Study(LegText.of(LEG), DEFAULT_TERMS, TRUTH, (protocol,), (noise,), replicates=4, chunk=2, seed=4)
     return replace(plain, **{"course": course("pd", "pd_feedforward"), **changes})
 
 
@@ -87,8 +87,8 @@ def test_pd_and_a_law_that_knows_the_truth_do_what_they_do_in_the_closed_loop(re
 
 
 def test_figures_are_those_of_the_runs(result):
-    """From the pieces by hand; the excess is of one replicate over the same with the truth."""
-    driven = np.concatenate([do_piece(study(), number).driven for number in range(2)], axis=1)
+    """From the chunks by hand; the excess is of one replicate over the same with the truth."""
+    driven = np.concatenate([run_chunk(study(), number).driven for number in range(2)], axis=1)
     truth, told = (study().drivers.index(Driver("pd_feedforward", who)) for who in ("truth", "wls"))
     found = figures(result, "pd_feedforward", "wls")
     np.testing.assert_array_equal(found.rms_deg.mean, driven[told, :, RMS].mean(axis=0))
@@ -116,7 +116,7 @@ def test_all_drivers_of_a_replicate_meet_the_same_noise():
     what = study(course=course("pd_feedforward"))
     one = exoid.identify(LEG, exoid.Recording(*_exact(), joint_names=LEG.joint_names), cutoff=40.0)
     exact = replace(one, values=np.array(TRUTH))
-    driven = drive(what, what.pieces[0], {"wls": [exact, exact]})
+    driven = drive(what, what.chunks[0], {"wls": [exact, exact]})
     np.testing.assert_array_equal(driven[0], driven[1])
     assert (driven[0, 0] != driven[0, 1]).any()  # replicates do not
 
@@ -128,7 +128,7 @@ def _exact():
 
 
 def test_whoever_does_the_pieces_the_bits_are_the_same(result, tmp_path):
-    """Two processes; two Dask workers; stopped, with a piece damaged, and resumed."""
+    """Two processes; two Dask workers; stopped, with a chunk damaged, and resumed."""
     assert same(run_study(study(), workers=processes(2)), result)
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(
@@ -137,7 +137,7 @@ def test_whoever_does_the_pieces_the_bits_are_the_same(result, tmp_path):
         assert same(run_study(study(), None, dask_cluster(cluster.scheduler_address)), result)
 
     def dying(what, numbers):
-        yield next(iter(here(what, numbers)))
+        yield next(iter(run_serially(what, numbers)))
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -150,7 +150,7 @@ def test_whoever_does_the_pieces_the_bits_are_the_same(result, tmp_path):
 
 def test_a_law_that_diverges_is_counted_and_leaves_the_others_alone():
     """PD far too stiff for its rate; LQR has gains of its own."""
-    wild = Course.of(("pd", "lqr"), GAIT, PERIOD, KNOWN, kp=(1e7,), kd=(1e6,))
+    wild = TrackingTask.of(("pd", "lqr"), GAIT, PERIOD, KNOWN, kp=(1e7,), kd=(1e6,))
     found = run_study(study(course=wild, replicates=2))
     lost, fine = figures(found, "pd", "nothing"), figures(found, "lqr", "truth")
     assert (lost.diverged, fine.diverged) == (2, 0)
@@ -166,17 +166,17 @@ def test_an_estimate_of_which_no_law_can_be_made_is_counted_as_lost(monkeypatch)
     what = study(course=course("lqr"))
     one = exoid.identify(LEG, exoid.Recording(*_exact(), joint_names=LEG.joint_names), cutoff=40.0)
     sound, odd = replace(one, values=np.array(TRUTH)), replace(one, values=1.5 * np.array(TRUTH))
-    make = Course.law
+    make = TrackingTask.law
 
     def refusing(self, name, known):
         if known.coulomb[0] > 1.2 * KNOWN.coulomb[0]:
             raise ExoidError("no stabilising gain")
         return make(self, name, known)
 
-    monkeypatch.setattr(Course, "law", refusing)
+    monkeypatch.setattr(TrackingTask, "law", refusing)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        driven = drive(what, what.pieces[0], {"wls": [odd, sound]})
+        driven = drive(what, what.chunks[0], {"wls": [odd, sound]})
     assert np.isnan(driven[1, 0]).all()
     assert np.isfinite(driven[1, 1]).all()
     assert np.isfinite(driven[0]).all()

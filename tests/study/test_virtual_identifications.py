@@ -25,11 +25,11 @@ from exoid.study import (
     Protocol,
     Study,
     dask_cluster,
-    do_piece,
     document,
-    here,
     plausible_truth,
     processes,
+    run_chunk,
+    run_serially,
     run_study,
 )
 from exoid.torques import DEFAULT_TERMS, TorqueModel
@@ -45,7 +45,7 @@ MIXED = Noise("mixed", STD, share=0.8)
 def study(**changes):
     motion = cuhk.multisine(LEG, np.random.default_rng(0), draws=20)
     protocol = Protocol("multisine", (motion,), 12.0, (0.0,))
-    plain = Study(LegText.of(LEG), DEFAULT_TERMS, TRUTH, (protocol,), (MIXED,), replicates=6, piece=2, seed=4)
+    plain = Study(LegText.of(LEG), DEFAULT_TERMS, TRUTH, (protocol,), (MIXED,), replicates=6, chunk=2, seed=4)
     return replace(plain, **changes)
 
 
@@ -94,9 +94,9 @@ def test_a_motion_of_a_protocol_is_its_reference():
 
 
 def test_a_study_is_what_its_replicates_are(result):
-    """Figures from the pieces by hand."""
-    done = [do_piece(study(), number) for number in range(3)]
-    values = np.concatenate([piece.values for piece in done], axis=1)[0]
+    """Figures from the chunks by hand."""
+    done = [run_chunk(study(), number) for number in range(3)]
+    values = np.concatenate([chunk.values for chunk in done], axis=1)[0]
     (combination,) = result.combinations
     np.testing.assert_array_equal(combination.bias, (values - TRUTH).mean(axis=0))
     np.testing.assert_array_equal(combination.std, (values - TRUTH).std(axis=0, ddof=1))
@@ -111,7 +111,7 @@ def test_every_estimator_sees_the_same_data_and_order_does_not_matter():
 
 
 def test_the_size_of_pieces_changes_nothing_where_motions_are_followed_exactly(result):
-    other = run_study(study(piece=5))
+    other = run_study(study(chunk=5))
     np.testing.assert_array_equal(other.combinations[0].std, result.combinations[0].std)
 
 
@@ -119,7 +119,7 @@ def test_no_parameter_beats_the_bound_and_stated_deviations_are_the_true_ones():
     """Behind a filter that lets most through."""
     few = 300 if FULL else 40
     noises = (Noise("white", STD), MIXED)
-    found = run_study(study(noises=noises, replicates=few, piece=20, estimators=("wls",), cutoff=20.0))
+    found = run_study(study(noises=noises, replicates=few, chunk=20, estimators=("wls",), cutoff=20.0))
     for combination in found.combinations:
         error = 4.0 * np.sqrt(2.0 / few)
         assert combination.efficiency.max() < 1.0 + error
@@ -134,10 +134,10 @@ def distances(estimators, std, share=1.0):
     variance 2/P. Any unbiased one has a mean of tr(I cov e)/P ≥ 1, which no trade between parameters can hide.
     """
     noises, replicates = (Noise("white", std),), 300 if FULL else 40
-    whole = study(noises=noises, replicates=replicates, piece=20, estimators=estimators, cutoff=20.0)
+    whole = study(noises=noises, replicates=replicates, chunk=20, estimators=estimators, cutoff=20.0)
     (motion,) = whole.protocols
     what = replace(whole, protocols=(replace(motion, seconds=share * motion.seconds),))
-    errors = np.concatenate([do_piece(what, k).values for k in range(len(what.pieces))], axis=1) - TRUTH
+    errors = np.concatenate([run_chunk(what, k).values for k in range(len(what.chunks))], axis=1) - TRUTH
     return np.einsum("erp,pq,erq->er", errors, whole.information(0, 0), errors) / len(TRUTH)
 
 
@@ -164,12 +164,12 @@ def test_weighted_least_squares_nearly_reaches_the_bound_in_all_parameters_toget
 
 def test_a_study_on_rigs_shows_what_the_model_leaves_out():
     """Stiction and a sharp sign are not in the model: friction is biased, inertia hardly."""
-    rigged = run_study(study(followed="by a rig", replicates=4, piece=4))
+    rigged = run_study(study(followed="by a rig", replicates=4, chunk=4))
     (combination,) = rigged.combinations
     assert (combination.std > 0.0).all()
     names = combination.names
     assert abs(combination.bias[names.index("J1")]) < 0.02 * TRUTH[names.index("J1")]
-    assert same(rigged, run_study(study(followed="by a rig", replicates=4, piece=4)))
+    assert same(rigged, run_study(study(followed="by a rig", replicates=4, chunk=4)))
 
 
 def test_two_processes_give_the_same_bits(result):
@@ -177,10 +177,10 @@ def test_two_processes_give_the_same_bits(result):
 
 
 def test_a_study_that_was_stopped_goes_on(result, tmp_path):
-    """Finished pieces are kept, damaged and half-written ones done again."""
+    """Finished chunks are kept, damaged and half-written ones done again."""
 
     def dying(what, numbers):
-        for k, done in enumerate(here(what, numbers)):
+        for k, done in enumerate(run_serially(what, numbers)):
             if k == 2:
                 raise KeyboardInterrupt
             yield done
@@ -197,7 +197,7 @@ def test_a_study_that_was_stopped_goes_on(result, tmp_path):
 
     def watched(what, numbers):
         asked.extend(numbers)
-        return here(what, numbers)
+        return run_serially(what, numbers)
 
     assert same(run_study(study(), tmp_path / "kept", watched, shares.append), result)
     assert asked == [1, 2]
@@ -221,7 +221,7 @@ def test_a_folder_in_which_another_run_writes_its_first_file_is_used(result, tmp
 
 
 def kill_a_child_once(folder, after, killed):
-    """Kill one process that this one has started, as soon as there are so many pieces."""
+    """Kill one process that this one has started, as soon as there are so many chunks."""
     for _ in range(20_000):
         children = [child for child in multiprocessing.active_children() if child.pid]
         if children and len(list(folder.glob("piece-*.npz"))) >= after:
@@ -250,7 +250,7 @@ class DeadlyNoise(Noise):
 
 def test_workers_that_die_again_and_again_end_in_one_error_and_the_study_goes_on_later(result, monkeypatch, tmp_path):
     monkeypatch.setattr("exoid.study.workers.ATTEMPTS", 2)
-    with pytest.raises(ExoidError, match="workers died 2 times without finishing a piece"):
+    with pytest.raises(ExoidError, match="workers died 2 times without finishing a chunk"):
         run_study(study(noises=(DeadlyNoise("mixed", STD, share=0.8),)), tmp_path / "kept", processes(2))
     assert same(run_study(study(), tmp_path / "kept", processes(2)), result)
 
@@ -290,7 +290,7 @@ def test_two_runs_at_once_in_one_folder_do_not_harm_each_other(tmp_path):
 
 
 def test_a_dask_cluster_gives_the_same_bits_even_if_a_worker_dies(tmp_path):
-    """Two workers of a local cluster, one of which is killed when the first piece is there."""
+    """Two workers of a local cluster, one of which is killed when the first chunk is there."""
     distributed = pytest.importorskip("distributed")
     what = study(replicates=12)
     with distributed.LocalCluster(
@@ -361,7 +361,7 @@ def test_intervals_hold_under_correlated_noise():
     """Of 1 000 virtual identifications (in CI 40, which resolve less) the 95 % intervals of every parameter."""
     replicates = 1000 if FULL else 40
     motion = document(LEG, 60.0 if FULL else 30.0)
-    found = run_study(study(protocols=(motion,), noises=(MIXED,), replicates=replicates, piece=20))
+    found = run_study(study(protocols=(motion,), noises=(MIXED,), replicates=replicates, chunk=20))
     (combination,) = found.combinations
     print(f"\n{found}")
     error = np.sqrt(0.95 * 0.05 / replicates)

@@ -11,16 +11,16 @@ from planar_chains import random_motion
 import exoid
 from exoid import Armature, Coulomb, ExoidError, Offset, Viscous
 from exoid.torques import (
-    Free,
     JointMotion,
     LoadFriction,
+    NonlinearParameter,
     Presliding,
     Stribeck,
     TorqueModel,
-    free_shapes,
+    nonlinear_settings,
     term_from_json,
     term_to_json,
-    with_shapes,
+    with_settings,
 )
 from exoid.torques.linearised import linearise
 
@@ -32,8 +32,8 @@ DRY = (
     LoadFriction(),
     LoadFriction(split=True, smoothing=0.1),
 )
-DELTA = Free(1e-3, 1e-5, 0.1)
-VS = Free(0.1, 0.01, 1.0)
+DELTA = NonlinearParameter(1e-3, 1e-5, 0.1)
+VS = NonlinearParameter(0.1, 0.01, 1.0)
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -196,7 +196,7 @@ def test_columns_of_a_stretch_are_those_of_the_whole(presliding):
 
 settings = st.one_of(
     st.floats(0.0, 10.0),
-    st.builds(lambda x: Free(x, 0.1 * x, 10.0 * x), st.floats(1e-6, 1e3)),
+    st.builds(lambda x: NonlinearParameter(x, 0.1 * x, 10.0 * x), st.floats(1e-6, 1e3)),
 )
 
 
@@ -218,10 +218,10 @@ def test_friction_survives_a_round_trip_through_json(first, second, band, yes):
     [
         (lambda: Stribeck(velocity=0.0), "a velocity in rad/s, positive"),
         (lambda: Coulomb(presliding=-1.0), "an angle in rad, zero or positive"),
-        (lambda: Coulomb(presliding=1e-3, smoothing=Free(0.1, 0.01, 1.0)), "leave out one of the two"),
-        (lambda: Free(0.1, 0.2, 1.0), "0 < lower ≤ start ≤ upper"),
-        (lambda: Free(0.1, 0.0, 1.0), "0 < lower ≤ start ≤ upper"),
-        (lambda: Free(0.1, 0.1, np.inf), "0 < lower ≤ start ≤ upper"),
+        (lambda: Coulomb(presliding=1e-3, smoothing=NonlinearParameter(0.1, 0.01, 1.0)), "leave out one of the two"),
+        (lambda: NonlinearParameter(0.1, 0.2, 1.0), "0 < lower ≤ start ≤ upper"),
+        (lambda: NonlinearParameter(0.1, 0.0, 1.0), "0 < lower ≤ start ≤ upper"),
+        (lambda: NonlinearParameter(0.1, 0.1, np.inf), "0 < lower ≤ start ≤ upper"),
         (lambda: term_from_json({"term": "stribeck", "velocity": {"start": 1.0}}), "terms are"),
         (lambda: TorqueModel(exoid.load_leg("cuhk"), (Stribeck(velocity=VS),)), "still to be found: vs_hip, vs_knee"),
         (lambda: columns(Stribeck(velocity=VS)), "not yet a number"),
@@ -235,8 +235,8 @@ def test_a_setting_that_makes_no_sense_is_refused(make, what):
 def test_one_quantity_of_a_joint_is_one_setting():
     names, labels = ("left_hip", "left_knee"), ("hip", "knee")
     terms = (Coulomb(presliding=DELTA), Offset(), Stribeck(presliding=DELTA, velocity=VS, joints=("knee",)))
-    assert [shape.name for shape in free_shapes(terms, names, labels)] == ["delta_hip", "delta_knee", "vs_knee"]
-    settled = with_shapes(terms, names, labels, {"delta_hip": 1e-3, "delta_knee": 2e-3, "vs_knee": 0.3})
+    assert [shape.name for shape in nonlinear_settings(terms, names, labels)] == ["delta_hip", "delta_knee", "vs_knee"]
+    settled = with_settings(terms, names, labels, {"delta_hip": 1e-3, "delta_knee": 2e-3, "vs_knee": 0.3})
     assert settled == (
         Coulomb(joints=("left_hip",), presliding=1e-3),
         Coulomb(joints=("left_knee",), presliding=2e-3),
@@ -244,7 +244,9 @@ def test_one_quantity_of_a_joint_is_one_setting():
         Stribeck(joints=("left_knee",), presliding=2e-3, velocity=0.3),
     )
     with pytest.raises(ExoidError, match=r"delta_hip is .* one quantity"):
-        free_shapes((Coulomb(presliding=DELTA), LoadFriction(presliding=Free(1e-2, 1e-5, 0.1))), names, labels)
+        nonlinear_settings(
+            (Coulomb(presliding=DELTA), LoadFriction(presliding=NonlinearParameter(1e-2, 1e-5, 0.1))), names, labels
+        )
 
 
 def test_a_linearised_model_has_the_derivatives_of_the_torque():
@@ -267,7 +269,7 @@ def test_a_linearised_model_has_the_derivatives_of_the_torque():
 
     def torque(x):
         found = dict(zip(settings, x[len(beta) :], strict=True))
-        model = TorqueModel(leg, with_shapes(terms, leg.joint_names, leg.joint_labels, found))
+        model = TorqueModel(leg, with_settings(terms, leg.joint_names, leg.joint_labels, found))
         return model.loaded_by(x[: len(beta)]).regressor(q, v, a) @ x[: len(beta)]
 
     model = linearise(leg, terms, beta, settings)

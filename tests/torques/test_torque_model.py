@@ -7,7 +7,7 @@ from planar_chains import assert_relative, random_chain, random_motion
 import exoid
 from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Stiffness, TorsoMotion, Viscous
 from exoid.description import describe
-from exoid.torques import DEFAULT_TERMS, Merged, Term, TorqueModel
+from exoid.torques import DEFAULT_TERMS, Regrouped, Term, TorqueModel
 from exoid.torques.model import BLOCK
 
 
@@ -56,7 +56,7 @@ def test_without_terms_the_model_is_the_leg(leg):
     q, v, a = random_motion(np.random.default_rng(1), 3)
     model = model_of(leg)
     assert model.names == leg.parameter_names
-    assert model.merged == ()
+    assert model.regrouped == ()
     np.testing.assert_array_equal(model.regressor(q, v, a), leg.regressor(q, v, a))
 
 
@@ -115,7 +115,7 @@ def test_a_numeric_leg_has_terms_too():
     leg = Leg.from_description(describe(text))
     assert leg.chain is None
     model = model_of(leg, Armature(), Viscous())
-    (hip,) = model.merged
+    (hip,) = model.regrouped
     assert hip.name == "Ia_hip"
     assert next(iter(hip.into)).split("_")[0] in ("Ixx", "Iyy", "Izz")
     q, v, a = random_motion(np.random.default_rng(5), 2)
@@ -137,10 +137,10 @@ def test_arrays_of_the_wrong_shape_are_refused(leg):
 def test_a_rotor_at_the_hip_is_part_of_j1_and_at_the_others_a_parameter_of_its_own(name, side):
     leg = exoid.load_leg(name, side=side)
     model = model_of(leg, Armature())
-    (merged,) = model.merged
-    assert merged.name == "Ia_hip"
-    assert merged.into == {"J1": pytest.approx(1.0, abs=1e-9)}
-    assert str(merged) == "Ia_hip cannot be told from J1 by any motion: it is part of it"
+    (regrouped,) = model.regrouped
+    assert regrouped.name == "Ia_hip"
+    assert regrouped.into == {"J1": pytest.approx(1.0, abs=1e-9)}
+    assert str(regrouped) == "Ia_hip cannot be told from J1 by any motion: it is part of it"
     assert model.names == (*leg.parameter_names, *(f"Ia_{joint}" for joint in leg.joint_labels[1:]))
 
 
@@ -155,13 +155,13 @@ def test_a_merged_rotor_keeps_the_torque(leg):
 
 def test_an_offset_after_a_stiffness_is_its_b0(leg):
     model = model_of(leg, Stiffness(joints=("knee",)), Offset())
-    assert model.merged == (Merged("offset_knee", {"b0_knee": pytest.approx(1.0, abs=1e-9)}),)
+    assert model.regrouped == (Regrouped("offset_knee", {"b0_knee": pytest.approx(1.0, abs=1e-9)}),)
     assert model.names[9:] == ("b2_knee", "b1_knee", "b0_knee", "offset_hip", "offset_ankle")
 
 
 def test_a_b0_after_an_offset_is_the_offset_and_the_other_columns_stay_in_place(leg):
     model = model_of(leg, Offset(), Stiffness(joints=("knee",)))
-    assert [(m.name, list(m.into)) for m in model.merged] == [("b0_knee", ["offset_knee"])]
+    assert [(m.name, list(m.into)) for m in model.regrouped] == [("b0_knee", ["offset_knee"])]
     assert model.names[9:] == ("offset_hip", "offset_knee", "offset_ankle", "b2_knee", "b1_knee")
     assert len(model.units) == len(model.names)
     q, v, a = random_motion(np.random.default_rng(7), 3)
@@ -187,11 +187,11 @@ class GearedRotor(Term):
 
 def test_merged_parameters_state_their_share_and_leave_the_others_their_columns(leg):
     model = model_of(leg, Offset(), GearedRotor(joints=("hip",)))
-    assert model.merged == (
-        Merged("constant_hip", {"offset_hip": pytest.approx(3.0, abs=1e-9)}),
-        Merged("rotor_hip", {"J1": pytest.approx(2.0, abs=1e-9)}),
+    assert model.regrouped == (
+        Regrouped("constant_hip", {"offset_hip": pytest.approx(3.0, abs=1e-9)}),
+        Regrouped("rotor_hip", {"J1": pytest.approx(2.0, abs=1e-9)}),
     )
-    assert str(model.merged[1]).startswith("rotor_hip cannot be told from J1 (× 2) by any motion")
+    assert str(model.regrouped[1]).startswith("rotor_hip cannot be told from J1 (× 2) by any motion")
     assert model.names[9:] == ("offset_hip", "offset_knee", "offset_ankle", "cube_hip")
     q, v, a = random_motion(np.random.default_rng(9), 3)
     W = model.regressor(q, v, a)
@@ -200,7 +200,7 @@ def test_merged_parameters_state_their_share_and_leave_the_others_their_columns(
 
 
 def test_two_kinds_of_friction_that_differ_are_not_merged(leg):
-    assert model_of(leg, Coulomb(), Viscous(), Offset()).merged == ()
+    assert model_of(leg, Coulomb(), Viscous(), Offset()).regrouped == ()
 
 
 def test_what_is_left_is_independent(leg):
@@ -212,7 +212,7 @@ def test_what_is_left_is_independent(leg):
 
 
 def test_a_share_other_than_one_is_stated():
-    assert str(Merged("a", {"b": 1.0, "c": -0.25})) == (
+    assert str(Regrouped("a", {"b": 1.0, "c": -0.25})) == (
         "a cannot be told from b, c (× -0.25) by any motion: it is part of it"
     )
 

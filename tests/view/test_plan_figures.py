@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 import exoid
 from exoid.experiments.excitation import MotionLimits, assess, plan_excitation
 from exoid.view import paper, plot_planned_motion, plot_precision
-from exoid.view.plans import VERDICT_COLOURS
+from exoid.view.plans import IDENTIFIABILITY_COLOURS
 
 LEG = exoid.load_leg("cuhk")
 
@@ -47,5 +47,5 @@ def test_bars_end_where_parameters_are_known_and_are_coloured_by_verdict(plan):
     assert np.isfinite(bars["c0_knee"].get_width())
     assert [text.get_text() for text in ax.get_legend().get_texts()][-1] == "not"
     assert bars["c0_knee"].get_facecolor()[:3] == pytest.approx(
-        tuple(int(VERDICT_COLOURS["not"][k : k + 2], 16) / 255 for k in (1, 3, 5))
+        tuple(int(IDENTIFIABILITY_COLOURS["not"][k : k + 2], 16) / 255 for k in (1, 3, 5))
     )

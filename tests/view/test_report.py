@@ -10,8 +10,9 @@ import exoid
 from exoid.experiments.excitation import assess
 from exoid.signals import Source
 from exoid.tables import DataTable
-from exoid.torques import Armature, Coulomb, Free, Offset, Stribeck, Viscous
-from exoid.view.report import Embedded, Page, Section, Words, identification_report, picture, words
+from exoid.torques import Armature, Coulomb, NonlinearParameter, Offset, Stribeck, Viscous
+from exoid.view.report import Embedded, Page, Section, Words, identification_report, picture
+from exoid.view.report import text as words
 from exoid.view.report.evidence import gather
 from exoid.view.report.pictures import prediction_pictures
 
@@ -52,7 +53,7 @@ def test_the_verdict_counts_and_says_how_well_an_unseen_recording_is_predicted(p
     data, estimate = swing
     nrmse = exoid.validate(estimate, data.test).nrmse
     words = " ".join(page.verdict)
-    assert f"{estimate.verdicts.count('well')} well determined" in words
+    assert f"{estimate.identifiability.count('well')} well determined" in words
     assert all(f"{100 * error:.1f} %" in words for error in nrmse)
 
 
@@ -79,7 +80,7 @@ def short(swing):
 
 def test_what_is_not_determined_is_named_with_what_it_trades_against(short):
     _, estimate, text = short
-    poor = [name for name, verdict in zip(estimate.names, estimate.verdicts, strict=True) if verdict != "well"]
+    poor = [name for name, verdict in zip(estimate.names, estimate.identifiability, strict=True) if verdict != "well"]
     assert poor
     assert all(f"{name} is " in text for name in poor)
     assert "trades most against" in text
@@ -88,7 +89,7 @@ def test_what_is_not_determined_is_named_with_what_it_trades_against(short):
 def test_the_advice_is_that_of_assessing_the_recordings(short):
     """Gravity at small hip angles does not tell a spring; the report names the experiment that does."""
     part, estimate, text = short
-    assert estimate.verdicts[estimate.names.index("b1_hip")] != "well"
+    assert estimate.identifiability[estimate.names.index("b1_hip")] != "well"
     found = assess(estimate.model.leg, part, estimate.model.terms, noise=estimate.residual_rms).advice
     tilt = next(each for each in found if "b1_hip" in each.parameters)
     assert tilt.what in text
@@ -100,7 +101,7 @@ def particular(swing):
     """An estimate with everything that is told beside parameters, and the page about it."""
     data, _ = swing
     parts = [replace(data.train.slice(k * 1000, (k + 1) * 1000), source=Source(f"run{k}.csv", f"{k}")) for k in (0, 1)]
-    terms = (Coulomb(), Stribeck(velocity=Free(0.1, 0.01, 1.0)), Viscous(), Armature(), Offset())
+    terms = (Coulomb(), Stribeck(velocity=NonlinearParameter(0.1, 0.01, 1.0)), Viscous(), Armature(), Offset())
     prior = exoid.identification.Prior({"J3": (0.05, 1e-4)})
     estimate = exoid.identify(data.leg, parts, terms, known={"X1": 3.98}, prior=prior, nonnegative=True)
     return estimate, identification_report(estimate, parts)
@@ -108,7 +109,7 @@ def particular(swing):
 
 def test_what_was_known_and_believed_is_told_and_nothing_is_advised_for_it(particular):
     estimate, page = particular
-    assert set(estimate.verdicts) >= {"known", "prior"}
+    assert set(estimate.identifiability) >= {"known", "prior"}
     text = text_of(check(page.html()))
     assert "Known: X1 = 3.98" in text
     assert "Prior: J3 = 0.05 ± 0.0001" in text

@@ -186,7 +186,7 @@ def test_an_estimate_shows_its_links_beside_those_of_cad():
     estimate = exoid.identify(data.leg, data.train)
     drawn = scene(estimate, recording=data.test)
     p = len(data.leg.parameter_names)
-    lifted = exoid.reduction.lift(data.leg, estimate.values[:p], estimate.covariance[:p, :p])
+    lifted = exoid.lift.lift(data.leg, estimate.values[:p], estimate.covariance[:p, :p])
     for mount, row in zip(drawn.legs[0].mounts, lifted.link_parameters, strict=True):
         ((_, material, place),) = meshes(objects(drawn)[f"{mount}/body/mass identified"])
         np.testing.assert_allclose(place[:3, 3], row[1:4] / row[0], atol=1e-5)

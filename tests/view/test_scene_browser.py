@@ -11,7 +11,7 @@ from browser import distance_to
 
 import exoid
 from exoid import Leg
-from exoid.identification import predict_motion
+from exoid.estimate import predict_motion
 from exoid.view import scene
 from exoid.view.report import Embedded, Page, Section
 from exoid.view.style import CAD, IDENTIFIED, JOINT_COLOURS

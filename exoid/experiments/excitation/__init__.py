@@ -10,7 +10,7 @@ from .plan import Plan, plan_excitation
 from .plan_files import refuse_plan_name, write_plan
 from .precision import Precision, StaticRows, predict
 from .scales import Scales
-from .words import precision_to_json
+from .text import precision_to_json
 
 __all__ = [
     "Advice",

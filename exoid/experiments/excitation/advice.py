@@ -68,7 +68,7 @@ def advise(
         known: What the recordings tell.
     """
     now = known.precision(model, scales)
-    poor = [k for k, verdict in enumerate(now.verdicts) if verdict != "well"]
+    poor = [k for k, grade in enumerate(now.identifiability) if grade != "well"]
     if not poor:
         return ()
     tried: dict[str, Precision] = {

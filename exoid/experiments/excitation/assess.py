@@ -19,7 +19,7 @@ from .limits import MotionLimits
 from .noise import TorqueNoise
 from .precision import Precision, StaticRows, evidence
 from .scales import Scales
-from .words import doubts, precision_table
+from .text import doubts, precision_table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -41,7 +41,7 @@ class Assessment:
         p = self.precision
         head = f"{p.duration:.4g} s of motion, torque noise {self.noise}"
         closing = [f"condition number {p.condition_number:.0f}", *doubts(p), *map(str, self.advice)]
-        if not set(p.verdicts) <= {"well"}:
+        if not set(p.identifiability) <= {"well"}:
             closing.append("Better still: exoid plan without --assess, which finds the best motion within your limits.")
         return to_text(head, precision_table(p)) + "\n\n" + "\n".join(closing)
 

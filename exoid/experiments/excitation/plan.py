@@ -24,7 +24,7 @@ from .poses import choose_poses
 from .precision import Precision, StaticRows, evidence
 from .scales import Scales
 from .search import search
-from .words import doubts, precision_table
+from .text import doubts, precision_table
 
 PERIOD = 10.0
 """Of the Fourier series, about [s]."""

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.identification.diagnostics import verdict
-from exoid.identification.least_squares import INVOLVED, UNDETERMINED
-from exoid.identification.rows import for_leg
+from exoid.regression.diagnostics import identifiability_class
+from exoid.regression.least_squares import INVOLVED, UNDETERMINED
+from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase
 from exoid.torques import TorqueModel
 
@@ -78,16 +78,18 @@ class Precision:
         return float(self.relative.max())
 
     @property
-    def verdicts(self) -> tuple[str, ...]:
-        """Say of each whether it will be "well", "weakly" or "not" determined, see :attr:`exoid.Estimate.verdicts`."""
-        return tuple(verdict(*each) for each in zip(self.scales.values, self.std, self.scales.sizes, strict=True))
+    def identifiability(self) -> tuple[str, ...]:
+        """Predicted class of each parameter: "well", "weakly" or "not", see :attr:`exoid.Estimate.identifiability`."""
+        return tuple(
+            identifiability_class(*each) for each in zip(self.scales.values, self.std, self.scales.sizes, strict=True)
+        )
 
 
 class Evidence(NamedTuple):
     """All that covariances need of some rows.
 
     Attributes:
-        R: Triangle of the weighted rows W̃, (P, P).
+        R: R factor of the weighted rows W̃, (P, P).
         meat: What noise does to them, Σ_j W̃ᵀ F Fᵀ W̃, (P, P).
         duration: Of the motions [s].
     """

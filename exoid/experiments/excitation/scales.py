@@ -9,8 +9,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.diagnostics import SIZE, judge_sizes
-from exoid.identification.triangles import make_triangle
+from exoid.regression.diagnostics import SIZE, parameter_scale
+from exoid.regression.least_squares import factorize
 from exoid.torques import TorqueModel
 
 from .limits import MotionLimits
@@ -26,7 +26,8 @@ class Scales(NamedTuple):
     """Expected parameters, and the scale of each, whatever the motion.
 
     A relative standard deviation is std / scale with scale = max(|expected value|, size / 10). The size of a parameter
-    is the value that would explain, alone, all torque of a joint it acts on, as in :attr:`exoid.Estimate.verdicts`; but
+    is the value that would explain, alone, all torque of a joint it acts on, as in
+    :attr:`exoid.Estimate.identifiability`; but
     over calm states at all angles, so that two motions are judged alike. The floor keeps parameters near zero (Y, an
     offset, friction nobody knows yet) from being called badly known however precise they are.
 
@@ -69,5 +70,5 @@ class Scales(NamedTuple):
         q = 0.5 * (limits.lower + limits.upper) + 0.5 * limits.span * even[0]
         W = model.regressor(q, SPEED * even[1], ACCELERATION * even[2])
         tau = W @ beta
-        triangles = [make_triangle(np.column_stack([W[:, j], tau[:, j]]), STATES, STATES) for j in range(tau.shape[1])]
-        return cls(beta, judge_sizes(triangles), np.sqrt((tau**2).mean(axis=0)))
+        r_factors = [factorize(np.column_stack([W[:, j], tau[:, j]]), STATES, STATES) for j in range(tau.shape[1])]
+        return cls(beta, parameter_scale(r_factors), np.sqrt((tau**2).mean(axis=0)))

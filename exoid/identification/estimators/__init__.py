@@ -1,16 +1,15 @@
 """Estimators: from a problem to parameters."""
 
-from exoid.identification.stacked import Reduced
+from exoid.regression.fit import Fit
+from exoid.regression.problem import LeastSquaresProblem
 
-from .by_name import ESTIMATORS, find_estimator
+from .by_name import ESTIMATORS, Estimator, find_estimator, name_of
 from .closed_loop import ClosedLoop
-from .fit import Estimator, Fit, name_of
 from .gls import gls
 from .huber import huber
 from .joint_ml import JointML
-from .ols import ols
+from .least_squares import ols, wls
 from .output_error import OutputError
-from .wls import wls
 
 __all__ = [
     "ESTIMATORS",
@@ -18,8 +17,8 @@ __all__ = [
     "Estimator",
     "Fit",
     "JointML",
+    "LeastSquaresProblem",
     "OutputError",
-    "Reduced",
     "find_estimator",
     "gls",
     "huber",

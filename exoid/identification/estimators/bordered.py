@@ -12,7 +12,7 @@ from exoid._typing import FloatArray
 from .trajectory import RIDGE, WIDTH, Trajectory
 
 
-class Rows(NamedTuple):
+class BorderedRows(NamedTuple):
     """Weighted residuals at each sample, measured less predicted, and the derivatives of what is predicted.
 
     Attributes:
@@ -30,7 +30,7 @@ class Rows(NamedTuple):
     angle_weight: FloatArray
 
 
-class Reduced(NamedTuple):
+class ReducedSystem(NamedTuple):
     """What is left for β when the trajectory has been put in that is best for it.
 
     With H_cc, H_cβ, H_ββ the blocks of the normal matrix, c the trajectory's coefficients:
@@ -54,7 +54,7 @@ class Reduced(NamedTuple):
         return np.asarray(scipy.linalg.cho_solve_banded((self.factor, True), right, check_finite=False))
 
 
-def eliminate(trajectory: Trajectory, rows: Rows) -> Reduced:
+def eliminate(trajectory: Trajectory, rows: BorderedRows) -> ReducedSystem:
     """Form the normal equations of one recording and eliminate its trajectory.
 
     Products of rows are summed over the samples between two knots, which all see the same 6 n coefficients.
@@ -78,7 +78,7 @@ def eliminate(trajectory: Trajectory, rows: Rows) -> Reduced:
     factor = scipy.linalg.cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
     inverse = scipy.linalg.cho_solve_banded((factor, True), border, check_finite=False)
     left = corner - border[:, :P].T @ inverse
-    return Reduced(factor, inverse[:, :P], inverse[:, P], 0.5 * (left[:, :P] + left[:, :P].T), left[:, P])
+    return ReducedSystem(factor, inverse[:, :P], inverse[:, P], 0.5 * (left[:, :P] + left[:, :P].T), left[:, P])
 
 
 def _band(local: FloatArray, n: int) -> FloatArray:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from exoid.errors import ExoidError
+from exoid.identification.problem import Problem
+from exoid.regression.fit import Fit
 
-from .fit import Estimator
 from .gls import gls
 from .huber import huber
 from .joint_ml import JointML
-from .ols import ols
+from .least_squares import ols, wls
 from .output_error import OutputError
-from .wls import wls
+
+Estimator = Callable[[Problem], Fit]
+"""A function, or an object with settings such as :class:`exoid.identification.estimators.JointML`."""
 
 ESTIMATORS: Mapping[str, Estimator] = {"gls": gls, "huber": huber, "ml": JointML(), "ols": ols, "wls": wls}
 """Estimators that need no settings."""
@@ -33,3 +36,8 @@ def find_estimator(given: str | Estimator) -> Estimator:
     if given not in known:
         raise ExoidError(f"no estimator {given!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
     return known[given]
+
+
+def name_of(estimator: Estimator) -> str:
+    """Name of an estimator, for evidence."""
+    return str(getattr(estimator, "name", None) or getattr(estimator, "__name__", type(estimator).__name__))

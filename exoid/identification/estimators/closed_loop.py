@@ -27,7 +27,7 @@ from exoid.rig.continuous import follow
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
 from exoid.torques.dry_friction import DryFriction
-from exoid.torques.free import number
+from exoid.torques.nonlinear import number
 
 DISSIPATIVE = ("c0", "d", "Ia")
 """Symbols of parameters that are kept from being negative: no simulation runs on friction that feeds energy in."""

@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
-from exoid.identification.rows import for_leg
+from exoid.regression.rows import for_leg
 from exoid.signals import ZeroPhase, choose_cutoff
 from exoid.torques import TorqueModel
 
-from .wls import wls
+from .least_squares import wls
 
 
 def default_preparation(problem: Problem) -> ZeroPhase:
     """How recordings are prepared by default."""
-    return ZeroPhase(choose_cutoff([for_leg(problem.model, data) for data in problem.here]))
+    return ZeroPhase(choose_cutoff([for_leg(problem.model, data) for data in problem.local_data]))
 
 
 def default_start(problem: Problem) -> FloatArray:
     """β by weighted least squares on rows as they are prepared by default, whatever the problem's own preparation."""
     preparation = default_preparation(problem)
     if preparation != problem.preparation:
-        problem = replace(problem, preparation=preparation)
+        problem = problem.prepared_by(preparation)
     return wls(problem).solution.values
 
 

@@ -8,14 +8,12 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.identification.degrees_of_freedom import degrees_of_freedom
-from exoid.identification.least_squares import Solution
-from exoid.identification.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
-from exoid.identification.stacked import Stacked
-from exoid.identification.triangles import Triangle, join, make_triangle
+from exoid.regression.fit import Fit, degrees_of_freedom
+from exoid.regression.least_squares import RFactor, Solution, factorize, stack
+from exoid.regression.problem import RowProblem
+from exoid.regression.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
 
-from .fit import Fit
-from .wls import wls
+from .least_squares import wls
 
 ROUNDS = 6
 """Noise and parameters are estimated in turn at most so often."""
@@ -24,7 +22,7 @@ DISAGREEMENT = 0.05
 """Probability with which GLS and WLS would be said to disagree although both are right."""
 
 
-def gls(problem: Stacked) -> Fit:
+def gls(problem: RowProblem) -> Fit:
     """Whiten each joint's rows by an autoregressive model of its noise, and solve; in turn, until both settle.
 
     Of all unbiased linear estimators the one of smallest variance, *if* the residual is noise beside a right model. If
@@ -40,9 +38,9 @@ def gls(problem: Stacked) -> Fit:
         moved = np.abs(solution.values - before.values) > 1e-3 * np.sqrt(np.diag(solution.covariance))
         if settled(before.covariance, solution.covariance) and not moved.any():
             break
-    remarks = _disagreement(problem.names, solution.values - first.solution.values, reference.covariance)
+    warnings = _disagreement(problem.names, solution.values - first.solution.values, reference.covariance)
     dofs = degrees_of_freedom(problem, Point(solution.values, first.weights), noises, solution, whitened=True)
-    return Fit(solution, first.weights, noises=noises, remarks=remarks, dofs=dofs)
+    return Fit(solution, first.weights, noises=noises, warnings=warnings, dofs=dofs)
 
 
 def _unbiased(noises: Noises) -> Noises:
@@ -53,10 +51,10 @@ def _unbiased(noises: Noises) -> Noises:
     }
 
 
-def _solve(problem: Stacked, point: Point, noises: Noises) -> Solution:
+def _solve(problem: RowProblem, point: Point, noises: Noises) -> Solution:
     """Solve with the rows of every uninterrupted run of samples whitened."""
     count = len(problem.names)
-    total: Triangle | None = None
+    total: RFactor | None = None
     before: dict[int, FloatArray] = {}
     for part in series(problem, point._replace(values=np.zeros(count))):
         rows = np.vstack([part.X, part.residual])
@@ -66,18 +64,18 @@ def _solve(problem: Stacked, point: Point, noises: Noises) -> Solution:
             past = past if start == 0 else rows[:, :0]
             found.append(_whitened(part, np.hstack([past, rows[:, start:stop]]), past.shape[1], noises, count))
         before[part.joint] = _unfinished(part.usable, past, rows, noises[part.kind, part.joint].order)
-        total = join(found) if found else total
+        total = stack(found) if found else total
     assert total is not None
     solution = problem.solve(total)
     return solution._replace(covariance=solution.inverse)
 
 
-def _whitened(part: Series, rows: FloatArray, known: int, noises: Noises, count: int) -> Triangle:
+def _whitened(part: Series, rows: FloatArray, known: int, noises: Noises, count: int) -> RFactor:
     """Triangle of the rows of a run, of which the first were counted before and only tell where the noise was."""
     white = noises[part.kind, part.joint].whiten(rows)[:, known:]
     table = np.zeros((white.shape[1], count + 1))
     table[:, [*part.columns, count]] = white.T
-    return make_triangle(table, len(table), float(len(table)))
+    return factorize(table, len(table), float(len(table)))
 
 
 def _unfinished(usable: FloatArray, past: FloatArray, rows: FloatArray, order: int) -> FloatArray:

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.identification.stacked import Stacked
-from exoid.identification.triangles import Triangle, join, joint_table, make_triangle
+from exoid.regression.fit import Fit
+from exoid.regression.least_squares import RFactor, factorize, joint_table, stack
+from exoid.regression.problem import RowProblem
 
-from .fit import Fit
-from .wls import noise_floor, wls
+from .least_squares import noise_floor, wls
 
 TUNING = 1.345
 """Residuals of this many standard deviations start to count less; 95 % efficient for normal noise."""
@@ -27,53 +27,53 @@ SETTLED = 1e-4
 """They have converged when no parameter moves by more than this part of its standard deviation."""
 
 
-def huber(problem: Stacked) -> Fit:
+def huber(problem: RowProblem) -> Fit:
     """Minimise Σ ρ(r) over residuals r = (τ − W β) / s of each joint, ρ quadratic up to 1.345 and linear beyond.
 
     s is 1.4826 times the median of the joint's absolute residuals. Solved by reweighting: rows count
     min(1, 1.345 / |r|). A spike of the torque sensor then pulls no more than a residual of 1.345 s.
     """
     solution, floor = wls(problem).solution, noise_floor(problem)
-    scales = np.full(len(problem.triangles), np.nan)
+    scales = np.full(len(problem.r_factors), np.nan)
     for _ in range(ROUNDS):
         scales = np.maximum(_scales(problem, solution.values), floor)
-        triangles, inside = _reweighted(problem, solution.values, scales)
-        before, solution = solution, problem.solve(join(triangles))
+        r_factors, inside = _reweighted(problem, solution.values, scales)
+        before, solution = solution, problem.solve(stack(r_factors))
         if (np.abs(solution.values - before.values) <= SETTLED * np.sqrt(np.diag(solution.covariance))).all():
             break
     # ψ'(r) is 1 inside and 0 beyond: the inverse of Σ ψ' xᵀx takes the place of (WᵀW)⁻¹
-    bread = problem.solve(join(problem.triangles, np.sqrt(inside) / scales))
+    bread = problem.solve(stack(problem.r_factors, np.sqrt(inside) / scales))
     solution = solution._replace(
         inverse=bread.inverse, prior_noise=bread.prior_noise, condition_number=bread.condition_number
     )
     return Fit(solution, [1.0 / scale for scale in scales], TUNING)
 
 
-def _scales(problem: Stacked, values: FloatArray) -> FloatArray:
+def _scales(problem: RowProblem, values: FloatArray) -> FloatArray:
     """Robust standard deviation of the residuals of each triangle's rows [N·m]."""
-    sizes: list[list[FloatArray]] = [[] for _ in problem.triangles]
+    sizes: list[list[FloatArray]] = [[] for _ in problem.r_factors]
     for index, columns, table, _ in _tables(problem):
         sizes[index].append(np.abs(table[-1] - values[columns] @ table[:-1]))
     return np.array([MAD_TO_STD * np.median(np.concatenate(size)) for size in sizes])
 
 
-def _reweighted(problem: Stacked, values: FloatArray, scales: FloatArray) -> tuple[list[Triangle], FloatArray]:
+def _reweighted(problem: RowProblem, values: FloatArray, scales: FloatArray) -> tuple[list[RFactor], FloatArray]:
     """Triangles of reweighted rows, and the share of residuals that are not clipped."""
-    found: list[list[Triangle]] = [[] for _ in scales]
+    found: list[list[RFactor]] = [[] for _ in scales]
     inside, total = np.zeros((2, len(scales)))
     count = len(problem.names)
     for index, columns, table, independence in _tables(problem):
         r = np.abs(table[-1] - values[columns] @ table[:-1]) / scales[index]
         scaled = table * (np.sqrt(TUNING / np.maximum(r, TUNING)) / scales[index])
-        triangle = make_triangle(scaled.T, len(r), len(r) * independence)
-        found[index] = [join([*found[index], triangle.among(np.append(columns, count), count + 1)])]
+        r_factor = factorize(scaled.T, len(r), len(r) * independence)
+        found[index] = [stack([*found[index], r_factor.among(np.append(columns, count), count + 1)])]
         inside[index] += np.count_nonzero(r <= TUNING)
         total[index] += len(r)
-    return [triangle for one in found for triangle in one], inside / np.maximum(total, 1.0)
+    return [r_factor for one in found for r_factor in one], inside / np.maximum(total, 1.0)
 
 
-def _tables(problem: Stacked) -> Iterator[tuple[int, NDArray[np.intp], FloatArray, float]]:
-    """Go over usable rows [W τ] joint by joint: place among the triangles, parameters, rows, their independence."""
+def _tables(problem: RowProblem) -> Iterator[tuple[int, NDArray[np.intp], FloatArray, float]]:
+    """Go over usable rows [W τ] joint by joint: place among the R factors, parameters, rows, their independence."""
     for kind, rows, _, _, first in problem.blocks():
         for joint in range(rows.tau.shape[1]):
             _, table = joint_table(rows, joint)

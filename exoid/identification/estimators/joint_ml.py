@@ -12,17 +12,17 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
-from exoid.identification.residuals import Point, fit_noise
-from exoid.identification.rows import for_leg, make_rows
+from exoid.regression.fit import Fit
+from exoid.regression.residuals import Point, fit_noise
+from exoid.regression.rows import for_leg, make_rows
 from exoid.signals import Poses, Recording, ZeroPhase
 from exoid.torques import Term, TorqueModel
 from exoid.torques.dry_friction import DryFriction
 
 from .default_start import default_preparation, default_start, refuse_other_friction
-from .fit import Fit
+from .least_squares import wls
 from .motion_fit import MotionFit, fit_motion
 from .motion_system import Moving, Still
-from .wls import wls
 
 COARSE = 0.04
 """Knot spacing [s] to begin with."""
@@ -83,11 +83,15 @@ class JointML:
         first = wls(problem)
         model = smooth(problem.model)
         preparation = default_preparation(problem)
-        recordings = [data for data in problem.here if isinstance(data, Recording)]
+        recordings = [data for data in problem.local_data if isinstance(data, Recording)]
         moving = [_moving(problem.model, data, preparation) for data in recordings]
-        still = [_still(problem, data) for data in problem.here if isinstance(data, Poses)]
+        still = [_still(problem, data) for data in problem.local_data if isinstance(data, Poses)]
         fit = partial(
-            fit_motion, model, still=still, solve=problem.solve, priors=problem.assumed.pseudo_rows(problem.names)
+            fit_motion,
+            model,
+            still=still,
+            solve=problem.solve,
+            priors=problem.prior_knowledge.pseudo_rows(problem.names),
         )
         values, spacing = default_start(problem), self.spacing
         interval = max(float(np.median(np.diff(data.time))) for data in moving)
@@ -151,6 +155,6 @@ def _as_fit(problem: Problem, first: Fit, found: MotionFit) -> Fit:
     """Describe the noise of the filtered rows too, as for other estimators."""
     solution = found.solution._replace(inverse=first.solution.inverse, prior_noise=first.solution.prior_noise)
     noises = fit_noise(problem, Point(solution.values, first.weights), solution.covariance)
-    remarks = () if found.converged else ("the joint fit of motion and parameters has not converged: prefer wls",)
+    warnings = () if found.converged else ("the joint fit of motion and parameters has not converged: prefer wls",)
     name = f"ml(spacing={found.spacing:.4g})"
-    return Fit(solution, first.weights, noises=noises, remarks=remarks, name=name)
+    return Fit(solution, first.weights, noises=noises, warnings=warnings, name=name)

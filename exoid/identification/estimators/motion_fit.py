@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.identification.least_squares import Solution
-from exoid.identification.triangles import Triangle
+from exoid.regression.least_squares import RFactor, Solution
 from exoid.torques import TorqueModel
 
 from .bordered import eliminate
@@ -51,7 +50,7 @@ def fit_motion(
     still: Sequence[Still],
     values: FloatArray,
     spacing: float,
-    solve: Callable[[Triangle], Solution],
+    solve: Callable[[RFactor], Solution],
     priors: FloatArray,
     settled: float = SETTLED,
 ) -> MotionFit:
@@ -92,11 +91,11 @@ def fit_motion(
     return MotionFit(solution._replace(values=state.values), spacing, levels, motions, criterion, converged)
 
 
-def _as_triangle(matrix: FloatArray, right: FloatArray, redundancy: int) -> Triangle:
+def _as_triangle(matrix: FloatArray, right: FloatArray, redundancy: int) -> RFactor:
     """Rows of unit noise that have these normal equations."""
     count = len(right)
     root = np.linalg.cholesky(matrix)
     R = np.zeros((count + 1, count + 1))
     R[:count, :count], R[:count, count] = root.T, np.linalg.solve(root, right)
     R[count, count] = np.sqrt(redundancy)
-    return Triangle(R, redundancy + count, float(redundancy + count))
+    return RFactor(R, redundancy + count, float(redundancy + count))

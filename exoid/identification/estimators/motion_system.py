@@ -11,7 +11,7 @@ from exoid._typing import FloatArray
 from exoid.torques import Motion, TorqueModel
 from exoid.torso import TorsoMotion
 
-from .bordered import Reduced, Rows
+from .bordered import BorderedRows, ReducedSystem
 from .sensitivity import respond, torque
 from .trajectory import WIDTH, Trajectory
 
@@ -66,7 +66,7 @@ class Levels(NamedTuple):
     still: FloatArray
 
 
-class State(NamedTuple):
+class MotionState(NamedTuple):
     """Splines of all recordings, and β."""
 
     coefficients: list[FloatArray]
@@ -90,12 +90,12 @@ class System(NamedTuple):
     priors: FloatArray
     trajectories: list[Trajectory]
 
-    def begin(self, values: FloatArray) -> State:
+    def begin(self, values: FloatArray) -> MotionState:
         """Splines through the smoothed angles."""
         coefficients = [t.through(data.smooth) for t, data in zip(self.trajectories, self.moving, strict=True)]
-        return State(coefficients, values)
+        return MotionState(coefficients, values)
 
-    def residuals(self, state: State) -> Residuals:
+    def residuals(self, state: MotionState) -> Residuals:
         """What is measured less what is predicted."""
         angle, moving = [], []
         for data, trajectory, coefficients in zip(self.moving, self.trajectories, state.coefficients, strict=True):
@@ -106,7 +106,7 @@ class System(NamedTuple):
         still = [data.tau - data.W @ state.values for data in self.still]
         return Residuals(np.vstack(angle), np.vstack(moving), np.vstack([np.zeros((0, n)), *still]))
 
-    def linearise(self, state: State, levels: Levels) -> list[Rows]:
+    def linearise(self, state: MotionState, levels: Levels) -> list[BorderedRows]:
         """Weighted residuals and derivatives, recording by recording."""
         rows = []
         for data, trajectory, coefficients in zip(self.moving, self.trajectories, state.coefficients, strict=True):
@@ -120,10 +120,12 @@ class System(NamedTuple):
             residual = (data.tau - torque(W.transpose(2, 1, 0), state.values)) * weight
             angle = (data.q - motion.q) / levels.angle
             J = np.reshape(J, (len(weight), weight.shape[1], -1))
-            rows.append(Rows(residual, angle, J, W * weight[..., None], 1.0 / levels.angle))
+            rows.append(BorderedRows(residual, angle, J, W * weight[..., None], 1.0 / levels.angle))
         return rows
 
-    def join(self, reduced: Sequence[Reduced], state: State, levels: Levels) -> tuple[FloatArray, FloatArray]:
+    def join(
+        self, reduced: Sequence[ReducedSystem], state: MotionState, levels: Levels
+    ) -> tuple[FloatArray, FloatArray]:
         """Add up recordings and poses."""
         matrix = sum((part.matrix for part in reduced), np.zeros((len(state.values),) * 2))
         gradient = sum((part.gradient for part in reduced), np.zeros(len(state.values)))
@@ -133,13 +135,15 @@ class System(NamedTuple):
             gradient = gradient + np.einsum("tip,ti->p", W, (data.tau - data.W @ state.values) / levels.still)
         return matrix, gradient
 
-    def descend(self, state: State, levels: Levels, reduced: Sequence[Reduced], step: FloatArray) -> tuple[State, bool]:
+    def descend(
+        self, state: MotionState, levels: Levels, reduced: Sequence[ReducedSystem], step: FloatArray
+    ) -> tuple[MotionState, bool]:
         """Go as far along the Gauss–Newton step as the sum of squares falls, and say whether that is all of it."""
         n = len(levels.angle)
         turns = [(part.free - part.coupling @ step).reshape(-1, n) for part in reduced]
         before, share = self.squares(state, levels), 1.0
         for _ in range(HALVINGS):
-            there = State(
+            there = MotionState(
                 [c + share * turn for c, turn in zip(state.coefficients, turns, strict=True)],
                 state.values + share * step,
             )
@@ -148,7 +152,7 @@ class System(NamedTuple):
             share *= 0.5
         return state, True
 
-    def squares(self, state: State, levels: Levels) -> float:
+    def squares(self, state: MotionState, levels: Levels) -> float:
         """Weighted sum of squares, priors among them."""
         believed = float(((self.priors @ np.append(state.values, -1.0)) ** 2).sum())
         return believed + sum(
@@ -168,7 +172,7 @@ class System(NamedTuple):
             )
         )
 
-    def redundancy(self, state: State) -> int:
+    def redundancy(self, state: MotionState) -> int:
         """Measured numbers less unknowns."""
         unknown = sum(c.size for c in state.coefficients) + len(state.values)
         return max(1, int(np.sum(self.counts())) - unknown)
@@ -188,7 +192,7 @@ class System(NamedTuple):
         return total
 
     def taken(
-        self, rows: Sequence[Rows], reduced: Sequence[Reduced], covariance: FloatArray, levels: Levels
+        self, rows: Sequence[BorderedRows], reduced: Sequence[ReducedSystem], covariance: FloatArray, levels: Levels
     ) -> FloatArray:
         """Degrees of freedom that angles, torques and poses of each joint have lost to the fit, (3, n).
 

@@ -10,18 +10,17 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.least_squares import Solution, solve
-from exoid.identification.noise import AutoregressiveNoise, autocovariance_sums
 from exoid.identification.problem import Problem
-from exoid.identification.residuals import Point, fit_noise
-from exoid.identification.rows import for_leg, make_rows
-from exoid.identification.triangles import Triangle, make_triangle
+from exoid.regression.fit import Fit
+from exoid.regression.least_squares import RFactor, Solution, factorize, solve
+from exoid.regression.noise import AutoregressiveNoise, autocovariance_sums
+from exoid.regression.residuals import Point, fit_noise
+from exoid.regression.rows import for_leg, make_rows
 from exoid.signals import Poses
 
 from .closed_loop import ClosedLoop, as_possible
 from .default_start import default_start, refuse_other_friction
-from .fit import Fit
-from .wls import wls
+from .least_squares import wls
 
 ROUNDS = 12
 """Gauss–Newton steps at most."""
@@ -69,8 +68,9 @@ class OutputError:
         """Fit.
 
         Raises:
-            ExoidError: No loop was given, or it cannot be simulated.
+            ExoidError: No loop was given, it cannot be simulated, or there are several groups.
         """
+        problem.refuse_several_groups()
         if self.loop is None:
             raise ExoidError(
                 "output error simulates the loop, and must know its controller and reference",
@@ -125,13 +125,13 @@ class _Answer(NamedTuple):
         """Weighted sum of squares."""
         return sum(float(np.sum((part.residual / scales[part.group]) ** 2)) for part in self.series)
 
-    def triangle(self, scales: FloatArray, values: FloatArray) -> Triangle:
+    def r_factor(self, scales: FloatArray, values: FloatArray) -> RFactor:
         """Of the weighted rows, linearised about values."""
         tables = [
             np.column_stack([part.J, part.residual + part.J @ values]) / scales[part.group] for part in self.series
         ]
         table = np.vstack(tables)
-        return make_triangle(table, len(table), float(len(table)))
+        return factorize(table, len(table), float(len(table)))
 
 
 class _Matching(NamedTuple):
@@ -140,12 +140,12 @@ class _Matching(NamedTuple):
 
     def solve(self, answer: _Answer, scales: FloatArray, values: FloatArray) -> Solution:
         """One Gauss–Newton step, with what is known beside the recordings, and nothing negative that cannot be."""
-        assumed, model = replace(self.problem.assumed, nonnegative=True), self.problem.model
-        return solve(answer.triangle(scales, values), model.names, assumed, model.nonnegative)
+        prior_knowledge, model = replace(self.problem.prior_knowledge, nonnegative=True), self.problem.model
+        return solve(answer.r_factor(scales, values), model.names, prior_knowledge, model.nonnegative)
 
     def squares(self, answer: _Answer, scales: FloatArray, values: FloatArray) -> float:
         """Weighted sum of squares, priors among them."""
-        priors = self.problem.assumed.pseudo_rows(self.problem.names) @ np.append(values, -1.0)
+        priors = self.problem.prior_knowledge.pseudo_rows(self.problem.names) @ np.append(values, -1.0)
         return answer.squares(scales) + float(priors @ priors)
 
     def answer(self, values: FloatArray, std: FloatArray) -> _Answer:
@@ -155,7 +155,7 @@ class _Matching(NamedTuple):
         beside = values[:, None] + np.column_stack([np.zeros(len(values)), np.diag(change)])
         series: list[_Series] = []
         n = len(model.leg.joint_names)
-        for data in self.problem.here:
+        for data in self.problem.local_data:
             if isinstance(data, Poses):
                 rows = make_rows(model, data, self.problem.preparation)
                 residual = rows.tau - rows.W @ values
@@ -191,7 +191,7 @@ def _as_fit(matching: _Matching, first: Fit, values: FloatArray, answer: _Answer
     solution = matching.solve(answer, scales, values)
     covariance = _sandwich(answer, scales, solution)
     noises = fit_noise(problem, Point(values, first.weights), covariance)
-    remarks = () if converged else ("output error has not converged: check controller and reference",)
+    warnings = () if converged else ("output error has not converged: check controller and reference",)
     solution = solution._replace(
         values=values,
         covariance=covariance,
@@ -199,7 +199,7 @@ def _as_fit(matching: _Matching, first: Fit, values: FloatArray, answer: _Answer
         prior_noise=first.solution.prior_noise,
         bounded=(),
     )
-    return Fit(solution, first.weights, noises=noises, remarks=remarks)
+    return Fit(solution, first.weights, noises=noises, warnings=warnings)
 
 
 def _sandwich(answer: _Answer, scales: FloatArray, solution: Solution) -> FloatArray:

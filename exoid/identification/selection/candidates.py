@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from exoid.signals import Preparation, Smoothed, ZeroPhase
-from exoid.torques import Armature, Coulomb, Free, LoadFriction, Offset, Stribeck, Term, Viscous
+from exoid.torques import Armature, Coulomb, LoadFriction, NonlinearParameter, Offset, Stribeck, Term, Viscous
 
-BENDING = Free(start=1e-3, lower=1e-5, upper=0.03)
+BENDING = NonlinearParameter(start=1e-3, lower=1e-5, upper=0.03)
 """Presliding [rad]: from well below an encoder's step to two degrees."""
 
-FADING = Free(start=0.1, lower=0.01, upper=0.5)
+FADING = NonlinearParameter(start=0.1, lower=0.01, upper=0.5)
 """Stribeck velocity [rad/s]; beyond, it is no longer a matter of slow motion and mimics viscous friction."""
 
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.fitting import Start, Task
-from exoid.identification.rows import make_rows
-from exoid.identification.separable import fit_model
+from exoid.identification.identify import fit_model
+from exoid.regression.rows import make_rows
 from exoid.signals import Preparation, Recording, Smoothed, ZeroPhase
 
 GAP = 0.1
@@ -125,9 +125,10 @@ def held_out(task: Task, recordings: Sequence[Recording], split: Split, start: S
         ExoidError: The rows that are left do not determine the parameters, or none is left to test.
     """
     fitted = fit_model(task._replace(keep=split.fitted), start)
+    preparation = fitted.problem.preparation
     errors = []
     for index, recording in enumerate(recordings):
-        rows = make_rows(fitted.model, recording, evaluation(task.preparation, cutoff, recording.sample_rate))
+        rows = make_rows(fitted.models[0], recording, evaluation(preparation, cutoff, recording.sample_rate))
         tested = split.tested(index, rows.time)
         residual, torque = (rows.tau - rows.W @ fitted.values)[tested], rows.tau[tested]
         errors.append(Errors((residual**2).sum(axis=0), torque.sum(axis=0), (torque**2).sum(axis=0), len(residual)))

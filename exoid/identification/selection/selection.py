@@ -11,13 +11,14 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.identification.estimate import Estimate
-from exoid.identification.estimate_file import preparation_to_json
+from exoid.estimate.estimate import Estimate
+from exoid.estimate.file import preparation_to_json
+from exoid.estimate.validation import Validation, validate
+from exoid.identification.estimators import find_estimator
 from exoid.identification.fitting import Start, Task
-from exoid.identification.identify import identify
-from exoid.identification.separable import fit_model
-from exoid.identification.survey import refuse_dead_torques, refuse_still_joints, survey
-from exoid.identification.validation import Validation, validate
+from exoid.identification.groups import Group
+from exoid.identification.identify import fit_model, identify
+from exoid.identification.recording_summary import refuse_dead_torques, refuse_still_joints, summarize
 from exoid.leg import Leg
 from exoid.signals import Recording
 from exoid.tables import make_table, to_text
@@ -176,9 +177,9 @@ def select_terms(
     if not all(isinstance(recording, Recording) for recording in several):
         raise ExoidError("poses cannot be cut into stretches of time", remedy="pass recordings only")
     model = TorqueModel(leg, ())
-    surveys = [survey(model, recording, listen=False) for recording in several]
-    refuse_still_joints(model, surveys)
-    refuse_dead_torques(model, surveys)
+    summaries = [summarize(model, recording, for_cutoff=False) for recording in several]
+    refuse_still_joints(model, summaries)
+    refuse_dead_torques(model, summaries)
     bench = _Bench(leg, several, folds, cutoff)
     scores = bench.scores(candidates, _part(progress, 0.0, 0.6 if tune else 1.0))
     chosen = _choose(scores)
@@ -237,7 +238,11 @@ class _Bench(NamedTuple):
     def _score(self, candidate: Candidate, splits: Sequence[Split], fast: Split) -> Score:
         """Fit to all rows first: fits to most of them begin there, which changes where they end by nothing."""
         nothing = np.full(len(self.leg.joint_names), np.nan)
-        task = Task(self.leg, candidate.terms, self.recordings, candidate.preparation, candidate.estimator)
+        task = Task(
+            (Group("", self.leg, self.recordings, candidate.preparation),),
+            candidate.terms,
+            find_estimator(candidate.estimator),
+        )
         try:
             whole = fit_model(task)
             start = Start.at(whole)
@@ -249,7 +254,7 @@ class _Bench(NamedTuple):
             extrapolation = quick.rms / quick.spread
         except ExoidError:
             extrapolation = nothing
-        return Score(candidate, len(whole.values) + len(whole.shapes), *_summary(each), extrapolation)
+        return Score(candidate, len(whole.values) + len(whole.nonlinear), *_summary(each), extrapolation)
 
 
 def _summary(each: Sequence[Errors]) -> tuple[FloatArray, FloatArray]:

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.identification import Estimate, Validation, validate
-from exoid.identification.intervals import half_width
-from exoid.identification.rows import for_leg
+from exoid.estimate import Estimate, Validation, validate
+from exoid.regression.intervals import half_width
+from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 
 LEVEL = 0.95

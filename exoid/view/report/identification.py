@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from exoid.errors import ExoidError
-from exoid.identification import Estimate, predict_motion
+from exoid.estimate import Estimate, predict_motion
 from exoid.signals import Recording
 from exoid.view.scenes import scene
 
-from . import words
+from . import text as words
 from .evidence import Evidence, gather
 from .page import Embedded, Page, Part, Section, Words
 from .pictures import (
@@ -63,7 +63,7 @@ def identification_report(
         Section("From what, and how", list(_origin(estimate))),
     ]
     title = f"{estimate.model.leg.description.name}: identified from {_count(len(estimate.inputs), 'recording')}"
-    return Page(title, words.verdict(estimate, tested), [section for section in sections if section.parts])
+    return Page(title, words.summary(estimate, tested), [section for section in sections if section.parts])
 
 
 def _torque(estimate: Estimate, evidence: Sequence[Evidence], held_out: bool) -> Iterator[Part]:

@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from exoid._typing import FloatArray
-from exoid.identification import Estimate, Trend
+from exoid.estimate import Estimate
+from exoid.regression import Trend
 from exoid.view.coverage import plot_coverage, plot_excitation
 from exoid.view.friction import plot_friction_fit
 from exoid.view.parameters import plot_correlation, plot_parameters

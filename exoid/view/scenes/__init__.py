@@ -1,7 +1,7 @@
 """The leg in three dimensions, drawn by meshcat's viewer in a browser."""
 
+from .build_scene import scene
 from .scene import Scene
 from .server import SceneServer
-from .staging import scene
 
 __all__ = ["Scene", "SceneServer", "scene"]

@@ -12,7 +12,7 @@ from exoid.torso import TorsoMotion
 
 from .arrows import WEIGHT, around, straight, torque_scale
 from .commands import Command, Tracks, child, place, show
-from .figure import Figure
+from .leg_geometry import Figure
 from .parts import moved, towards
 from .replay import Replay
 

@@ -14,15 +14,12 @@ from collections.abc import Mapping
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 from exoid.errors import ExoidError
 
+from .commands import Command
 from .page import write_page
-
-if TYPE_CHECKING:
-    from .commands import Command
-    from .scene import Scene
 
 LOOPBACK = "127.0.0.1"
 
@@ -30,6 +27,18 @@ DEFAULT_PORT = 7000
 
 BEAT = 5.0
 """Seconds after which a browser that has gone away is noticed."""
+
+
+class Posable(Protocol):
+    """What a server shows: a scene that describes itself, and says what changes with a pose."""
+
+    def pose(self, angles: Mapping[str, float]) -> list[Command]:
+        """Commands that put joints to angles [rad]."""
+        ...
+
+    def to_json(self) -> dict[str, Any]:
+        """Describe the scene as its page reads it."""
+        ...
 
 
 class SceneServer:
@@ -40,7 +49,7 @@ class SceneServer:
         port: It listens on.
     """
 
-    def __init__(self, scene: Scene, port: int | None = None) -> None:
+    def __init__(self, scene: Posable, port: int | None = None) -> None:
         """Start to listen."""
         self._scene = scene
         self._listeners: set[queue.Queue[str | None]] = set()

@@ -1,0 +1,154 @@
+"""How a type of term looks in C: the open table that built-in terms and those from outside exoid register in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple, TypeVar, get_args
+
+from exoid.errors import ExoidError
+from exoid.torques import Term
+
+from .dialect import Dialect
+
+Place = Literal["friction", "stiffness", "rotor"]
+"""Where a term stands in the file: the function of v, the function of q, or the table of rotor inertias."""
+
+
+@dataclass(frozen=True)
+class JointInC:
+    """What the form of a term may use at one joint.
+
+    Attributes:
+        variable: Variable of the joint in C: its velocity ``v[j]`` [rad/s] where the place is "friction", its angle
+            ``q[j]`` [rad] where it is "stiffness"; empty where it is "rotor", whose inertia is constant.
+        parameters: Constant in C of each symbol of the term; symbols regrouped into other parameters are missing.
+        dialect: Precision, which writes numbers and functions of <math.h>.
+    """
+
+    variable: str
+    parameters: Mapping[str, str]
+    dialect: Dialect
+
+    def parameter(self, symbol: str) -> str:
+        """Look up the constant of a parameter.
+
+        Args:
+            symbol: One of the term's symbols.
+
+        Returns:
+            The constant in C; zero for a parameter that is regrouped into others, which then contain its torque.
+        """
+        return self.parameters.get(symbol, self.number(0.0))
+
+    def number(self, value: float) -> str:
+        """Write a constant in the file's precision; see :meth:`Dialect.number`.
+
+        Args:
+            value: The constant.
+
+        Returns:
+            Literal such as ``0.1f``.
+
+        Raises:
+            ExoidError: It is not finite in this precision.
+        """
+        return self.dialect.number(value)
+
+    def function(self, name: str) -> str:
+        """Name a function of <math.h> in the file's precision; see :meth:`Dialect.function`.
+
+        Args:
+            name: Name of the function for double, such as ``tanh``.
+
+        Returns:
+            ``tanh`` in double, ``tanhf`` in float.
+        """
+        return self.dialect.function(name)
+
+
+T = TypeVar("T", bound=Term)
+
+
+class CForm(NamedTuple):
+    """How a type of term is written.
+
+    Attributes:
+        place: Where it stands.
+        write: Expression of a term at a joint.
+    """
+
+    place: Place
+    write: Callable[[Any, JointInC], str]
+
+
+FORMS: dict[type[Term], CForm] = {}
+"""Types of term that have a form in C; :func:`register_c_form` adds to them."""
+
+
+def register_c_form(
+    kind: type[T], place: Place
+) -> Callable[[Callable[[T, JointInC], str]], Callable[[T, JointInC], str]]:
+    """Register how a type of term is written in C: a decorator for the function that writes it.
+
+    That function takes the term and a :class:`JointInC`. It returns one C99 expression: the torque of the term at the
+    joint [N·m], or its inertia [kg·m²] where the place is "rotor". An inertia initialises a static table, so its
+    expression calls no function.
+
+    Args:
+        kind: Type of the term. Its subclasses need forms of their own, as they may compute something else.
+        place: "friction" for a torque that depends on velocity, "stiffness" for one that depends on the angle or on
+            nothing, "rotor" for one that is an inertia times acceleration.
+
+    Returns:
+        The decorator, which leaves the function as it is. A later form of the same type replaces an earlier one.
+
+    Raises:
+        ExoidError: The place is none of the three.
+
+    Example:
+        >>> class Drag(exoid.Viscous):
+        ...     '''Drag of a fluid, τ = d |v| v.'''
+        ...     def fill(self, motion, out):
+        ...         out[0] = abs(motion.v) * motion.v
+        >>> @register_c_form(Drag, "friction")
+        ... def drag(term, joint):
+        ...     v = joint.variable
+        ...     return f"{joint.parameter('d')} * {joint.function('fabs')}({v}) * {v}"
+    """
+    if place not in get_args(Place):
+        raise ExoidError(f"no place {place!r} for a term in C", remedy=f"use {', '.join(get_args(Place))}")
+
+    def register(write: Callable[[T, JointInC], str]) -> Callable[[T, JointInC], str]:
+        FORMS[kind] = CForm(place, write)
+        return write
+
+    return register
+
+
+def c_form(term: Term) -> CForm:
+    """Look up how a term is written in C.
+
+    Args:
+        term: The term.
+
+    Returns:
+        The form of its own type; that of a parent may compute something else.
+
+    Raises:
+        ExoidError: None is registered, or the term depends on load or on what came before.
+    """
+    described = f"{type(term).__name__} ({', '.join(term.symbols)})"
+    if term.memory is not None or term.loaded:
+        needs = "remembers the motion" if term.memory is not None else "depends on the load of its joint"
+        raise ExoidError(
+            f"{described} has no form in C: it {needs}, and the functions take one velocity or angle",
+            remedy="identify with terms that depend on one of these alone, without presliding",
+        )
+    if type(term) not in FORMS:
+        raise ExoidError(
+            f"{described} has no form in C",
+            remedy=f"register one with exoid.codegen.register_c_form({type(term).__name__}, place), or identify with "
+            f"terms that have one: {', '.join(kind.__name__ for kind in FORMS)}",
+        )
+    return FORMS[type(term)]

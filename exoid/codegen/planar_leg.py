@@ -1,0 +1,179 @@
+"""From a torque model and its values to one C99 file: what fills the template ``planar_leg.c.jinja``."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from importlib import resources
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+import jinja2
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid._version import __version__
+from exoid.errors import ExoidError
+from exoid.files import write_whole
+from exoid.reduction import PlanarChain
+from exoid.reduction.planar import GRAVITY
+from exoid.torques import TorqueModel
+
+from .dialect import Dialect, comment, identifier
+from .source import CSource
+from .terms import TermsInC, terms_in_c
+
+TEMPLATE = "planar_leg.c.jinja"
+
+
+def write_c(
+    model: TorqueModel,
+    values: ArrayLike,
+    path: str | os.PathLike[str],
+    *,
+    provenance: Sequence[str] = (),
+    warnings: Sequence[str] = (),
+    precision: str = "double",
+    name: str | None = None,
+) -> CSource:
+    """Write the torques of a planar leg as one C99 file.
+
+    Args:
+        model: Leg and terms; see :func:`c_source`.
+        values: Parameters in SI units, in the order of ``model.names``, (P,).
+        path: The file to write, whole or not at all.
+        provenance: Lines on where the values come from, for the comment at the top.
+        warnings: What makes the values doubtful, for the result.
+        precision: "double" or "float".
+        name: Prefix of every name in C; None for the file's.
+
+    Returns:
+        What was written, which prints itself.
+
+    Raises:
+        ExoidError: As for :func:`c_source`, or the file cannot be written.
+    """
+    source = c_source(
+        model, values, provenance=provenance, warnings=warnings, precision=precision, name=name or Path(path).name
+    )
+    write_whole(path, [source.text])
+    return replace(source, path=Path(path))
+
+
+def c_source(
+    model: TorqueModel,
+    values: ArrayLike,
+    *,
+    provenance: Sequence[str] = (),
+    warnings: Sequence[str] = (),
+    precision: str = "double",
+    name: str = "leg",
+) -> CSource:
+    """Turn the torques of a planar leg into C99, without writing a file.
+
+    The functions compute τ = W(q, v, a) β of :class:`exoid.torques.TorqueModel`, whole and in parts.
+
+    Args:
+        model: Leg, a planar chain, and terms that have a form in C (:func:`register_c_form`).
+        values: Parameters β in SI units, in the order of ``model.names``, (P,).
+        provenance: Lines on where the values come from, for the comment at the top: an estimate's estimator, data,
+            warnings and standard deviations. Whatever they contain, they stay within the comment.
+        warnings: What makes the values doubtful. The result prints them; the file has only the provenance.
+        precision: "double" or "float".
+        name: Prefix of every name in C; what no identifier can have is replaced.
+
+    Returns:
+        Text of the file with what it computes.
+
+    Raises:
+        ExoidError: The leg is not a planar chain, a term has no form in C, the values are not P finite numbers, or a
+            name or number cannot be written.
+
+    Example:
+        >>> leg = exoid.load_leg("cuhk")
+        >>> source = c_source(TorqueModel(leg, ()), leg.parameters, precision="float")
+        >>> source.functions[:2]
+        ('leg_gravity', 'leg_friction')
+    """
+    dialect, prefix, leg = Dialect(precision), identifier(name), model.leg
+    if leg.chain is None:
+        raise ExoidError(
+            "only a planar chain of revolute joints under gravity of 9.81 m/s² has closed equations to write in C",
+            where=leg.description.name,
+            remedy="choose joints whose axes are horizontal and parallel (joints=...), or use Pinocchio's own code "
+            "generation on the URDF that exoid export -o writes",
+        )
+    numbers = _checked(model, values)
+    terms = terms_in_c(model, numbers, f"{prefix}_term", dialect)
+    text = _template(dialect).render(
+        p=prefix,
+        urdf=leg.description,
+        version=__version__,
+        joints=leg.joint_names,
+        cumulative=leg.cumulative,
+        gravity=GRAVITY,
+        provenance=provenance,
+        tables=list(_tables(model, numbers, leg.chain, terms, dialect)),
+        terms=terms,
+    )
+    return CSource(text, prefix, dialect, model, numbers, tuple(warnings))
+
+
+class _Table(NamedTuple):
+    """Constants of the leg: label and number of each row."""
+
+    name: str
+    what: str
+    rows: Sequence[tuple[str, str]]
+
+
+def _template(dialect: Dialect) -> jinja2.Template:
+    """Load the template, in which numbers and functions have one precision."""
+    environment = jinja2.Environment(
+        autoescape=False,  # it is no HTML: texts pass the filter "comment"
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["comment"] = comment
+    environment.globals.update(precision=dialect.real, number=dialect.number, function=dialect.function)
+    return environment.from_string(resources.files(__package__).joinpath(TEMPLATE).read_text(encoding="utf-8"))
+
+
+def _checked(model: TorqueModel, values: ArrayLike) -> FloatArray:
+    """Copy the values, (P,), and forbid changes."""
+    numbers = np.array(values, dtype=np.float64)
+    if numbers.shape != (len(model.names),) or not np.isfinite(numbers).all():
+        raise ExoidError(
+            f"values of shape {numbers.shape} must be {len(model.names)} finite numbers",
+            remedy=f"give one for each of {', '.join(model.names)}",
+        )
+    numbers.flags.writeable = False
+    return numbers
+
+
+def _tables(
+    model: TorqueModel, values: FloatArray, chain: PlanarChain, terms: TermsInC, dialect: Dialect
+) -> Iterator[_Table]:
+    """Tables of the template, each number with its label."""
+    joints, number = model.leg.joint_names, dialect.number
+    signs = [(f"axis of {joint}", number(sign)) for joint, sign in zip(joints, chain.signs, strict=True)]
+    yield _Table("sign", "+1 where positive q turns x towards z", signs)
+    ends = [*pairwise(joints), (joints[-1], "the end, not needed")]
+    for axis, column in (("dx", 0), ("dz", 1)):
+        reach = zip(ends, [*chain.offsets[:, column], 0.0], strict=True)
+        lengths = [(f"{here} to {there}", number(length)) for (here, there), length in reach]
+        yield _Table(axis, f"to the next joint, along {axis[1]} at the zero pose [m]", lengths)
+    known = dict(zip(model.names, values, strict=True))
+    for offset, (symbol, unit) in enumerate((("X", "kg m"), ("Y", "kg m"), ("J", "kg m^2"))):
+        names = model.names[offset : 3 * chain.n : 3]
+        yield _Table(symbol, f"[{unit}]", [(name, number(known[name])) for name in names])
+    rotors = [(f"rotor of {joint}", inertia) for joint, inertia in zip(joints, terms.rotor, strict=True)]
+    yield _Table("rotor", "where it is a parameter of its own [kg m^2]", rotors)
+    if terms.table:
+        units = dict(zip(model.names, model.units, strict=True))
+        rows = [(f"{name} [{units[name]}]", number(known[name])) for name in terms.table]
+        yield _Table("term", "friction, springs and offsets", rows)

@@ -1,0 +1,265 @@
+"""Two estimates side by side: do they differ by more than their errors?"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.tables import make_table, to_text, with_error
+
+from .data import EstimateData
+
+SIGNIFICANT = 0.05
+"""A smaller probability is called a difference."""
+
+RANK = 1e-10
+"""Directions whose variance, in units of the parameters' own, is below this count as known exactly by both."""
+
+
+FloatsByName = Mapping[str, FloatArray]
+"""A number of each parameter, by the name of a prior."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison:
+    """Wald test of two estimates, parameter by parameter and of all together; prints itself as a table.
+
+    Attributes:
+        names: Parameters that both have, (P,).
+        units: Their units.
+        difference: Second less first, (P,).
+        std: Its standard deviation, (P,).
+        p_values: Of each alone: probability of a larger difference between estimates of one and the same leg, (P,).
+        adjusted: The same for the largest of all differences (Holm), so that one in twenty comparisons of equal legs,
+            not one in twenty parameters, is called different, (P,).
+        statistic: F of all together.
+        p_value: Of all together.
+        remarks: What the reader should know of what both estimates were told.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    difference: FloatArray
+    std: FloatArray
+    p_values: FloatArray
+    adjusted: FloatArray
+    statistic: float
+    p_value: float
+    remarks: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Forbid changes."""
+        for array in (self.difference, self.std, self.p_values, self.adjusted):
+            array.flags.writeable = False
+
+    @property
+    def differ(self) -> bool:
+        """Whether the legs differ, at 5 %, all parameters together."""
+        return self.p_value < SIGNIFICANT
+
+    def __repr__(self) -> str:
+        """Name the parameters that differ."""
+        return f"Comparison(p_value={self.p_value:.3g}, different: {', '.join(self._different()) or 'none'})"
+
+    def __str__(self) -> str:
+        """Print as a table and a verdict."""
+        rows = [
+            (name, *with_error(difference, std), unit, f"{p:.3f}", f"{adjusted:.3f}")
+            for name, difference, std, unit, p, adjusted in zip(
+                self.names, self.difference, self.std, self.units, self.p_values, self.adjusted, strict=True
+            )
+        ]
+        table = make_table(("parameter", "difference", "± std", "unit", "p", "p of all (Holm)"), rows)
+        verdict = "the estimates differ" if self.differ else "no difference beyond their errors"
+        names = ", ".join(self._different())
+        return to_text(
+            f"Second less first estimate, {len(rows)} common parameters",
+            table,
+            f"all together: F = {self.statistic:.2f}, p = {self.p_value:.2g}: {verdict}",
+            f"different at 5 % of all: {names or 'none'}",
+            *(f"note: {remark}" for remark in self.remarks),
+        )
+
+    def _different(self) -> list[str]:
+        return [name for name, p in zip(self.names, self.adjusted, strict=True) if p < SIGNIFICANT]
+
+
+def compare(first: EstimateData, second: EstimateData) -> Comparison:
+    """Test whether two estimates of the same parameters agree: left and right, before and after, with and without.
+
+    With d = β₂ − β₁ on the common names and C = C₁ + C₂, each d_i / √C_ii follows Student's t with the degrees of
+    freedom of Welch and Satterthwaite, and dᵀ C⁻¹ d Hotelling's T², if both legs are the same. A prior that both were
+    given errs in both alike: of its variance σ² only (g₂ − g₁) σ² (g₂ − g₁)ᵀ is left, g = ∂β/∂p being how far each
+    follows it. Parameters that were held fixed in both are not tested.
+
+    Args:
+        first: An estimate.
+        second: Another one, from other recordings.
+
+    Raises:
+        ExoidError: There is no common parameter, units differ, or both were made from the same recording, so that
+            their errors are not independent.
+    """
+    shared = {source.sha256 for source in first.inputs} & {source.sha256 for source in second.inputs}
+    if shared:
+        sources = ", ".join(source.name for source in first.inputs if source.sha256 in shared)
+        what = f"both estimates were made from {sources}: their errors are not independent"
+        raise ExoidError(what, remedy="compare estimates from different recordings")
+    names = tuple(name for name in first.names if name in second.names)
+    if not names:
+        raise ExoidError(
+            f"no common parameter: {', '.join(first.names)} and {', '.join(second.names)}",
+            remedy="identify the same leg with the same terms",
+        )
+    one, other = ([estimate.names.index(name) for name in names] for estimate in (first, second))
+    units = tuple(first.units[k] for k in one)
+    if units != tuple(second.units[k] for k in other):
+        raise ExoidError("units of the common parameters differ", remedy="compare estimates of legs of one kind")
+    difference = second.values[other] - first.values[one]
+    own = _own(first)[np.ix_(one, one)], _own(second)[np.ix_(other, other)]
+    spread = (
+        {name: x[one] for name, x in _spread(first).items()},
+        {name: x[other] for name, x in _spread(second).items()},
+    )
+    of_both = _priors_of_both(first, second)
+    common = [name for name in of_both if all(name in of_one for of_one in spread)]
+    C = own[0] + own[1] + _of_priors(*spread, common, len(names))
+    v1, v2 = (np.diag(each) for each in own)
+    dof = welch(v1, v2, first.dof_each[one], second.dof_each[other])
+    dof *= np.divide(np.diag(C), v1 + v2, out=np.ones(len(names)), where=v1 + v2 > 0.0) ** 2  # priors are certain
+    held = np.array([name in first.prior_knowledge.known and name in second.prior_knowledge.known for name in names])
+    told = _told(first, second, [name for name in of_both if name not in common])
+    return wald(names, units, difference, C, dof, min(first.dof, second.dof), held=held, remarks=told)
+
+
+def wald(
+    names: tuple[str, ...],
+    units: tuple[str, ...],
+    difference: FloatArray,
+    covariance: FloatArray,
+    dof: FloatArray,
+    least: float,
+    *,
+    held: NDArray[np.bool_] | None = None,
+    remarks: tuple[str, ...] = (),
+) -> Comparison:
+    """Test whether differences are zero, each alone and all together.
+
+    Args:
+        names: Parameters, (P,).
+        units: Their units.
+        difference: (P,).
+        covariance: Of the differences, (P, P).
+        dof: Degrees of freedom of each, (P,).
+        least: Of all together.
+        held: Parameters that are not tested, (P,).
+        remarks: For the reader.
+    """
+    std = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    tested = np.ones(len(names), dtype=np.bool_) if held is None else ~held
+    p_values = np.where(tested, _each(difference, std, dof), 1.0)
+    statistic, p_value = hotelling(difference[tested], covariance[np.ix_(tested, tested)], least)
+    return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value, remarks)
+
+
+def _own(estimate: EstimateData) -> FloatArray:
+    """Covariance without what the errors of priors put into it, where that is known."""
+    spread = _spread(estimate)
+    if not spread:
+        return estimate.covariance
+    sizes, vectors = np.linalg.eigh(estimate.covariance - sum(np.multiply.outer(x, x) for x in spread.values()))
+    return np.asarray(vectors * np.clip(sizes, 0.0, None) @ vectors.T)
+
+
+def _spread(estimate: EstimateData) -> dict[str, FloatArray]:
+    """How far an error of one standard deviation of each prior moves the parameters, (P,), where that is known."""
+    pairs = estimate.prior_knowledge.prior.values.items()
+    if not estimate.prior_gains.size:
+        return {}
+    return {name: std * gain for (name, (_, std)), gain in zip(pairs, estimate.prior_gains.T, strict=True)}
+
+
+def _of_priors(first: FloatsByName, second: FloatsByName, shared: Collection[str], size: int) -> FloatArray:
+    """Covariance that the errors of priors give to the difference; what is shared cancels as far as both follow it."""
+    both = [second[name] - first[name] for name in shared]
+    single = [x for spread in (first, second) for name, x in spread.items() if name not in shared]
+    return sum((np.multiply.outer(x, x) for x in both + single), start=np.zeros((size, size)))
+
+
+def _priors_of_both(first: EstimateData, second: EstimateData) -> list[str]:
+    """Name priors that both were given, the same in value and standard deviation."""
+    priors = second.prior_knowledge.prior.values
+    return [name for name, pair in first.prior_knowledge.prior.values.items() if priors.get(name) == pair]
+
+
+def _told(first: EstimateData, second: EstimateData, unknown: Collection[str]) -> tuple[str, ...]:
+    """Say what differs in what both were told, and which priors count twice."""
+    held, held_too = first.prior_knowledge.known, second.prior_knowledge.known
+    unlike = [f"{name} ({x:.6g} and {held_too[name]:.6g})" for name, x in held.items() if held_too.get(name, x) != x]
+    told = []
+    if unlike:
+        told.append(f"{', '.join(unlike)} held at different values: that was assumed, not found, and may move others")
+    if unknown:
+        told.append(
+            f"both were given the same prior of {', '.join(unknown)}, whose error is counted as if it were two: "
+            "differences may be surer than stated"
+        )
+    return tuple(told)
+
+
+def comparison_to_json(comparison: Comparison) -> dict[str, Any]:
+    """Turn a comparison into what JSON can hold."""
+    by_name = ("difference", "std", "p_values", "adjusted")
+    return {
+        **{key: dict(zip(comparison.names, getattr(comparison, key).tolist(), strict=True)) for key in by_name},
+        "units": dict(zip(comparison.names, comparison.units, strict=True)),
+        "remarks": list(comparison.remarks),
+        "statistic": comparison.statistic,
+        "p_value": comparison.p_value,
+    }
+
+
+def welch(v1: FloatArray, v2: FloatArray, dof1: float | FloatArray, dof2: float | FloatArray) -> FloatArray:
+    """Degrees of freedom of sums of two variances (Welch and Satterthwaite); 1 where both are zero."""
+    known = v1 + v2 == 0.0
+    return np.asarray(np.where(known, 1.0, v1 + v2) ** 2 / np.where(known, 1.0, v1**2 / dof1 + v2**2 / dof2))
+
+
+def _each(difference: FloatArray, std: FloatArray, dof: FloatArray) -> FloatArray:
+    """Student's test of each parameter; two that are known exactly differ or they do not."""
+    known = std == 0.0
+    p = 2.0 * scipy.stats.t.sf(np.abs(difference) / np.where(known, 1.0, std), dof)
+    return np.where(known, np.where(difference == 0.0, 1.0, 0.0), p)
+
+
+def hotelling(difference: FloatArray, covariance: FloatArray, dof: float) -> tuple[float, float]:
+    """Hotelling's T² as F, with the smaller degrees of freedom of the two."""
+    if not len(difference):
+        return 0.0, 1.0
+    std = np.sqrt(np.diag(covariance))
+    std = np.where(std > 0.0, std, 1.0)
+    sizes, vectors = np.linalg.eigh(covariance / np.multiply.outer(std, std))
+    seen = sizes > RANK * max(sizes.max(), RANK)
+    rank = int(seen.sum())
+    if rank == 0:
+        return 0.0, 1.0
+    squared = float(((vectors[:, seen].T @ (difference / std)) ** 2 / sizes[seen]).sum())
+    left = max(dof - rank + 1.0, 1.0)
+    statistic = squared * left / (rank * max(dof, left))
+    return statistic, float(scipy.stats.f.sf(statistic, rank, left))
+
+
+def holm(p_values: FloatArray) -> FloatArray:
+    """Adjust for the number of tests, the smallest first."""
+    order = np.argsort(p_values)
+    steps = np.arange(len(p_values), 0, -1) * p_values[order]
+    adjusted = np.empty_like(p_values)
+    adjusted[order] = np.minimum(np.maximum.accumulate(steps), 1.0)
+    return adjusted

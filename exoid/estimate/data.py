@@ -1,0 +1,314 @@
+"""Values of identified parameters, their uncertainty, and the evidence for both."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+from exoid.regression.diagnostics import JointNoise, identifiability_beside, identifiability_class
+from exoid.regression.influence import Influence
+from exoid.regression.intervals import half_width, intervals
+from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
+from exoid.regression.trends import Trend
+from exoid.signals import Preparation
+from exoid.torques import Regrouped, TorqueModel
+from exoid.torso import TorsoMotion
+
+from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
+from .parameter import Parameter
+from .torque_band import TorqueBand, torque_std
+
+LARGE = 1e300
+"""Stands for what is infinite, as files hold finite numbers."""
+
+
+@dataclass(frozen=True)
+class Input:
+    """One recording that went into an estimate.
+
+    Attributes:
+        name: File name, or "array" for one made in memory.
+        sha256: Hash of the file, or of the arrays.
+        samples: Number of samples.
+        sample_rate: [Hz].
+    """
+
+    name: str
+    sha256: str
+    samples: int
+    sample_rate: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class EstimateData:
+    """Identified parameters of a leg with their covariance.
+
+    Attributes:
+        model: Leg as it was given, and the terms beside it, loaded by the values: what the parameters belong to.
+        values: Parameters in the order of :attr:`names`, (P,).
+        covariance: Of the values, (P, P).
+        condition_number: Of the regressor with columns scaled to unit length; below 100 is good.
+        dof: Independent samples less parameters.
+        dof_each: Of each parameter's variance, at most as many, (P,): what is known of the noise at the frequencies on
+            which the parameter hangs. Empty counts as ``dof`` for all.
+        residual_rms: Of each joint on the data it was fitted to [N·m], (n,).
+        estimator: Name of the estimator.
+        preparation: How the recordings became rows.
+        inputs: What was identified from.
+        noise: What the residuals of each joint look like, n of them, or none.
+        parameter_scale: Of parameters that would explain all torque of a joint alone, (P,); see
+            :attr:`identifiability`.
+        reference_scale: The same had joints moved as in a calm exercise; as good as infinite in older files, (P,).
+        collinearity: Condition index of each parameter: half of its variance comes from directions that the recordings
+            see so many times worse than the best; 1 in older files, (P,).
+        prior_gains: How far each parameter follows the value of each prior, ∂β/∂p, (P, K); empty where that is not
+            known, as of ``ml``, output error and older files.
+        warnings: What makes this estimate doubtful.
+        assumed: What was known beside the recordings.
+        bounded: Parameters that would have become negative and were kept at zero. Intervals are then centred there, as
+            wide as without the bound: rather too wide.
+        influence: Of each recording, where there are several.
+        trends: Residuals against velocity and angle, joint by joint.
+        shapes: Settings of terms that were found, such as a Stribeck velocity; the covariance of the values counts in
+            that they are uncertain, too.
+    """
+
+    model: TorqueModel
+    values: FloatArray
+    covariance: FloatArray
+    condition_number: float
+    dof: float
+    residual_rms: FloatArray
+    estimator: str
+    preparation: Preparation
+    inputs: tuple[Input, ...] = field(default=())
+    noise: tuple[JointNoise, ...] = ()
+    parameter_scale: FloatArray | None = None
+    warnings: tuple[str, ...] = ()
+    prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
+    bounded: tuple[str, ...] = ()
+    influence: Influence | None = None
+    trends: tuple[Trend, ...] = ()
+    nonlinear: NonlinearParameters = NO_NONLINEAR_PARAMETERS
+    dof_each: FloatArray = field(default_factory=lambda: np.zeros(0))
+    reference_scale: FloatArray = field(default_factory=lambda: np.zeros(0))
+    collinearity: FloatArray = field(default_factory=lambda: np.zeros(0))
+    prior_gains: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+
+    def __post_init__(self) -> None:
+        """Check sizes and forbid changes."""
+        count, joints = len(self.names), len(self.joint_names)
+        if self.parameter_scale is None:
+            object.__setattr__(self, "parameter_scale", np.zeros(count))
+        missing = {"dof_each": self.dof, "reference_scale": LARGE, "collinearity": 1.0}
+        for name, number in missing.items():
+            if not len(getattr(self, name)):
+                object.__setattr__(self, name, np.full(count, number))
+        nonlinear = {
+            "values": (count,),
+            "covariance": (count, count),
+            "residual_rms": (joints,),
+            "parameter_scale": (count,),
+        }
+        nonlinear.update(dict.fromkeys(missing, (count,)))
+        nonlinear["prior_gains"] = (
+            (count, len(self.prior_knowledge.prior.values)) if np.size(self.prior_gains) else (0, 0)
+        )
+        for name, shape in nonlinear.items():
+            array = np.array(getattr(self, name), dtype=np.float64)
+            if array.shape != shape or not np.isfinite(array).all():
+                raise ExoidError(
+                    f"{name} of shape {array.shape} must be finite and fit {count} parameters of {joints} joints",
+                    remedy="identify again",
+                )
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+        object.__setattr__(self, "model", self.model.loaded_by(self.values))
+        if len(self.noise) not in (0, joints):
+            raise ExoidError(f"noise of {len(self.noise)} joints, not {joints}", remedy="identify again")
+        positive = min(self.dof, *self.dof_each) > 0.0 and (np.diag(self.covariance) >= 0.0).all()
+        if not (positive and self.condition_number >= 1.0):
+            raise ExoidError(
+                "degrees of freedom, condition number or a variance is not what a least-squares fit gives",
+                remedy="identify again",
+            )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters: the leg's, then those of the terms, joint by joint."""
+        return self.model.names
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Their units."""
+        return self.model.units
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Joints of the leg."""
+        return self.model.leg.joint_names
+
+    @property
+    def regrouped(self) -> tuple[Regrouped, ...]:
+        """Parameters that are part of others, as no motion tells them apart."""
+        return self.model.regrouped
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard deviations, (P,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Correlation of the errors of any two parameters, (P, P)."""
+        std = np.where(self.std > 0.0, self.std, 1.0)
+        correlation = self.covariance / np.multiply.outer(std, std)
+        np.fill_diagonal(correlation, 1.0)
+        return np.asarray(correlation)
+
+    @property
+    def identifiability(self) -> tuple[str, ...]:
+        """How well each parameter is determined: "well", "weakly" or "not"; or "known", or "prior".
+
+        Well if the standard deviation is at most 10 % of the value, weakly if at most 30 %. For values near zero it is
+        10 and 30 % of a tenth of the value that would explain all torque of a joint alone, in these recordings or in a
+        calm exercise. Known is what was held fixed, and prior what the prior knows better than the recordings. A value
+        that would give three times all torque of a joint is not determined: it only cancels another. And what moves
+        together with others is at best weakly determined from a condition index of 100 on, and not from 300 on.
+        """
+        sizes = np.zeros(len(self.values)) if self.parameter_scale is None else self.parameter_scale
+        numbers = zip(self.values, self.std, sizes, self.reference_scale, self.collinearity, strict=True)
+        return tuple(
+            identifiability_beside(name, self.prior_knowledge, each[1], identifiability_class(*each))
+            for name, each in zip(self.names, numbers, strict=True)
+        )
+
+    def interval(self, level: float = 0.95) -> FloatArray:
+        """Confidence intervals by Student's t with the degrees of freedom of each parameter, (P, 2).
+
+        Args:
+            level: Probability that an interval contains the true value, between 0 and 1.
+
+        Raises:
+            ExoidError: The level is not between 0 and 1.
+        """
+        return intervals(self.values, self.std, self.dof_each, level)
+
+    def __getitem__(self, name: str) -> Parameter:
+        """Look up one parameter by name, a nonlinear one too.
+
+        Args:
+            name: Name of the parameter, such as "X1".
+
+        Returns:
+            Value, standard deviation, 95 % interval, unit and identifiability.
+
+        Raises:
+            ExoidError: There is no such parameter.
+        """
+        of_all = self if name in self.names else self.nonlinear
+        if name not in of_all.names:
+            names = (*self.names, *self.nonlinear.names)
+            raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(names)}")
+        k = of_all.names.index(name)
+        low, high = (self.interval() if of_all is self else self.nonlinear.interval(self.dof))[k]
+        value, std = float(of_all.values[k]), float(of_all.std[k])
+        return Parameter(name, value, std, (float(low), float(high)), of_all.units[k], of_all.identifiability[k])
+
+    def __iter__(self) -> Iterator[str]:
+        """Go over the names of all parameters."""
+        return iter((*self.names, *self.nonlinear.names))
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a parameter of that name."""
+        return name in self.names or name in self.nonlinear.names
+
+    def value(self, name: str) -> float:
+        """Look up the value of one parameter: short for ``estimate[name].value``.
+
+        Args:
+            name: Name of the parameter.
+
+        Returns:
+            Its value.
+
+        Raises:
+            ExoidError: There is no such parameter.
+        """
+        return self[name].value
+
+    @cached_property
+    def leg(self) -> Leg:
+        """The leg with the identified rigid-body parameters."""
+        return self.model.leg.with_parameters(self.values[: len(self.model.leg.parameter_names)])
+
+    def torque(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
+        """Predict actuator torques τ = W(q, v, a) β, rigid bodies and terms together.
+
+        Friction that depends on load takes the estimate's own rigid-body torque. Terms with presliding take the samples
+        in time order and start as if the joint had slid in the direction of its first velocity.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            a: Joint accelerations [rad/s²], (N, n).
+            torso: Motion of the torso, if it moves.
+
+        Returns:
+            Torques [N·m], (N, n).
+        """
+        return self.model.regressor(q, v, a, torso) @ self.values
+
+    def torque_std(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None, *, measured: bool = False
+    ) -> FloatArray:
+        """Standard deviation of :meth:`torque` [N·m], (N, n), as if loads of friction and fitted settings were exact.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            a: Joint accelerations [rad/s²], (N, n).
+            torso: Motion of the torso, if it moves.
+            measured: Whether to add the noise of a new measurement, which has passed the same filter as those that the
+                estimate was made from.
+        """
+        model = self.model.loaded_by(self.values)
+        std = torque_std(model, self.covariance, model.motion(q, v, a, torso))
+        if not measured:
+            return std
+        lost = (self.dof + len(self.values)) / self.dof  # residuals are smaller than noise, as they were fitted
+        return np.asarray(np.sqrt(std**2 + lost * self.residual_rms**2))
+
+    def torque_band(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        torso: TorsoMotion | None = None,
+        *,
+        level: float = 0.95,
+        measured: bool = True,
+    ) -> TorqueBand:
+        """Band that contains a new torque of each sample with so much probability, by Student's t.
+
+        A measured torque takes the degrees of freedom of the noise, the model's own the fewest of any parameter.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            a: Joint accelerations [rad/s²], (N, n).
+            torso: Motion of the torso, if it moves.
+            level: The probability, between 0 and 1.
+            measured: True for a torque measured and filtered like those that the estimate was made from, False for the
+                model's own, without noise.
+        """
+        dof = self.dof if measured else float(self.dof_each.min())
+        half = half_width(level, dof) * self.torque_std(q, v, a, torso, measured=measured)
+        torque = self.torque(q, v, a, torso)
+        return TorqueBand(torque, torque - half, torque + half)

@@ -1,0 +1,119 @@
+"""Result of an identification: an estimate that prints, saves and exports itself."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+from exoid.codegen import CSource, write_c
+
+from .data import EstimateData
+from .export import Export, export_urdf
+from .file import estimate_from_json as _from_json
+from .file import read_estimate, write_estimate
+from .provenance import provenance
+from .text import report
+
+
+class Estimate(EstimateData):
+    """Identified parameters of a leg with their covariance; prints itself as a table.
+
+    See :class:`EstimateData` for the attributes: :attr:`values`, :attr:`std`, :attr:`covariance`, :attr:`names` and
+    the evidence behind them.
+
+    Example:
+        >>> data = exoid.datasets.bleex_swing()
+        >>> estimate = exoid.identify(data.leg, data.train)
+        >>> print(f"{estimate['X1'].value:.2f} {estimate['X1'].unit}")
+        3.99 kg·m
+    """
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the estimate as JSON, whole or not at all; see :meth:`load`.
+
+        Raises:
+            ExoidError: The file cannot be written.
+        """
+        write_estimate(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Estimate:
+        """Read an estimate that :meth:`save` wrote; it contains the URDF, so it needs no other file.
+
+        Raises:
+            ExoidError: The file is unreadable or not an estimate.
+        """
+        return read_estimate(path, cls)
+
+    def to_urdf(self, path: str | os.PathLike[str]) -> Export:
+        """Write the leg's URDF with identified inertias and friction, and a sidecar with what it has no place for.
+
+        Inertias of the moving links are those that can exist, reproduce the estimate and are nearest to the URDF's own
+        (:func:`exoid.lift.lift`); where none can exist, those of the nearest possible estimate. Coulomb and
+        viscous friction go into ``<dynamics friction= damping=>`` where they were identified. Rotor inertia, offset,
+        stiffness and the smoothing of friction stand in ``<name>.exoid.json`` beside it. A rotor inertia that is
+        regrouped into an inertia (J1 at the hip) stays there. Everything else in the URDF stays as it is; file names of
+        meshes too, so a URDF with relative ones belongs into the same folder.
+
+        Args:
+            path: The URDF to write. Both files are written whole or neither is.
+
+        Returns:
+            What was written, which prints itself: where the parameters are, and by how much they had to move.
+
+        Raises:
+            ExoidError: A file cannot be written.
+        """
+        return export_urdf(self, path)
+
+    def to_c(self, path: str | os.PathLike[str], *, precision: str = "double", name: str | None = None) -> CSource:
+        """Write the torques of a planar leg as one C99 file that needs nothing but ``<math.h>``.
+
+        Gravity, friction, springs and offsets, mass matrix, rigid bodies, and all together (:meth:`torque`) are
+        functions ``<name>_gravity(q, tau)`` and so on, without state or allocation, for a microcontroller. The comment
+        at the top says where the numbers come from.
+
+        Args:
+            path: The file to write, whole or not at all.
+            precision: "double" or "float".
+            name: Prefix of every name in it; None for the file's.
+
+        Returns:
+            What was written, which prints itself.
+
+        Raises:
+            ExoidError: The leg is not a planar chain, a term has no form in C, or the file cannot be written.
+        """
+        return write_c(
+            self.model,
+            self.values,
+            path,
+            provenance=provenance(self),
+            warnings=self.warnings,
+            precision=precision,
+            name=name,
+        )
+
+    def __repr__(self) -> str:
+        """Name the parameters."""
+        return f"Estimate({', '.join(f'{n}={v:.4g}' for n, v in zip(self.names, self.values, strict=True))})"
+
+    def __str__(self) -> str:
+        """Print as a table, followed by what the reader should know before trusting it."""
+        return report(self)
+
+
+def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
+    """Rebuild an estimate from what :func:`estimate_to_json` made.
+
+    Args:
+        data: The estimate as JSON holds it.
+
+    Returns:
+        The estimate.
+
+    Raises:
+        ExoidError: Names of the values do not fit the leg and terms, or the URDF was changed.
+    """
+    return _from_json(data, Estimate)

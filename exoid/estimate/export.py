@@ -1,0 +1,185 @@
+"""Writing an estimate back into the user's URDF: inertias and friction there, the rest in a file beside it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.exported import IN_URDF, SCHEMA, sidecar_of
+from exoid.files import write_together
+from exoid.leg import Leg
+from exoid.lift import Lift, lift
+from exoid.lift.lumping import share_out
+from exoid.rewriting import rewrite
+from exoid.tables import make_table, to_text
+from exoid.torques import term_to_json
+
+from .data import EstimateData
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Export:
+    """What was written where; prints itself.
+
+    Attributes:
+        urdf: The URDF.
+        sidecar: The file beside it, with everything that a URDF has no place for.
+        sha256: Hash of the URDF, by which the sidecar knows it.
+        estimate: What was exported.
+        lift: The links, and by how much the estimate had to move to be possible.
+        values: All parameters as exported, (P,), in the order of ``estimate.names``. Where the rigid bodies had to
+            move, the other terms move along as their correlation with these says.
+        changed_links: Links whose inertia was written.
+        not_dissipative: Friction below zero, which a URDF must not state: written as 0, and as it is in the sidecar.
+    """
+
+    urdf: Path
+    sidecar: Path
+    sha256: str
+    estimate: EstimateData
+    lift: Lift
+    values: FloatArray
+    changed_links: tuple[str, ...]
+    not_dissipative: tuple[str, ...]
+
+    @property
+    def only_in_sidecar(self) -> tuple[str, ...]:
+        """Parameters that the URDF has no place for."""
+        return tuple(
+            name for name in self.estimate.names[len(self.lift.names) :] if _place(name, self.estimate) is None
+        )
+
+    def __repr__(self) -> str:
+        """Name the files."""
+        return f"Export({str(self.urdf)!r}, {str(self.sidecar)!r})"
+
+    def __str__(self) -> str:
+        """Print what is where, and by how much the estimate had to move."""
+        lines = [f"{self.urdf}: inertia of {', '.join(self.changed_links)}; friction and damping where identified"]
+        only = ", ".join(self.only_in_sidecar) or "how friction is smoothed, and where all this comes from"
+        lines.append(f"{self.sidecar}: what a URDF has no place for: {only}")
+        lines += [f"note: {regrouped}, also in the URDF" for regrouped in self.estimate.regrouped]
+        if self.not_dissipative:
+            names = ", ".join(self.not_dissipative)
+            lines.append(f"note: {names} below zero would feed energy in: 0 in the URDF, as estimated in the sidecar")
+        if self.lift.feasible:
+            return to_text(*lines, "the URDF has exactly the estimated parameters")
+        rows = [
+            (name, f"{old:.5g}", f"{new:.5g}", f"{new - old:+.2g}", f"{(new - old) / std:+.2f}" if std > 0.0 else "")
+            for name, old, new, std in zip(
+                self.estimate.names, self.estimate.values, self.values, self.estimate.std, strict=True
+            )
+        ]
+        moved = make_table(("parameter", "estimate", "exported", "moved", "in std"), rows)
+        what = (
+            f"no links that can exist have the estimated parameters; the nearest are {self.lift.distance:.3g} std away"
+        )
+        return to_text(*lines, what, moved)
+
+
+def export_urdf(estimate: EstimateData, path: str | os.PathLike[str]) -> Export:
+    """Write an estimate as a URDF with a sidecar; see :meth:`Estimate.to_urdf`."""
+    urdf = Path(path)
+    sidecar = sidecar_of(urdf) if urdf.name else urdf
+    if sidecar == urdf:
+        raise ExoidError(f"{str(path)!r} is no name for a URDF", remedy="give a file such as leg.urdf")
+    leg = estimate.model.leg
+    p = len(leg.parameter_names)
+    lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p])
+    links = share_out(leg, lifted.link_parameters)
+    values = estimate.values if lifted.feasible else _moved_along(estimate, lifted.values)
+    dynamics, negative = _dynamics(estimate, values)
+    text = rewrite(leg.description, links, dynamics, _note(leg, sidecar.name, links, dynamics))
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    result = Export(urdf, sidecar, digest, estimate, lifted, values, tuple(links), negative)
+    beside = json.dumps(export_to_json(result), indent=1, ensure_ascii=False)
+    write_together({urdf: text, sidecar: f"{beside}\n"})
+    return result
+
+
+def export_to_json(export: Export) -> dict[str, Any]:
+    """Describe an export as the sidecar has it."""
+    estimate, leg = export.estimate, export.estimate.model.leg
+    return {
+        "schema": SCHEMA,
+        "urdf": {"name": export.urdf.name, "sha256": export.sha256},
+        "joints": list(leg.joint_names),
+        "locked": dict(leg.locked),
+        "cumulative": leg.cumulative,
+        "values": dict(zip(estimate.names, export.values.tolist(), strict=True)),
+        "units": dict(zip(estimate.names, estimate.units, strict=True)),
+        "only_here": list(export.only_in_sidecar),
+        "not_dissipative": list(export.not_dissipative),
+        "terms": [term_to_json(term) for term in estimate.model.terms],
+        "shapes": dict(zip(estimate.nonlinear.names, estimate.nonlinear.values.tolist(), strict=True)),
+        "merged": {regrouped.name: regrouped.into for regrouped in estimate.regrouped},
+        "estimate": {
+            "values": dict(zip(estimate.names, estimate.values.tolist(), strict=True)),
+            "std": dict(zip(estimate.names, estimate.std.tolist(), strict=True)),
+            "estimator": estimate.estimator,
+            "urdf": {"name": leg.description.name, "sha256": leg.description.sha256},
+        },
+        "lift": {
+            "feasible": export.lift.feasible,
+            "distance": export.lift.distance,
+            "divergence": export.lift.divergence,
+            "moved": export.lift.moved,
+            "links": list(export.changed_links),
+        },
+    }
+
+
+def _note(leg: Leg, sidecar: str, links: Mapping[str, object], dynamics: Mapping[str, object]) -> str:
+    """Say above the URDF what in it is not what its own comments say."""
+    friction = f" and <dynamics> of {', '.join(dynamics)}" if dynamics else ""
+    return (
+        f"exoid: <inertial> of {', '.join(links)}{friction} are identified, see {sidecar};\n"
+        f"masses, which motion does not reveal, are nearest to {leg.description.name}; all else is as it was there."
+    )
+
+
+def _moved_along(estimate: EstimateData, rigid: FloatArray) -> FloatArray:
+    """All values, given those of the rigid bodies: the others at the minimum of (β − β̂)ᵀ C⁻¹ (β − β̂)."""
+    p = len(rigid)
+    values = estimate.values.copy()
+    scale = np.where(estimate.std > 0.0, estimate.std, 1.0)
+    correlation = estimate.covariance / np.outer(scale, scale)
+    change = (rigid - values[:p]) / scale[:p]
+    pull, *_ = np.linalg.lstsq(correlation[:p, :p], change, rcond=1e-12)
+    values[p:] += scale[p:] * (correlation[p:, :p] @ pull)
+    values[:p] = rigid
+    return values
+
+
+def _place(name: str, estimate: EstimateData) -> tuple[str, str] | None:
+    """Joint and attribute of ``<dynamics>`` for a parameter; None where the URDF has none."""
+    leg = estimate.model.leg
+    symbol, _, label = name.partition("_")
+    if symbol not in IN_URDF or label not in leg.joint_labels:
+        return None
+    return leg.joint_names[leg.joint_labels.index(label)], IN_URDF[symbol]
+
+
+def _dynamics(estimate: EstimateData, values: FloatArray) -> tuple[dict[str, dict[str, float]], tuple[str, ...]]:
+    """Attributes of ``<dynamics>`` for each joint, and the names of those that had to be raised to zero."""
+    found: dict[str, dict[str, float]] = {}
+    negative = []
+    p = len(estimate.model.leg.parameter_names)
+    for name, value in zip(estimate.names[p:], values[p:], strict=True):
+        place = _place(name, estimate)
+        if place is None:
+            continue
+        joint, attribute = place
+        found.setdefault(joint, {})[attribute] = max(0.0, float(value))
+        if value < 0.0:
+            negative.append(name)
+    return found, tuple(negative)

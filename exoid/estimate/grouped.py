@@ -1,0 +1,260 @@
+"""The result of identifying several groups at once: an estimate of each, and what they share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.regression.diagnostics import identifiability_beside, identifiability_class
+from exoid.regression.intervals import intervals
+from exoid.regression.parameters import ParameterLayout, PriorKnowledge
+from exoid.tables import make_table, to_text
+
+from .comparison import Comparison, wald, welch
+from .equality import Equality
+from .estimate import Estimate
+from .file import estimate_to_json
+from .text import assumptions, condition, written
+
+HEADERS = ("value", "± std", "95 % from", "to", "unit", "determined")
+"""Of what tables say of a parameter."""
+
+DIFFERENT = 0.05
+"""Probability with which own parameters of equal legs would be said to differ."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GroupedEstimate:
+    """Estimates of several groups of recordings that share parameters; prints itself as tables.
+
+    ``grouped["left"]`` is the :class:`Estimate` of a group: its errors are correlated with those of the others.
+
+    Attributes:
+        estimates: One for each group, by its name.
+        layout: Which parameters are shared.
+        values: Of all parameters in the order of :attr:`names`, (P,).
+        covariance: Of the values, (P, P).
+        dofs: Degrees of freedom of each, (P,).
+        parameter_scale: Of parameters that would explain all torque of a joint alone, (P,).
+        reference_scale: The same had joints moved as in a calm exercise, (P,).
+        collinearity: Condition index of each parameter, (P,).
+        condition_number: Of the regressor of all with columns scaled to unit length.
+        assumed: What was known beside the recordings, by the names here.
+        bounded: Parameters that would have become negative and were kept at zero.
+        equal: Whether own parameters are the same in all groups.
+        agreement: Whether shared ones would be, were each group identified alone; None if one cannot be.
+        warnings: What makes the estimates doubtful.
+        notes: What else the reader should know.
+    """
+
+    estimates: Mapping[str, Estimate]
+    layout: ParameterLayout
+    values: FloatArray
+    covariance: FloatArray
+    dofs: FloatArray
+    parameter_scale: FloatArray
+    reference_scale: FloatArray
+    collinearity: FloatArray
+    condition_number: float
+    prior_knowledge: PriorKnowledge
+    equal: Equality
+    agreement: Equality | None
+    bounded: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Forbid changes."""
+        object.__setattr__(self, "estimates", MappingProxyType(dict(self.estimates)))
+        for name in ("values", "covariance", "dofs", "parameter_scale", "reference_scale", "collinearity"):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+    def __getitem__(self, group: str) -> Estimate:
+        """Look the estimate of a group up.
+
+        Raises:
+            ExoidError: There is no such group.
+        """
+        if group not in self.estimates:
+            raise ExoidError(f"no group {group!r}", remedy=f"groups are {', '.join(self.groups)}")
+        return self.estimates[group]
+
+    def __iter__(self) -> Iterator[str]:
+        """Go over the names of the groups."""
+        return iter(self.groups)
+
+    def __len__(self) -> int:
+        """Number of groups."""
+        return len(self.groups)
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Names of the groups."""
+        return self.layout.groups
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all parameters: shared ones, then each group's own, such as ``c0_hip[left]``."""
+        return self.layout.names
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Their units."""
+        return self.layout.units
+
+    @property
+    def shared(self) -> tuple[str, ...]:
+        """Names of the shared parameters."""
+        return self.names[: self.layout.shared]
+
+    @property
+    def own(self) -> tuple[str, ...]:
+        """Names of the parameters that each group has of its own, without the group."""
+        return self.layout.own
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard deviations, (P,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def identifiability(self) -> tuple[str, ...]:
+        """How well each parameter is determined, see :attr:`Estimate.identifiability`."""
+        numbers = zip(self.values, self.std, self.parameter_scale, self.reference_scale, self.collinearity, strict=True)
+        return tuple(
+            identifiability_beside(name, self.prior_knowledge, each[1], identifiability_class(*each))
+            for name, each in zip(self.names, numbers, strict=True)
+        )
+
+    def interval(self, level: float = 0.95) -> FloatArray:
+        """Confidence intervals by Student's t, (P, 2).
+
+        Args:
+            level: Probability that an interval contains the true value, between 0 and 1.
+
+        Raises:
+            ExoidError: The level is not between 0 and 1.
+        """
+        return intervals(self.values, self.std, self.dofs, level)
+
+    def compare(self, first: str, second: str) -> Comparison:
+        """Test whether own parameters of two groups differ; errors that they have in common cancel.
+
+        As :func:`exoid.compare`, with cov(β₂ − β₁) = C₁₁ + C₂₂ − C₁₂ − C₂₁ of the joint covariance.
+
+        Args:
+            first: Name of a group.
+            second: Name of another.
+
+        Raises:
+            ExoidError: There is no such group, or it has no parameters of its own.
+        """
+        for group in (first, second):
+            self[group]
+        if first == second or not self.own:
+            what = f"{first} twice" if first == second else f"{first} and {second} share every parameter"
+            raise ExoidError(f"nothing to compare: {what}", remedy="name two groups with parameters of their own")
+        one, other = ([self.layout.place(n, self.groups.index(g)) for n in self.own] for g in (first, second))
+        C = self.covariance
+        crossed = C[np.ix_(one, other)]
+        covariance = C[np.ix_(one, one)] + C[np.ix_(other, other)] - crossed - crossed.T
+        variances = np.diag(C)
+        dof = welch(variances[one], variances[other], self.dofs[one], self.dofs[other])
+        units = tuple(self.units[k] for k in one)
+        least = min(self[group].dof for group in (first, second))
+        return wald(self.own, units, self.values[other] - self.values[one], covariance, dof, least)
+
+    def __repr__(self) -> str:
+        """Name groups and parameters."""
+        return (
+            f"GroupedEstimate({', '.join(self.groups)}; shared: {', '.join(self.shared)}; own: {', '.join(self.own)})"
+        )
+
+    def __str__(self) -> str:
+        """Print as tables, followed by what the reader should know before trusting them."""
+        return report(self)
+
+
+def report(grouped: GroupedEstimate) -> str:
+    """Print estimates that share parameters."""
+    kind = next(iter(grouped.estimates.values())).estimator
+    title = f"{', '.join(grouped.groups)}: {kind} estimate of {len(grouped.shared)} shared parameters"
+    parts: list[Table | str] = [f"{title}, {len(grouped.own)} own each"]
+    numbers = dict(zip(grouped.names, _numbers(grouped), strict=True))
+    if grouped.shared:
+        rows = [(name, *numbers[name]) for name in grouped.shared]
+        parts.append(make_table(("shared", *HEADERS), rows))
+    if grouped.own:
+        parts.append(make_table(("own", *HEADERS, "p equal"), _own_rows(grouped, numbers)))
+    return to_text(*parts, *_remarks(grouped))
+
+
+def grouped_to_json(grouped: GroupedEstimate) -> dict[str, Any]:
+    """Turn estimates that share parameters into what JSON can hold."""
+    names = grouped.names
+    of_each = {
+        "values": grouped.values.tolist(),
+        "std": grouped.std.tolist(),
+        "interval_95": grouped.interval().tolist(),
+        "units": grouped.units,
+        "determined": grouped.identifiability,
+        "degrees_of_freedom": grouped.dofs.tolist(),
+    }
+    return {
+        **{key: dict(zip(names, column, strict=True)) for key, column in of_each.items()},
+        "shared": list(grouped.shared),
+        "own": list(grouped.own),
+        "condition_number": grouped.condition_number,
+        "covariance": grouped.covariance.tolist(),
+        "equal": _equality_to_json(grouped.equal),
+        "agreement": None if grouped.agreement is None else _equality_to_json(grouped.agreement),
+        "warnings": list(grouped.warnings),
+        "notes": list(grouped.notes),
+        "groups": {group: estimate_to_json(grouped[group]) for group in grouped},
+    }
+
+
+def _numbers(grouped: GroupedEstimate) -> Iterator[tuple[str, ...]]:
+    """Write each parameter's numbers."""
+    columns = (grouped.values, grouped.std, grouped.interval(), grouped.units, grouped.identifiability)
+    for value, std, interval, unit, judged in zip(*columns, strict=True):
+        yield *written(value, std, interval), unit, judged
+
+
+def _own_rows(grouped: GroupedEstimate, numbers: dict[str, tuple[str, ...]]) -> Iterator[tuple[str, ...]]:
+    """Own parameters side by side, with the probability that they are the same in all groups."""
+    for k, name in enumerate(grouped.own):
+        for group in range(len(grouped)):
+            place = grouped.names[grouped.layout.place(name, group)]
+            p = f"{grouped.equal.p_values[k]:.3f}" if group == 0 and len(grouped) > 1 else ""
+            yield place, *numbers[place], p
+
+
+def _remarks(grouped: GroupedEstimate) -> Iterator[str]:
+    for group in grouped:
+        estimate = grouped[group]
+        residuals = zip(estimate.joint_names, estimate.residual_rms, strict=True)
+        yield f"residual RMS of {group} [N·m]: " + ", ".join(f"{joint} {rms:.3g}" for joint, rms in residuals)
+    yield condition(grouped.condition_number)
+    if grouped.own and len(grouped) > 1:
+        yield f"own parameters that differ at 5 % of all: {', '.join(grouped.equal.below(DIFFERENT)) or 'none'}"
+    if grouped.agreement is not None and grouped.shared:
+        least = float(grouped.agreement.adjusted.min())
+        yield f"shared parameters, each group alone: the smallest p of {len(grouped.shared)} is {least:.2g} (Holm)"
+    yield from assumptions(grouped.prior_knowledge, grouped.bounded)
+    yield from (f"warning: {warning}" for warning in grouped.warnings)
+    yield from (f"note: {note}" for note in grouped.notes)
+
+
+def _equality_to_json(equality: Equality) -> dict[str, Any]:
+    columns = {"p_values": equality.p_values, "adjusted": equality.adjusted}
+    return {key: dict(zip(equality.names, column.tolist(), strict=True)) for key, column in columns.items()}

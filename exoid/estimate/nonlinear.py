@@ -1,0 +1,92 @@
+"""Settings of terms that a fit has found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.regression.diagnostics import identifiability_class
+from exoid.regression.intervals import half_width
+
+
+@dataclass(frozen=True, eq=False)
+class NonlinearParameters:
+    """Fitted settings of terms, such as a Stribeck velocity, with their uncertainty.
+
+    Attributes:
+        names: Symbol and joint, (S,).
+        units: Their units.
+        values: (S,).
+        covariance: Of the values, of Gauss and Newton, (S, S); zero for those that are held.
+        held: Settings that the recordings did not determine, and that stand where the fit left them.
+    """
+
+    names: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+    values: FloatArray = field(default_factory=lambda: np.zeros(0))
+    covariance: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    held: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check sizes and forbid changes."""
+        count = len(self.names)
+        nonlinear: tuple[tuple[str, tuple[int, ...]], ...] = (("values", (count,)), ("covariance", (count, count)))
+        for name, shape in nonlinear:
+            array = np.array(getattr(self, name), dtype=np.float64)
+            if array.shape != shape or not np.isfinite(array).all():
+                raise ExoidError(f"{name} of fitted settings do not fit {count} names", remedy="identify again")
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+    def __len__(self) -> int:
+        """Number of settings."""
+        return len(self.names)
+
+    def with_covariance(self, names: Sequence[str], covariance: FloatArray) -> NonlinearParameters:
+        """Return the same settings with the covariance of some of them."""
+        places = [self.names.index(name) for name in names]
+        whole = np.zeros((len(self), len(self)))
+        whole[np.ix_(places, places)] = covariance
+        return replace(self, covariance=whole)
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard deviations, (S,); 0 for those that are held."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def identifiability(self) -> tuple[str, ...]:
+        """How well each is determined: "well", "weakly", "not" or "held"."""
+        return tuple(
+            "held" if name in self.held else identifiability_class(value, std, 0.0)
+            for name, value, std in zip(self.names, self.values, self.std, strict=True)
+        )
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Say of each that was found but is not determined what that means."""
+        return tuple(
+            f"{name} = {value:.3g} ± {std:.2g} {unit} is not determined: a given value may predict as well"
+            for name, value, std, unit, judged in zip(
+                self.names, self.values, self.std, self.units, self.identifiability, strict=True
+            )
+            if judged == "not"
+        )
+
+    def interval(self, dof: float, level: float = 0.95) -> FloatArray:
+        """Confidence intervals, (S, 2), of Student's t for the logarithms, as settings are positive.
+
+        Args:
+            dof: Degrees of freedom of the estimate.
+            level: Probability that an interval contains the true value.
+        """
+        half = half_width(level, dof) * self.std / self.values
+        return np.column_stack([self.values * np.exp(-half), self.values * np.exp(half)])
+
+
+NO_NONLINEAR_PARAMETERS = NonlinearParameters()
+"""Of a model that is linear in all parameters."""

@@ -1,0 +1,106 @@
+"""What an estimate says a leg does under the torques that were measured: its motion, piece by piece."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.regression.rows import for_leg
+from exoid.signals import Recording
+from exoid.torso import TorsoMotion
+
+from .data import EstimateData
+
+STEP = 2e-3
+"""Longest step of the integration [s]; smoothed friction of a light foot acts within a few milliseconds."""
+
+FASTEST = 1e3
+"""A joint faster than this [rad/s] has diverged."""
+
+
+def predict_motion(estimate: EstimateData, recording: Recording, horizon: float = 0.5) -> Recording:
+    """Let the identified leg move under the measured torques, started anew from the measured state every so often.
+
+    Between two starts nothing pulls the model back to the measurement: what lies between both motions after a horizon
+    is what the model gets wrong in that time. M(q) a = τ − b(q, v) is integrated by Runge and Kutta's method of
+    order 4, with M and b from the estimate's torque, which is linear in a: τ = M a + b.
+
+    Args:
+        estimate: The estimate, with friction and all its terms.
+        recording: Motion and torques; the torso at rest or tilted.
+        horizon: Time from one start to the next [s].
+
+    Returns:
+        The predicted motion at the recording's (even) time stamps, which jumps back to the measured one at each start.
+
+    Raises:
+        ExoidError: There is no torque, the horizon is shorter than two samples, or the model's motion diverges.
+
+    Example:
+        >>> data = exoid.datasets.bleex_swing()
+        >>> predicted = predict_motion(exoid.identify(data.leg, data.train), data.test, horizon=0.25)
+        >>> bool(np.abs(predicted.q - data.test.q).max() < 0.1)
+        True
+    """
+    recording = for_leg(estimate.model, recording).resampled()
+    if recording.tau is None:
+        raise ExoidError("there is no torque in the recording", remedy="log it, or show the motion without prediction")
+    if not 2.0 <= horizon * recording.sample_rate < math.inf:
+        raise ExoidError(
+            f"a horizon of {horizon:g} s at {recording.sample_rate:.4g} Hz", remedy="let it span two samples or more"
+        )
+    start = estimate.preparation.kinematics(recording)
+    samples = len(recording)
+    length = min(round(horizon * recording.sample_rate), samples)
+    pieces = -(-samples // length)
+    torque = np.pad(recording.tau, ((0, pieces * length + 1 - samples), (0, 0)), mode="edge")
+    first = np.arange(pieces) * length
+    q, v = start.q[first], start.v[first]
+    out = np.empty((length, *q.shape))
+    steps = math.ceil(1.0 / (recording.sample_rate * STEP))
+    for sample in range(length):
+        out[sample] = q
+        now, later = torque[first + sample], torque[first + sample + 1]
+        for step in range(steps):
+            ends = [now + (later - now) * (step + share) / steps for share in (0.0, 0.5, 1.0)]
+            q, v = _step(estimate, q, v, ends, 1.0 / (recording.sample_rate * steps), recording.torso)
+        if not (np.abs(v) < FASTEST).all():
+            raise ExoidError(
+                f"the model's motion diverges within {(sample + 1) / recording.sample_rate:.3g} s",
+                remedy="check that the estimate is physical (exoid.reduction.check), or shorten the horizon",
+            )
+    predicted = out.transpose(1, 0, 2).reshape(-1, q.shape[1])[:samples]
+    names = recording.joint_names
+    return Recording(recording.time, predicted, joint_names=names, torso=recording.torso, largest_angle=math.inf)
+
+
+def _step(
+    estimate: EstimateData, q: FloatArray, v: FloatArray, tau: list[FloatArray], dt: float, torso: TorsoMotion | None
+) -> tuple[FloatArray, FloatArray]:
+    """Take a step from each of B states, (B, n), with torques at its start, middle and end."""
+    a1 = _acceleration(estimate, q, v, tau[0], torso)
+    v2 = v + 0.5 * dt * a1
+    a2 = _acceleration(estimate, q + 0.5 * dt * v, v2, tau[1], torso)
+    v3 = v + 0.5 * dt * a2
+    a3 = _acceleration(estimate, q + 0.5 * dt * v2, v3, tau[1], torso)
+    v4 = v + dt * a3
+    a4 = _acceleration(estimate, q + dt * v3, v4, tau[2], torso)
+    return q + dt / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+
+
+def _acceleration(
+    estimate: EstimateData, q: FloatArray, v: FloatArray, tau: FloatArray, torso: TorsoMotion | None
+) -> FloatArray:
+    """Solve M a = τ − b, with M and b from torques with no acceleration and with 1 rad/s² of each joint, (B, n)."""
+    count, n = q.shape
+    units = np.repeat(np.vstack([np.zeros(n), np.eye(n)]), count, axis=0)
+    torques = estimate.torque(np.tile(q, (n + 1, 1)), np.tile(v, (n + 1, 1)), units, torso).reshape(n + 1, count, n)
+    b = torques[0]
+    M = (torques[1:] - b).transpose(1, 2, 0)
+    try:
+        return np.asarray(np.linalg.solve(M, (tau - b)[..., np.newaxis])[..., 0])
+    except np.linalg.LinAlgError:
+        return np.full_like(q, np.nan)

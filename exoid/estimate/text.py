@@ -1,0 +1,119 @@
+"""An estimate in words: a table, and what the reader should know before trusting it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.regression.diagnostics import ILL_CONDITIONED
+from exoid.regression.intervals import half_width
+from exoid.regression.parameters import PriorKnowledge
+from exoid.tables import make_table, to_text, with_error
+
+from .data import EstimateData
+
+NOT_WHITE = 0.01
+"""Residuals with a smaller probability of being white are said not to be."""
+
+HEADERS = ("parameter", "value", "± std", "95 % from", "to", "unit", "determined")
+"""Of :func:`parameter_rows`."""
+
+
+def report(estimate: EstimateData) -> str:
+    """Print an estimate."""
+    title = f"{estimate.model.leg.description.name}: {estimate.estimator} estimate of {len(estimate.names)} parameters"
+    return to_text(title, make_table(HEADERS, parameter_rows(estimate)), *_remarks(estimate))
+
+
+def parameter_rows(estimate: EstimateData) -> list[tuple[str, ...]]:
+    """Write each parameter, then each fitted setting of a term, as a row of a table."""
+    rows = [
+        (name, *written(value, std, interval), unit, judged)
+        for name, value, std, interval, unit, judged in zip(
+            estimate.names,
+            estimate.values,
+            estimate.std,
+            estimate.interval(),
+            estimate.units,
+            estimate.identifiability,
+            strict=True,
+        )
+    ]
+    return rows + _shapes(estimate)
+
+
+def _shapes(estimate: EstimateData) -> list[tuple[str, ...]]:
+    """Settings as rows of the table."""
+    nonlinear = estimate.nonlinear
+    return [
+        (name, *written(value, std, interval), unit, judged)
+        for name, value, std, interval, unit, judged in zip(
+            nonlinear.names,
+            nonlinear.values,
+            nonlinear.std,
+            nonlinear.interval(estimate.dof),
+            nonlinear.units,
+            nonlinear.identifiability,
+            strict=True,
+        )
+    ]
+
+
+def written(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
+    """Write a value with what is uncertain of it; what is known or held has no uncertainty."""
+    return with_error(value, std, *interval) if std > 0.0 else (f"{value:.6g}", "", "", "")
+
+
+def _remarks(estimate: EstimateData) -> Iterator[str]:
+    residuals = zip(estimate.joint_names, estimate.residual_rms, strict=True)
+    yield "residual RMS [N·m]: " + ", ".join(f"{joint} {rms:.3g}" for joint, rms in residuals)
+    yield f"{condition(estimate.condition_number)}; {estimate.dof:.0f} degrees of freedom"
+    yield from _noise(estimate)
+    names = ", ".join(source.name for source in estimate.inputs)
+    yield f"from {names}; {estimate.preparation.name} preparation"
+    yield from assumptions(estimate.prior_knowledge, estimate.bounded)
+    yield from influences(estimate)
+    yield from (f"warning: {warning}" for warning in estimate.warnings)
+    yield from (f"note: {regrouped}" for regrouped in estimate.regrouped)
+
+
+def condition(number: float) -> str:
+    """Say a condition number, and what to do if it is large."""
+    advice = "" if number < ILL_CONDITIONED else " (ill-conditioned: excite more, or plan a motion)"
+    return f"condition number {number:.1f}{advice}"
+
+
+def _noise(estimate: EstimateData) -> Iterator[str]:
+    """Say how many samples count, and which joints' residuals are not white."""
+    if estimate.noise:
+        of_joints = list(zip(estimate.joint_names, estimate.noise, strict=True))
+        counts = ", ".join(f"{joint} {n.effective_samples:.0f} of {n.samples}" for joint, n in of_joints)
+        coloured = ", ".join(joint for joint, n in of_joints if n.whiteness < NOT_WHITE)
+        yield f"effective samples: {counts}" + (f"; residuals not white: {coloured}" if coloured else "")
+
+
+def assumptions(prior_knowledge: PriorKnowledge, bounded: Sequence[str]) -> Iterator[str]:
+    """Say what entered beside the recordings, and what was kept from falling below zero."""
+    if prior_knowledge.known:
+        yield "known: " + ", ".join(f"{name} = {value:.6g}" for name, value in prior_knowledge.known.items())
+    if prior_knowledge.prior.values:
+        pairs = prior_knowledge.prior.values.items()
+        yield "prior: " + ", ".join(f"{name} = {value:.4g} ± {std:.2g}" for name, (value, std) in pairs)
+    if bounded:
+        yield f"kept at zero: {', '.join(bounded)}; intervals are as wide as without the bound"
+
+
+def influences(estimate: EstimateData) -> Iterator[str]:
+    """Name recordings that move a parameter out of its interval, or without which it could not be identified."""
+    influence = estimate.influence
+    if influence is None:
+        return
+    for recording, moved in influence.strongest(half_width(0.95, estimate.dof_each)):
+        names = ", ".join(estimate.names[k] for k in moved)
+        yield f"{recording} alone moves {names} by more than the interval, and more than noise explains"
+    changes = zip(influence.recordings, influence.change, strict=True)
+    needed = ", ".join(recording for recording, change in changes if np.isinf(change).any())
+    if needed:
+        yield f"not to be identified without {needed}"

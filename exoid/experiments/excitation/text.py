@@ -1,0 +1,66 @@
+"""What predictions look like in print and as JSON."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from rich.table import Table
+
+from exoid.tables import make_table
+
+from .precision import Precision
+
+
+def precision_table(precision: Precision) -> Table:
+    """Make a table: expected value, predicted standard deviation, and that over the scale, for each parameter."""
+    scales = precision.scales
+    rows = zip(
+        precision.names,
+        scales.values,
+        precision.std,
+        precision.relative,
+        precision.identifiability,
+        precision.units,
+        strict=True,
+    )
+    return make_table(
+        ["parameter", "expected", "± std", "% of scale", "determined", "unit"],
+        [
+            (name, f"{value:.4g}", _digits(std), _digits(100.0 * relative), grade, unit)
+            for name, value, std, relative, grade, unit in rows
+        ],
+    )
+
+
+def doubts(precision: Precision) -> list[str]:
+    """Name what will not be determined well."""
+    lines = []
+    for word, phrase in (("not", "cannot be determined"), ("weakly", "will be known only roughly")):
+        names = [n for n, grade in zip(precision.names, precision.identifiability, strict=True) if grade == word]
+        if names:
+            lines.append(f"{', '.join(names)} {phrase}")
+    return lines or [
+        f"every parameter is determined well, the worst to {_digits(100.0 * precision.worst)} % of its scale"
+    ]
+
+
+def precision_to_json(precision: Precision) -> dict[str, Any]:
+    """Predicted standard deviations by name, and what belongs to them; null for infinity."""
+    names = precision.names
+    return {
+        "predicted_std": dict(zip(names, map(_finite, precision.std), strict=True)),
+        "relative_std": dict(zip(names, map(_finite, precision.relative), strict=True)),
+        "determined": dict(zip(names, precision.identifiability, strict=True)),
+        "scale": dict(zip(names, precision.scales.scale.tolist(), strict=True)),
+        "condition_number": _finite(precision.condition_number),
+        "duration": precision.duration,
+    }
+
+
+def _finite(x: float) -> float | None:
+    return float(x) if math.isfinite(x) else None
+
+
+def _digits(x: float) -> str:
+    return f"{x:.2g}" if math.isfinite(x) and x < 1000.0 else "∞" if not math.isfinite(x) else f"{x:.0f}"

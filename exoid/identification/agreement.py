@@ -1,0 +1,84 @@
+"""Whether groups have the same parameters: those of their own, and those that they are made to share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid.errors import ExoidError
+from exoid.estimate.equality import Equality, equality_of
+from exoid.regression.fit import uncertainty_of
+from exoid.regression.parameters import PriorKnowledge
+
+from .estimators import Estimator
+from .problem import Problem
+
+DISAGREE = 0.01
+"""Probability with which groups that do share their parameters would be said not to."""
+
+
+class Agreement(NamedTuple):
+    """Whether groups, each identified alone, agree on what they share.
+
+    Attributes:
+        equality: The test; None where there is none.
+        note: Why there is none.
+    """
+
+    equality: Equality | None
+    note: str = ""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Name parameters on which they do not agree."""
+        names = () if self.equality is None else self.equality.below(DISAGREE)
+        if not names:
+            return ()
+        return (
+            f"groups do not agree on {', '.join(names)}, which they share, by more than noise explains: "
+            "make these own, or find out what else differs",
+        )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Say why there is no test."""
+        return (self.note,) if self.note else ()
+
+
+def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[float], *, white: bool) -> Agreement:
+    """Identify each group alone, without priors and bounds, and test whether shared parameters are the same.
+
+    Args:
+        problem: The problem of all groups.
+        estimator: The estimator.
+        samples: Independent samples of each group.
+        white: Whether the covariance assumes white noise.
+    """
+    layout, groups = problem.layout, problem.layout.groups
+    if len(groups) < 2 or not layout.shared:
+        return Agreement(None)
+    values, blocks, dofs = [], [], []
+    for index, (group, rows, count) in enumerate(zip(groups, problem.groups, samples, strict=True)):
+        known = layout.known_by(index, problem.prior_knowledge).known
+        alone = Problem.of_one(rows, PriorKnowledge(known))
+        try:
+            fit = estimator(alone)
+        except ExoidError as error:
+            why = f"{group} cannot be identified alone ({error.what})"
+            return Agreement(None, f"whether groups agree on what they share was not tested: {why}")
+        found = uncertainty_of(alone, fit, white=white)
+        values.append(fit.solution.values)
+        blocks.append(found.covariance)
+        left = np.full(len(alone.names), max(1.0, count - len(alone.names)))
+        dofs.append(left if found.dofs is None else np.clip(found.dofs, 1.0, left))
+    names, count = problem.groups[0].names, len(problem.groups[0].names)
+    places = {
+        name: [group * count + names.index(name) for group in range(len(groups))]
+        for name in layout.names[: layout.shared]
+        if name not in problem.prior_knowledge.known
+    }
+    covariance = scipy.linalg.block_diag(*blocks)
+    return Agreement(equality_of(places, np.concatenate(values), covariance, np.concatenate(dofs)))

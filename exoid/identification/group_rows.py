@@ -1,0 +1,258 @@
+"""Rows of one group of recordings: the R factors that hold all of them, and the rows themselves in order of time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from operator import attrgetter
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.regression.least_squares import RFactor, factorize_rows, stack
+from exoid.regression.rows import NoiseKind, Prepared, RowBlock, Rows, chain, decimate, decimation, form_rows, prepare
+from exoid.regression.rows_file import RowsFile
+from exoid.signals import Cluster, Poses, Preparation, Recording, Recordings
+from exoid.torques import TorqueModel
+
+KEPT_BYTES = 2**26
+"""Rows are kept between passes as long as together they stay below this, and made again otherwise,"""
+
+WORTH_FILING = 4
+"""unless decimation leaves no more than one of so many: these go to a temporary file."""
+
+T = TypeVar("T")
+
+Keep = Callable[[int, FloatArray], NDArray[np.bool_]]
+"""Which rows to use: recording index, times [s] → mask."""
+
+Data = Sequence[Recording | Poses] | Cluster
+"""Recordings and poses, in memory, on disk, or on a cluster."""
+
+
+def map_recordings(data: Data, work: Callable[[Recording | Poses], T]) -> list[T]:
+    """Do work on each recording, one after the other, or on the workers that hold them."""
+    return data.map(work) if isinstance(data, Cluster) else [work(each) for each in data]
+
+
+@dataclass(frozen=True, eq=False)
+class GroupRows:
+    """τ = W β over the recordings and poses of one leg.
+
+    A first pass over the rows leaves R factors, which suffice for least squares; whoever needs more goes over
+    :meth:`blocks`. A regressor is never formed for more than some ten thousand samples at once: memory is that of
+    the kinematics of one recording, and of rows that are kept where there are few.
+
+    Attributes:
+        model: Torque model.
+        data: Recordings and poses, in memory, on disk, or on a cluster.
+        preparation: How they become rows.
+        keep: Which rows to use, given the index of the recording and their times [s], (N,); None for all.
+        memory_share: Part of :data:`KEPT_BYTES` for rows that are kept, where there are several groups.
+    """
+
+    model: TorqueModel
+    data: Data
+    preparation: Preparation
+    keep: Keep | None = None
+    memory_share: float = 1.0
+    _kept: dict[tuple[int, bool], list[Rows]] = field(default_factory=dict, init=False, repr=False)
+    _filed: dict[int, RowsFile] = field(default_factory=dict, init=False, repr=False)
+    _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return self.model.names
+
+    @property
+    def local_data(self) -> Sequence[Recording | Poses]:
+        """Recordings and poses.
+
+        Raises:
+            ExoidError: They are on a cluster, which does not let them go.
+        """
+        if isinstance(self.data, Cluster):
+            raise ExoidError(
+                "recordings stay on the workers of the cluster, and this estimator wants them here",
+                remedy="use wls or ols, or pass Recordings on disk",
+            )
+        return self.data
+
+    @cached_property
+    def each(self) -> list[list[RFactor]]:
+        """One R factor a joint for each recording."""
+        if isinstance(self.data, Cluster):
+            return self._worker_rows.map(attrgetter("r_factors"))
+        return [_r_factors(self._blocks_of(index, decimated=False)) for index in range(len(self.data))]
+
+    @cached_property
+    def by_kind(self) -> list[list[RFactor]]:
+        """One R factor a joint over all recordings, and one over all poses, which have noise of their own."""
+        groups = ([t for k, t in enumerate(self.each) if self.at_rest(k) is still] for still in (False, True))
+        return [[stack(of_joint) for of_joint in zip(*group, strict=True)] for group in groups if group]
+
+    @property
+    def r_factors(self) -> list[RFactor]:
+        """All R factors, joint by joint, those of recordings before those of poses."""
+        return [r_factor for of_kind in self.by_kind for r_factor in of_kind]
+
+    @cached_property
+    def columns(self) -> list[NDArray[np.intp]]:
+        """Parameters that can act on each joint, as indices."""
+        return [np.flatnonzero(acting) for acting in self.model.acting]
+
+    def weight_index(self, kind: NoiseKind, joint: int) -> int:
+        """Place among :attr:`r_factors` of the one that holds the rows of a kind and joint."""
+        return self.place(kind.at_rest, joint)
+
+    def place(self, at_rest: bool, joint: int) -> int:
+        """Place among :attr:`r_factors` of a joint in poses, or in motion."""
+        return joint + (len(self.by_kind[0]) if at_rest and len(self.by_kind) > 1 else 0)
+
+    def at_rest(self, index: int) -> bool:
+        """Say whether one of the recordings is poses, without reading it; those on a cluster are not."""
+        if isinstance(self.data, Cluster):
+            return False
+        return self.data.at_rest(index) if isinstance(self.data, Recordings) else isinstance(self.data[index], Poses)
+
+    def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
+        """Go over the rows, recording by recording, each in order of time.
+
+        Args:
+            decimated: Only as many as carry independent noise, see :func:`exoid.regression.rows.decimate`.
+
+        Raises:
+            ExoidError: They are on a cluster, which does not let them go.
+        """
+        for index in range(len(self.local_data)):
+            yield from self._blocks_of(index, decimated=decimated)
+
+    def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
+        """Let work go over the decimated rows of each recording, wherever they are, and bring back what it finds."""
+        if isinstance(self.data, Cluster):
+            yield from self._worker_rows.map(partial(_on_blocks, work))
+            return
+        for index in range(len(self.data)):
+            yield work(self._blocks_of(index, decimated=True))
+
+    @cached_property
+    def _worker_rows(self) -> Cluster:
+        """Rows of each recording of a cluster, where they are."""
+        assert isinstance(self.data, Cluster)
+        return self.data.keep(partial(_make_worker_rows, self.model, self.preparation))
+
+    def _blocks_of(self, index: int, *, decimated: bool) -> Iterator[RowBlock]:
+        """Go over the rows of one recording."""
+        filed = self._filed.get(index) if decimated else None
+        stretches = filed or self._kept.get((index, decimated)) or self._make(index, decimated)
+        kind = None
+        for rows, begins, ends in _with_ends(stretches):
+            kind = kind or NoiseKind(self.at_rest(index), _rate_class(rows.time))
+            yield RowBlock(kind, rows, begins, ends)
+
+    def recording_r_factor(self, index: int, weights: Sequence[float]) -> RFactor:
+        """Stack the weighted R factors of all joints of one recording."""
+        at_rest, r_factors = self.at_rest(index), self.each[index]
+        return stack(r_factors, [weights[self.place(at_rest, joint)] for joint in range(len(r_factors))])
+
+    def forget(self) -> None:
+        """Let go of the recording that was prepared last; rows that are kept stay."""
+        self._prepared.clear()
+
+    def _make(self, index: int, decimated: bool) -> Iterator[Rows]:
+        """Make rows stretch by stretch, and keep them and what is left of them after decimation where there is room."""
+        prepared = self._prepare(index)
+        count, step = len(prepared.rows), decimation(prepared.independence)
+        size = 8 * count * prepared.tau.shape[1] * len(self.names)
+        room = self.memory_share * KEPT_BYTES - sum(rows.W.nbytes for kept in self._kept.values() for rows in kept)
+        keep_few = size / step <= room
+        keep_whole = size * (1.0 + 1.0 / step) <= room
+        file = RowsFile() if not keep_few and step >= WORTH_FILING else None
+        whole, few = [], []
+        before = 0
+        for stretch in prepared.stretches():
+            rows = form_rows(self.model, prepared, stretch)
+            fewer = decimate(rows, before, count)
+            before += len(stretch)
+            if len(fewer.time):
+                if keep_few:
+                    few.append(fewer)
+                elif file is not None:
+                    file.add(fewer)
+            if keep_whole:
+                whole.append(rows)
+            if not decimated:
+                yield rows
+            elif len(fewer.time):
+                yield fewer
+        if keep_few:
+            self._kept[index, True] = [chain(few)]
+        if keep_whole:
+            self._kept[index, False] = whole
+        if file is not None:
+            self._filed[index] = file
+
+    def _prepare(self, index: int) -> Prepared:
+        """Prepare a recording, and remember the last one."""
+        if index not in self._prepared:
+            self._prepared.clear()
+            prepared = prepare(self.model, self.local_data[index], self.preparation)
+            if self.keep is not None:
+                prepared = prepared._replace(usable=prepared.usable & self.keep(index, prepared.time)[:, None])
+            self._prepared[index] = prepared
+        return self._prepared[index]
+
+
+class WorkerRows(NamedTuple):
+    """What is made of one recording on a worker, and stays there.
+
+    Attributes:
+        r_factors: One a joint.
+        blocks: Thinned rows.
+    """
+
+    r_factors: list[RFactor]
+    blocks: tuple[RowBlock, ...]
+
+
+def _make_worker_rows(model: TorqueModel, preparation: Preparation, data: Recording) -> WorkerRows:
+    """Make the rows of one recording."""
+    alone = GroupRows(model, [data], preparation)
+    # not alone.each: before Python 3.12 a cached property waits for that of any other object, which waits for this one
+    return WorkerRows(_r_factors(alone.blocks()), tuple(alone.blocks(decimated=True)))
+
+
+def _on_blocks(work: Callable[[Iterable[RowBlock]], T], rows: WorkerRows) -> T:
+    return work(rows.blocks)
+
+
+def _r_factors(blocks: Iterable[RowBlock]) -> list[RFactor]:
+    """Triangles of the rows of one recording, joint by joint."""
+    found: list[RFactor] = []
+    for block in blocks:
+        new = factorize_rows(block.rows)
+        found = [stack(pair) for pair in zip(found, new, strict=True)] if found else new
+    return found
+
+
+def _rate_class(time: FloatArray) -> int:
+    """Logarithm of the sampling interval to base 1.1, rounded."""
+    return 0 if len(time) < 2 else round(math.log(time[1] - time[0]) / math.log(1.1))
+
+
+def _with_ends(stretches: Iterable[Rows]) -> Iterator[tuple[Rows, bool, bool]]:
+    """Say of each stretch whether it is the first, and whether it is the last."""
+    begins, before = True, None
+    for rows in stretches:
+        if before is not None:
+            yield before, begins, False
+            begins = False
+        before = rows
+    if before is not None:
+        yield before, begins, True

@@ -1,0 +1,285 @@
+"""Result of a fit: noise, covariance and evidence, and the estimate of each group."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import FloatArray
+from exoid.estimate.data import Input
+from exoid.estimate.equality import own_equality
+from exoid.estimate.estimate import Estimate
+from exoid.estimate.grouped import GroupedEstimate
+from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
+from exoid.regression.diagnostics import Collinearity, JointNoise, describe_noise, parameter_scale, reference_scale
+from exoid.regression.fit import SamplesLeft, Uncertainty, condition_number, samples_left, uncertainty_of
+from exoid.regression.influence import Influence, influence
+from exoid.regression.least_squares import rms_residual
+from exoid.regression.trends import Trend, residual_trends, trend_warnings
+from exoid.torques import TorqueModel
+
+from .agreement import Agreement, shared_agreement
+from .estimators import Estimator, name_of
+from .fitting import Fitted
+from .recording_summary import RecordingSummary, angles
+
+BELOW_ZERO = 0.005
+"""Probability with which a parameter that is zero would be said to be negative."""
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A fit with what its residuals say.
+
+    Attributes:
+        fitted: The fit.
+        summaries: Summaries of the recordings of each group.
+        estimator: The estimator.
+        uncertainty: Covariance of all parameters, and the noise that it is for.
+    """
+
+    fitted: Fitted
+    summaries: Sequence[Sequence[RecordingSummary]]
+    estimator: Estimator
+    uncertainty: Uncertainty
+
+    @classmethod
+    def of(
+        cls, fitted: Fitted, summaries: Sequence[Sequence[RecordingSummary]], estimator: Estimator, *, white: bool
+    ) -> Result:
+        """Find noise and covariance of a fit.
+
+        Args:
+            fitted: The fit.
+            summaries: Summaries of the recordings of each group.
+            estimator: The estimator.
+            white: Whether the covariance assumes white noise.
+
+        Returns:
+            The result.
+        """
+        return cls(fitted, summaries, estimator, uncertainty_of(fitted.problem, fitted.fit, white=white))
+
+    def estimate(self) -> Estimate:
+        """Make the estimate of the only group."""
+        return self._estimate_of(0, self._common_warnings)
+
+    def grouped_estimate(self) -> GroupedEstimate:
+        """Make the estimates of all groups."""
+        problem, solution, layout = self.fitted.problem, self.fitted.fit.solution, self.fitted.problem.layout
+        agreement = self._agreement
+        common = (*self._common_warnings, *agreement.warnings)
+        estimates = {group: self._estimate_of(k, common) for k, group in enumerate(layout.groups)}
+        covariance, dofs = self.uncertainty.covariance, self._degrees_of_freedom
+        return GroupedEstimate(
+            estimates=estimates,
+            layout=layout,
+            values=solution.values,
+            covariance=covariance,
+            dofs=dofs,
+            parameter_scale=parameter_scale(problem.r_factors),
+            reference_scale=self._smallest_reference_scale(),
+            collinearity=self._collinearity.indices,
+            condition_number=solution.condition_number,
+            prior_knowledge=problem.prior_knowledge,
+            equal=own_equality(layout, solution.values, covariance, dofs),
+            agreement=agreement.equality,
+            bounded=tuple(problem.names[k] for k in solution.bounded),
+            warnings=(*common, *_own_warnings(estimates, len(common))),
+            notes=(*self._regrouped_notes(), *agreement.notes),
+        )
+
+    def _estimate_of(self, group: int, common: tuple[str, ...]) -> Estimate:
+        """Make the estimate of one group, its covariance the group's block of the whole.
+
+        Args:
+            group: Index of the group.
+            common: Warnings that all groups share.
+        """
+        problem, fit, model = self.fitted.problem, self.fitted.fit, self.fitted.models[group]
+        layout, solution, rows = problem.layout, fit.solution, problem.groups[group]
+        every = layout.places[group]  # nonlinear parameters stand behind the others
+        count = len(model.names)
+        places = every[:count]
+        values, covariance = self.fitted.values[places], self.uncertainty.covariance[np.ix_(places, places)]
+        trends, names = self._trends_of(group), layout.names_of(group)
+        bounded = [problem.names[k] for k in solution.bounded]
+        alone = len(problem.groups) == 1
+        return Estimate(
+            model=model,
+            values=values,
+            covariance=covariance,
+            condition_number=solution.condition_number if alone else condition_number(solution.inverse, every),
+            dof=float(self._samples_left.groups[group]),
+            dof_each=self._degrees_of_freedom[places],
+            residual_rms=np.array(
+                [rms_residual(of_joint, solution.values[every]) for of_joint in zip(*rows.by_kind, strict=True)]
+            ),
+            estimator=fit.name or name_of(self.estimator),
+            preparation=rows.preparation,
+            inputs=self._inputs,
+            noise=self._noise_of(group),
+            parameter_scale=parameter_scale(rows.r_factors)[:count],
+            reference_scale=self._reference_scales[group],
+            collinearity=self._collinearity.indices[places],
+            prior_gains=self._prior_gains(group)[:count],
+            warnings=(*common, *negative(model, values, np.sqrt(np.diag(covariance))), *trend_warnings(trends)),
+            nonlinear=self._nonlinear,
+            prior_knowledge=layout.known_by(group, problem.prior_knowledge),
+            bounded=tuple(names[name] for name in bounded if name in names),
+            influence=None if self._influence is None else self._influence.at(places),
+            trends=trends,
+        )
+
+    @cached_property
+    def _common_warnings(self) -> tuple[str, ...]:
+        """Warnings of the fit as a whole."""
+        nonlinear = () if self._nonlinear is NO_NONLINEAR_PARAMETERS else self._nonlinear.warnings
+        return (*self.fitted.warnings, *nonlinear, *self._collinearity.warnings(self.fitted.problem.names))
+
+    @cached_property
+    def _collinearity(self) -> Collinearity:
+        """Parameters that the rows can hardly tell apart."""
+        return Collinearity.of(self.fitted.fit.solution)
+
+    @cached_property
+    def _nonlinear(self) -> NonlinearParameters:
+        """Nonlinear parameters with their covariance."""
+        if self.fitted.nonlinear is NO_NONLINEAR_PARAMETERS:
+            return self.fitted.nonlinear
+        count = len(self.fitted.values)
+        names = self.fitted.problem.names[count:]
+        return self.fitted.nonlinear.with_covariance(names, self.uncertainty.covariance[count:, count:])
+
+    @cached_property
+    def _inputs(self) -> tuple[Input, ...]:
+        """Evidence of all recordings: the errors of every group come from all of them."""
+        return tuple(summary.evidence for of_group in self.summaries for summary in of_group)
+
+    @cached_property
+    def _noise(self) -> tuple[JointNoise, ...]:
+        """Description of the residuals of each joint, group by group."""
+        return describe_noise(self.fitted.problem, self.fitted.fit.point, self.uncertainty.noises)
+
+    def _noise_of(self, group: int) -> tuple[JointNoise, ...]:
+        first, end = self.fitted.problem.joints_of(group)
+        return self._noise[first:end]
+
+    @cached_property
+    def _trends(self) -> dict[int, tuple[Trend, ...]]:
+        """Residuals of each joint against velocity and angle."""
+        fit, covariance = self.fitted.fit, self.uncertainty.covariance
+        return residual_trends(
+            self.fitted.problem,
+            fit.point,
+            self.uncertainty.noises,
+            fit.solution,
+            covariance,
+            whitened=fit.noises is not None,
+        )
+
+    def _trends_of(self, group: int) -> tuple[Trend, ...]:
+        joints = range(*self.fitted.problem.joints_of(group))
+        return tuple(trend for joint in joints for trend in self._trends.get(joint, ()))
+
+    @cached_property
+    def _reference_scales(self) -> list[FloatArray]:
+        """Parameters that would explain all torque of a calm exercise alone, for each group."""
+        count = len(self.fitted.models[0].names)
+        places = self.fitted.problem.layout.places
+        return [
+            reference_scale(model.loaded_by(self.fitted.values[of_group[:count]]), *angles(summaries), rows.r_factors)
+            for model, of_group, summaries, rows in zip(
+                self.fitted.models, places, self.summaries, self.fitted.problem.groups, strict=True
+            )
+        ]
+
+    def _smallest_reference_scale(self) -> FloatArray:
+        """Smallest reference scale that any group has for each parameter, (P,)."""
+        layout = self.fitted.problem.layout
+        smallest = np.full(len(layout.names), np.inf)
+        for places, numbers in zip(layout.places, self._reference_scales, strict=True):
+            smallest[places] = np.minimum(smallest[places], numbers)
+        return smallest
+
+    @cached_property
+    def _samples(self) -> list[float]:
+        """Independent samples of each group."""
+        problem = self.fitted.problem
+        if self.uncertainty.white:
+            counts = np.array([sum(r_factor.samples for r_factor in rows.r_factors) for rows in problem.groups])
+            total = self.fitted.fit.solution.dof + np.count_nonzero(problem.prior_knowledge.free(problem.names))
+            return list(counts * total / counts.sum())
+        groups = range(len(problem.groups))
+        return [sum(joint.effective_samples for joint in self._noise_of(group)) for group in groups]
+
+    @cached_property
+    def _samples_left(self) -> SamplesLeft:
+        """Independent samples less parameters."""
+        problem, fit = self.fitted.problem, self.fitted.fit
+        rows = [problem.rows_of(group, fit.weights) for group in range(len(problem.groups))]
+        free = int(np.count_nonzero(problem.prior_knowledge.free(problem.names)))
+        return samples_left(rows, fit.solution.inverse, self._samples, free)
+
+    @cached_property
+    def _degrees_of_freedom(self) -> FloatArray:
+        """Degrees of freedom of each parameter's variance, (P,)."""
+        left = self._samples_left.each
+        return left if self.uncertainty.dofs is None else np.clip(self.uncertainty.dofs, 1.0, left)
+
+    @cached_property
+    def _influence(self) -> Influence | None:
+        """Influence of each recording on all parameters; None for one recording."""
+        if len(self._inputs) < 2:
+            return None
+        names, std = [source.name for source in self._inputs], np.sqrt(np.diag(self.uncertainty.covariance))
+        return influence(self.fitted.problem, names, self.fitted.fit.weights, std)
+
+    @cached_property
+    def _agreement(self) -> Agreement:
+        """Whether the groups, each identified alone, agree on what they share."""
+        return shared_agreement(self.fitted.problem, self.estimator, self._samples, white=self.uncertainty.white)
+
+    def _prior_gains(self, group: int) -> FloatArray:
+        """How far the parameters of one group follow its priors, (P, K)."""
+        problem, fit = self.fitted.problem, self.fitted.fit
+        follows_rows = fit.noises is None or fit.dofs is not None  # ml and output error minimise something else
+        names = problem.layout.names_of(group)
+        mine = [k for k, name in enumerate(problem.prior_knowledge.prior.values) if name in names]
+        if not mine or not follows_rows:
+            return np.zeros((0, 0))
+        gains = fit.solution.prior_gains(problem.names, problem.prior_knowledge)
+        return gains[problem.layout.places[group]][:, mine]
+
+    def _regrouped_notes(self) -> tuple[str, ...]:
+        """Say what is part of other parameters, and therefore shared if these are."""
+        problem = self.fitted.problem
+        apart = set(problem.names if len(problem.groups) < 2 else problem.layout.own)
+        return tuple(
+            f"{regrouped}" + ("" if set(regrouped.into) <= apart else ", and so the same in all groups")
+            for regrouped in self.fitted.models[0].regrouped
+        )
+
+
+def _own_warnings(estimates: Mapping[str, Estimate], common: int) -> tuple[str, ...]:
+    """Warnings of single groups, behind those that they share."""
+    return tuple(f"{group}: {text}" for group, estimate in estimates.items() for text in estimate.warnings[common:])
+
+
+def negative(model: TorqueModel, values: FloatArray, std: FloatArray) -> tuple[str, ...]:
+    """Name friction, rotor inertia and a segment's J that are negative by more than their error."""
+    limit = float(scipy.stats.norm.ppf(1.0 - BELOW_ZERO))
+    planar = model.leg.chain is not None
+    inertia = np.array([planar and name in model.leg.parameter_names and name[0] == "J" for name in model.names])
+    below = (model.nonnegative | inertia) & (values < 0.0) & (values < -limit * std)
+    if not below.any():
+        return ()
+    names = ", ".join(name for name, is_below in zip(model.names, below, strict=True) if is_below)
+    return (
+        f"{names} negative beyond error, which nature does not allow: a term is missing, a sign is wrong, or the "
+        "torque is not that of this joint",
+    )

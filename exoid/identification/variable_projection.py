@@ -1,0 +1,290 @@
+"""Variable projection: fits of models that are linear in most parameters but not in all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.estimate.nonlinear import NonlinearParameters
+from exoid.leg import Leg
+from exoid.regression.least_squares import factorize, stack
+from exoid.torques import NonlinearSetting, Term, TorqueModel, nonlinear_settings, with_settings
+from exoid.torques.linearised import linearise
+
+from .fitting import Fitted, Start, Task
+from .problem import Problem
+
+PASSES = 6
+"""Passes over the rows at most to settle the parameters at given settings."""
+
+SETTLED = 1e-3
+"""They have settled when predictions change by less than this part of the residual."""
+
+EVALUATIONS = 40
+"""Settings tried at most, for one set of weights."""
+
+ROUNDS = 2
+"""Sets of weights at most."""
+
+XTOL, FTOL = 3e-3, 1e-6
+"""Search ends when settings, relatively, or the sum of squares change by less."""
+
+INSIDE = 1e-6
+"""A trust-region search begins this far from the bounds of the settings' logarithms."""
+
+TINY = 1e-9
+"""Residuals below this part of the torque are rounding."""
+
+AT_BOUND = 0.02
+"""A setting this close to its bound, relatively, counts as at it."""
+
+NO_LOAD = 1e-6
+"""Columns of friction under load below this part of the torque count as zero."""
+
+UNDETERMINED = 1.0
+"""A setting whose standard deviation is larger than this part of it is not determined."""
+
+POLISH = 8
+"""Steps at most with the estimator asked for, from the optimum of weighted least squares."""
+
+STRIDE = 3.0
+"""In one of them a setting changes by this factor at most."""
+
+STILL = 0.1
+"""These have converged when nothing moves by more than this part of its standard deviation,"""
+
+ROUNDING = 1e-6
+"""and this part of itself, where there is no noise."""
+
+
+def is_nonlinear(leg: Leg, terms: Sequence[Term]) -> bool:
+    """Whether torque is not linear in all parameters of some terms."""
+    return bool(nonlinear_settings(terms, leg.joint_names, leg.joint_labels)) or any(term.loaded for term in terms)
+
+
+def starting_model(leg: Leg, terms: Sequence[Term]) -> TorqueModel:
+    """Make a torque model with all nonlinear parameters at their start values."""
+    names, labels = leg.joint_names, leg.joint_labels
+    start = {setting.name: setting.free.start for setting in nonlinear_settings(terms, names, labels)}
+    return TorqueModel(leg, with_settings(terms, names, labels, start))
+
+
+def search(task: Task, start: Start | None = None) -> Fitted:
+    """Fit a model that is not linear in all parameters.
+
+    Args:
+        task: What to fit, with one group.
+        start: Near the solution, such as that of nearly the same rows; None to search from the settings' own start.
+
+    Returns:
+        The fit.
+
+    Raises:
+        ExoidError: Parameters are not determined by the rows: names them.
+    """
+    leg = task.groups[0].leg
+    settings = nonlinear_settings(task.terms, leg.joint_names, leg.joint_labels)
+    found = _Search(task, settings, start)
+    if start is None:
+        found.run()
+    return found.polish()
+
+
+class _Search:
+    """Variable projection: parameters are solved for at each trial of the settings.
+
+    With rows [J_β J_θ r] reduced to a R factor R, r the torque less what the settings explain, R's lower right corner
+    holds the residual after the best β and its derivative by θ (Kaufman's), which is all that a trust-region method
+    asks for; the rows themselves are never kept.
+    """
+
+    def __init__(self, task: Task, settings: Sequence[NonlinearSetting], start: Start | None) -> None:
+        self.task, self.nonlinear = task, tuple(settings)
+        self.leg = task.groups[0].leg
+        model = starting_model(self.leg, task.terms)
+        self.regrouped, self.free = model.regrouped, task.prior_knowledge.free(model.names)
+        self.weights: Sequence[float] | None
+        if start is None:
+            self.settings, self.weights = {s.name: s.free.start for s in settings}, None
+            self.values = task.prior_knowledge.fixed_values(model.names)
+            self._settle()
+            self._weigh()
+        else:
+            self.values, self.settings, self.weights = start.values, dict(start.settings), start.weights
+            self._settle(passes=1)
+
+    def run(self) -> None:
+        """Find the settings by weighted least squares."""
+        if not self.nonlinear:
+            self._settle()
+            return
+        bounds = np.log([s.free.lower for s in self.nonlinear]), np.log([s.free.upper for s in self.nonlinear])
+        inside = bounds[0] + INSIDE, bounds[1] - INSIDE
+        for _ in range(ROUNDS):
+            start = np.clip(np.log(list(self.settings.values())), *inside)
+            found = scipy.optimize.least_squares(
+                self._residual, start, self._slope, bounds=bounds, xtol=XTOL, ftol=FTOL, max_nfev=EVALUATIONS
+            )
+            self._residual(found.x)
+            self._weigh()
+            if np.abs(found.x - start).max() < 10.0 * XTOL:
+                break
+
+    def polish(self) -> Fitted:
+        """Go on from there with the estimator asked for, in the parameters and the settings at once."""
+        self._refuse_unloaded()
+        held = self._at_bounds()
+        held.update(self._undetermined(held))
+        unsettled: tuple[str, ...] = ()
+        for _ in range(POLISH):
+            problem = self._problem(tuple(held))
+            fit = self.task.estimator(problem)
+            found = dict(zip(problem.names, fit.solution.values, strict=True))
+            before = self._vector(problem.names)
+            moved = fit.solution.values - before
+            self._take(found)
+            late = {name: why for name, why in self._at_bounds().items() if name not in held}
+            held.update(late)
+            if late:
+                continue
+            if (np.abs(moved) <= STILL * np.sqrt(np.diag(fit.solution.covariance)) + ROUNDING * np.abs(before)).all():
+                break
+        else:
+            unsettled = (f"the fit has not settled in {POLISH} steps: start settings nearer, or leave some out",)
+        leg, names = self.leg, tuple(s.name for s in self.nonlinear)
+        settled = with_settings(self.task.terms, leg.joint_names, leg.joint_labels, self.settings)
+        model = TorqueModel(leg, settled, self.values[: len(leg.parameter_names)])
+        values = np.array([self.settings[name] for name in names])
+        units = tuple(s.unit for s in self.nonlinear)
+        nonlinear = NonlinearParameters(names, units, values, np.zeros((len(names),) * 2), tuple(held))
+        return Fitted((model,), self.values, nonlinear, problem, fit, (*fit.warnings, *held.values(), *unsettled))
+
+    def _residual(self, logs: FloatArray) -> FloatArray:
+        """Residual after the best parameters, as long as there are settings, and one more."""
+        settings = dict(zip(self.settings, np.exp(logs).tolist(), strict=True))
+        if settings != self.settings:
+            self.settings = settings
+            self._settle()
+        return self.corner[:, -1]
+
+    def _slope(self, logs: FloatArray) -> FloatArray:
+        """Its derivative by the logarithms of the settings."""
+        self._residual(logs)
+        return -self.corner[:, :-1] * np.exp(logs)
+
+    def _settle(self, passes: int = PASSES) -> None:
+        """Solve for the parameters at the present settings, which takes more than one pass if rows depend on them."""
+        for _ in range(passes):
+            problem = self._problem()
+            problem.refuse_empty_joints()
+            self.r_factors = problem.r_factors
+            if self._solve() <= SETTLED:
+                break
+
+    def _solve(self) -> float:
+        """Solve on the present R factors; tells how far predictions moved, as a part of the residual."""
+        count, theta = len(self.values), np.array(list(self.settings.values()))
+        R = stack(self.r_factors, self.weights).R
+        rest = R[:, -1] - R[:, count:-1] @ theta - R[:, :count][:, ~self.free] @ self.values[~self.free]
+        table = np.column_stack([R[:, :count][:, self.free], R[:, count:-1], rest])
+        R, free = factorize(table, 0, 0.0).R, int(self.free.sum())
+        before, self.values = self.values, self.values.copy()
+        self.values[self.free] = _least_squares(R[:free, :free], R[:free, -1])
+        self.corner = R[free:, free:]
+        left = max(float(np.linalg.norm(self.corner[:, -1])), TINY * float(np.linalg.norm(R[:, -1])))
+        moved = R[:free, :free] @ (self.values - before)[self.free]
+        return float(np.linalg.norm(moved)) / left if left > 0.0 else 0.0
+
+    def _weigh(self) -> None:
+        """Weigh each joint's rows by its residual, and solve again."""
+        x = np.append(self.values, list(self.settings.values()))
+        sizes = [t.residual(x) / np.sqrt(max(t.rows, 1)) for t in self.r_factors]
+        floor = TINY * max(float(np.linalg.norm(t.R[:, -1])) / np.sqrt(max(t.rows, 1)) for t in self.r_factors)
+        self.weights = [1.0 / max(size, floor) for size in sizes]
+        self._solve()
+
+    def _refuse_unloaded(self) -> None:
+        """Refuse friction that depends on a rigid-body torque where there is none.
+
+        Raises:
+            ExoidError: Names the parameters.
+        """
+        model = self._problem().model
+        columns = np.sqrt(sum(t.R**2 for t in self.r_factors)).max(axis=0)
+        places = {name: k for k, name in enumerate(model.names)}
+        known = self.task.prior_knowledge.known
+        loads = [name for b in model.blocks if b.term.loaded for name in b.names if name not in known]
+        unloaded = [name for name in loads if columns[places[name]] <= NO_LOAD * columns[-1]]
+        if unloaded:
+            raise ExoidError(
+                f"{', '.join(unloaded)} left no trace in the torque: there is no rigid-body torque to depend on",
+                remedy="leave out LoadFriction at these joints",
+            )
+
+    def _problem(self, held: Sequence[str] = ()) -> Problem:
+        task = self.task
+        model = linearise(self.leg, task.terms, self.values, self.settings, held=held, regrouped=self.regrouped)
+        return Problem.of(task.groups, (model,), task.own, task.prior_knowledge, task.keep)
+
+    def _vector(self, names: Sequence[str]) -> FloatArray:
+        return np.append(self.values, [self.settings[name] for name in names[len(self.values) :]])
+
+    def _take(self, found: dict[str, float]) -> None:
+        """Go to a solution, within bounds."""
+        self.values = np.array(list(found.values())[: len(self.values)])
+        for shape in self.nonlinear:
+            if shape.name in found:
+                value, free = self.settings[shape.name], shape.free
+                lower, upper = max(free.lower, value / STRIDE), min(free.upper, value * STRIDE)
+                self.settings[shape.name] = float(np.clip(found[shape.name], lower, upper))
+
+    def _at_bounds(self) -> dict[str, str]:
+        """Settings that have run to a bound, where they are put, and what to say."""
+        held = {}
+        for shape in self.nonlinear:
+            value, free = self.settings[shape.name], shape.free
+            for side, bound in (("lower", free.lower), ("upper", free.upper)):
+                if abs(np.log(value / bound)) < AT_BOUND:
+                    held[shape.name] = f"{shape.name} is at its {side} bound, {bound:g} {shape.unit}, and held there"
+                    self.settings[shape.name] = bound
+        return held
+
+    def _undetermined(self, at_bounds: Mapping[str, str]) -> dict[str, str]:
+        """Settings that the rows do not determine, the worst first, and what to say."""
+        held: dict[str, str] = {}
+        for _ in self.nonlinear:
+            left = [k for k, shape in enumerate(self.nonlinear) if shape.name not in {*at_bounds, *held}]
+            if not left:
+                break
+            spread = self._spread(left)
+            worst = int(np.argmax(spread))
+            if spread[worst] <= UNDETERMINED:
+                break
+            name = self.nonlinear[left[worst]].name
+            where = f"{self.settings[name]:.3g} {self.nonlinear[left[worst]].unit}"
+            held[name] = f"{name} is not determined by the recordings, and held at {where}: fix it or leave it out"
+        return held
+
+    def _spread(self, left: Sequence[int]) -> FloatArray:
+        """Relative standard deviation of settings, of white noise, infinite where they leave no trace."""
+        theta = np.array(list(self.settings.values()))[left]
+        slope = self.corner[:, left] * theta
+        norms = np.linalg.norm(slope, axis=0)
+        if (norms <= 1e-12 * np.linalg.norm(self.corner[:, -1])).any():
+            return np.where(norms <= 1e-12 * np.linalg.norm(self.corner[:, -1]), np.inf, 0.0)
+        inverse = np.linalg.pinv(slope / norms) / norms[:, None]
+        samples = max(sum(t.samples for t in self.r_factors) - len(self.values), 1.0)
+        rows = np.linalg.norm(self.corner[:, -1]) / np.sqrt(samples)
+        return np.asarray(rows * np.linalg.norm(inverse, axis=1))
+
+
+def _least_squares(A: FloatArray, b: FloatArray) -> FloatArray:
+    """Least squares with unit columns, shortest where a column says nothing (friction under a load not yet known)."""
+    scale = np.linalg.norm(A, axis=0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    solution, *_ = np.linalg.lstsq(A / scale, b, rcond=1e-9)
+    return np.asarray(solution / scale)

@@ -1,0 +1,356 @@
+"""From base parameters back to links that can exist: the inverse that the reduction does not have.
+
+Base parameters β = K π leave most of the link parameters π open. Of all bodies with P ≻ 0 that reproduce β the lift
+takes those nearest to the leg's own inertias P⁰ by the entropic divergence (T. Lee, P. M. Wensing, F. C. Park,
+IEEE T-RO 36(1), 2020)
+
+    D(P ‖ P⁰) = Σ_links tr(P⁰⁻¹ P) − log det(P⁰⁻¹ P) − 4,
+
+which is convex in π, does not depend on units or frames, is zero only at P⁰, and grows without bound towards bodies
+that cannot exist. Where no possible bodies reproduce β, the lift takes those whose parameters are nearest to β in the
+estimate's own metric, χ² = (β − K π)ᵀ C⁻¹ (β − K π).
+
+Both are limits of one smooth convex problem, D + χ²/2μ with μ → 0, solved by Newton's method in coordinates where the
+current bodies are unit matrices. Its iterates P = U Uᵀ, U triangular with a positive diagonal as in the log-Cholesky
+parameterisation (C. Rucker, P. M. Wensing, IEEE RA-L 7(2), 2022), cannot leave the possible. (Minimising over the
+log-Cholesky coordinates themselves finds the same bodies where the estimate is feasible, which the tests check, but
+where it is not the minimum lies on the boundary, at infinity in these coordinates: hundreds of steps.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+from exoid.model import dynamic_parameters
+from exoid.reduction.reduction import LINK_PARAMETERS, LINK_UNITS, Reduction
+from exoid.tables import make_table, to_text
+
+from .pseudo_inertia import BASIS, congruence, link_parameters, made_possible, pseudo_inertias, upper_factors
+
+PENALTIES = 10.0 ** -np.arange(11)
+"""μ of the successive problems; what the last one leaves is mended exactly."""
+
+HOPELESS = 1e-7
+"""μ from which on the mended bodies must be possible for the estimate to count as feasible."""
+
+TIGHTEST = 1e-8
+"""Smallest eigenvalue of P relative to the prior below which a body counts as being on the boundary of the possible."""
+
+HEAVIEST = 10.0
+"""What a link may weigh at most, times its mass in the URDF, scaled up first should all inertias there be too small for
+the estimate. Without this bound the nearest possible estimate often belongs to links of infinite mass, that is to none.
+"""
+
+GAP = 1e-5
+"""Of χ² by which an infeasible estimate may be farther away than the nearest possible one."""
+
+NEGLIGIBLE = 1e-9
+"""χ² that is not worth a step nearer."""
+
+STEPS = 300
+"""Most Newton steps for each μ; a dozen is usual."""
+
+SETTLED = 1e-12
+"""Newton decrement, squared and halved (what a step could still gain), at which a problem counts as solved."""
+
+LONGEST = 0.95
+"""Share of the way to the boundary of the possible that one step may go."""
+
+TRACE = np.trace(BASIS, axis1=1, axis2=2)
+"""tr P = TRACE · π."""
+
+ORTHONORMAL = np.linalg.inv(np.linalg.cholesky(BASIS.reshape(10, 16) @ BASIS.reshape(10, 16).T).T)
+"""Columns are π of matrices that are orthonormal by ⟨A, B⟩ = tr A B, (10, 10)."""
+
+FLOOR = 1e-12
+"""Standard deviations below this share of what the prior could change count as this: nothing is known exactly."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Lift:
+    """Links that can exist, and how well they reproduce the parameters that were asked for; prints itself.
+
+    Attributes:
+        names: Base parameters, p of them.
+        target: Their values as asked for, (p,).
+        values: Their values as the links have them, (p,): the target where that is feasible.
+        links: Names of the moving links.
+        link_parameters: π of each link with what is fixed to it, about its joint frame, (n, 10), in the order of
+            :data:`exoid.reduction.LINK_PARAMETERS`.
+        feasible: Whether links that can exist have the target's values.
+        distance: How far ``values`` are from the target, χ in standard deviations of the estimate; 0 where feasible.
+            Without a covariance the unit is a change of the links' inertias as large as these are.
+        divergence: Entropic divergence from the leg's own links; 0 where these have the target's values already.
+        heaviest: What each link was allowed to weigh [kg], (n,).
+    """
+
+    names: tuple[str, ...]
+    target: FloatArray
+    values: FloatArray
+    links: tuple[str, ...]
+    link_parameters: FloatArray
+    feasible: bool
+    distance: float
+    divergence: float
+    heaviest: FloatArray
+
+    def __post_init__(self) -> None:
+        """Forbid changes."""
+        for array in (self.target, self.values, self.link_parameters, self.heaviest):
+            array.flags.writeable = False
+
+    @property
+    def moved(self) -> dict[str, float]:
+        """By how much each parameter had to change to become possible; empty where feasible."""
+        if self.feasible:
+            return {}
+        return dict(zip(self.names, (self.values - self.target).tolist(), strict=True))
+
+    def __repr__(self) -> str:
+        """Name the outcome."""
+        return f"Lift(feasible={self.feasible}, distance={self.distance:.3g}, divergence={self.divergence:.3g})"
+
+    def __str__(self) -> str:
+        """Print the links, and what had to give way."""
+        rows = [
+            (f"{name} [{unit}]", *(f"{value:.5g}" for value in column))
+            for name, unit, column in zip(LINK_PARAMETERS, LINK_UNITS, self.link_parameters.T, strict=True)
+        ]
+        parts = [make_table(("about the joint", *self.links), rows)]
+        if self.feasible:
+            return to_text("links that can exist, with exactly the parameters asked for", *parts)
+        moved = [
+            (name, f"{old:.5g}", f"{new:.5g}", f"{new - old:+.2g}")
+            for name, old, new in zip(self.names, self.target, self.values, strict=True)
+        ]
+        title = f"no links that can exist have these parameters; the nearest are {self.distance:.3g} away"
+        return to_text(title, *parts, make_table(("parameter", "asked for", "possible", "moved"), moved))
+
+
+def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Lift:
+    """Find links that can exist with these base parameters, nearest to the leg's own.
+
+    Args:
+        leg: The leg; its inertias are the prior. Links that no mass distribution has (point masses, rods) are first
+            given a little extent, see :func:`exoid.lift.pseudo_inertia.made_possible`.
+        values: Base parameters, (p,), in the order of ``leg.parameter_names``.
+        covariance: Of the values, (p, p): the metric where they are not feasible; what is known best gives way least.
+            None for a metric that counts every change by the change of the links' inertias that it takes.
+
+    Returns:
+        The links. Each pseudo-inertia is positive definite, so masses and principal inertias are positive and the
+        R factor inequalities hold strictly. An estimate on the very boundary of the possible (a body thinner than
+        about 1e-8 of the prior), or one that takes links heavier than :data:`HEAVIEST` allows, counts as not feasible.
+
+    Raises:
+        ExoidError: Values or covariance do not fit the leg or are not finite, or the covariance has a negative
+            eigenvalue.
+
+    Example:
+        >>> leg = exoid.load_leg("bleex")
+        >>> lifted = lift(leg, 1.1 * leg.parameters)
+        >>> lifted.feasible, bool(np.allclose(lifted.values, 1.1 * leg.parameters, rtol=1e-12))
+        (True, True)
+    """
+    target = checked_values(leg, values)
+    prior = made_possible(dynamic_parameters(leg.model))
+    problem = _Problem.around(prior, leg.reduction)
+    natural = _whitening(problem.K @ problem.K.T)
+    own = natural @ leg.reduction.parameters(prior)
+    scale = float(own @ natural @ target) / float(own @ own)
+    heaviest = np.full(problem.links, HEAVIEST * max(1.0, scale))
+    exact = _reproduce(problem, target, natural, heaviest)
+    if exact is not None:
+        unit, feasible = exact, True
+    else:
+        metric = natural if covariance is None else _metric(_checked(leg, covariance, "covariance", 2), problem)
+        unit, feasible = _approach(problem, target, metric, heaviest), False
+    reached = problem.K @ unit
+    links = problem.back @ unit
+    if feasible:
+        links = links + leg.reduction.spread @ (target - leg.reduction.collect @ links)  # the last rounding error
+    return Lift(
+        names=leg.parameter_names,
+        target=target,
+        values=leg.reduction.parameters(links),
+        links=leg.link_names,
+        link_parameters=links.reshape(-1, 10),
+        feasible=feasible,
+        distance=0.0 if feasible else float(np.linalg.norm(metric @ (target - reached))),
+        divergence=_divergence(upper_factors(pseudo_inertias(unit))),
+        heaviest=heaviest * prior[::10],
+    )
+
+
+def checked_values(leg: Leg, values: ArrayLike) -> FloatArray:
+    """Check that base parameters fit a leg, (p,).
+
+    Raises:
+        ExoidError: They do not, or one is not finite.
+    """
+    return _checked(leg, values, "values", 1)
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """The lift in coordinates where the prior of every link is the unit matrix: P = U⁰ P̃ U⁰ᵀ.
+
+    Attributes:
+        K: From π̃ to base parameters, (p, 10 n).
+        back: From π̃ to π, (10 n, 10 n).
+        links: n.
+    """
+
+    K: FloatArray
+    back: FloatArray
+    links: int
+
+    @classmethod
+    def around(cls, prior: FloatArray, reduction: Reduction) -> _Problem:
+        """Scale by the prior, (10 n,)."""
+        blocks = congruence(upper_factors(pseudo_inertias(prior)))
+        back = np.asarray(scipy.linalg.block_diag(*blocks))
+        return cls(reduction.collect @ back, back, len(blocks))
+
+    @property
+    def prior(self) -> FloatArray:
+        """Factors of the prior: unit matrices, (n, 4, 4)."""
+        return np.tile(np.eye(4), (self.links, 1, 1))
+
+    def minimise(self, U: FloatArray, misfit: _Misfit) -> FloatArray:
+        """Minimise D + misfit by damped Newton steps from bodies with factors U, (n, 4, 4)."""
+        best = self._objective(U, misfit)
+        for _ in range(STEPS):
+            Y, gain = self._newton_step(U, misfit)
+            if gain < SETTLED * (1.0 + best):
+                break
+            nearest = float(np.linalg.eigvalsh(Y)[:, 0].min())  # 1 + length · Y is possible while length · nearest > −1
+            length = min(1.0, LONGEST / max(-nearest, 1e-9))
+            while True:
+                trial = U @ upper_factors(np.eye(4) + length * Y)
+                value = self._objective(trial, misfit)
+                if value <= best - 0.1 * length * gain or length < 1e-10:
+                    break
+                length *= 0.5
+            if value >= best:  # nothing left to gain but rounding
+                break
+            U, best = trial, value
+        return U
+
+    def _newton_step(self, U: FloatArray, misfit: _Misfit) -> tuple[FloatArray, float]:
+        """Newton step P ← U (1 + Y) Uᵀ, (n, 4, 4), and what it should gain.
+
+        In an orthonormal basis of Y the second derivative of −log det is 1, however close to the boundary the bodies
+        are, and that of the misfit has the rank p.
+        """
+        turned = congruence(U) @ ORTHONORMAL
+        pull = np.ravel(TRACE @ ORTHONORMAL - TRACE @ turned)
+        WK = misfit.W @ self.K / np.sqrt(misfit.mu)
+        columns = np.hstack(list(WK.reshape(len(WK), -1, 10).transpose(1, 0, 2) @ turned))
+        residual = misfit.W @ (misfit.target - self.K @ _unit(U)) / np.sqrt(misfit.mu)
+        if misfit.heaviest is not None:  # −log room, whose second derivative has one row a link
+            room = misfit.heaviest - U[:, 3, 3] ** 2
+            columns = np.vstack([columns, scipy.linalg.block_diag(*(turned[:, 0] / room[:, None]))])
+            residual = np.concatenate([residual, -np.ones(len(room))])
+        small = np.eye(len(columns)) + columns @ columns.T
+        y = pull + columns.T @ np.linalg.solve(small, residual - columns @ pull)
+        gain = 0.5 * float((pull + columns.T @ residual) @ y)
+        return pseudo_inertias(y.reshape(-1, 10) @ ORTHONORMAL.T), gain
+
+    def _objective(self, U: FloatArray, misfit: _Misfit) -> float:
+        share = np.zeros(1) if misfit.heaviest is None else U[:, 3, 3] ** 2 / misfit.heaviest
+        if share.max() >= 1.0:
+            return np.inf
+        residual = misfit.W @ (misfit.target - self.K @ _unit(U))
+        return _divergence(U) - float(np.log1p(-share).sum()) + float(residual @ residual) / (2.0 * misfit.mu)
+
+
+class _Misfit(NamedTuple):
+    """What is added to the divergence: ‖W (β − K π̃)‖² / 2μ, and −log(1 − m / heaviest m⁰) of each link."""
+
+    W: FloatArray
+    target: FloatArray
+    mu: float
+    heaviest: FloatArray | None = None
+
+
+def _reproduce(problem: _Problem, target: FloatArray, natural: FloatArray, heaviest: FloatArray) -> FloatArray | None:
+    """Find the bodies nearest to the prior that have the target's values exactly.
+
+    Returns:
+        Their π̃, (10 n,); None where there are none.
+    """
+    U, smallest_change = problem.prior, np.linalg.pinv(natural @ problem.K) @ natural
+    for mu in PENALTIES:
+        U = problem.minimise(U, _Misfit(natural, target, mu))
+        unit = _unit(U)
+        unit = unit + smallest_change @ (target - problem.K @ unit)
+        possible = np.linalg.eigvalsh(pseudo_inertias(unit)).min() > TIGHTEST
+        if (U[:, 3, 3] ** 2 > heaviest).any() or (not possible and mu <= HOPELESS):
+            return None
+    return unit
+
+
+def _approach(problem: _Problem, target: FloatArray, metric: FloatArray, heaviest: FloatArray) -> FloatArray:
+    """Find bodies whose values are nearest to the target in a metric, to within :data:`GAP`; their π̃, (10 n,)."""
+    U = problem.prior
+    chi_squared = mu = _chi_squared(problem, target, metric, U)
+    while (4 * problem.links + heaviest.sum()) * mu > max(GAP * chi_squared, NEGLIGIBLE):
+        mu /= 10.0
+        U = problem.minimise(U, _Misfit(metric, target, mu, heaviest))
+        chi_squared = _chi_squared(problem, target, metric, U)
+    return _unit(U)
+
+
+def _chi_squared(problem: _Problem, target: FloatArray, metric: FloatArray, U: FloatArray) -> float:
+    return float(np.sum((metric @ (target - problem.K @ _unit(U))) ** 2))
+
+
+def _unit(U: FloatArray) -> FloatArray:
+    """π̃ of the bodies U Uᵀ, (10 n,)."""
+    return link_parameters(U @ U.transpose(0, 2, 1))
+
+
+def _divergence(U: FloatArray) -> float:
+    """D of the bodies U Uᵀ from unit matrices."""
+    return float(np.sum(U**2) - 2.0 * np.log(np.diagonal(U, axis1=1, axis2=2)).sum() - 4 * len(U))
+
+
+def _whitening(covariance: FloatArray) -> FloatArray:
+    """W with Wᵀ W = covariance⁻¹, (p, p)."""
+    scale = np.sqrt(np.diag(covariance))
+    lower = np.linalg.cholesky(covariance / np.outer(scale, scale))
+    return np.asarray(scipy.linalg.solve_triangular(lower, np.diag(1.0 / scale), lower=True))
+
+
+def _metric(covariance: FloatArray, problem: _Problem) -> FloatArray:
+    """Whitening of an estimate's covariance, whose exactly known directions become almost exactly known."""
+    scale = np.linalg.norm(problem.K, axis=1)
+    values, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
+    if values[0] < -1e-9 * max(values[-1], FLOOR):
+        raise ExoidError(
+            f"the covariance has a negative eigenvalue ({values[0]:.2g} relative)", remedy="pass est.covariance"
+        )
+    return np.asarray((axes / np.sqrt(np.maximum(values, FLOOR**2))).T / scale)
+
+
+def _checked(leg: Leg, given: ArrayLike, name: str, dimensions: int) -> FloatArray:
+    shape = (len(leg.parameter_names),) * dimensions
+    try:
+        array = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ExoidError(f"{name} are not numbers ({error})", remedy=f"pass an array of shape {shape}") from error
+    if array.shape != shape or not np.isfinite(array).all():
+        raise ExoidError(
+            f"{name} of shape {array.shape} do not fit, or are not finite",
+            where=leg.description.name,
+            remedy=f"pass finite numbers of shape {shape}, in the order {', '.join(leg.parameter_names)}",
+        )
+    return array

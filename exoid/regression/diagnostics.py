@@ -1,0 +1,248 @@
+"""What the residuals say on the trust that an estimate deserves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import FloatArray
+
+from .least_squares import RFactor, Solution
+from .model import RegressorModel
+from .noise import LagSums
+from .parameters import PriorKnowledge
+from .problem import RowProblem
+from .residuals import Noises, Point, Series, over_recordings
+from .rows import NoiseKind
+
+WELL = 0.1
+"""A parameter is well determined if its standard deviation is at most this part of its size,"""
+
+WEAKLY = 0.3
+"""and weakly if it is at most this part; beyond, it is not determined."""
+
+SIZE = 0.1
+"""A value near zero is judged by this part of the value that would explain all torque of a joint alone."""
+
+MOSTLY_PRIOR = 0.7
+"""A standard deviation beyond this part of the prior's says that the recordings know less than the prior."""
+
+CANCELS = 3.0
+"""A value that alone would give so many times all torque of a joint only cancels another, whatever its error."""
+
+SPEED, ACCELERATION = 1.0, np.pi
+"""Up to which joints move in a calm exercise, 0.5 Hz and ±18° [rad/s, rad/s²]."""
+
+STATES = 1000
+"""Of calm exercises are looked at."""
+
+LAGS = 10
+"""Autocorrelations that are tested for whiteness."""
+
+
+ILL_CONDITIONED = 100.0
+"""Beyond this condition index an error of a thousandth of the torque may grow to a tenth of that of a parameter,"""
+
+HOPELESS = 300.0
+"""and beyond this to a third."""
+
+LARGEST = 1e100
+"""Condition indices are cut off here."""
+
+HALF = 0.5
+"""A parameter belongs to the directions that make up this part of its variance."""
+
+NAMED = 3
+"""So many groups of parameters are named."""
+
+NAMED_PART = 0.2
+"""A column with at least this part in a direction is named with it."""
+
+
+class Direction(NamedTuple):
+    """Parameters whose columns nearly cancel each other, those most involved first.
+
+    Attributes:
+        condition: Its condition index, the largest singular value of the unit-column regressor over its own.
+        columns: Their indices.
+    """
+
+    condition: float
+    columns: tuple[int, ...]
+
+
+class Collinearity(NamedTuple):
+    """What a least-squares problem says on parameters that it can hardly tell apart.
+
+    Attributes:
+        indices: Condition index of each parameter: at least half of its variance comes from directions of this index
+            or worse, (P,); 1 for known parameters.
+        directions: Those beyond :data:`ILL_CONDITIONED`, the worst first.
+    """
+
+    indices: FloatArray = np.ones(0)
+    directions: tuple[Direction, ...] = ()
+
+    @classmethod
+    def of(cls, solution: Solution) -> Collinearity:
+        """Look at the singular value decomposition of a unit-column regressor.
+
+        With singular values σ_k and right vectors v_k a parameter's variance is Σ_k v_ik² / σ_k²: each term over the
+        sum is the variance-decomposition proportion of direction k.
+
+        Args:
+            solution: Least-squares solution with its singular values and vectors.
+
+        Returns:
+            Condition index of each parameter, and the directions of large ones.
+        """
+        sigma, places = solution.sigma, solution.free
+        worst_first, columns = np.minimum(sigma[0] / sigma[::-1], LARGEST), solution.Vt[::-1]
+        parts = (columns * worst_first[:, None]) ** 2
+        summed = np.cumsum(parts, axis=0) / np.maximum(parts.sum(axis=0), np.finfo(np.float64).tiny)
+        indices = np.ones(len(solution.values))
+        indices[places] = worst_first[np.argmax(summed >= HALF, axis=0)]
+        directions = []
+        for index, direction in zip(worst_first, np.abs(columns), strict=True):
+            if index <= ILL_CONDITIONED:
+                break
+            order = np.argsort(-direction)
+            named = [int(places[k]) for k in order if direction[k] >= NAMED_PART]
+            directions.append(Direction(float(index), tuple(named)))
+        return cls(indices, tuple(directions))
+
+    def warnings(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Name the parameters that move together, in one sentence."""
+        groups = [
+            f"{', '.join(names[k] for k in direction.columns)} (condition index {direction.condition:.3g})"
+            for direction in self.directions
+        ]
+        if not groups:
+            return ()
+        more = f"; and {len(groups) - NAMED} other groups" if len(groups) > NAMED else ""
+        return (
+            f"these recordings hardly tell apart {'; '.join(groups[:NAMED])}{more}: small errors of model, sensors or "
+            "filters move them together by much, so excite more, or plan a motion",
+        )
+
+
+@dataclass(frozen=True)
+class JointNoise:
+    """What the residuals of one joint look like.
+
+    Attributes:
+        samples: Rows that were looked at, decimated to the pace at which a filter leaves them independent.
+        effective_samples: Independent samples that say as much on the size of the noise, N γ_0² / Σ γ_k².
+        order: Of the autoregressive model of the noise, the largest of all recordings.
+        correlation: Of one residual with the next.
+        whiteness: Probability of autocorrelations as large as these in white noise (Ljung and Box); below 0.05 the
+            residuals are not white, which intervals account for.
+    """
+
+    samples: int
+    effective_samples: float
+    order: int
+    correlation: float
+    whiteness: float
+
+
+def describe_noise(problem: RowProblem, point: Point, noises: Noises) -> tuple[JointNoise, ...]:
+    """Describe the residuals of each joint."""
+    joints = len(problem.columns)
+    samples, effective, statistic, lags = np.zeros((4, joints))
+    products = np.zeros((joints, 2))
+    for found in over_recordings(problem, point, _autocorrelate):
+        for (kind, joint), (sums, pairs) in found.items():
+            samples[joint] += pairs[0]
+            effective[joint] += pairs[0] * noises[kind, joint].effective_share
+            if not kind.at_rest and pairs[0] > 2 * LAGS and sums[0] > 0.0:
+                correlations = sums[1:] / np.maximum(pairs[1:], 1.0) * pairs[0] / sums[0]
+                statistic[joint] += (pairs[1:] * correlations**2).sum()
+                lags[joint] += LAGS
+                products[joint] += sums[:2]
+    return tuple(
+        JointNoise(
+            samples=int(samples[joint]),
+            effective_samples=float(effective[joint]),
+            order=max(noise.order for (_, j), noise in noises.items() if j == joint),
+            correlation=float(products[joint, 1] / (products[joint, 0] or 1.0)),
+            whiteness=float(scipy.stats.chi2.sf(statistic[joint], lags[joint])) if lags[joint] else 1.0,
+        )
+        for joint in range(joints)
+    )
+
+
+def _autocorrelate(parts: Iterator[Series]) -> dict[tuple[NoiseKind, int], tuple[FloatArray, FloatArray]]:
+    """Sums over residuals, and pairs of usable samples, by lag, of each joint of one recording."""
+    running: dict[tuple[NoiseKind, int], tuple[LagSums, LagSums]] = {}
+    for part in parts:
+        residuals, pairs = running.setdefault((part.kind, part.joint), (LagSums(LAGS), LagSums(LAGS)))
+        residuals.add(part.residual)
+        pairs.add(part.usable)
+    return {key: (residuals.sums, np.rint(pairs.sums)) for key, (residuals, pairs) in running.items()}
+
+
+def parameter_scale(r_factors: Sequence[RFactor]) -> FloatArray:
+    """Return the size of each parameter that would explain, alone, all torque of a joint it acts on, (P,).
+
+    That is ‖τ‖ / ‖W_i‖ of the joint where it is smallest; zero for one that left no trace.
+    """
+    norms = np.array([np.linalg.norm(r_factor.R, axis=0) for r_factor in r_factors])
+    columns, torques = norms[:, :-1], norms[:, -1:]
+    sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=columns > 0.0).min(axis=0)
+    return np.where(np.isfinite(sizes), sizes, 0.0)
+
+
+def reference_scale(
+    model: RegressorModel, lowest: FloatArray, highest: FloatArray, r_factors: Sequence[RFactor]
+) -> FloatArray:
+    """Return what :func:`parameter_scale` would if joints had moved as in a calm exercise at the angles recorded, (P,).
+
+    A parameter that the recordings hardly excite would have to be huge to explain their torque, and any error of it
+    would look small: a slow motion does not make an inertia sure. Nor does friction that acts for moments only: such a
+    column counts by its largest value, over √3 like one that is spread evenly.
+
+    Args:
+        model: The model.
+        lowest: Smallest angle of each joint in all recordings [rad], (n,).
+        highest: Largest.
+        r_factors: Rows of each joint, in motion and at rest.
+    """
+    rng = np.random.default_rng(0)
+    q, v, a = rng.uniform(-1.0, 1.0, (3, STATES, len(lowest)))
+    q = 0.5 * (lowest + highest) + 0.5 * (highest - lowest) * q
+    columns = np.abs(model.regressor(q, SPEED * v, ACCELERATION * a)).max(axis=0) / math.sqrt(3.0)
+    joints = len(columns)
+    squares = np.array([[t.R[:, -1] @ t.R[:, -1], t.rows] for t in r_factors]).reshape(-1, joints, 2).sum(axis=0)
+    torques = np.sqrt(squares[:, :1] / np.maximum(squares[:, 1:], 1.0))
+    sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=columns > 0.0).min(axis=0)
+    return np.where(np.isfinite(sizes), sizes, 0.0)
+
+
+def identifiability_class(value: float, std: float, size: float, calm: float = np.inf, index: float = 1.0) -> str:
+    """Say how well a parameter is determined: "well", "weakly" or "not".
+
+    Args:
+        value: Of the parameter.
+        std: Its standard deviation.
+        size: See :func:`parameter_scale`.
+        calm: See :func:`calm_sizes`.
+        index: Its condition index, see :class:`~exoid.regression.diagnostics.Collinearity`.
+    """
+    scale = max(abs(value), SIZE * min(size, calm))
+    if abs(value) > CANCELS * size > 0.0 or std > WEAKLY * scale or index > HOPELESS:
+        return "not"
+    return "weakly" if std > WELL * scale or index > ILL_CONDITIONED else "well"
+
+
+def identifiability_beside(name: str, prior_knowledge: PriorKnowledge, std: float, of_data: str) -> str:
+    """Say "known" or "prior" of parameters that are rather what was assumed than what was measured."""
+    if name in prior_knowledge.known:
+        return "known"
+    believed = prior_knowledge.prior.values.get(name)
+    return "prior" if believed is not None and std > MOSTLY_PRIOR * believed[1] else of_data

@@ -1,0 +1,136 @@
+"""What each recording contributes to an estimate, and how far it alone pulls the parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
+from .least_squares import stack
+from .problem import RecordingProblem
+
+NO_ESTIMATE = np.inf
+"""Change of a parameter that cannot be identified without a recording."""
+
+SIGNIFICANT = 0.05
+"""Probability with which one recording or other of the same leg would be said to move the estimate."""
+
+TINY = 1e-12
+"""Least share of the other recordings, to divide by."""
+
+
+class Influence(NamedTuple):
+    """Influence of each of R recordings, in the order in which they were given.
+
+    Attributes:
+        recordings: Their names.
+        change: Estimate without the recording less the estimate with it, in standard deviations of the latter;
+            infinite where the others do not suffice, (R, P).
+        share: Part of what is known of a parameter that comes from the recording, between 0 and 1; with the part of
+            priors they add up to 1, (R, P).
+        expected: Standard deviation of the change where all recordings are of the same leg; 0 where the others do not
+            suffice, (R, P).
+    """
+
+    recordings: tuple[str, ...]
+    change: FloatArray
+    share: FloatArray
+    expected: FloatArray
+
+    def of(self, count: int) -> Influence:
+        """Keep the first so many parameters."""
+        return self.at(slice(count))
+
+    def at(self, places: slice | NDArray[np.intp]) -> Influence:
+        """Keep the parameters at these places."""
+        return Influence(self.recordings, *(array[:, places] for array in self[1:]))
+
+    def strongest(self, limit: float | FloatArray) -> list[tuple[str, list[int]]]:
+        """Name recordings that move parameters by more than so many standard deviations, one or (P,), and which.
+
+        Only what noise does not explain either: in one of twenty estimates the largest change of all does by chance.
+        """
+        chance = float(scipy.stats.norm.ppf(1.0 - 0.5 * SIGNIFICANT / self.change.size))
+        moved = np.isfinite(self.change) & (np.abs(self.change) > np.maximum(limit, chance * self.expected))
+        found = zip(self.recordings, moved, strict=True)
+        return [(name, np.flatnonzero(row).tolist()) for name, row in found if row.any()]
+
+
+def influence(problem: RecordingProblem, names: Sequence[str], weights: Sequence[float], std: FloatArray) -> Influence:
+    """Leave out one recording after the other, with the weights of the whole.
+
+    With A = Σ A_r the information WᵀW of all recordings, and of priors, the share of recording r in parameter i is the
+    part that its noise has in the variance, (A⁻¹ A_r A⁻¹)_ii / (A⁻¹)_ii. The change without it has the variance
+    ((A − A_r)⁻¹ − A⁻¹)_ii.
+
+    Args:
+        problem: The problem.
+        names: Names of its recordings, (R,); at least two.
+        weights: Weights of the rows of each R factor.
+        std: Standard deviations of the parameters, (P,).
+
+    Returns:
+        Influence on all parameters.
+    """
+    each = problem.recording_r_factors(weights)
+    whole = problem.solve(stack(each))
+    change, share, expected = np.zeros((3, len(each), len(std)))
+    for index, of_one in enumerate(each):
+        try:
+            values = problem.without(index, stack([*each[:index], *each[index + 1 :]]), whole)
+        except ExoidError:
+            values = np.full(len(std), NO_ESTIMATE)
+        np.divide(values - whole.values, std, out=change[index], where=std > 0.0)
+        share[index], expected[index] = _information(of_one.R[:, : len(std)], whole.inverse)
+    return Influence(tuple(names), change, share, np.where(np.isfinite(change), expected, 0.0))
+
+
+def _information(R: FloatArray, inverse: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Share of a recording with A_r = RᵀR, and standard deviation of the change without it, (P,) each.
+
+    (A − A_r)⁻¹ − A⁻¹ = A⁻¹ Rᵀ (I − R A⁻¹ Rᵀ)⁻¹ R A⁻¹, so that both are sums over eigenvectors u of R A⁻¹ Rᵀ.
+    """
+    sizes, vectors = np.linalg.eigh(R @ inverse @ R.T)
+    parts = (inverse @ R.T @ vectors) ** 2
+    variance = np.diag(inverse)
+    parts = np.divide(parts.T, variance, out=np.zeros_like(parts.T), where=variance > 0.0)
+    return parts.sum(axis=0), np.sqrt((parts.T / np.clip(1.0 - sizes, TINY, 1.0)).sum(axis=1))
+
+
+def influence_to_json(found: Influence | None, names: Sequence[str]) -> list[dict[str, Any]]:
+    """Turn influences into what JSON can hold; what is infinite becomes null."""
+    if found is None:
+        return []
+    finite = ([[x if np.isfinite(x) else None for x in row] for row in a.tolist()] for a in found[1:])
+    return [
+        {
+            "recording": recording,
+            "change": dict(zip(names, change, strict=True)),
+            "share": dict(zip(names, share, strict=True)),
+            "expected": dict(zip(names, expected, strict=True)),
+        }
+        for recording, change, share, expected in zip(found.recordings, *finite, strict=True)
+    ]
+
+
+def influence_from_json(data: Sequence[dict[str, Any]], names: Sequence[str]) -> Influence | None:
+    """Read what :func:`influence_to_json` wrote.
+
+    In older files the expected change follows from the share, √(share / (1 − share)), which is right for one parameter.
+    """
+    if not data:
+        return None
+    change, share, expected = (
+        np.array([[one[key][n] if key in one else np.nan for n in names] for one in data], dtype=np.float64)
+        for key in ("change", "share", "expected")
+    )
+    change[np.isnan(change)] = NO_ESTIMATE
+    part = np.clip(share, 0.0, 1.0 - TINY)
+    expected = np.where(np.isnan(expected), np.sqrt(part / (1.0 - part)), expected)
+    return Influence(tuple(str(one["recording"]) for one in data), change, share, expected)

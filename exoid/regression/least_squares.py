@@ -1,0 +1,258 @@
+"""Least squares on R factors: all rows of a joint in one triangle, and which parameters they determine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
+from .parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
+from .rows import Rows
+
+UNDETERMINED = 1e-7
+"""Singular values of the unit-column regressor below this fraction of the largest count as zero."""
+
+INVOLVED = 0.05
+"""A parameter with less than this part in a direction that the rows do not see is not blamed for it."""
+
+ROUNDING = 1e-9
+"""Residuals below this part of the torque are rounding, and make no row surer."""
+
+TINY = 1e-150
+"""Smallest number to divide by."""
+
+COLUMNS = 4
+"""Columns that are factorised at once: of so few as a joint has, fastest."""
+
+
+class RFactor(NamedTuple):
+    """All that least squares needs to know of the rows of one joint: R of the QR factorisation of [W τ].
+
+    Attributes:
+        R: Upper R factor, (P + 1, P + 1).
+        rows: How many rows went in.
+        samples: How many independent samples they amount to.
+    """
+
+    R: FloatArray
+    rows: int
+    samples: float
+
+    def among(self, columns: NDArray[np.intp], width: int) -> RFactor:
+        """Put the columns into the places that they have among so many, the others being zero."""
+        R = np.zeros((len(self.R), width))
+        R[:, columns] = self.R
+        return factorize(R, self.rows, self.samples)
+
+    def residual(self, values: FloatArray) -> float:
+        """Root of the sum of squared residuals ‖W β − τ‖ [N·m]."""
+        return float(np.linalg.norm(self.R @ np.append(values, -1.0)))
+
+
+def factorize_rows(rows: Rows) -> list[RFactor]:
+    """Reduce the rows of each joint to a R factor."""
+    r_factors = []
+    for joint in range(rows.tau.shape[1]):
+        columns, table = joint_table(rows, joint)
+        count = table.shape[1]
+        r_factor = factorize(table.T, count, count * rows.independence)
+        r_factors.append(r_factor.among(columns, rows.W.shape[2] + 1))
+    return r_factors
+
+
+def joint_table(rows: Rows, joint: int) -> tuple[NDArray[np.intp], FloatArray]:
+    """Columns of [W τ] that act on a joint, the last that of its torque, and usable rows in them, (p, N)."""
+    W, use = rows.W[:, joint].T, rows.usable[:, joint]
+    columns = np.flatnonzero(rows.acting[joint])
+    table = np.empty((len(columns) + 1, int(np.count_nonzero(use))))
+    used = slice(None) if use.all() else use
+    for row, column in zip(table, columns, strict=False):
+        row[:] = W[column, used]
+    table[-1] = rows.tau[used, joint]
+    return np.append(columns, len(W)), table
+
+
+def factorize(table: FloatArray, rows: int, samples: float) -> RFactor:
+    """Factorise rows of [W τ]."""
+    width = table.shape[1]
+    if len(table) < width:
+        table = np.vstack([table, np.zeros((width - len(table), width))])
+    factored, *_ = scipy.linalg.lapack.dgeqrt(min(COLUMNS, width), table)
+    return RFactor(np.triu(factored[:width]), rows, samples)
+
+
+def rms_residual(r_factors: Sequence[RFactor], values: FloatArray) -> float:
+    """RMS residual over the rows of several R factors [N·m]."""
+    squares = sum(r_factor.residual(values) ** 2 for r_factor in r_factors)
+    return float(np.sqrt(squares / max(sum(r_factor.rows for r_factor in r_factors), 1)))
+
+
+def stack(r_factors: Sequence[RFactor], weights: Sequence[float] | None = None) -> RFactor:
+    """Combine R factors, each multiplied by its weight, into the R factor of all their rows."""
+    weights = [1.0] * len(r_factors) if weights is None else weights
+    table = np.vstack([weight * r_factor.R for weight, r_factor in zip(weights, r_factors, strict=True)])
+    return factorize(table, sum(t.rows for t in r_factors), sum(t.samples for t in r_factors))
+
+
+def refuse_empty_joints(joint_names: Sequence[str], r_factors: Sequence[RFactor]) -> None:
+    """Refuse a fit in which the terms' dead bands left no sample of a joint.
+
+    Raises:
+        ExoidError: Names the joints.
+    """
+    empty = [joint for joint, r_factor in zip(joint_names, r_factors, strict=True) if r_factor.rows == 0]
+    if empty:
+        raise ExoidError(
+            f"no sample of {', '.join(empty)} is faster than the dead band of its friction term",
+            remedy="move faster, or choose a smaller dead_band",
+        )
+
+
+class Solution(NamedTuple):
+    """Least-squares estimate with its evidence.
+
+    Attributes:
+        values: β, (P,).
+        covariance: For independent noise of one size in all rows, as weighted, (P, P).
+        condition_number: Of the regressor with columns scaled to unit length.
+        dof: Independent samples less parameters.
+        inverse: (WᵀW)⁻¹ of the rows as weighted, those of priors among them; zero for known parameters, (P, P).
+        prior_noise: Share of the priors' own uncertainty in Wᵀ Γ W, (P, P).
+        bounded: Indices of parameters that would have become negative.
+        sigma: Singular values of the regressor with columns scaled to unit length, the largest first, (p,).
+        Vt: Its right singular vectors, (p, p).
+        free: Indices of the p parameters that are not known.
+    """
+
+    values: FloatArray
+    covariance: FloatArray
+    condition_number: float
+    dof: float
+    inverse: FloatArray
+    prior_noise: FloatArray
+    bounded: tuple[int, ...] = ()
+    sigma: FloatArray = np.ones(0)
+    Vt: FloatArray = np.ones((0, 0))
+    free: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
+
+    def prior_gains(self, names: Sequence[str], prior_knowledge: PriorKnowledge) -> FloatArray:
+        """How far parameters follow priors p, ∂β/∂p = (WᵀW)⁻¹ s² / σ² of rows (s/σ) β = (s/σ) p, (P, K)."""
+        places = [list(names).index(name) for name in prior_knowledge.prior.values]
+        std = np.array([std for _, std in prior_knowledge.prior.values.values()])
+        return np.asarray(self.inverse[:, places] * (np.sqrt(np.diag(self.prior_noise)[places]) / std))
+
+
+def solve(
+    r_factor: RFactor,
+    names: Sequence[str],
+    prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE,
+    nonnegative: NDArray[np.bool_] | None = None,
+) -> Solution:
+    """Minimise ‖W β − τ‖ (doc. 1, eq. (17), without its normal matrix).
+
+    With columns scaled to unit length and R = U Σ Vᵀ, β = V Σ⁻¹ Uᵀ (Qᵀτ) and cov β = s² V Σ⁻² Vᵀ. Of m rows only m'
+    carry independent noise, so that each residual counts m'/m: s² = ‖residual‖² / (m' − P).
+
+    Known parameters leave the problem with their torque. A prior p ± σ becomes a row (s/σ) β = (s/σ) p: s is what a
+    row of the recordings is worth, so that redundant rows do not outvote it.
+
+    Args:
+        r_factor: R of [W τ].
+        names: Parameters, (P,).
+        prior_knowledge: What is known beside the rows.
+        nonnegative: Parameters that must not become negative, (P,); None if all may.
+
+    Raises:
+        ExoidError: Names the parameters that neither rows nor priors determine, and what to do.
+    """
+    free = prior_knowledge.free(names)
+    if not free.any():
+        raise ExoidError("every parameter is known: nothing is left to identify", remedy="leave some unknown")
+    reduced = _without_known(r_factor, prior_knowledge.fixed_values(names), free)
+    count = len(reduced.R) - 1
+    dof = r_factor.samples - count
+    if dof <= 0.0:
+        raise ExoidError(
+            f"too few samples: {r_factor.samples:.0f} independent ones for {count} parameters",
+            remedy="record longer, or raise the cut-off",
+        )
+    priors = prior_knowledge.pseudo_rows(names)
+    priors = priors[:, np.append(free, True)]
+    size = _row_noise(reduced, dof) if len(priors) else 0.0
+    R = factorize(np.vstack([reduced.R, size * priors]), 0, 0.0).R if len(priors) else reduced.R
+    scale = np.linalg.norm(R[:count, :count], axis=0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    unit, z = R[:count, :count] / scale, R[:count, count]
+    U, sigma, Vt = np.linalg.svd(unit)
+    seen = sigma > UNDETERMINED * sigma[0]
+    believed = np.linalg.norm(size * priors[:, :-1] / scale @ Vt.T, axis=0) > 0.5 * sigma
+    unseen = Vt[~seen & ~(believed & (sigma > TINY))]
+    if len(unseen):
+        raise _undetermined(unseen, [name for name, is_free in zip(names, free, strict=True) if is_free])
+    values = Vt.T @ (U.T @ z / sigma) / scale
+    bounded = np.zeros(count, dtype=np.bool_)
+    if nonnegative is not None and (values[nonnegative[free]] < 0.0).any():
+        values, bounded = _bounded(unit, z, scale, nonnegative[free])
+    V = Vt.T / sigma / scale[:, None]
+    inverse = V @ V.T
+    variance = size**2 if len(priors) else R[count, count] ** 2 / dof
+    every = np.ix_(free, free)
+    whole, noise = np.zeros((2, len(names), len(names)))
+    whole[every], noise[every] = inverse, size**4 * priors[:, :-1].T @ priors[:, :-1]
+    all_values = prior_knowledge.fixed_values(names)
+    all_values[free] = values
+    places = tuple(int(k) for k in np.flatnonzero(free)[bounded])
+    condition = float(sigma[0] / sigma[-1])
+    return Solution(all_values, variance * whole, condition, dof, whole, noise, places, sigma, Vt, np.flatnonzero(free))
+
+
+def _without_known(r_factor: RFactor, fixed: FloatArray, free: NDArray[np.bool_]) -> RFactor:
+    """Take the torque of known parameters away, and their columns."""
+    if free.all():
+        return r_factor
+    torque = r_factor.R @ np.append(-fixed, 1.0)
+    return factorize(np.column_stack([r_factor.R[:, np.append(free, False)], torque]), 0, r_factor.samples)
+
+
+def _row_noise(r_factor: RFactor, dof: float) -> float:
+    """Size s of the noise of a row, counted as independent, whether or not the rows determine all parameters."""
+    W, tau = r_factor.R[:, :-1], r_factor.R[:, -1]
+    scale = np.linalg.norm(W, axis=0)
+    W = W / np.where(scale > 0.0, scale, 1.0)
+    fit, *_ = np.linalg.lstsq(W, tau, rcond=UNDETERMINED)
+    residual = max(float(np.linalg.norm(tau - W @ fit)), ROUNDING * float(np.linalg.norm(tau)), TINY)
+    return residual / math.sqrt(dof)
+
+
+def _bounded(
+    unit: FloatArray, z: FloatArray, scale: FloatArray, nonnegative: NDArray[np.bool_]
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Minimise with some values not below zero, and say which are zero for that."""
+    lower = np.where(nonnegative, 0.0, -np.inf)
+    found = scipy.optimize.lsq_linear(unit, z, (lower, np.inf), method="bvls", tol=1e-14)
+    bounded = found.active_mask < 0
+    return np.where(bounded, 0.0, found.x / scale), bounded
+
+
+def _undetermined(unseen: FloatArray, names: Sequence[str]) -> ExoidError:
+    """Explain the directions, rows of ``unseen``, in which the regressor is zero."""
+    reach = np.linalg.norm(unseen, axis=0)  # 1 where the parameter itself is unseen, whatever basis spans `unseen`
+    alone = [name for name, part in zip(names, reach, strict=True) if part > 1.0 - INVOLVED**2]
+    together = [n for n, part in zip(names, reach, strict=True) if part > INVOLVED and n not in alone]
+    what = []
+    if alone:
+        what.append(f"{', '.join(alone)} left no trace in the torque")
+    if together:
+        what.append(f"{', '.join(together)} cannot be told apart in this motion")
+    return ExoidError(
+        f"the recordings do not determine every parameter: {'; '.join(what)}",
+        remedy="move all joints at once, through different angles and speeds, leave out terms that cannot act, "
+        "or say what is known of them (known=, prior=)",
+    )

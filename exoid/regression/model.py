@@ -1,0 +1,88 @@
+"""What a regression asks of a torque model: columns of parameters for a motion, nothing of the leg behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+
+
+class Regrouping(Protocol):
+    """A parameter that is part of others, whatever the motion."""
+
+    @property
+    def name(self) -> str:
+        """Name of the parameter."""
+        ...
+
+    @property
+    def into(self) -> Mapping[str, float]:
+        """Names of the parameters that contain it, with its share in each."""
+        ...
+
+
+class MotionSamples(Protocol):
+    """Motion that columns are formed from, (N, n) arrays and hidden states."""
+
+    @property
+    def q(self) -> FloatArray:
+        """Angles [rad], (N, n)."""
+        ...
+
+    @property
+    def v(self) -> FloatArray:
+        """Velocities [rad/s], (N, n)."""
+        ...
+
+    def rows(self, rows: slice) -> Any:  # noqa: ANN401 - of the same kind
+        """Some of the samples."""
+        ...
+
+
+class RegressorModel(Protocol):
+    """τ = W(q, v, a) β: the part of :class:`exoid.torques.TorqueModel` that a regression needs."""
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Joints, (n,)."""
+        ...
+
+    @property
+    def joint_labels(self) -> tuple[str, ...]:
+        """What parameters call the joints, (n,)."""
+        ...
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters, in the order of the columns, (P,)."""
+        ...
+
+    @property
+    def regrouped(self) -> Sequence[Regrouping]:
+        """Parameters that are part of others."""
+        ...
+
+    @property
+    def acting(self) -> NDArray[np.bool_]:
+        """Which parameters can act on which joint, (n, P)."""
+        ...
+
+    def motion(self, q: Any, v: Any, a: Any, torso: Any = None) -> Any:  # noqa: ANN401 - arrays of any kind
+        """Gather what the columns of a whole recording depend on."""
+        ...
+
+    def columns(self, motion: Any) -> FloatArray:  # noqa: ANN401 - as :meth:`motion` returns it
+        """Columns of all parameters, and of torque that is known, (P or more, n, N)."""
+        ...
+
+    def regressor(self, q: Any, v: Any, a: Any, torso: Any = None) -> FloatArray:  # noqa: ANN401
+        """Columns of all parameters, (N, n, P)."""
+        ...
+
+    def usable(self, v: FloatArray) -> NDArray[np.bool_]:
+        """Which samples of which joint may be fitted, (N, n)."""
+        ...

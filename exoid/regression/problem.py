@@ -1,0 +1,70 @@
+"""What estimators ask of a regression problem: R factors, and rows that can be gone over again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .least_squares import RFactor, Solution
+from .rows import NoiseKind, RowBlock
+
+T = TypeVar("T")
+
+
+class LeastSquaresProblem(Protocol):
+    """A problem reduced to R factors, which is all that least squares asks for."""
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Names of the parameters."""
+        ...
+
+    @property
+    def r_factors(self) -> Sequence[RFactor]:
+        """R factor of the rows of each joint, in motion and at rest."""
+        ...
+
+    def solve(self, r_factor: RFactor) -> Solution:
+        """Solve for rows, with what is known beside them."""
+        ...
+
+
+class RowProblem(LeastSquaresProblem, Protocol):
+    """A problem whose rows can be gone over again, joint by joint."""
+
+    @property
+    def joint_names(self) -> Sequence[str]:
+        """Joint of each row block; groups follow each other."""
+        ...
+
+    @property
+    def columns(self) -> Sequence[NDArray[np.intp]]:
+        """Parameters that can act on each joint, as indices, in the order of the columns of its rows."""
+        ...
+
+    def weight_index(self, kind: NoiseKind, joint: int) -> int:
+        """Index among the R factors of the one that holds the rows of a kind and joint."""
+        ...
+
+    def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
+        """Go over the rows, recording by recording, each in order of time."""
+        ...
+
+    def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
+        """Let work go over the decimated rows of each recording, wherever they are, and bring back its results."""
+        ...
+
+
+class RecordingProblem(RowProblem, Protocol):
+    """A problem of several recordings, each of which can be left out."""
+
+    def recording_r_factors(self, weights: Sequence[float]) -> Sequence[RFactor]:
+        """R factor of the weighted rows of each recording."""
+        ...
+
+    def without(self, index: int, others: RFactor, solution: Solution) -> NDArray[np.float64]:
+        """Solve without one of the recordings; what only it determines is infinite, (P,)."""
+        ...

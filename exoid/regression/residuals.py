@@ -1,0 +1,249 @@
+"""Residuals in time order, what noise they show, and the covariance of an estimate under that noise."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+
+from .least_squares import Solution
+from .noise import LARGEST_ORDER, AutoregressiveNoise, LagSums, QuadraticForm
+from .problem import RowProblem
+from .rows import NoiseKind, RowBlock
+
+PASSES = 5
+"""Noise and covariance depend on each other, and are computed in turn at most so often."""
+
+SETTLED = 1e-3
+"""They have converged when no standard deviation changes by more than this part."""
+
+TINY = 1e-300
+"""Smallest variance to divide by."""
+
+
+class Series(NamedTuple):
+    """Weighted rows of one recording and joint in time order, or a stretch of them.
+
+    Attributes:
+        kind: Of the noise.
+        joint: Index.
+        columns: Parameters that act on the joint, (p,).
+        X: Their columns of the regressor, zero at samples left out, (p, N).
+        residual: τ − W β, zero there too, (N,).
+        usable: Samples not left out, (N,).
+        q: Angle [rad], (N,).
+        v: Velocity [rad/s], (N,).
+        stands_for: How many rows each of these stands for.
+        begins: Whether these are the first of the recording.
+        ends: Whether these are the last of it.
+    """
+
+    kind: NoiseKind
+    joint: int
+    columns: NDArray[np.intp]
+    X: FloatArray
+    residual: FloatArray
+    usable: FloatArray
+    q: FloatArray
+    v: FloatArray
+    stands_for: float
+    begins: bool = True
+    ends: bool = True
+
+
+class Point(NamedTuple):
+    """Parameters and how the rows that gave them were weighted.
+
+    Attributes:
+        values: β, (P,).
+        weights: Of each triangle's rows, by which their residuals are of size 1.
+        clip: Weighted residuals beyond this counted as this; infinite for least squares.
+    """
+
+    values: FloatArray
+    weights: Sequence[float]
+    clip: float = np.inf
+
+
+Noises = Mapping[tuple[NoiseKind, int], AutoregressiveNoise]
+"""Noise of each kind and joint, in units of the weighted rows."""
+
+
+class ColumnLayout(NamedTuple):
+    """Where the rows of joints belong in a problem, without the rows.
+
+    Attributes:
+        columns: Parameters that can act on each joint.
+        weights: Place of the weight of a joint's rows in motion, and at rest, (joints, 2).
+    """
+
+    columns: Sequence[NDArray[np.intp]]
+    weights: NDArray[np.intp]
+
+    @staticmethod
+    def of(problem: RowProblem) -> ColumnLayout:
+        """Ask a problem."""
+        kinds = (NoiseKind(at_rest, 0) for at_rest in (False, True))
+        places = [[problem.weight_index(kind, joint) for joint in range(len(problem.columns))] for kind in kinds]
+        return ColumnLayout(problem.columns, np.transpose(places))
+
+
+T = TypeVar("T")
+
+
+def over_recordings(problem: RowProblem, point: Point, work: Callable[[Iterator[Series]], T]) -> Iterator[T]:
+    """Let work go over the rows of each recording, joint by joint, decimated to the pace of independent noise.
+
+    The rows may be elsewhere, on a disk or on a cluster: what the work finds should be small.
+    """
+    yield from problem.gather(partial(_on_series, work, ColumnLayout.of(problem), point))
+
+
+def _on_series(
+    work: Callable[[Iterator[Series]], T], layout: ColumnLayout, point: Point, blocks: Iterable[RowBlock]
+) -> T:
+    return work(_series(blocks, layout, point))
+
+
+def series(problem: RowProblem, point: Point) -> Iterator[Series]:
+    """Go over all recordings and joints, in rows decimated to the pace of independent noise."""
+    return _series(problem.blocks(decimated=True), ColumnLayout.of(problem), point)
+
+
+def _series(blocks: Iterable[RowBlock], layout: ColumnLayout, point: Point) -> Iterator[Series]:
+    """Weigh rows joint by joint."""
+    for kind, rows, begins, ends, first in blocks:
+        for own, acting in enumerate(rows.acting):
+            joint = first + own
+            weight = point.weights[layout.weights[joint, int(kind.at_rest)]]
+            usable = rows.usable[:, own].astype(np.float64)
+            columns = layout.columns[joint]
+            counted = weight * usable
+            X = rows.W[:, own].T[acting]
+            X *= counted
+            residual = rows.tau[:, own] * counted - point.values[columns] @ X
+            if np.isfinite(point.clip):
+                residual = np.clip(residual, -point.clip, point.clip)
+            yield Series(
+                kind,
+                joint,
+                columns,
+                X,
+                residual,
+                usable,
+                rows.q[:, own],
+                rows.v[:, own],
+                rows.stands_for,
+                begins,
+                ends,
+            )
+
+
+def fit_noise(
+    problem: RowProblem, point: Point, covariance: FloatArray
+) -> dict[tuple[NoiseKind, int], AutoregressiveNoise]:
+    """Fit an autoregressive model to the residuals of each kind and joint.
+
+    Residuals are smaller than the noise, and less alike, since the fit has taken part of it away; on average
+    γ̂_k falls short by (1/N) Σ_t x_t C x_{t+k}ᵀ with C the covariance of the estimate, which is put back (as restricted
+    maximum likelihood does). Samples left out do not count.
+    """
+    roots = [_root(covariance[np.ix_(columns, columns)]).T for columns in problem.columns]
+    sums: dict[tuple[NoiseKind, int], FloatArray] = {}
+    for found in over_recordings(problem, point, partial(_lag_sums, roots)):
+        for key, of_joint in found.items():
+            sums[key] = sums.get(key, 0.0) + of_joint
+    return {key: _model(*found) for key, found in sums.items()}
+
+
+def _lag_sums(roots: Sequence[FloatArray], parts: Iterator[Series]) -> dict[tuple[NoiseKind, int], FloatArray]:
+    """Sums of products of residuals and what the fit has taken, and of pairs of usable samples, by lag, (2, K + 1)."""
+    sums: dict[tuple[NoiseKind, int], FloatArray] = {}
+    running: dict[int, tuple[LagSums, LagSums]] = {}
+    for part in parts:
+        if part.begins:
+            running[part.joint] = (LagSums(LARGEST_ORDER), LagSums(LARGEST_ORDER))
+        products, pairs = running[part.joint]
+        products.add(np.vstack([part.residual, roots[part.joint] @ part.X]))
+        pairs.add(part.usable)
+        if part.ends:
+            found = np.array([products.sums, np.rint(pairs.sums)])
+            found[:, 1 + (0 if part.kind.at_rest else int(found[1, 0]) // 10) :] = 0.0
+            sums[part.kind, part.joint] = found
+    return sums
+
+
+class Sandwich(NamedTuple):
+    """Covariance of a weighted least-squares estimate under correlated noise.
+
+    Attributes:
+        covariance: (P, P).
+        noises: The noise it is for.
+    """
+
+    covariance: FloatArray
+    noises: Noises
+
+
+def sandwich(problem: RowProblem, point: Point, solution: Solution) -> Sandwich:
+    """Compute (WᵀW)⁻¹ Wᵀ Γ W (WᵀW)⁻¹ with Γ that of the autoregressive noise in the residuals.
+
+    Rows of priors are among those of W, with the noise that the priors say.
+
+    Args:
+        problem: The problem.
+        point: Where it was solved.
+        solution: (WᵀW)⁻¹ of the weighted rows, and a first idea of the covariance.
+    """
+    inverse, covariance = solution.inverse, solution.covariance
+    for _ in range(PASSES):
+        noises = fit_noise(problem, point, covariance)
+        meat = solution.prior_noise.copy()
+        for found in over_recordings(problem, point, partial(_meat, noises, len(meat))):
+            meat += found
+        half = inverse @ _root(meat)  # so that no variance is negative, however ill-conditioned the rows
+        before, covariance = covariance, half @ half.T
+        if settled(before, covariance):
+            break
+    return Sandwich(covariance, noises)
+
+
+def _meat(noises: Noises, count: int, parts: Iterator[Series]) -> FloatArray:
+    """Wᵀ Γ W of one recording."""
+    meat = np.zeros((count, count))
+    running: dict[int, QuadraticForm] = {}
+    for part in parts:
+        if part.begins:
+            running[part.joint] = QuadraticForm(noises[part.kind, part.joint], len(part.columns))
+        running[part.joint].add(part.X)
+        if part.ends:
+            meat[np.ix_(part.columns, part.columns)] += part.stands_for**2 * running[part.joint].total()
+    return meat
+
+
+def settled(before: FloatArray, covariance: FloatArray) -> bool:
+    """Say whether standard deviations have stopped changing."""
+    old, new = np.sqrt(np.diag(before)), np.sqrt(np.diag(covariance))
+    return bool((np.abs(old - new) <= SETTLED * new).all())
+
+
+def _model(products: FloatArray, pairs: FloatArray) -> AutoregressiveNoise:
+    """Noise of autocovariances Σ e_t e_{t+k} / pairs_k, tapered by 1 − k/N as if no sample were left out."""
+    if pairs[0] <= 0.0:
+        return AutoregressiveNoise.none()
+    known = int(np.argmin(np.append(pairs, 0.0) > 0.0))  # up to the first lag without a pair
+    samples = pairs[0]
+    taper = np.clip(1.0 - np.arange(known) / samples, 0.0, None)
+    return AutoregressiveNoise.from_autocovariances(products[:known] / pairs[:known] * taper, samples)
+
+
+def _root(covariance: FloatArray) -> FloatArray:
+    """L with L Lᵀ = C, whatever rounding has done to C, and whatever the units."""
+    scale = np.sqrt(np.clip(np.diag(covariance), TINY, None))
+    sizes, vectors = np.linalg.eigh(covariance / np.multiply.outer(scale, scale))
+    return np.asarray(scale[:, None] * vectors * np.sqrt(np.clip(sizes, 0.0, None)))

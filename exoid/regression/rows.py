@@ -1,0 +1,286 @@
+"""From recordings to the rows of the least-squares problem."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.signals import ParallelFilter, Poses, Preparation, Recording
+
+from .model import MotionSamples, RegressorModel
+
+BLOCK = 16384
+"""Samples whose regressor is formed at once,"""
+
+REACHES = 8.0
+"""or so many times the reach of the filter where that is more."""
+
+
+class Rows(NamedTuple):
+    """Both sides of τ = W β for samples and joints of one recording, filtered alike, ends removed.
+
+    Attributes:
+        time: [s], (N,).
+        W: Regressor, (N, n, P).
+        tau: Measured torque [N·m], (N, n).
+        q: Angle [rad], (N, n).
+        v: Velocity [rad/s], (N, n).
+        usable: Which samples of which joint may be fitted, (N, n).
+        acting: Which parameters can act on which joint, (n, P); the regressor is zero elsewhere.
+        independence: Share of the rows that carry independent noise; a low-pass leaves fewer.
+        stands_for: How many rows each of these stands for; 1 unless decimated.
+    """
+
+    time: FloatArray
+    W: FloatArray
+    tau: FloatArray
+    q: FloatArray
+    v: FloatArray
+    usable: NDArray[np.bool_]
+    acting: NDArray[np.bool_]
+    independence: float
+    stands_for: float = 1.0
+
+
+class NoiseKind(NamedTuple):
+    """Rows whose torque noise is of one kind.
+
+    Attributes:
+        at_rest: Poses, whose noise is independent from one to the next.
+        rate_class: Logarithm of the sampling interval, in steps of a tenth: recordings of one class share a noise
+            model.
+    """
+
+    at_rest: bool
+    rate_class: int
+
+
+class RowBlock(NamedTuple):
+    """Consecutive rows of one recording and the kind of their noise.
+
+    Attributes:
+        kind: Kind of the noise.
+        rows: The rows.
+        begins: Whether these are the first of the recording.
+        ends: Whether these are the last of it.
+        first: Index of the first joint of the rows among those of the problem.
+    """
+
+    kind: NoiseKind
+    rows: Rows
+    begins: bool
+    ends: bool
+    first: int = 0
+
+
+class Prepared(NamedTuple):
+    """A recording, or poses, ready to become rows: arrays of all samples, from which columns follow stretch by stretch.
+
+    Attributes:
+        time: [s], (N,).
+        motion: What the columns depend on.
+        tau: Measured torque [N·m], (N, n), filtered unless by ``parallel``.
+        usable: Which samples of which joint may be fitted, (N, n).
+        rows: Samples that become rows: not spoilt by the ends of the record, evenly spaced.
+        independence: Share of the rows that carry independent noise.
+        parallel: Filter that columns and torque still have to pass; None for none.
+    """
+
+    time: FloatArray
+    motion: MotionSamples
+    tau: FloatArray
+    usable: NDArray[np.bool_]
+    rows: range
+    independence: float = 1.0
+    parallel: ParallelFilter | None = None
+
+    @property
+    def reach(self) -> int:
+        """Samples beside a stretch that its filtered columns draw on."""
+        return 0 if self.parallel is None else self.parallel.reach
+
+    def stretches(self) -> Iterator[range]:
+        """Cut the rows into stretches that are worked on at once."""
+        count = -(-max(BLOCK, int(REACHES * self.reach)) // self.rows.step)
+        return (self.rows[start : start + count] for start in range(0, len(self.rows), count))
+
+
+def prepare(
+    model: RegressorModel, data: Recording | Poses, preparation: Preparation, *, every: bool = False
+) -> Prepared:
+    """Derive the kinematics of a recording; poses have no velocity and need no filter.
+
+    Args:
+        model: Whose rows are wanted.
+        data: The recording.
+        preparation: How it becomes rows.
+        every: Whether each sample is to be a row; else only as many as are not redundant behind the filter.
+
+    Raises:
+        ExoidError: The recording has no torque, lacks a joint of the leg, or is too short for the filter.
+    """
+    data = for_leg(model, data)
+    if isinstance(data, Poses):
+        still, count = np.zeros_like(data.q), len(data)
+        motion, usable = model.motion(data.q, still, still, data.torso), np.ones(data.q.shape, dtype=np.bool_)
+        return Prepared(np.arange(count, dtype=np.float64), motion, data.tau, usable, range(count))
+    recording = data.resampled()
+    if recording.tau is None:
+        raise ExoidError(
+            "there is no torque in the recording",
+            where=source_of(recording),
+            remedy=f"record tau, in columns {', '.join('tau_' + n for n in recording.joint_names)}",
+        )
+    rate = recording.sample_rate
+    q, v, a, valid = preparation.kinematics(recording)
+    parallel, rows = preparation.parallel(rate), range(len(recording))[valid]
+    pace = 1 if parallel is None or every else parallel.pace
+    return Prepared(
+        recording.time,
+        model.motion(q, v, a, recording.torso),
+        preparation.filter(recording.tau, rate) if parallel is None else recording.tau,
+        model.usable(v),
+        rows[(len(rows) - 1) % pace // 2 :: pace],
+        min(1.0, preparation.independence(rate) * pace),
+        parallel,
+    )
+
+
+def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows:
+    """Form the regressor columns of a stretch of rows, and let columns and torque pass the filter.
+
+    Columns are formed as far beyond both ends of the stretch as the filter reaches, so that they come out as if those
+    of the whole recording had been filtered. Columns beyond those of the parameters are torque that is known, and is
+    taken to the other side.
+    """
+    around = slice(max(0, stretch[0] - prepared.reach), stretch[-1] + 1 + prepared.reach)
+    columns, tau = model.columns(prepared.motion.rows(around)), prepared.tau[around].T
+    inside = range(stretch[0] - around.start, stretch[-1] + 1 - around.start, stretch.step)
+    if prepared.parallel is None:
+        rows = slice(inside.start, inside.stop, inside.step)
+        columns, tau = columns[..., rows], tau[:, rows]
+    else:
+        columns, tau = _filtered(prepared.parallel, columns, tau, model.acting, inside)
+    count = len(model.names)
+    W, tau = columns[:count].transpose(2, 1, 0), tau.T
+    if len(columns) > count:
+        tau = tau - columns[count:].sum(axis=0).T
+    rows = slice(stretch.start, stretch.stop, stretch.step)
+    q, v, usable = prepared.motion.q[rows], prepared.motion.v[rows], prepared.usable[rows]
+    return Rows(prepared.time[rows], W, tau, q, v, usable, model.acting, prepared.independence)
+
+
+def _filtered(
+    parallel: ParallelFilter, columns: FloatArray, tau: FloatArray, acting: NDArray[np.bool_], rows: range
+) -> tuple[FloatArray, FloatArray]:
+    """Some rows of columns (P or more, n, N) and torques (n, N) behind the filter; what does not act stays zero."""
+    known = np.ones((len(columns) - acting.shape[1], len(tau)), dtype=np.bool_)
+    places = np.argwhere(np.vstack([acting.T, known]))
+    distinct, twins = _distinct([*(columns[parameter, joint] for parameter, joint in places), *tau])
+    filtered = parallel(distinct, rows)
+    out = np.zeros((*columns.shape[:2], len(rows)))
+    for (parameter, joint), twin in zip(places, twins, strict=False):
+        out[parameter, joint] = filtered[twin]
+    return out, filtered[twins[len(places) :]]
+
+
+def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
+    """Signals that differ, and which of them each one is: filters are slow, and some parameters act on joints alike."""
+    kept: list[FloatArray] = []
+    twins = []
+    for signal in signals:
+        alike = (k for k, other in enumerate(kept) if other[0] == signal[0] and np.array_equal(other, signal))
+        twins.append(next(alike, len(kept)))
+        if twins[-1] == len(kept):
+            kept.append(signal)
+    return np.array(kept), twins
+
+
+def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Preparation) -> Rows:
+    """Make a row of each sample of a recording that its ends do not spoil, or of poses, all at once."""
+    prepared = prepare(model, data, preparation, every=True)
+    return form_rows(model, prepared, prepared.rows)
+
+
+def decimation(independence: float) -> int:
+    """Of how many rows one is enough, m = ⌊1 / independence⌋."""
+    return max(1, int(1.0 / independence))
+
+
+def decimate(rows: Rows, before: int, count: int) -> Rows:
+    """Keep every m-th row, see :func:`decimation`.
+
+    Behind a low-pass the rows between are redundant, and what noise is left is nearly white at this pace, so that a
+    simple model describes it: at the full pace the same model would spend its order on the edge of the filter.
+
+    Args:
+        rows: All rows of a recording, or a stretch of them.
+        before: How many rows of the recording come before these.
+        count: How many it has in all.
+    """
+    step = decimation(rows.independence)
+    if step == 1:
+        return rows
+    first = (count - 1) % step // 2
+    kept = slice((first - before) % step, None, step)
+    return Rows(
+        rows.time[kept],
+        rows.W[kept].copy(order="A"),
+        rows.tau[kept].copy(),
+        rows.q[kept].copy(),
+        rows.v[kept].copy(),
+        rows.usable[kept].copy(),
+        rows.acting,
+        min(1.0, rows.independence * step),
+        count / len(range(first, count, step)),
+    )
+
+
+def chain(stretches: Sequence[Rows]) -> Rows:
+    """Put stretches of one recording together."""
+    if len(stretches) == 1:
+        return stretches[0]
+    W = np.concatenate([rows.W.transpose(2, 1, 0) for rows in stretches], axis=2).transpose(2, 1, 0)
+    return stretches[0]._replace(
+        time=np.concatenate([rows.time for rows in stretches]),
+        W=W,
+        tau=np.concatenate([rows.tau for rows in stretches]),
+        q=np.concatenate([rows.q for rows in stretches]),
+        v=np.concatenate([rows.v for rows in stretches]),
+        usable=np.concatenate([rows.usable for rows in stretches]),
+    )
+
+
+Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)
+
+
+def for_leg(model: RegressorModel, recording: Measured) -> Measured:
+    """Pick the leg's joints from a recording or poses, by name.
+
+    Raises:
+        ExoidError: A joint is missing.
+    """
+    names = model.joint_names
+    if recording.joint_names == names:
+        return recording
+    if set(names) <= set(recording.joint_names):
+        return recording.select(names)
+    labels = model.joint_labels
+    if set(labels) <= set(recording.joint_names):
+        return recording.select(labels)
+    missing = [name for name in names if name not in recording.joint_names]
+    raise ExoidError(
+        f"the leg's {', '.join(missing)} not in the recording, which has {', '.join(recording.joint_names)}",
+        where=source_of(recording),
+        remedy="rename its columns, or map them: columns={'q_" + missing[0] + "': '<header>', ...}",
+    )
+
+
+def source_of(data: Recording | Poses) -> str:
+    """Name of the file, for errors; "" for one made in memory."""
+    return data.source.name if data.source else ""

@@ -1,0 +1,183 @@
+"""A term from outside exoid says how it looks in C, and computes there what it computes in Python."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from compiled import CompiledLeg, needs_compiler
+from planar_chains import assert_relative, random_motion
+
+import exoid
+from exoid import Armature, Coulomb, ExoidError, Offset, Stiffness
+from exoid.codegen import JointInC, c_source, register_c_form
+from exoid.torques import LoadFriction, Stribeck, Term, TorqueModel
+
+LEG = exoid.load_leg("bleex", inertias="identified")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drag(Term):
+    """Drag of a fluid, τ = kp v² forwards and −kn v² backwards, from a speed on."""
+
+    threshold: float = 0.5
+
+    @property
+    def symbols(self):
+        return "kp", "kn"
+
+    @property
+    def units(self):
+        return ("N·m·s²/rad²",) * 2
+
+    def fill(self, motion, out):
+        drag = np.abs(motion.v) * motion.v * (np.abs(motion.v) > self.threshold)
+        out[0], out[1] = np.maximum(drag, 0.0), np.minimum(drag, 0.0)
+
+
+@register_c_form(Drag, "friction")
+def drag_in_c(term: Drag, joint: JointInC) -> str:
+    v, zero = joint.variable, joint.number(0.0)
+    size = f"({v} > {zero} ? {joint.parameter('kp')} : {joint.parameter('kn')})"
+    moving = f"{joint.function('fabs')}({v}) > {joint.number(term.threshold)}"
+    return f"{moving} ? {size} * {joint.function('fabs')}({v}) * {v} : {zero}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Counterweight(Term):
+    """τ = m sin q + o: a weight on the joint that is not in the URDF, and an offset of its own."""
+
+    @property
+    def symbols(self):
+        return "m", "o"
+
+    @property
+    def units(self):
+        return ("N·m",) * 2
+
+    def fill(self, motion, out):
+        out[0], out[1] = np.sin(motion.q), 1.0
+
+
+@register_c_form(Counterweight, "stiffness")
+def counterweight_in_c(term: Counterweight, joint: JointInC) -> str:
+    return f"{joint.parameter('m')} * {joint.function('sin')}({joint.variable}) + {joint.parameter('o')}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class GearedRotor(Term):
+    """τ = ratio² Im a: the rotor of a motor of which the gear is known."""
+
+    ratio: float = 10.0
+
+    @property
+    def symbols(self):
+        return ("Im",)
+
+    @property
+    def units(self):
+        return ("kg·m²",)
+
+    def fill(self, motion, out):
+        out[0] = self.ratio**2 * motion.a
+
+
+@register_c_form(GearedRotor, "rotor")
+def geared_rotor_in_c(term: GearedRotor, joint: JointInC) -> str:
+    return f"{joint.number(term.ratio**2)} * {joint.parameter('Im')}"
+
+
+def made_up(*terms, seed=0):
+    """A model of the leg with these terms, and values for all parameters."""
+    model = TorqueModel(LEG, terms)
+    others = np.random.default_rng(seed).uniform(0.1, 2.0, len(model.names) - len(LEG.parameters))
+    return model, np.concatenate([LEG.parameters, others])
+
+
+OWN = {
+    "friction": (Drag(),),
+    "friction at one joint beside exoid's own": (Coulomb(), Drag(joints=("knee",), threshold=0.0)),
+    "stiffness": (Counterweight(),),
+    "stiffness with a parameter that is part of another": (Offset(), Counterweight()),
+    "rotor": (GearedRotor(),),
+    "two inertias at different joints": (GearedRotor(joints=("knee",)), Armature(joints=("ankle",))),
+    "all": (Stiffness(degree=1), Drag(), Counterweight(), GearedRotor(), Stribeck()),
+}
+
+
+@needs_compiler
+@pytest.mark.parametrize(("precision", "tolerance"), [("double", 1e-12), ("float", 3e-6)])
+@pytest.mark.parametrize("terms", OWN.values(), ids=OWN)
+def test_a_term_from_outside_computes_the_same_in_c(terms, precision, tolerance, tmp_path):
+    model, values = made_up(*terms)
+    c = CompiledLeg(c_source(model, values, precision=precision), tmp_path)
+    q, v, a = np.float64(np.float32(random_motion(np.random.default_rng(1), c.n, turns=0.25)))
+    rigid = TorqueModel(LEG, ()).regressor(q, v, a) @ LEG.parameters
+    whole = model.regressor(q, v, a) @ values
+    assert np.abs(whole - rigid).max() > 0.01 * np.abs(whole).max()  # the terms can be seen
+    assert_relative(c("inverse_dynamics", q, v, a), whole, tolerance)
+
+
+def test_a_parameter_that_is_part_of_another_is_zero():
+    """At the hip the counterweight is part of the leg's gravity, too: nothing of it is left there."""
+    model, values = made_up(Offset(), Counterweight())
+    assert {regrouped.name for regrouped in model.regrouped} == {"m_hip", "o_hip", "o_knee", "o_ankle"}
+    text = c_source(model, values).text
+    assert "tau[0] = leg_term[0];" in text
+    assert "tau[1] = leg_term[1] + leg_term[3] * sin(q[1]) + 0.0;" in text
+
+
+def test_a_conditional_is_put_in_parentheses_before_it_joins_a_sum():
+    text = c_source(*made_up(Drag(joints=("hip",)), Coulomb(joints=("hip",)))).text
+    size = "(v[0] > 0.0 ? leg_term[0] : leg_term[1])"
+    drag = f"(fabs(v[0]) > 0.5 ? {size} * fabs(v[0]) * v[0] : 0.0)"
+    assert f"    tau[0] = {drag} + leg_term[2] * tanh(v[0] / 0.02);" in text
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThickDrag(Drag):
+    """Computes something else than its parent."""
+
+    def fill(self, motion, out):
+        super().fill(motion, out)
+        out *= np.abs(motion.v)
+
+
+class TestRefusals:
+    def test_a_term_without_a_form_is_named_with_the_remedy(self):
+        class Nameless(Drag):
+            """Registered nowhere."""
+
+        remedy = r"register_c_form\(Nameless, place\), or identify with terms that have one: Armature, Coulomb, Offset"
+        with pytest.raises(ExoidError, match=rf"Nameless \(kp, kn\) has no form in C.*{remedy}"):
+            c_source(*made_up(Nameless()))
+
+    def test_a_subclass_does_not_inherit_the_form_and_may_register_its_own(self, monkeypatch):
+        model, values = made_up(ThickDrag())
+        with pytest.raises(ExoidError, match=r"ThickDrag \(kp, kn\) has no form in C"):
+            c_source(model, values)
+        monkeypatch.setattr("exoid.codegen.forms.FORMS", {})
+        register_c_form(ThickDrag, "friction")(lambda term, joint: f"{joint.parameter('kp')} * {joint.variable}")
+        assert "tau[1] = leg_term[2] * v[1];" in c_source(model, values).text
+
+    @pytest.mark.parametrize(
+        ("term", "why"),
+        [
+            (Coulomb(presliding=1e-3), r"Coulomb \(c0\).*remembers the motion"),
+            (LoadFriction(), r"LoadFriction.*depends on the load"),
+        ],
+    )
+    def test_what_no_function_of_one_velocity_computes(self, term, why):
+        with pytest.raises(ExoidError, match=why):
+            c_source(*made_up(term))
+
+    def test_an_unknown_place(self):
+        with pytest.raises(ExoidError, match=r"no place 'spring'.*friction, stiffness, rotor"):
+            register_c_form(Drag, "spring")  # type: ignore[arg-type]
+        assert "leg_term[0]" in c_source(*made_up(Drag())).text.split("void leg_friction")[-1]
+
+    @pytest.mark.parametrize("setting", [np.inf, np.nan])
+    def test_a_setting_that_c_cannot_write(self, setting):
+        with pytest.raises(ExoidError, match="C has no number"):
+            c_source(*made_up(Drag(threshold=setting)))

@@ -1,0 +1,160 @@
+"""Two estimates are compared by a test that is right as often as it says."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from scipy import stats
+from swings import TERMS, Swing
+
+import exoid
+from exoid import ExoidError, Offset, Viscous
+from exoid.estimate import comparison_to_json
+from exoid.signals import FiniteDifference
+
+EXACT = FiniteDifference()
+
+
+def estimate_of(leg, seed, terms=TERMS, **changes):
+    swing = dataclasses.replace(Swing(leg, 50.0, 12.0, base=0.2), **changes)
+    return exoid.identify(leg, swing.with_noise(np.random.default_rng(seed), 0.3), terms, preparation=EXACT)
+
+
+@pytest.fixture(scope="module")
+def leg():
+    return exoid.load_leg("bleex", "left", "identified")
+
+
+@pytest.fixture(scope="module")
+def heavier(leg):
+    """The same with 6 % more knee and shank inertia J2."""
+    values = leg.parameters.copy()
+    values[5] *= 1.06
+    return leg.with_parameters(values)
+
+
+def test_a_heavier_shank_is_found_and_nothing_else(leg, heavier):
+    comparison = exoid.compare(estimate_of(leg, 3), estimate_of(heavier, 4))
+    assert comparison.differ
+    assert [n for n, p in zip(comparison.names, comparison.adjusted, strict=True) if p < 0.05] == ["J2"]
+    assert comparison.difference[5] == pytest.approx(0.06 * leg.parameters[5], rel=0.4)
+    assert "different at 5 % of all: J2" in str(comparison)
+    assert "the estimates differ" in str(comparison)
+    assert "J2" in repr(comparison)
+
+
+def test_equal_legs_differ_as_rarely_as_they_should(leg):
+    """60 pairs: each parameter in 5 %, any of them (Holm) and all together (Hotelling) in 5 % of the pairs."""
+    pairs = [exoid.compare(estimate_of(leg, 2 * k), estimate_of(leg, 2 * k + 1)) for k in range(60)]
+    assert 0.02 < np.mean([pair.p_values < 0.05 for pair in pairs]) < 0.09
+    assert np.mean([(pair.adjusted < 0.05).any() for pair in pairs]) < 0.15
+    assert np.mean([pair.differ for pair in pairs]) < 0.15
+    assert stats.kstest([pair.p_value for pair in pairs], "uniform").pvalue > 0.001
+
+
+def test_the_figures_are_those_of_the_formulas(leg):
+    one, other = estimate_of(leg, 3), estimate_of(leg, 4)
+    comparison = exoid.compare(one, other)
+    difference, C = other.values - one.values, one.covariance + other.covariance
+    np.testing.assert_array_equal(comparison.difference, difference)
+    np.testing.assert_allclose(comparison.std, np.sqrt(np.diag(C)), rtol=1e-12)
+    dof, P = min(one.dof, other.dof), len(difference)
+    F = difference @ np.linalg.solve(C, difference) * (dof - P + 1) / (P * dof)
+    assert comparison.statistic == pytest.approx(F, rel=1e-6)
+    assert comparison.p_value == pytest.approx(stats.f.sf(F, P, dof - P + 1), rel=1e-6)
+    spread = [np.diag(each.covariance) ** 2 / each.dof_each for each in (one, other)]
+    welch = np.diag(C) ** 2 / sum(spread)
+    expected = 2.0 * stats.t.sf(np.abs(difference) / np.sqrt(np.diag(C)), welch)
+    np.testing.assert_allclose(comparison.p_values, expected, rtol=1e-9)
+
+
+def test_the_order_changes_only_the_sign(leg):
+    one, other = estimate_of(leg, 5), estimate_of(leg, 6)
+    forth, back = exoid.compare(one, other), exoid.compare(other, one)
+    np.testing.assert_array_equal(forth.difference, -back.difference)
+    assert forth.p_value == pytest.approx(back.p_value)
+    assert (forth.adjusted >= forth.p_values).all()
+
+
+def test_only_common_parameters_are_compared(leg):
+    comparison = exoid.compare(estimate_of(leg, 7), estimate_of(leg, 8, (Viscous(), Offset())))
+    assert comparison.names == (*leg.parameter_names, "d_hip", "d_knee", "d_ankle")
+
+
+def test_estimates_from_one_recording_are_refused(leg):
+    estimate = estimate_of(leg, 9)
+    with pytest.raises(ExoidError, match=r"both estimates were made from array.*different recordings"):
+        exoid.compare(estimate, estimate)
+
+
+def test_a_comparison_is_json_and_cannot_be_changed(leg):
+    comparison = exoid.compare(estimate_of(leg, 10), estimate_of(leg, 11))
+    data = json.loads(json.dumps(comparison_to_json(comparison), allow_nan=False))
+    assert data["difference"]["J1"] == comparison.difference[2]
+    with pytest.raises(ValueError, match="read-only"):
+        comparison.difference[0] = 0.0
+
+
+def with_prior(leg, seed, noise=0.3, **options):
+    swing = Swing(leg, 50.0, 6.0, seed, base=0.2)
+    options = {"prior": {"X3": (0.26, 0.02), "J3": (0.05, 0.01)}, "preparation": EXACT, **options}
+    return exoid.identify(leg, swing.with_noise(np.random.default_rng(seed), noise), TERMS, **options)
+
+
+@pytest.mark.parametrize("estimator", ["ols", "wls", "gls"])
+def test_parameters_follow_a_prior_as_far_as_is_said(leg, estimator):
+    """Finite differences in the prior's value: exact for ordinary least squares; weights follow a little, too."""
+    swing = Swing(leg, 50.0, 6.0, base=0.2).with_noise(np.random.default_rng(0), 1.0)
+    options = {"terms": TERMS, "estimator": estimator, "preparation": EXACT}
+    found = [exoid.identify(leg, swing, prior={"J3": (0.05 + step, 0.02)}, **options) for step in (-1e-4, 1e-4)]
+    slope = (found[1].values - found[0].values) / 2e-4
+    gain = found[0].prior_gains[:, 0]
+    part = {"ols": 1e-6, "wls": 0.05, "gls": 0.1}[estimator]
+    np.testing.assert_allclose(gain, slope, atol=part * np.abs(slope).max())
+    assert 0.01 < gain[found[0].names.index("J3")] < 1.0
+
+
+def test_the_error_of_a_prior_that_both_were_given_cancels(leg):
+    """Where the prior is all that is known, both follow it, and they differ by less than each is sure of."""
+    one, other = (with_prior(leg, seed, 3.0) for seed in (1, 2))
+    comparison = exoid.compare(one, other)
+    J3 = one.names.index("J3")
+    assert one.prior_gains[J3, 1] > 0.7
+    assert comparison.std[J3] < one.std[J3]
+    strangers = dataclasses.replace(other, prior_gains=np.zeros((0, 0)))
+    independent = exoid.compare(one, strangers)
+    assert comparison.std[J3] < 0.6 * independent.std[J3]
+    np.testing.assert_allclose(independent.std**2, one.std**2 + other.std**2, rtol=1e-6)
+    assert not comparison.remarks
+    assert "same prior of X3, J3" in " ".join(str(independent).split())
+
+
+def test_differences_scatter_as_stated_where_both_were_given_a_wrong_prior(leg):
+    """The prior errs by three of its standard deviations, which moves both alike."""
+    pairs = [
+        exoid.compare(*(with_prior(leg, seed, prior={"J3": (0.05 + 0.03, 0.01)}) for seed in (2 * k + 1, 2 * k + 2)))
+        for k in range(40)
+    ]
+    scores = np.array([pair.difference / pair.std for pair in pairs])
+    assert 0.85 < np.sqrt(np.mean(scores**2)) < 1.15
+    J3 = pairs[0].names.index("J3")
+    assert np.mean(np.abs(scores[:, J3]) > 2.0) < 0.2
+
+
+def test_what_was_held_is_not_tested_and_two_values_are_named(leg):
+    one, same = (with_prior(leg, seed, prior=None, known={"X1": 8.0}) for seed in (1, 2))
+    other = with_prior(leg, 2, prior=None, known={"X1": 8.5})
+    X1 = one.names.index("X1")
+    for comparison in (exoid.compare(one, same), exoid.compare(one, other)):
+        assert comparison.p_values[X1] == 1.0
+        assert "X1" not in repr(comparison)
+    assert not exoid.compare(one, same).remarks
+    assert "X1 (8 and 8.5) held at different values" in exoid.compare(one, other).remarks[0]
+    assert "note: X1 (8 and 8.5)" in " ".join(str(exoid.compare(one, other)).split())
+
+
+def test_how_far_parameters_follow_priors_is_kept_in_the_file(leg, tmp_path):
+    estimate = with_prior(leg, 3)
+    estimate.save(tmp_path / "e.json")
+    np.testing.assert_array_equal(exoid.Estimate.load(tmp_path / "e.json").prior_gains, estimate.prior_gains)

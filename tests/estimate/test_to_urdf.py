@@ -1,0 +1,407 @@
+"""An exported URDF is the user's own with other numbers, and every library that reads it finds the estimate."""
+
+import dataclasses
+import json
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+import pytest
+import yourdfpy
+from example_robot_data.robots_loader import ROBOTS, getModelPath
+from lxml import etree
+
+import exoid
+from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Offset, Recording, Stiffness, Viscous
+from exoid.catalog import URDFS, urdf_folder
+from exoid.description import describe
+from exoid.lift.lumping import share_out
+from exoid.lift.pseudo_inertia import margins
+from exoid.rewriting import read_inertials
+from exoid.signals import ZeroPhase
+from exoid.torques import TorqueModel
+
+SMOOTHING = 0.02
+FRICTION = (Coulomb(smoothing=SMOOTHING), Viscous())
+SETS = {"bleex": ("left", "cad"), "cuhk": ("right", "nominal")}
+
+
+def estimate_of(leg, terms=FRICTION, *, rigid=None, std=0.02, seed=0, **values):
+    """An estimate near the leg's own parameters, other terms at random and positive unless given."""
+    model = TorqueModel(leg, terms)
+    rng = np.random.default_rng(seed)
+    p = len(leg.parameters)
+    own = leg.parameters if rigid is None else rigid
+    others = [values.get(name, value) for name, value in zip(model.names[p:], rng.uniform(0.1, 1.0, 99), strict=False)]
+    every = np.concatenate([own, others])
+    mixing = np.eye(len(every)) + 0.2 * rng.standard_normal((len(every),) * 2)
+    root = (std * np.maximum(np.abs(every), 0.01))[:, None] * mixing
+    joints = np.ones(len(leg.joint_names))
+    return Estimate(model, every, root @ root.T, 10.0, 100.0, joints, "ols", ZeroPhase(5.0))
+
+
+def near(leg, share=0.02, seed=1):
+    """Parameters that links can have, near the leg's own: its links deformed a little."""
+    rng = np.random.default_rng(seed)
+    model = pin.Model(leg.model)
+    for j in range(1, model.njoints):
+        A = np.eye(4) + share * rng.standard_normal((4, 4))
+        P = pin.PseudoInertia.FromInertia(model.inertias[j]).toMatrix()
+        model.inertias[j] = pin.PseudoInertia.FromMatrix(A @ P @ A.T).toInertia()
+    parameters = np.concatenate([model.inertias[j].toDynamicParameters() for j in range(1, model.njoints)])
+    return leg.reduction.parameters(parameters)
+
+
+def motion(leg, samples=50, seed=2):
+    rng = np.random.default_rng(seed)
+    n = len(leg.joint_names)
+    lower, upper = np.maximum(leg.limits.lower, -2.0), np.minimum(leg.limits.upper, 2.0)
+    q = rng.uniform(lower, upper, (samples, n))
+    v, a = rng.uniform(-1, 1, (2, samples, n)) * np.array([4.0, 15.0])[:, None, None]
+    return q, v, a
+
+
+def reloaded(leg, path):
+    return Leg.from_urdf(path, leg.joint_names, locked=leg.locked, cumulative=leg.cumulative)
+
+
+@pytest.fixture(params=SETS)
+def leg(request):
+    side, inertias = SETS[request.param]
+    return exoid.load_leg(request.param, side, inertias)
+
+
+# ------------------------------------------------------------------------------------- the round trip
+
+
+def test_pinocchio_finds_the_estimate_again(leg, tmp_path):
+    estimate = estimate_of(leg, rigid=near(leg, 0.1))
+    export = estimate.to_urdf(tmp_path / "leg.urdf")
+    assert export.lift.feasible
+    again = reloaded(leg, export.urdf)
+    np.testing.assert_allclose(again.parameters, estimate.leg.parameters, rtol=1e-12, atol=1e-14)
+    q, v, a = motion(leg)
+    np.testing.assert_allclose(again.inverse_dynamics(q, v, a), estimate.leg.inverse_dynamics(q, v, a), atol=1e-9)
+
+
+def test_mujoco_has_the_torques_of_the_estimate(leg, tmp_path):
+    """Rigid bodies and damping by its own inverse dynamics, dry friction from what it read in the URDF.
+
+    Its constraint on friction is another law than tanh, so it is switched off and added by hand.
+    """
+    estimate = estimate_of(leg, rigid=near(leg, 0.1))
+    export = estimate.to_urdf(tmp_path / "leg.urdf")
+    model = mujoco.MjModel.from_xml_path(str(export.urdf))
+    off = mujoco.mjtDisableBit
+    model.opt.disableflags |= off.mjDSBL_FRICTIONLOSS | off.mjDSBL_LIMIT | off.mjDSBL_CONTACT
+    data = mujoco.MjData(model)
+    joints = [model.joint(joint) for joint in leg.joint_names]
+    friction = np.array([model.dof_frictionloss[joint.dofadr[0]] for joint in joints])
+    q, v, a = motion(leg)
+    torque = np.empty_like(q)
+    for i in range(len(q)):
+        for k, joint in enumerate(joints):
+            data.qpos[joint.qposadr], data.qvel[joint.dofadr], data.qacc[joint.dofadr] = q[i, k], v[i, k], a[i, k]
+        mujoco.mj_inverse(model, data)
+        torque[i] = [data.qfrc_inverse[joint.dofadr][0] for joint in joints]
+    assert (friction > 0.0).all()
+    torque += friction * np.tanh(v / SMOOTHING)
+    np.testing.assert_allclose(torque, estimate.torque(q, v, a), rtol=0, atol=1e-9)
+
+
+def test_identifying_a_simulation_of_the_exported_leg_returns_the_estimate(leg, tmp_path):
+    """Everything comes from the two files: the leg from the URDF, friction from its <dynamics>, the rest beside it."""
+    terms = (*FRICTION, Armature(), Offset())
+    estimate = estimate_of(leg, terms, rigid=near(leg, 0.1))
+    export = estimate.to_urdf(tmp_path / "leg.urdf")
+    again = reloaded(leg, export.urdf)
+    time = np.arange(2000) / 100.0
+    n = len(leg.joint_names)
+    omega = 2.0 * np.pi * np.array([0.13, 0.37, 0.61])
+    rng = np.random.default_rng(3)
+    size, phase = rng.uniform(0.1, 0.3, (n, 3)), rng.uniform(0.0, 6.0, (n, 3))
+    angle = np.multiply.outer(time, omega)[:, None] + phase
+    q, v = (size * np.sin(angle)).sum(-1), (size * omega * np.cos(angle)).sum(-1)
+    a = -(size * omega**2 * np.sin(angle)).sum(-1)
+    tau = again.inverse_dynamics(q, v, a)
+    root = etree.parse(str(export.urdf)).getroot()
+    beside = json.loads(export.sidecar.read_text(encoding="utf-8"))["values"]
+    for k, (joint, label) in enumerate(zip(leg.joint_names, leg.joint_labels, strict=True)):
+        dynamics = root.find(f"joint[@name='{joint}']/dynamics")
+        tau[:, k] += float(dynamics.get("friction")) * np.tanh(v[:, k] / SMOOTHING)
+        tau[:, k] += float(dynamics.get("damping")) * v[:, k]
+        tau[:, k] += beside.get(f"Ia_{label}", 0.0) * a[:, k] + beside[f"offset_{label}"]
+    recording = Recording(time, q, v=v, a=a, tau=tau, joint_names=leg.joint_names)
+    found = exoid.identify(again, recording, terms)
+    assert found.names == estimate.names
+    np.testing.assert_allclose(found.values, estimate.values, rtol=1e-7, atol=1e-8)
+
+
+def test_an_identified_example_is_exported_as_it_is(tmp_path):
+    data = exoid.datasets.bleex_swing()
+    estimate = exoid.identify(data.leg, data.train)
+    export = estimate.to_urdf(tmp_path / "leg.urdf")
+    assert export.lift.feasible
+    np.testing.assert_array_equal(export.values, estimate.values)
+    np.testing.assert_allclose(reloaded(data.leg, export.urdf).parameters, estimate.leg.parameters, rtol=1e-12)
+    for name in ("Ia_hip", "J1"):
+        assert name in str(export)  # regrouped, and said so
+
+
+def test_exporting_twice_gives_the_same_leg(leg, tmp_path):
+    export = estimate_of(leg, rigid=near(leg)).to_urdf(tmp_path / "leg.urdf")
+    first = reloaded(leg, export.urdf)
+    second = reloaded(leg, estimate_of(first).to_urdf(tmp_path / "again.urdf").urdf)
+    for one, other in zip(list(first.model.inertias)[1:], list(second.model.inertias)[1:], strict=True):
+        np.testing.assert_allclose(one.toDynamicParameters(), other.toDynamicParameters(), rtol=0, atol=1e-12)
+
+
+# ------------------------------------------------------------------------------------ any robot, locks
+
+ROBOTS_TO_TRY = {  # joints that move, and locked positions of others
+    "ur5": (None, {}),
+    "panda": (tuple(f"panda_joint{k}" for k in range(1, 8)), {"panda_finger_joint1": 0.02}),
+    "z1": (("joint2", "joint3", "jointGripper"), {"joint1": 0.4, "joint4": -0.5}),
+    "tiago_no_hand": (("torso_lift_joint", "arm_1_joint", "arm_3_joint"), {"arm_2_joint": 0.7, "arm_4_joint": 0.3}),
+}
+
+
+@pytest.mark.parametrize("robot", ROBOTS_TO_TRY)
+def test_robots_with_fixed_and_locked_links_come_back_exactly(robot, tmp_path):
+    loader = ROBOTS[robot]
+    inside = f"{loader.path}/{loader.urdf_subpath}/{loader.urdf_filename}"
+    joints, locked = ROBOTS_TO_TRY[robot]
+    leg = Leg.from_urdf(f"{getModelPath(inside)}/{inside}", joints, locked=locked)
+    estimate = estimate_of(leg, rigid=near(leg, 0.05))
+    export = estimate.to_urdf(tmp_path / "robot.urdf")
+    assert export.lift.feasible
+    again = reloaded(leg, export.urdf)
+    scale = np.abs(leg.parameters).max()
+    np.testing.assert_allclose(again.reduction.collect, leg.reduction.collect, atol=1e-9)
+    np.testing.assert_allclose(again.parameters, estimate.leg.parameters, rtol=0, atol=1e-12 * scale)
+    q, v, a = motion(leg, 20)
+    np.testing.assert_allclose(again.inverse_dynamics(q, v, a), estimate.leg.inverse_dynamics(q, v, a), atol=1e-9)
+    written = read_inertials(again.description)
+    for link in export.changed_links:
+        assert margins(written[link])[0] > 0.0
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, -0.7])
+def test_a_locked_foot_keeps_its_inertia_and_the_shank_gets_the_rest(tmp_path, angle):
+    leg = Leg.from_urdf(urdf_folder() / URDFS["bleex", "cad"], ("left_hip", "left_knee"), locked={"left_ankle": angle})
+    estimate = estimate_of(leg, rigid=near(leg, 0.02))
+    export = estimate.to_urdf(tmp_path / "leg.urdf")
+    assert export.changed_links == ("left_thigh", "left_shank")
+    again = reloaded(leg, export.urdf)
+    np.testing.assert_allclose(again.parameters, estimate.leg.parameters, rtol=1e-12)
+    foot = read_inertials(leg.description)["left_foot"]
+    np.testing.assert_array_equal(read_inertials(again.description)["left_foot"], foot)
+
+
+def test_what_is_locked_gives_way_where_the_link_itself_cannot(tmp_path):
+    """A shank with foot that weighs as much as the foot alone: both are changed alike, and their sum is exact."""
+    leg = Leg.from_urdf(urdf_folder() / URDFS["bleex", "cad"], ("left_hip", "left_knee"), locked={"left_ankle": 0.3})
+    bodies = np.array([inertia.toDynamicParameters() for inertia in list(leg.model.inertias)[1:]])
+    bodies[1] *= 0.3
+    shares = share_out(leg, bodies)
+    assert set(shares) == {"left_thigh", "left_shank", "left_foot"}
+    assert all(margins(parameters)[0] > 0.0 for parameters in shares.values())
+    estimate = estimate_of(leg, rigid=leg.reduction.parameters(bodies.ravel()))
+    export = estimate.to_urdf(tmp_path / "leg.urdf")
+    np.testing.assert_allclose(reloaded(leg, export.urdf).parameters, estimate.leg.parameters, rtol=1e-12)
+
+
+BODY = (
+    '<inertial><origin xyz="0.01 0 -0.1" rpy="0.1 0.2 0.3"/><mass value="1"/>'
+    '<inertia ixx="0.02" ixy="0.001" ixz="0" iyy="0.02" iyz="0" izz="0.01"/></inertial>'
+)
+SMALL = (
+    '<robot name="r" version="1.0" unknown="kept"><!-- first --><link name="a"/>'
+    '<link name="b"><visual><geometry><mesh filename="package://x/m.stl" scale="1 1 1"/></geometry></visual></link>'
+    f'<link name="c">{BODY}</link><joint name="hip" type="continuous"><parent link="a"/><child link="b"/>'
+    '<axis xyz="0 -1 0"/><dynamics damping="0.7"/></joint><joint name="screw" type="fixed">'
+    '<origin xyz="0.1 0.2 -0.3" rpy="0.4 0.5 0.6"/><parent link="b"/><child link="c"/></joint>'
+    '<transmission name="t"><type>x</type></transmission></robot>'
+)
+
+
+def test_a_link_without_inertia_keeps_none_and_what_is_fixed_to_it_changes(tmp_path):
+    leg = Leg.from_description(describe(SMALL, "small.urdf"))
+    estimate = estimate_of(leg, (Coulomb(),), rigid=near(leg, 0.1))
+    export = estimate.to_urdf(tmp_path / "leg.urdf")
+    assert export.changed_links == ("c",)
+    np.testing.assert_allclose(reloaded(leg, export.urdf).parameters, estimate.leg.parameters, rtol=1e-12)
+
+
+# ----------------------------------------------------------------------------------------- untouched
+
+
+def without_numbers(text, links, joints):
+    """Everything but the inertia of links and the <dynamics> of joints, in canonical form."""
+    root = etree.fromstring(text.encode())
+    for link in links:
+        root.find(f"link[@name='{link}']").remove(root.find(f"link[@name='{link}']/inertial"))
+    for joint in joints:
+        dynamics = root.find(f"joint[@name='{joint}']/dynamics")
+        if dynamics is not None:
+            dynamics.getparent().remove(dynamics)
+    for element in root.iter():
+        element.tail = element.text = (element.text or "").strip() or None
+    return etree.tostring(root, method="c14n", with_comments=True)
+
+
+def test_all_else_stays_as_it_was(leg, tmp_path):
+    export = estimate_of(leg).to_urdf(tmp_path / "leg.urdf")
+    before, after = leg.description.text, export.urdf.read_text(encoding="utf-8")
+    parts = (export.changed_links, leg.joint_names)
+    assert export.changed_links == leg.link_names
+    assert without_numbers(before, *parts) == without_numbers(after, *parts)
+    comments = [str(c) for c in etree.fromstring(before.encode()).xpath("//comment()")]
+    found = [str(c) for c in etree.fromstring(after.encode()).xpath("//comment()")]
+    assert found[1:] == comments
+    assert "exoid: <inertial> of" in found[0]
+    other = next(link for link in read_inertials(leg.description) if link not in leg.link_names)
+    np.testing.assert_array_equal(read_inertials(describe(after))[other], read_inertials(leg.description)[other])
+
+
+def test_friction_that_was_not_identified_stays_as_it_was(tmp_path):
+    leg = Leg.from_description(describe(SMALL, "small.urdf"))
+    for terms, expected in (((), {"damping": "0.7"}), ((Coulomb(),), {"damping": "0.7", "friction": "0.25"})):
+        export = estimate_of(leg, terms, c0_hip=0.25).to_urdf(tmp_path / "leg.urdf")
+        root = etree.parse(str(export.urdf)).getroot()
+        assert dict(root.find("joint[@name='hip']/dynamics").attrib) == expected
+        assert root.get("unknown") == "kept"
+        assert root.find("transmission/type").text == "x"
+        assert root.find("link/visual/geometry/mesh").get("filename") == "package://x/m.stl"
+
+
+def test_inertia_and_friction_are_added_where_there_are_none(tmp_path):
+    """A joint without <dynamics>, read back by a library of its own."""
+    leg = exoid.load_leg("bleex")
+    bare = leg.description.text
+    root = etree.fromstring(bare.encode())
+    for dynamics in root.findall("joint/dynamics"):
+        dynamics.getparent().remove(dynamics)
+    leg = Leg.from_description(describe(etree.tostring(root, encoding="unicode"), "bare.urdf"), leg.joint_names)
+    estimate = estimate_of(leg, rigid=near(leg))
+    export = estimate.to_urdf(tmp_path / "leg.urdf")
+    robot = yourdfpy.URDF.load(str(export.urdf), load_meshes=False)
+    for joint, label in zip(leg.joint_names, leg.joint_labels, strict=True):
+        dynamics = robot.joint_map[joint].dynamics
+        assert float(dynamics.friction) == estimate.value(f"c0_{label}")
+        assert float(dynamics.damping) == estimate.value(f"d_{label}")
+    model = reloaded(leg, export.urdf).model
+    for j, link in enumerate(leg.link_names, start=1):
+        inertial = robot.link_map[link].inertial
+        assert inertial.mass == pytest.approx(model.inertias[j].mass, rel=1e-15)
+        np.testing.assert_allclose(inertial.origin[:3, 3], model.inertias[j].lever, atol=1e-15)
+        np.testing.assert_allclose(inertial.inertia, model.inertias[j].inertia, atol=1e-15)
+    assert "\n    <dynamics" in export.urdf.read_text(encoding="utf-8")
+
+
+# ------------------------------------------------------------------------------------------- sidecar
+
+
+def test_the_sidecar_has_what_the_urdf_has_no_place_for(tmp_path):
+    leg = exoid.load_leg("bleex")
+    estimate = estimate_of(leg, (*FRICTION, Armature(), Stiffness(degree=1, joints=("knee",)), Offset(joints=("hip",))))
+    export = estimate.to_urdf(tmp_path / "my.leg.urdf")
+    assert export.sidecar == tmp_path / "my.leg.exoid.json"
+    data = json.loads(export.sidecar.read_text(encoding="utf-8"))
+    assert data["schema"] == "exoid-sidecar-1"
+    assert data["only_here"] == ["Ia_knee", "Ia_ankle", "b1_knee", "b0_knee", "offset_hip"]
+    assert data["values"] == dict(zip(estimate.names, estimate.values.tolist(), strict=True))
+    assert data["merged"] == {"Ia_hip": {"J1": pytest.approx(1.0)}}
+    assert data["terms"][0]["smoothing"] == SMOOTHING
+    assert data["urdf"] == {"name": "my.leg.urdf", "sha256": exoid.description.read_description(export.urdf).sha256}
+    assert data["estimate"]["urdf"]["sha256"] == leg.description.sha256
+    for name in data["only_here"]:
+        assert name in str(export)
+    assert "J1" in str(export)
+
+
+def test_friction_that_feeds_energy_in_is_zero_in_the_urdf_and_as_it_is_beside_it(tmp_path):
+    leg = exoid.load_leg("cuhk")
+    export = estimate_of(leg, c0_hip=-0.5, d_knee=-0.1).to_urdf(tmp_path / "leg.urdf")
+    assert export.not_dissipative == ("c0_hip", "d_knee")
+    root = etree.parse(str(export.urdf)).getroot()
+    assert root.find("joint[@name='left_hip']/dynamics").get("friction") == "0.0"
+    assert root.find("joint[@name='left_knee']/dynamics").get("damping") == "0.0"
+    assert json.loads(export.sidecar.read_text(encoding="utf-8"))["values"]["c0_hip"] == -0.5
+    assert "c0_hip, d_knee below zero" in str(export)
+    mujoco.MjModel.from_xml_path(str(export.urdf))
+
+
+# ---------------------------------------------------------------------------------------- infeasible
+
+
+def test_an_estimate_that_cannot_exist_moves_and_says_by_how_much(tmp_path):
+    leg = exoid.load_leg("bleex")
+    rigid = leg.parameters.copy()
+    rigid[-1] *= -0.5
+    estimate = estimate_of(leg, rigid=rigid, std=0.1)
+    export = estimate.to_urdf(tmp_path / "leg.urdf")
+    assert not export.lift.feasible
+    again = reloaded(leg, export.urdf)
+    np.testing.assert_allclose(again.parameters, export.lift.values, rtol=1e-9)
+    text = str(export)
+    assert f"the nearest are {export.lift.distance:.3g} std away" in text
+    data = json.loads(export.sidecar.read_text(encoding="utf-8"))["lift"]
+    assert data["feasible"] is False
+    assert data["distance"] == export.lift.distance
+    assert data["moved"]["J3"] == pytest.approx(export.lift.values[8] - rigid[8])
+    for j in range(1, 4):
+        a, b, c = np.linalg.eigvalsh(again.model.inertias[j].inertia)
+        assert 0.0 < a <= b <= c < a + b
+    mujoco.MjModel.from_xml_path(str(export.urdf))
+
+
+def test_other_terms_move_along_to_where_the_estimate_is_nearest(tmp_path):
+    leg = exoid.load_leg("bleex")
+    rigid = leg.parameters.copy()
+    rigid[-1] *= -0.5
+    estimate = estimate_of(leg, rigid=rigid, std=0.1)
+    export = estimate.to_urdf(tmp_path / "leg.urdf")
+    change = export.values - estimate.values
+    pull = np.linalg.solve(estimate.covariance, change)
+    np.testing.assert_allclose(pull[9:], 0.0, atol=1e-6 * np.abs(pull).max())
+    assert change @ pull == pytest.approx(export.lift.distance**2, rel=1e-6)
+
+
+# --------------------------------------------------------------------------------------------- files
+
+
+def test_both_files_are_written_or_neither(tmp_path, monkeypatch):
+    leg = exoid.load_leg("cuhk")
+    estimate = estimate_of(leg)
+    (tmp_path / "leg.exoid.json").mkdir()
+    with pytest.raises(ExoidError, match=r"leg\.exoid\.json: cannot be written"):
+        estimate.to_urdf(tmp_path / "leg.urdf")
+    assert [path.name for path in tmp_path.iterdir()] == ["leg.exoid.json"]
+    (tmp_path / "leg.exoid.json").rmdir()
+    export = estimate.to_urdf(tmp_path / "leg.urdf")
+    before = export.urdf.read_bytes(), export.sidecar.read_bytes()
+    export.sidecar.unlink()
+    export.sidecar.mkdir()
+    other = dataclasses.replace(estimate, values=1.01 * estimate.values)
+    with pytest.raises(ExoidError, match="cannot be written"):
+        other.to_urdf(tmp_path / "leg.urdf")
+    assert export.urdf.read_bytes() == before[0]
+    export.sidecar.rmdir()
+    export.sidecar.write_bytes(before[1])
+
+    def full(_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(ExoidError, match="No space left"):
+        other.to_urdf(tmp_path / "leg.urdf")
+    assert (export.urdf.read_bytes(), export.sidecar.read_bytes()) == before
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["leg.exoid.json", "leg.urdf"]
+
+
+@pytest.mark.parametrize("path", ["no folder/leg.urdf", "."])
+def test_a_place_that_cannot_be_written_is_refused(tmp_path, path):
+    with pytest.raises(ExoidError):
+        estimate_of(exoid.load_leg("cuhk")).to_urdf(f"{tmp_path}/{path}")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,89 @@
+"""Intervals of legs identified together contain the truth as often as they say, and equal parameters rarely differ."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+from sessions import TERMS, Noise, Session, truth_of
+
+import exoid
+from exoid import identify
+
+REPLICATES = 400 if os.environ.get("EXOID_FULL_STUDIES") else 120
+
+
+@pytest.fixture(scope="module")
+def sides():
+    """Two legs of one design, with friction and zeros of their own."""
+    left, right = (exoid.load_leg("bleex", side=side, inertias="cad") for side in ("left", "right"))
+    return {
+        "left": Session(left, 1, rate=50.0),
+        "right": Session(right, 2, (0.3, 0.0, -0.1), (1.1, 0.6, 0.4), (0.5, 0.5, 0.2), rate=50.0),
+    }
+
+
+NOISES = {"left": Noise((0.3, 0.2, 0.1), np.exp(-0.02 / 0.05)), "right": Noise((0.5, 0.1, 0.2))}
+"""That of the left leg has a memory of 50 ms, that of the right one is white."""
+
+
+@pytest.fixture(scope="module")
+def replicates(sides):
+    legs, rng = {side: session.leg for side, session in sides.items()}, np.random.default_rng(11)
+    clean = {side: session.recording() for side, session in sides.items()}
+    return [
+        identify(legs, {side: noisy(clean[side], rng, NOISES[side]) for side in sides}, TERMS)
+        for _ in range(REPLICATES)
+    ]
+
+
+def noisy(recording, rng, noise):
+    tau = recording.tau + noise.draw(rng, recording.tau.shape)
+    arrays = {"time": recording.time, "q": recording.q, "v": recording.v, "a": recording.a}
+    return exoid.Recording(**arrays, tau=tau, joint_names=recording.joint_names)
+
+
+def test_intervals_contain_the_truth_as_often_as_they_say(sides, replicates):
+    truth = truth_of(replicates[0], sides)
+    inside = np.array([(low <= truth) & (truth <= high) for low, high in (t.interval().T for t in replicates)])
+    shared = len(replicates[0].shared)
+    means = {"shared": inside[:, :shared], "own": inside[:, shared:]}
+    print(", ".join(f"{name} {part.mean():.3f} (worst {part.mean(axis=0).min():.3f})" for name, part in means.items()))
+    for part in means.values():
+        assert 0.92 < part.mean() < 0.98
+        assert part.mean(axis=0).min() > 0.87
+    scatter = np.std([t.values for t in replicates], axis=0) / np.mean([t.std for t in replicates], axis=0)
+    assert (np.abs(scatter - 1.0) < 0.3).all()
+
+
+def test_intervals_of_each_group_are_those_of_the_whole(sides, replicates):
+    together = replicates[0]
+    for group, places in zip(together, together.layout.places, strict=True):
+        np.testing.assert_allclose(together[group].std, together.std[places], rtol=1e-12)
+        wide = together[group].interval() - together.interval()[places]
+        assert (wide[:, 0] <= 1e-12).all()
+        assert (wide[:, 1] >= -1e-12).all()
+
+
+def test_equal_parameters_are_rarely_said_to_differ_and_different_ones_nearly_always(sides, replicates):
+    """Of all comparisons 5 % or less, and for what is shared 1 %, as adjusted for the number of parameters."""
+    names, truth = replicates[0].own, {side: session.truth for side, session in sides.items()}
+    equal = {name for name in names if truth["left"][name] == truth["right"][name]}
+    false = np.mean([bool(equal & set(t.equal.below(0.05))) for t in replicates])
+    unequal = set(names) - equal
+    found = np.mean([len(unequal & set(t.equal.below(0.05))) / len(unequal) for t in replicates])
+    alarms = np.mean([bool(t.agreement.below(0.01)) for t in replicates])
+    print(f"equal said to differ {false:.3f}; different found {found:.3f}; shared doubted {alarms:.3f}")
+    assert false < 0.10
+    assert found > 0.9
+    assert alarms < 0.05
+
+
+def test_p_values_of_equal_parameters_are_uniform(sides, replicates):
+    names, truth = replicates[0].own, {side: session.truth for side, session in sides.items()}
+    equal = [k for k, name in enumerate(names) if truth["left"][name] == truth["right"][name]]
+    p = np.array([t.compare("left", "right").p_values[equal] for t in replicates])
+    shares = [float(np.mean(p < level)) for level in (0.05, 0.25, 0.5, 0.75)]
+    print("share of p below 0.05, 0.25, 0.5, 0.75:", np.round(shares, 3))
+    np.testing.assert_allclose(shares, [0.05, 0.25, 0.5, 0.75], atol=0.05)

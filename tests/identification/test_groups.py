@@ -1,0 +1,414 @@
+"""Several legs or sessions at once: shared parameters gain, own ones stay apart, in one least-squares problem."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import weakref
+
+import numpy as np
+import pytest
+from sessions import TERMS, Noise, Session, truth_of
+
+import exoid
+from exoid import Estimate, ExoidError, Recording, compare, identify
+from exoid.estimate import grouped_to_json
+from exoid.regression.rows import make_rows
+from exoid.signals import FiniteDifference, Poses, Recordings
+from exoid.torques import TorqueModel
+
+PLAIN = FiniteDifference()
+ZEROS = {"monday": (1.5, -0.8, 0.2), "tuesday": (-0.9, 0.5, -0.3), "friday": (0.1, 1.2, 0.4)}
+
+
+@pytest.fixture(scope="module")
+def leg():
+    return exoid.load_leg("bleex", side="left", inertias="cad")
+
+
+@pytest.fixture(scope="module")
+def legs(leg):
+    return {"left": leg, "right": exoid.load_leg("bleex", side="right", inertias="cad")}
+
+
+@pytest.fixture(scope="module")
+def days(leg):
+    """One leg on three days, the torque sensors zeroed anew on each."""
+    return {day: Session(leg, seed, zero) for seed, (day, zero) in enumerate(ZEROS.items(), 1)}
+
+
+@pytest.fixture(scope="module")
+def sides(legs):
+    """Two legs of one design; the right one's joints have more friction."""
+    return {
+        "left": Session(legs["left"], 1),
+        "right": Session(legs["right"], 2, (0.3, 0.0, -0.1), (1.1, 0.6, 0.4), (0.5, 0.5, 0.2)),
+    }
+
+
+def record(sessions, seed=0, **noises):
+    """A recording of each session; without noise unless it is given."""
+    rng = np.random.default_rng(seed)
+    return {name: session.recording(rng, noises.get(name, Noise())) for name, session in sessions.items()}
+
+
+def test_without_noise_shared_and_own_parameters_are_exact(leg, days):
+    together = identify(leg, record(days), TERMS, own="offset", preparation=PLAIN)
+    np.testing.assert_allclose(together.values, truth_of(together, days), rtol=1e-8, atol=1e-9)
+    for day, zero in ZEROS.items():
+        found = [together[day].value(f"offset_{joint}") for joint in ("hip", "knee", "ankle")]
+        np.testing.assert_allclose(found, zero, atol=1e-9)
+
+
+def test_one_offset_for_all_days_must_be_wrong(leg, days):
+    """Without noise, inertia and friction are off where there is but one offset, and exact where each day has one."""
+    recordings, truth = record(days), days["monday"].truth
+    plain = identify(leg, recordings.values(), TERMS, preparation=PLAIN)
+    shared = [k for k, name in enumerate(plain.names) if not name.startswith("offset")]
+    off = np.abs(plain.values - list(truth.values()))[shared]
+    together = identify(leg, recordings, TERMS, own="offset", preparation=PLAIN)
+    right = np.abs(together.values - truth_of(together, days))[: len(shared)]
+    assert (off > 1e4 * right).all()
+    assert (plain.residual_rms > 0.2).all()
+
+
+def test_with_noise_offsets_of_their_own_make_everything_else_surer(leg, days):
+    noise = Noise((0.3, 0.2, 0.1))
+    recordings = record(days, **dict.fromkeys(days, noise))
+    plain = identify(leg, recordings.values(), TERMS)
+    together = identify(leg, recordings, TERMS, own=["offset"])
+    count = len(together.shared)
+    ratio = together.std[:count] / plain.std[[plain.names.index(name) for name in together.shared]]
+    print("std with offsets of their own over std with one offset:", ratio.round(2))
+    assert (ratio < 0.6).all()
+    error = np.abs(together.values - truth_of(together, days)) / together.std
+    assert error.max() < 4.0
+
+
+def test_two_legs_tell_shared_parameters_root_two_as_well_as_one(legs, sides):
+    recordings = record(sides, left=Noise(0.2), right=Noise(0.2))
+    together = identify(legs, recordings, TERMS)
+    assert together.shared == legs["left"].parameter_names
+    alone = {side: identify(legs[side], recordings[side], TERMS) for side in legs}
+    one, other = (estimate.std[: len(together.shared)] for estimate in alone.values())
+    best = 1.0 / np.sqrt(1.0 / one**2 + 1.0 / other**2)
+    ratio = together.std[: len(together.shared)] / one
+    print("std of shared parameters over that of the left leg alone:", ratio.round(2))
+    assert (ratio < 0.9).all()
+    assert 0.6 < np.median(ratio) < 0.8  # 1/√2 on average
+    assert (together.std[: len(together.shared)] < 1.15 * best).all()
+    for side in legs:  # own parameters gain what the shared ones no longer blur
+        assert (together[side].std < 1.05 * alone[side].std).all()
+
+
+def test_the_noisier_leg_counts_less(legs, sides):
+    quiet, loud = Noise(0.05), Noise(1.0)
+    recordings = record(sides, left=quiet, right=loud)
+    together = identify(legs, recordings, TERMS)
+    alone = identify(legs["left"], recordings["left"], TERMS)
+    count = len(together.shared)
+    np.testing.assert_allclose(together.std[:count], alone.std[:count], rtol=0.05)
+    assert (np.abs(together.values[:count] - alone.values[:count]) < alone.std[:count]).all()
+
+
+@pytest.mark.parametrize("estimator", ["ols", "wls", "huber", "gls"])
+@pytest.mark.parametrize("noise", ["correlated", "white"])
+def test_one_group_is_the_same_as_identify(leg, days, estimator, noise):
+    """Whatever is shared: the order of the parameters is all that changes."""
+    recordings = list(record(days, **dict.fromkeys(days, Noise((0.3, 0.2, 0.1), 0.9))).values())
+    expected = identify(leg, recordings, TERMS, estimator, noise=noise)
+    for own in (None, (), ("offset", "J2")):
+        found = identify(leg, {"all": recordings}, TERMS, estimator, noise=noise, own=own)["all"]
+        np.testing.assert_allclose(found.values, expected.values, rtol=1e-8, atol=1e-10)
+        np.testing.assert_allclose(found.covariance, expected.covariance, rtol=1e-6, atol=1e-9 * expected.std.max())
+        for name in (
+            "condition_number",
+            "dof",
+            "dof_each",
+            "residual_rms",
+            "parameter_scale",
+            "reference_scale",
+            "collinearity",
+        ):
+            np.testing.assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-6, err_msg=name)
+        np.testing.assert_allclose(found.influence.change, expected.influence.change, atol=1e-6)
+        np.testing.assert_allclose([t.p_value for t in found.trends], [t.p_value for t in expected.trends], atol=1e-6)
+        assert [n.order for n in found.noise] == [n.order for n in expected.noise]
+        assert (found.inputs, found.preparation) == (expected.inputs, expected.preparation)
+
+
+@pytest.mark.parametrize("estimator", ["wls", "huber", "gls"])
+def test_recordings_and_poses_of_one_group_are_weighted_as_by_identify(leg, days, estimator):
+    rng = np.random.default_rng(3)
+    q = rng.uniform(-0.8, 0.8, (80, 3))
+    tau = leg.inverse_dynamics(q, 0 * q, 0 * q) + ZEROS["monday"] + rng.normal(scale=0.02, size=q.shape)
+    data = [days["monday"].recording(rng, Noise(0.3)), Poses(q, tau, leg.joint_names)]
+    expected = identify(leg, data, TERMS, estimator)
+    found = identify(leg, {"all": data}, TERMS, estimator)["all"]
+    np.testing.assert_allclose(found.values, expected.values, rtol=1e-8, atol=1e-10)
+    np.testing.assert_allclose(found.std, expected.std, rtol=1e-6)
+    other = {"all": data, "friday": days["friday"].recording(rng, Noise(0.2))}  # whose R factors come after
+    both = identify(leg, other, TERMS, estimator, own="offset")
+    error = both.values - truth_of(both, {"all": days["monday"], "friday": days["friday"]})
+    assert (np.abs(error) < 4.0 * both.std).all()
+
+
+@pytest.mark.parametrize("estimator", ["wls", "huber", "gls"])
+def test_where_nothing_is_shared_each_group_is_identified_as_alone(legs, sides, estimator):
+    """Up to where the iterations of noise and covariance stop: for all groups at once."""
+    recordings = record(sides, left=Noise(0.1), right=Noise((0.6, 0.4, 0.2), 0.9))
+    names = TorqueModel(legs["left"], TERMS).names
+    together = identify(legs, recordings, TERMS, estimator, own=names)
+    assert together.shared == ()
+    estimates = [identify(legs[side], recordings[side], TERMS, estimator) for side in legs]
+    for expected, found in zip(estimates, (together[side] for side in legs), strict=True):
+        np.testing.assert_allclose(found.values, expected.values, rtol=1e-4, atol=1e-4)
+        np.testing.assert_allclose(found.std, expected.std, rtol=2e-3)
+        np.testing.assert_allclose(found.dof, expected.dof, rtol=0.04 if estimator == "gls" else 2e-3)
+        np.testing.assert_allclose(found.dof_each, expected.dof_each, rtol=0.05)
+        np.testing.assert_allclose(found.condition_number, expected.condition_number, rtol=1e-3)
+    crossed = together.covariance[: len(names), len(names) :]
+    assert np.abs(crossed).max() < 1e-12
+    one, other = compare(*estimates), together.compare("left", "right")
+    np.testing.assert_allclose(other.p_values, one.p_values, atol=5e-3)
+    assert other.p_value == pytest.approx(one.p_value, abs=5e-3)
+    assert other.names == one.names
+
+
+def test_it_is_one_dense_least_squares_problem(legs, sides):
+    """All rows of both legs, put together by hand, weighted by the residuals of a first solution, solved by numpy."""
+    recordings = record(sides, left=Noise((0.3, 0.2, 0.1)), right=Noise((0.6, 0.1, 0.2)))
+    own = ("c0", "d_knee", "offset", "J1")
+    together = identify(legs, recordings, TERMS, own=own, preparation=PLAIN, noise="white")
+    blocks, torques = [], []
+    for side in legs:
+        model = TorqueModel(legs[side], TERMS)
+        rows = make_rows(model, recordings[side], PLAIN)
+        mine = [f"{name}[{side}]" if f"{name}[{side}]" in together.names else name for name in model.names]
+        places = [together.names.index(name) for name in mine]
+        for joint in range(3):
+            wide = np.zeros((len(rows.tau), len(together.names)))
+            wide[:, places] = rows.W[:, joint]
+            blocks.append(wide)
+            torques.append(rows.tau[:, joint])
+    first, *_ = np.linalg.lstsq(np.vstack(blocks), np.concatenate(torques))
+    weights = [1.0 / np.sqrt(np.mean((W @ first - tau) ** 2)) for W, tau in zip(blocks, torques, strict=True)]
+    W = np.vstack([w * x for w, x in zip(weights, blocks, strict=True)])
+    tau = np.concatenate([w * x for w, x in zip(weights, torques, strict=True)])
+    expected, *_ = np.linalg.lstsq(W, tau)
+    np.testing.assert_allclose(together.values, expected, rtol=1e-8, atol=1e-9)
+    s2 = np.sum((tau - W @ expected) ** 2) / (len(tau) - len(expected))
+    np.testing.assert_allclose(together.covariance, s2 * np.linalg.inv(W.T @ W), rtol=1e-6, atol=1e-12)
+    assert together.condition_number == pytest.approx(np.linalg.cond(W / np.linalg.norm(W, axis=0)), rel=1e-8)
+    for side, count in zip(legs, (0, 3), strict=True):  # the group's condition: the other's own columns projected out
+        others = [k for k, name in enumerate(together.names) if name.endswith("]") and not name.endswith(f"[{side}]")]
+        mine = [k for k in range(len(together.names)) if k not in others]
+        basis, _ = np.linalg.qr(W[:, others])
+        rest = W[:, mine] - basis @ (basis.T @ W[:, mine])
+        condition = np.linalg.cond(rest / np.linalg.norm(rest, axis=0))
+        assert together[side].condition_number == pytest.approx(condition, rel=1e-6), count
+
+
+def test_parameters_that_differ_are_named_and_the_others_not(legs, sides):
+    recordings = record(sides, left=Noise(0.1), right=Noise(0.1))
+    together = identify(legs, recordings, TERMS)
+    assert set(together.equal.below(0.05)) == {"c0_hip", "d_knee", "offset_hip", "offset_ankle"}
+    comparison = together.compare("left", "right")
+    assert comparison.differ
+    assert {n for n, p in zip(comparison.names, comparison.adjusted, strict=True) if p < 0.05} >= {"c0_hip", "d_knee"}
+    np.testing.assert_allclose(
+        comparison.difference, together["right"].values[9:] - together["left"].values[9:], rtol=1e-12
+    )
+    assert not together.warnings
+
+
+def test_errors_in_common_cancel_in_a_comparison(legs, sides):
+    """The hip's offset looks like Y1, which both share: their difference is known far better than each offset."""
+    together = identify(legs, record(sides, left=Noise(0.2), right=Noise(0.2)), TERMS)
+    comparison = together.compare("left", "right")
+    hip = comparison.names.index("offset_hip")
+    alone = np.hypot(*(together[side].std[together[side].names.index("offset_hip")] for side in legs))
+    assert comparison.std[hip] < 0.5 * alone
+    assert abs(comparison.difference[hip] - 0.3) < 4.0 * comparison.std[hip]
+
+
+def test_estimates_that_share_parameters_are_not_independent(legs, sides):
+    together = identify(legs, record(sides, left=Noise(0.2), right=Noise(0.2)), TERMS)
+    with pytest.raises(ExoidError, match="errors are not independent"):
+        compare(together["left"], together["right"])
+
+
+def test_groups_that_do_not_agree_on_what_they_share_are_told(legs, sides):
+    """The right shank has picked up 5 % of inertia: sharing it would be wrong, and is said to be."""
+    changed = dict(sides)
+    values = legs["right"].parameters * np.array([1, 1, 1, 1, 1, 1.05, 1, 1, 1])
+    changed["right"] = dataclasses.replace(sides["right"], leg=legs["right"].with_parameters(values))
+    recordings = record(changed, left=Noise(0.05), right=Noise(0.05))
+    together = identify(legs, recordings, TERMS)
+    assert "J2" in together.agreement.below(0.01)
+    assert any("do not agree on" in warning and "J2" in warning for warning in together.warnings)
+    mended = identify(legs, recordings, TERMS, own=("c0", "d", "offset", "J1", "J2"))
+    assert not mended.warnings
+    assert "J2" in mended.equal.below(0.05)
+
+
+def test_the_estimate_of_a_group_does_all_that_an_estimate_does(legs, sides, tmp_path):
+    together = identify(legs, record(sides, left=Noise(0.2), right=Noise(0.2)), TERMS)
+    estimate, session = together["right"], sides["right"]
+    assert estimate.joint_names == legs["right"].joint_names
+    fresh = dataclasses.replace(session, seed=7).recording()
+    measured = fresh.tau
+    assert np.abs(estimate.torque(fresh.q, fresh.v, fresh.a) - measured).max() < 0.2
+    band = estimate.torque_band(fresh.q, fresh.v, fresh.a, measured=False)
+    inside = (band.lower <= measured) & (measured <= band.upper)
+    assert inside.mean() > 0.8
+    estimate.save(tmp_path / "right.json")
+    again = Estimate.load(tmp_path / "right.json")
+    np.testing.assert_array_equal(again.covariance, estimate.covariance)
+    assert str(again) == str(estimate)
+    estimate.to_urdf(tmp_path / "right.urdf")
+    back = exoid.Leg.from_urdf(tmp_path / "right.urdf", joints=legs["right"].joint_names)
+    np.testing.assert_allclose(back.parameters, estimate.values[:9], rtol=1e-9, atol=1e-9)
+    json.dumps(grouped_to_json(together), allow_nan=False)
+
+
+def test_recordings_alone_are_groups_with_the_names_of_their_files(leg, days, tmp_path):
+    paths = [tmp_path / f"{day}.csv" for day in days]
+    for path, recording in zip(paths, record(days, **dict.fromkeys(days, Noise(0.1))).values(), strict=True):
+        recording.to_csv(path)
+    together = identify(leg, [Recording.from_csv(path) for path in paths], TERMS, own="offset")
+    assert list(together) == ["monday.csv", "tuesday.csv", "friday.csv"]
+    assert "offset_hip[monday.csv]" in str(together)
+    on_disk = identify(leg, Recordings.from_files(paths), TERMS, own="offset")
+    assert on_disk.groups == together.groups
+    np.testing.assert_array_equal(on_disk.values, together.values)
+    np.testing.assert_array_equal(on_disk.covariance, together.covariance)
+
+
+def test_recordings_on_disk_are_read_one_at_a_time(leg, days, tmp_path, monkeypatch):
+    alive, most = set(), []
+    for day, recording in record(days, **dict.fromkeys(days, Noise(0.1))).items():
+        recording.to_csv(tmp_path / f"{day}.csv")
+    files = Recordings.from_folder(tmp_path)
+    read = Recordings.__getitem__
+
+    def watched(self, index):
+        found = read(self, index)
+        if isinstance(found, Recording):
+            alive.add(id(found))
+            weakref.finalize(found, alive.discard, id(found))
+            most.append(len(alive))
+        return found
+
+    monkeypatch.setattr(Recordings, "__getitem__", watched)
+    identify(leg, files, TERMS, own="offset")
+    assert len(most) >= 6
+    assert max(most) <= 2  # one, and the one before until its place is taken
+
+
+def test_parts_of_one_file_may_be_groups(leg, days, tmp_path):
+    days["monday"].recording(np.random.default_rng(0), Noise(0.1)).to_csv(tmp_path / "log.csv")
+    log = Recording.from_csv(tmp_path / "log.csv")
+    middle = 0.5 * (log.time[0] + log.time[-1])
+    parts = {"first": log.between(log.time[0], middle), "second": log.between(middle, log.time[-1])}
+    together = identify(leg, parts, TERMS, own="offset")
+    assert not together.equal.below(0.01)
+
+
+def test_poses_may_be_a_group_of_their_own(leg, days):
+    """Static poses on another day, when only the sensors' zero was another: friction leaves no trace in them."""
+    rng = np.random.default_rng(3)
+    q = rng.uniform(-0.8, 0.8, (80, 3))
+    tau = leg.inverse_dynamics(q, 0 * q, 0 * q) + ZEROS["friday"] + rng.normal(scale=0.1, size=q.shape)
+    groups = {
+        "moving": days["monday"].recording(rng, Noise(0.2)),
+        "poses": Poses(q, tau, leg.joint_names),
+    }
+    together = identify(leg, groups, TERMS, own="offset")
+    error = together.values - truth_of(together, {"moving": days["monday"], "poses": days["friday"]})
+    assert (np.abs(error) < 4.0 * together.std).all()
+    assert together.agreement is None
+    assert any("poses cannot be identified alone" in note for note in together.notes)
+    with pytest.raises(ExoidError, match=r"c0_hip\[poses\].*left no trace"):
+        identify(leg, groups, TERMS, own=("offset", "c0"))
+
+
+def test_a_joint_may_rest_in_a_session_that_has_nothing_of_its_own_there(leg, days):
+    rng = np.random.default_rng(4)
+    full = days["tuesday"].recording(rng, Noise(0.1))
+    q, v, a = (np.array(x) for x in (full.q, full.v, full.a))
+    q[:, 0], v[:, 0], a[:, 0] = 0.2, 0.0, 0.0
+    tau = leg.inverse_dynamics(q, v, a) + ZEROS["tuesday"] + np.multiply((0.8, 0.6, 0.4), np.tanh(v / 0.02))
+    tau += np.multiply((0.5, 0.3, 0.2), v) + rng.normal(scale=0.1, size=q.shape)
+    held = dataclasses.replace(full, q=q, v=v, a=a, tau=tau)
+    groups = {"monday": days["monday"].recording(rng, Noise(0.1)), "held": held}
+    together = identify(leg, groups, TERMS, own="offset")
+    error = together.values - truth_of(together, {"monday": days["monday"], "held": days["tuesday"]})
+    assert (np.abs(error) < 4.0 * together.std).all()
+    with pytest.raises(ExoidError, match=r"held: joint left_hip stands still"):
+        identify(leg, groups, TERMS, own="c0")
+
+
+def test_leaving_a_session_out_is_what_identifying_without_it_is(leg, days):
+    recordings = record(days, **dict.fromkeys(days, Noise(0.2)))
+    together = identify(leg, recordings, TERMS, "ols", own="offset", preparation=PLAIN)
+    influence, count = together["tuesday"].influence, len(together.shared)
+    rest = identify(
+        leg, {d: r for d, r in recordings.items() if d != "monday"}, TERMS, "ols", own="offset", preparation=PLAIN
+    )
+    expected = (rest["tuesday"].values - together["tuesday"].values) / together["tuesday"].std
+    np.testing.assert_allclose(influence.change[0], expected, atol=1e-6)
+    assert np.isinf(together["monday"].influence.change[0, count:]).all()
+    assert np.isfinite(together["monday"].influence.change[0, :count]).all()
+
+
+def test_known_values_and_priors_may_be_of_all_groups_or_of_one(leg, days):
+    recordings = record(days, **dict.fromkeys(days, Noise(0.2)))
+    together = identify(
+        leg,
+        recordings,
+        TERMS,
+        own="offset",
+        known={"X3": 0.3, "offset_hip[monday]": 1.5},
+        prior={"offset_knee": (0.1, 1e-4), "J1": (days["monday"].truth["J1"], 1e-3)},
+    )
+    values = dict(zip(together.names, together.values, strict=True))
+    assert (values["X3"], values["offset_hip[monday]"]) == (0.3, 1.5)
+    assert values["offset_hip[tuesday]"] != 1.5
+    assert all(abs(values[f"offset_knee[{day}]"] - 0.1) < 1e-3 for day in days)
+    assert together["monday"].prior_knowledge.known == {"X3": 0.3, "offset_hip": 1.5}
+    assert together["tuesday"].prior_knowledge.known == {"X3": 0.3}
+    assert set(together["tuesday"].prior_knowledge.prior.values) == {"offset_knee", "J1"}
+    identifiability = dict(zip(together.names, together.identifiability, strict=True))
+    assert (identifiability["X3"], identifiability["offset_knee[friday]"]) == ("known", "prior")
+
+
+def test_bounds_hold_for_own_parameters(legs, sides):
+    less = dataclasses.replace(sides["right"], coulomb=(1.1, -0.2, 0.4))
+    recordings = record({**sides, "right": less}, left=Noise(0.05), right=Noise(0.05))
+    free = identify(legs, recordings, TERMS)
+    assert any("right: c0_knee negative beyond error" in warning for warning in free.warnings)
+    bounded = identify(legs, recordings, TERMS, nonnegative=True)
+    assert bounded.bounded == ("c0_knee[right]",)
+    assert (bounded["left"].bounded, bounded["right"].bounded) == ((), ("c0_knee",))
+    assert "kept at zero: c0_knee[right]" in str(bounded)
+
+
+def test_what_is_part_of_a_shared_parameter_is_said_to_be(legs, sides):
+    terms = (*TERMS, exoid.Armature())
+    together = identify(legs, record(sides), terms, own="Ia", preparation=PLAIN)
+    assert together.own == ("Ia_knee", "Ia_ankle")
+    assert any("Ia_hip" in note and "the same in all groups" in note for note in together.notes)
+    apart = identify(legs, record(sides), terms, own=("Ia", "J1"), preparation=PLAIN)
+    assert not any("the same in all groups" in note for note in apart.notes)
+
+
+@pytest.mark.parametrize("estimator", ["wls", "huber", "gls"])
+def test_rows_that_are_made_again_stretch_by_stretch_give_the_same(legs, sides, monkeypatch, estimator):
+    recordings = record(sides, left=Noise(0.2, 0.9), right=Noise(0.3))
+    whole = identify(legs, recordings, TERMS, estimator)
+    monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", 0)
+    monkeypatch.setattr("exoid.regression.rows.BLOCK", 300)
+    pieces = identify(legs, recordings, TERMS, estimator)
+    np.testing.assert_allclose(pieces.values, whole.values, rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(pieces.std, whole.std, rtol=1e-5)

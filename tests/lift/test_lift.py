@@ -1,0 +1,303 @@
+"""Lifted links can exist, reproduce what can be reproduced, and are those that a semidefinite program finds."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from lxml import etree
+from public_robots import urdf_of
+from semidefinite import nearest_to_estimate, nearest_to_prior
+
+import exoid
+from exoid import ExoidError, Leg
+from exoid.description import describe
+from exoid.lift import Lift, lift
+from exoid.lift.pseudo_inertia import (
+    congruence,
+    link_parameters,
+    made_possible,
+    margins,
+    pseudo_inertias,
+    upper_factors,
+)
+from exoid.model import dynamic_parameters
+from exoid.published import bleex_parameters
+from exoid.published.parameters import BLEEX_SETS
+
+
+@pytest.fixture(scope="module")
+def bleex():
+    return exoid.load_leg("bleex")
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return Leg.from_urdf(urdf_of("ur5"))
+
+
+def noisy(leg, rng, share):
+    """Values with errors of a share of their size, and the covariance of the errors, which are correlated."""
+    scale = share * np.maximum(np.abs(leg.parameters), 0.01 * np.abs(leg.parameters).max())
+    mixing = np.eye(len(scale)) + 0.3 * rng.standard_normal((len(scale), len(scale)))
+    root = scale[:, None] * mixing / np.linalg.norm(mixing, axis=1, keepdims=True)
+    return leg.parameters + root @ rng.standard_normal(len(scale)), root @ root.T
+
+
+def assert_possible(lifted: Lift):
+    """Positive definite by Pinocchio's own pseudo-inertia, and triangle inequalities by principal inertias."""
+    assert (margins(lifted.link_parameters) > 0.0).all()
+    for parameters in lifted.link_parameters:
+        P = pin.PseudoInertia.FromDynamicParameters(parameters).toMatrix()
+        np.linalg.cholesky(P)
+        body = pin.Inertia.FromDynamicParameters(parameters)
+        a, b, c = np.linalg.eigvalsh(body.inertia)
+        assert body.mass > 0.0
+        assert 0.0 < a <= b <= c < a + b
+
+
+# ------------------------------------------------------------------------------------------ feasible
+
+
+def test_the_legs_own_parameters_lift_to_its_own_links(built_in_leg):
+    lifted = lift(built_in_leg, built_in_leg.parameters)
+    assert lifted.feasible
+    assert lifted.distance == 0.0
+    assert lifted.divergence == pytest.approx(0.0, abs=1e-12)
+    own = dynamic_parameters(built_in_leg.model)
+    np.testing.assert_allclose(lifted.link_parameters.ravel(), own, rtol=0, atol=1e-12 * np.abs(own).max())
+
+
+@pytest.mark.parametrize("name", BLEEX_SETS)
+def test_published_parameters_are_reproduced_to_rounding(bleex, name):
+    values = np.array(list(bleex_parameters(name).values()))
+    lifted = lift(bleex, values)
+    assert lifted.feasible
+    np.testing.assert_allclose(lifted.values, values, rtol=1e-13, atol=1e-15)
+    np.testing.assert_allclose(bleex.reduction.parameters(lifted.link_parameters.ravel()), values, rtol=1e-13)
+    assert lifted.moved == {}
+    assert_possible(lifted)
+
+
+@pytest.mark.parametrize("robot", ["bleex", "cuhk", "ur5"])
+def test_feasible_estimates_lift_to_the_optimum_of_the_semidefinite_program(robot, arm):
+    leg = arm if robot == "ur5" else exoid.load_leg(robot)
+    rng = np.random.default_rng(1)
+    feasible = 0
+    for _ in range(8):
+        values, covariance = noisy(leg, rng, 0.004 if robot == "ur5" else 0.2)
+        lifted = lift(leg, values, covariance)
+        if not lifted.feasible:
+            continue
+        feasible += 1
+        np.testing.assert_allclose(lifted.values, values, rtol=0, atol=1e-12 * np.abs(values).max())
+        optimum = nearest_to_prior(leg, values)
+        assert lifted.divergence == pytest.approx(optimum.value, rel=1e-4, abs=1e-6)
+        size = np.abs(optimum.links.reshape(-1, 10)).max(axis=1, keepdims=True)
+        np.testing.assert_allclose(lifted.link_parameters / size, optimum.links.reshape(-1, 10) / size, atol=1e-3)
+        assert_possible(lifted)
+    assert feasible >= 3
+
+
+def test_the_optimum_is_stationary_in_pinocchios_log_cholesky_coordinates(bleex):
+    """Along every change of coordinates that keeps the base parameters, the divergence does not change."""
+    values, _ = noisy(bleex, np.random.default_rng(2), 0.1)
+    lifted = lift(bleex, values)
+    prior = pseudo_inertias(dynamic_parameters(bleex.model))
+    slopes, jacobians = [], []
+    for parameters, P0 in zip(lifted.link_parameters, prior, strict=True):
+        P = pseudo_inertias(parameters)[0]
+        U = upper_factors(P[None])[0]
+        alpha, d = np.log(U[3, 3]), np.log(np.diag(U)[:3] / U[3, 3])
+        s = U[[0, 1, 0, 0, 1, 2], [1, 2, 2, 3, 3, 3]] / U[3, 3]
+        coordinates = pin.LogCholeskyParameters(np.array([alpha, *d, *s]))
+        np.testing.assert_allclose(coordinates.toDynamicParameters(), parameters, rtol=0, atol=1e-12)
+        slope = np.tensordot(pseudo_inertias(np.eye(10)), np.linalg.inv(P0) - np.linalg.inv(P))
+        slopes.append(slope @ coordinates.calculateJacobian())
+        jacobians.append(coordinates.calculateJacobian())
+    K = np.hstack([bleex.reduction.collect[:, 10 * j : 10 * j + 10] @ J for j, J in enumerate(jacobians)])
+    slope = np.concatenate(slopes)
+    multipliers, *_ = np.linalg.lstsq(K.T, slope)
+    assert np.linalg.norm(slope) > 1.0
+    np.testing.assert_allclose(K.T @ multipliers, slope, rtol=0, atol=1e-6 * np.linalg.norm(slope))
+
+
+def test_the_covariance_does_not_matter_where_the_estimate_is_feasible(bleex):
+    values, covariance = noisy(bleex, np.random.default_rng(3), 0.05)
+    with_, without = lift(bleex, values, covariance), lift(bleex, values)
+    assert with_.feasible
+    np.testing.assert_array_equal(with_.link_parameters, without.link_parameters)
+
+
+# ---------------------------------------------------------------------------------------- infeasible
+
+
+@pytest.mark.parametrize("robot", ["bleex", "cuhk", "ur5"])
+def test_infeasible_estimates_lift_to_the_optimum_of_the_semidefinite_program(robot, arm):
+    leg = arm if robot == "ur5" else exoid.load_leg(robot)
+    rng = np.random.default_rng(4)
+    infeasible = 0
+    for _ in range(12):
+        values, covariance = noisy(leg, rng, 0.8)
+        lifted = lift(leg, values, covariance)
+        if lifted.feasible:
+            continue
+        infeasible += 1
+        optimum = nearest_to_estimate(leg, values, covariance, lifted.heaviest)
+        assert lifted.distance == pytest.approx(optimum.value, rel=1e-4, abs=1e-4)
+        difference = lifted.values - leg.reduction.parameters(optimum.links)
+        assert np.sqrt(difference @ np.linalg.solve(covariance, difference)) < 1e-2 * max(optimum.value, 1.0)
+        missed = lifted.values - values
+        assert np.sqrt(missed @ np.linalg.solve(covariance, missed)) == pytest.approx(lifted.distance, rel=1e-9)
+        assert_possible(lifted)
+    assert infeasible >= 3
+
+
+def test_what_is_known_best_gives_way_least(bleex):
+    values = bleex.parameters.copy()
+    knee, foot = bleex.parameter_names.index("J2"), bleex.parameter_names.index("J3")
+    values[foot] = 1.1 * values[knee]  # more than the shank's, which contains it
+    std = 0.01 * np.abs(values)
+    for known, other in ((knee, foot), (foot, knee)):
+        sharp = std.copy()
+        sharp[known] = 1e-6
+        moved = lift(bleex, values, np.diag(sharp**2)).moved
+        assert abs(moved[bleex.parameter_names[known]]) < 1e-3 * abs(moved[bleex.parameter_names[other]])
+
+
+def test_parameters_that_are_known_exactly_do_not_move(bleex):
+    values = bleex.parameters.copy()
+    values[-1] *= -1.0
+    covariance = np.diag((0.1 * np.abs(values)) ** 2)
+    covariance[0] = covariance[:, 0] = 0.0
+    lifted = lift(bleex, values, covariance)
+    assert not lifted.feasible
+    assert abs(lifted.moved["X1"]) < 1e-6
+
+
+@pytest.mark.parametrize("part", range(4))
+def test_a_thousand_noisy_estimates_lift_to_links_that_can_exist(bleex, part):
+    rng = np.random.default_rng(100 + part)
+    feasible = 0
+    for share in np.repeat([0.05, 0.2, 0.5, 1.0, 3.0], 50):
+        values, covariance = noisy(bleex, rng, share)
+        lifted = lift(bleex, values, covariance)
+        assert_possible(lifted)
+        feasible += lifted.feasible
+        if lifted.feasible:
+            np.testing.assert_allclose(lifted.values, values, rtol=0, atol=1e-12 * np.abs(values).max())
+        else:
+            assert lifted.distance > 0.0
+    assert 50 < feasible < 200
+
+
+@pytest.mark.parametrize("share", [0.01, 0.3, 3.0])
+def test_noisy_estimates_of_an_arm_lift_to_links_that_can_exist(arm, share):
+    rng = np.random.default_rng(5)
+    for _ in range(5):
+        assert_possible(lift(arm, *noisy(arm, rng, share)))
+
+
+# -------------------------------------------------------------------------------------------- priors
+
+
+def rod(inertia):
+    body = f'<inertial><origin xyz="0 0 -0.2"/><mass value="2"/><inertia {inertia}/></inertial>'
+    joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/></joint>'
+    text = f'<robot name="r"><link name="a"/><link name="b">{body}</link>{joint}</robot>'
+    return Leg.from_description(describe(text))
+
+
+@pytest.mark.parametrize(
+    "inertia",
+    [
+        'ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"',
+        'ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0"',
+        'ixx="0.1" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"',
+    ],
+    ids=["point", "rod", "no triangle"],
+)
+def test_links_that_cannot_exist_gain_a_little_extent(inertia):
+    leg = rod(inertia)
+    own = dynamic_parameters(leg.model)
+    repaired = made_possible(own)
+    assert margins(own)[0] < 1e-9 < margins(repaired)[0]
+    np.testing.assert_array_equal(repaired[:4], own[:4])
+    np.testing.assert_array_equal(made_possible(repaired), repaired)
+    lifted = lift(leg, leg.parameters * [1.0, 1.0, 1.2])
+    assert lifted.feasible
+    assert_possible(lifted)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 0.1, 10.0, 1e3])
+def test_a_poor_prior_does_not_make_an_estimate_infeasible(bleex, factor):
+    """Placeholders instead of inertias, as many a URDF has them."""
+    poor = Leg.from_description(describe(with_masses(bleex.description.text, factor)), bleex.joint_names)
+    lifted = lift(poor, bleex.parameters)
+    assert lifted.feasible
+    np.testing.assert_allclose(lifted.values, bleex.parameters, rtol=1e-12)
+    assert_possible(lifted)
+
+
+def with_masses(text, factor):
+    root = etree.fromstring(text.encode())
+    for inertial in root.iter("inertial"):
+        for element in (inertial.find("mass"), inertial.find("inertia")):
+            for name, value in element.attrib.items():
+                element.set(name, repr(factor * float(value)))
+    return etree.tostring(root, encoding="unicode")
+
+
+def test_possible_links_are_not_repaired(built_in_leg):
+    own = dynamic_parameters(built_in_leg.model)
+    np.testing.assert_array_equal(made_possible(own), own)
+
+
+def test_pseudo_inertias_are_pinocchios():
+    rng = np.random.default_rng(6)
+    bodies = [pin.Inertia.Random() for _ in range(5)]
+    parameters = np.array([body.toDynamicParameters() for body in bodies])
+    P = pseudo_inertias(parameters)
+    for body, matrix in zip(bodies, P, strict=True):
+        np.testing.assert_allclose(matrix, pin.PseudoInertia.FromInertia(body).toMatrix(), atol=1e-14)
+    np.testing.assert_allclose(link_parameters(P), parameters.ravel(), atol=1e-14)
+    place = pin.SE3.Random()
+    moved = congruence(place.homogeneous[None])[0] @ parameters[0]
+    np.testing.assert_allclose(moved, place.act(bodies[0]).toDynamicParameters(), atol=1e-13)
+    A = rng.standard_normal((1, 4, 4))
+    P = A @ A.transpose(0, 2, 1)
+    U = upper_factors(P)[0]
+    np.testing.assert_allclose(U @ U.T, P[0], atol=1e-13)
+    np.testing.assert_array_equal(np.tril(U, -1), 0.0)
+
+
+# ------------------------------------------------------------------------------------ text and errors
+
+
+def test_a_lift_says_what_had_to_give_way(bleex):
+    values = bleex.parameters.copy()
+    values[-1] *= -1.0
+    lifted = lift(bleex, values, np.diag((0.1 * np.abs(values)) ** 2))
+    text = str(lifted)
+    assert f"the nearest are {lifted.distance:.3g} away" in text
+    assert "J3" in text
+    assert "left_shank" in text
+    assert "feasible=False" in repr(lifted)
+    assert "exactly the parameters asked for" in str(lift(bleex, bleex.parameters))
+    with pytest.raises(ValueError, match="read-only"):
+        lifted.values[0] = 1.0
+
+
+@pytest.mark.parametrize(
+    ("values", "covariance", "what"),
+    [
+        (np.ones(8), None, "values"),
+        (np.full(9, np.inf), None, "values"),
+        ("hello", None, "values"),
+        (np.full(9, -1.0), np.eye(8), "covariance"),
+        (np.full(9, -1.0), np.full((9, 9), np.nan), "covariance"),
+        (np.full(9, -1.0), -np.eye(9), "negative eigenvalue"),
+    ],
+    ids=["few", "infinite", "text", "small", "nan", "negative"],
+)
+def test_what_does_not_fit_is_refused(bleex, values, covariance, what):
+    with pytest.raises(ExoidError, match=what):
+        lift(bleex, values, covariance)

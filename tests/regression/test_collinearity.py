@@ -1,0 +1,157 @@
+"""Parameters that a motion hardly tells apart are named, and never called well determined."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from swings import TERMS, Swing
+
+import exoid
+from exoid import Recording, Stiffness
+from exoid.identification.group_rows import GroupRows
+from exoid.identification.problem import Problem
+from exoid.regression.diagnostics import (
+    HOPELESS,
+    ILL_CONDITIONED,
+    Collinearity,
+    identifiability_class,
+    reference_scale,
+)
+from exoid.regression.least_squares import factorize, solve
+from exoid.signals import FiniteDifference
+from exoid.torques import Stribeck, TorqueModel
+
+EXACT = FiniteDifference()
+
+
+def of_columns(W):
+    noise = np.random.default_rng(1).standard_normal(len(W))
+    factor = factorize(np.column_stack([W, noise]), len(W), float(len(W)))
+    return Collinearity.of(solve(factor, [f"p{k}" for k in range(W.shape[1])]))
+
+
+def test_two_columns_that_are_nearly_one_are_found_and_a_third_is_not_blamed():
+    """Of columns u and u + εw the condition index is 2/ε, w being of unit length and orthogonal to u."""
+    Q, _ = np.linalg.qr(np.random.default_rng(0).standard_normal((50, 3)))
+    W = np.column_stack([Q[:, 0], Q[:, 2], Q[:, 0] + 0.01 * Q[:, 1]])
+    found = of_columns(W)
+    np.testing.assert_allclose(found.indices[[0, 2]], 200.0, rtol=1e-3)
+    assert found.indices[1] < 2.0
+    (direction,) = found.directions
+    assert sorted(direction.columns) == [0, 2]
+    assert direction.condition == pytest.approx(200.0, rel=1e-3)
+    (remark,) = found.warnings(("X1", "Y1", "J1"))
+    assert "X1" in remark
+    assert "J1" in remark
+    assert "Y1" not in remark
+
+
+def test_proportions_are_those_of_the_variances():
+    """Directions of a lower index make up at most half of a variance, those up to it at least half."""
+    rng = np.random.default_rng(1)
+    W = rng.standard_normal((80, 6))
+    W[:, 4] = W[:, 1] + 0.003 * W[:, 4]
+    W[:, 5] = W[:, 0] + W[:, 2] + 0.02 * W[:, 5]
+    unit = W / np.linalg.norm(W, axis=0)
+    _, sigma, Vt = np.linalg.svd(unit, full_matrices=False)
+    whole = np.diag(np.linalg.inv(unit.T @ unit))
+    for column, index in enumerate(of_columns(W).indices):
+        share = [
+            (Vt[kept, column] ** 2 / sigma[kept] ** 2).sum() / whole[column]
+            for kept in (sigma[0] / sigma < index * (1 - 1e-9), sigma[0] / sigma <= index * (1 + 1e-9))
+        ]
+        assert share[0] <= 0.5 <= share[1]
+
+
+@pytest.mark.parametrize(("index", "expected"), [(99.0, "well"), (101.0, "weakly"), (301.0, "not")])
+def test_what_moves_together_is_at_best_weakly_determined(index, expected):
+    assert identifiability_class(1.0, 1e-6, 1.0, 1.0, index) == expected
+    assert identifiability_class(1.0, 0.5, 1.0, 1.0, index) == "not"
+
+
+def slow(leg, seed=0):
+    """One sine of 0.05 Hz at each joint: accelerations are the angles again, and so nearly is gravity."""
+    time, omega = np.arange(6000) / 100.0, 2.0 * np.pi * 0.05
+    argument = omega * time[:, None] + np.array([0.3, 1.1])
+    q, v, a = 0.2 * np.sin(argument), 0.2 * omega * np.cos(argument), -0.2 * omega**2 * np.sin(argument)
+    rng = np.random.default_rng(seed)
+    tau = leg.inverse_dynamics(q, v, a) + 0.5 * np.tanh(v / 0.02) + 0.1 * v + rng.normal(scale=1e-3, size=q.shape)
+    return Recording(time, q, v=v, a=a, tau=tau, joint_names=leg.joint_names)
+
+
+def test_a_slow_motion_does_not_make_an_inertia_sure_however_small_its_error():
+    leg = exoid.load_leg("cuhk")
+    estimate = exoid.identify(leg, slow(leg), TERMS, preparation=EXACT)
+    assert estimate.condition_number > ILL_CONDITIONED
+    identifiability = dict(zip(estimate.names, estimate.identifiability, strict=True))
+    assert {identifiability[name] for name in ("J1", "J2", "X1")} <= {"weakly", "not"}
+    (warning,) = [text for text in estimate.warnings if "hardly tell apart" in text]
+    assert "J1" in warning
+    assert "X1" in warning
+    assert "hardly tell apart" in " ".join(str(estimate).split())
+    blind = dataclasses.replace(estimate, collinearity=np.zeros(0), reference_scale=np.zeros(0))
+    assert blind.identifiability[estimate.names.index("J1")] == "well"  # without these rules it would be called so
+
+
+def test_a_stiffness_that_an_upright_leg_shows_only_as_gravity_is_not_determined():
+    leg = exoid.load_leg("bleex")
+    swing = Swing(leg)
+    terms = (*TERMS, Stiffness(joints=("hip",)))
+    recording = swing.with_noise(np.random.default_rng(0), 1e-3)
+    estimate = exoid.identify(leg, recording, terms, preparation=EXACT)
+    identifiability = dict(zip(estimate.names, estimate.identifiability, strict=True))
+    assert estimate.condition_number > HOPELESS
+    hip = {identifiability[name] for name in ("b0_hip", "b1_hip", "b2_hip", "X1", "Y1")}
+    assert hip <= {"weakly", "not"}
+    assert "not" in hip
+    assert identifiability["J3"] == identifiability["X3"] == "well"
+    known = exoid.identify(leg, recording, terms, preparation=EXACT, known={"b1_hip": 0.0, "b2_hip": 0.0})
+    assert set(known.identifiability) == {"well", "known"}
+
+
+def test_sizes_of_a_calm_exercise_are_smaller_where_a_recording_hardly_excites():
+    """‖τ‖ / (largest |W_i| / √3) over states of up to 1 rad/s and π rad/s²: exact for friction, inertia and offset."""
+    leg = exoid.load_leg("bleex")
+    swing = Swing(leg, base=0.02)
+    model = TorqueModel(leg, (*TERMS, exoid.Offset(), Stribeck(velocity=0.05)))
+    problem = Problem.of_one(GroupRows(model, [swing.recording()], EXACT))
+    angles = swing.motion[0].min(axis=0), swing.motion[0].max(axis=0)
+    sizes = dict(zip(model.names, reference_scale(model, *angles, problem.r_factors), strict=True))
+    rms = np.sqrt(np.mean(swing.torque[1:-1] ** 2, axis=0))
+    assert sizes["offset_hip"] == pytest.approx(np.sqrt(3.0) * rms[0])
+    assert sizes["c0_knee"] == pytest.approx(np.sqrt(3.0) * rms[1])
+    assert sizes["d_ankle"] == pytest.approx(np.sqrt(3.0) * rms[2], rel=0.01)
+    peak = np.max(np.exp(-((np.linspace(0, 1, 9999) / 0.05) ** 2)) * np.tanh(np.linspace(0, 1, 9999) / 0.02))
+    assert sizes["cs_hip"] == pytest.approx(np.sqrt(3.0) * rms[0] / peak, rel=0.05)
+    estimate = exoid.identify(leg, swing.with_noise(np.random.default_rng(0), 0.3), TERMS, preparation=EXACT)
+    inertia = estimate.names.index("J1")
+    assert estimate.reference_scale[inertia] < 0.1 * estimate.parameter_scale[inertia]
+
+
+def test_a_true_zero_that_is_tightly_bounded_is_well_determined():
+    swing = Swing(exoid.load_leg("bleex"))
+    terms = (*TERMS, exoid.Offset(), Stribeck(velocity=0.1))
+    estimate = exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(0), 0.1), terms, preparation=EXACT)
+    identifiability = dict(zip(estimate.names, estimate.identifiability, strict=True))
+    assert identifiability["offset_knee"] == identifiability["cs_knee"] == "well"
+
+
+def test_friction_of_slow_motion_that_few_samples_show_is_not_called_well():
+    """Beside 20 N·m anything below 10 N·m would be little, were it judged by its root mean square."""
+    swing = Swing(exoid.load_leg("bleex"), seconds=10.0)
+    terms = (*TERMS, Stribeck(velocity=0.01))
+    estimate = exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(0), 3.0), terms, preparation=EXACT)
+    hip = estimate.names.index("cs_hip")
+    assert estimate.std[hip] > np.abs(estimate.values[hip])
+    assert estimate.identifiability[hip] != "well"
+    assert dataclasses.replace(estimate, reference_scale=np.zeros(0)).identifiability[hip] == "well"
+
+
+def test_they_are_kept_in_the_file(tmp_path):
+    swing = Swing(exoid.load_leg("bleex"))
+    estimate = exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(0), 0.1), TERMS, preparation=EXACT)
+    estimate.save(tmp_path / "e.json")
+    loaded = exoid.Estimate.load(tmp_path / "e.json")
+    np.testing.assert_array_equal(loaded.collinearity, estimate.collinearity)
+    np.testing.assert_array_equal(loaded.reference_scale, estimate.reference_scale)
+    assert loaded.identifiability == estimate.identifiability

@@ -1,0 +1,106 @@
+"""An estimate says which of its parameters deserve trust, and what its residuals look like."""
+
+import numpy as np
+import pytest
+from swings import TERMS, Swing
+
+import exoid
+from exoid import Stiffness
+from exoid.regression.diagnostics import identifiability_class
+from exoid.signals import FiniteDifference
+
+EXACT = FiniteDifference()
+
+
+@pytest.fixture(scope="module")
+def swing():
+    return Swing(exoid.load_leg("bleex"))
+
+
+@pytest.fixture(scope="module")
+def estimate(swing):
+    return exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(0), 0.3), TERMS, preparation=EXACT)
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "size", "expected"),
+    [
+        (2.0, 0.2, 0.0, "well"),
+        (-2.0, 0.21, 0.0, "weakly"),
+        (2.0, 0.61, 0.0, "not"),
+        (0.0, 0.09, 10.0, "well"),
+        (0.0, 0.3, 10.0, "weakly"),
+        (0.0, 0.31, 10.0, "not"),
+        (0.0, 0.0, 0.0, "well"),
+        (0.0, 1e-9, 0.0, "not"),
+    ],
+)
+def test_a_verdict_follows_its_thresholds(value, std, size, expected):
+    assert identifiability_class(value, std, size) == expected
+
+
+def test_a_good_motion_determines_everything_well(estimate):
+    assert set(estimate.identifiability) == {"well"}
+
+
+def test_a_short_and_noisy_recording_says_what_it_does_not_determine(swing):
+    """Hip stiffness of an upright leg looks like X1; two seconds of noise tell little of either."""
+    short = Swing(swing.leg, seconds=3.0)
+    recording = short.with_noise(np.random.default_rng(1), 2.0)
+    estimate = exoid.identify(swing.leg, recording, (*TERMS, Stiffness(joints=("hip",))), preparation=EXACT)
+    judged = dict(zip(estimate.names, estimate.identifiability, strict=True))
+    assert judged["b2_hip"] == judged["J3"] == "not"
+    assert judged["X2"] == "well"
+
+
+def test_sizes_are_what_explains_the_torque_of_a_joint_alone(swing):
+    """‖τ‖ / ‖W_i‖ where that is smallest."""
+    estimate = exoid.identify(swing.leg, swing.recording(), TERMS, preparation=EXACT)
+    W = np.linalg.norm(estimate.model.regressor(*swing.motion)[1:-1], axis=0)
+    tau = np.linalg.norm(swing.torque[1:-1], axis=0)
+    expected = [min(tau[j] / W[j, i] for j in range(3) if W[j, i] > 0.0) for i in range(W.shape[1])]
+    np.testing.assert_allclose(estimate.parameter_scale, expected, rtol=1e-9)
+
+
+def test_correlations_are_covariances_of_unit_variance(estimate):
+    correlation = estimate.correlation
+    assert (np.diag(correlation) == 1.0).all()
+    np.testing.assert_allclose(correlation * np.outer(estimate.std, estimate.std), estimate.covariance, rtol=1e-12)
+    assert np.abs(correlation).max() == 1.0
+
+
+def test_white_residuals_are_called_white_and_all_count(estimate):
+    for noise in estimate.noise:
+        assert noise.whiteness > 0.01
+        assert abs(noise.correlation) < 0.06
+        assert 0.95 * noise.samples < noise.effective_samples <= noise.samples
+    assert "residuals not white" not in str(estimate)
+
+
+def test_residuals_with_memory_are_called_so_and_count_less(swing):
+    rng = np.random.default_rng(2)
+    noise = rng.standard_normal(swing.torque.shape).cumsum(axis=0)
+    noise = 0.3 * (noise[20:] - noise[:-20])[: len(swing.torque)]
+    tau = swing.torque + np.vstack([noise, np.zeros((20, 3))])
+    estimate = exoid.identify(swing.leg, swing.recording(tau=tau), TERMS, preparation=EXACT)
+    for of_joint in estimate.noise:
+        assert of_joint.whiteness < 1e-6
+        assert of_joint.correlation > 0.8
+        assert of_joint.effective_samples < 0.2 * of_joint.samples
+        assert of_joint.order > 0
+    assert estimate.dof < 600
+    assert "residuals not white: left_hip, left_knee, left_ankle" in " ".join(str(estimate).split())
+
+
+def test_whiteness_is_uniform_where_noise_is_white(swing):
+    """One test in ten at the ten-percent level, of 90."""
+    rng = np.random.default_rng(3)
+    estimates = [exoid.identify(swing.leg, swing.with_noise(rng, 0.3), TERMS, preparation=EXACT) for _ in range(30)]
+    share = np.mean([noise.whiteness < 0.1 for estimate in estimates for noise in estimate.noise])
+    assert 0.02 < share < 0.22
+
+
+def test_noise_free_recordings_have_diagnostics_too(swing):
+    estimate = exoid.identify(swing.leg, swing.recording(), TERMS, preparation=EXACT)
+    assert all(np.isfinite([n.effective_samples, n.correlation, n.whiteness]).all() for n in estimate.noise)
+    assert np.isfinite(estimate.std).all()

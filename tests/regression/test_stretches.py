@@ -1,0 +1,137 @@
+"""Rows made stretch by stretch give the estimate of rows made at once, whatever goes over them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from swings import TERMS, Swing
+
+import exoid
+from exoid import Coulomb, Offset, Recording, Viscous, identify
+from exoid.identification.group_rows import GroupRows
+from exoid.identification.problem import Problem
+from exoid.regression import rows as rows_module
+from exoid.regression.noise import AutoregressiveNoise, LagSums, QuadraticForm, autocovariance_sums
+from exoid.signals import FiniteDifference, MovingAverage, ParallelFilter, Poses, ZeroPhase
+from exoid.torques import TorqueModel
+from exoid.torso import TorsoMotion
+
+SWING = Swing(exoid.load_leg("bleex"), 100.0, 60.0)
+WITH_GAPS = (Coulomb(dead_band=0.1), Viscous(), Offset())
+
+
+def recording(seed: int = 0) -> Recording:
+    """Correlated noise on the torques."""
+    rng = np.random.default_rng(seed)
+    noise = rng.normal(size=SWING.torque.shape)
+    for k in range(1, len(noise)):
+        noise[k] += 0.8 * noise[k - 1]
+    return SWING.recording(tau=SWING.torque + 0.3 * noise)
+
+
+@pytest.fixture
+def short_stretches(monkeypatch):
+    """Hundreds of samples at once, and nothing kept from one pass to the next."""
+
+    def shorten(reach: float = 8.0) -> None:
+        monkeypatch.setattr(rows_module, "BLOCK", 700)
+        monkeypatch.setattr(rows_module, "REACHES", reach)
+        monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", 0)
+
+    return shorten
+
+
+@pytest.mark.parametrize("preparation", [ZeroPhase(), FiniteDifference(), MovingAverage()], ids=lambda p: p.name)
+@pytest.mark.parametrize("estimator", ["wls", "huber", "gls"])
+@pytest.mark.parametrize("terms", [TERMS, WITH_GAPS], ids=["whole", "with gaps"])
+def test_the_estimate_is_that_of_all_rows_at_once(short_stretches, estimator, terms, preparation):
+    logs = [recording(), recording(1).slice(0, 2500)]
+    whole = identify(SWING.leg, logs, terms, estimator, preparation=preparation)
+    short_stretches(1.0)
+    parts = identify(SWING.leg, logs, terms, estimator, preparation=preparation)
+    scale = np.abs(whole.values).max()
+    np.testing.assert_allclose(parts.values, whole.values, rtol=1e-9, atol=1e-9 * scale)
+    np.testing.assert_allclose(parts.std, whole.std, rtol=1e-6)
+    np.testing.assert_allclose(parts.residual_rms, whole.residual_rms, rtol=1e-9)
+    assert parts.dof == pytest.approx(whole.dof, rel=1e-6)
+    for one, other in zip(parts.noise, whole.noise, strict=True):
+        assert one.samples == other.samples
+        assert one.order == other.order
+        assert one.correlation == pytest.approx(other.correlation, abs=1e-9)
+        assert one.whiteness == pytest.approx(other.whiteness, rel=1e-6, abs=1e-12)
+
+
+def test_rows_come_in_several_stretches_that_cover_the_recording(short_stretches):
+    short_stretches(1.0)
+    problem = Problem.of_one(GroupRows(TorqueModel(SWING.leg, TERMS), [recording(), recording(1)], ZeroPhase()))
+    blocks = list(problem.blocks())
+    prepared = rows_module.prepare(problem.model, recording(), problem.preparation)
+    whole = rows_module.form_rows(problem.model, prepared, prepared.rows)
+    assert len(blocks) > 10
+    assert [b.begins for b in blocks].count(True) == [b.ends for b in blocks].count(True) == 2
+    half = blocks[: len(blocks) // 2]
+    assert half[-1].ends
+    for name in ("time", "q", "usable"):
+        joined = np.concatenate([getattr(block.rows, name) for block in half])
+        np.testing.assert_array_equal(joined, getattr(whole, name))
+    tau = np.concatenate([block.rows.tau for block in half])
+    np.testing.assert_allclose(tau, whole.tau, rtol=0, atol=1e-11 * np.abs(whole.tau).max())
+    W = np.concatenate([block.rows.W for block in half])
+    np.testing.assert_allclose(W, whole.W, rtol=0, atol=1e-11 * np.abs(whole.W).max())
+
+
+def test_too_little_overlap_must_show(short_stretches, monkeypatch):
+    """Without the reach of the filter on both sides the estimate is another one."""
+    whole = identify(SWING.leg, recording(), TERMS)
+    short_stretches(1.0)
+    monkeypatch.setattr(ParallelFilter, "reach", 30)
+    parts = identify(SWING.leg, recording(), TERMS)
+    assert np.abs(parts.values - whole.values).max() > 1e-7
+
+
+def test_thinned_rows_are_the_same_ones_in_stretches(short_stretches):
+    problem = Problem.of_one(GroupRows(TorqueModel(SWING.leg, TERMS), [recording()], ZeroPhase()))
+    (whole,) = problem.blocks(decimated=True)
+    short_stretches(1.0)
+    problem = Problem.of_one(GroupRows(problem.model, problem.local_data, problem.preparation))
+    blocks = list(problem.blocks(decimated=True))
+    assert len(blocks) > 5
+    np.testing.assert_array_equal(np.concatenate([b.rows.time for b in blocks]), whole.rows.time)
+    np.testing.assert_allclose(np.concatenate([b.rows.W for b in blocks]), whole.rows.W, rtol=0, atol=1e-11)
+    assert {b.rows.stands_for for b in blocks} == {whole.rows.stands_for}
+
+
+def test_validation_goes_in_stretches_too(short_stretches):
+    estimate = identify(SWING.leg, recording(), TERMS)
+    whole = exoid.validate(estimate, recording(1))
+    short_stretches(1.0)
+    parts = exoid.validate(estimate, recording(1))
+    np.testing.assert_array_equal(parts.time, whole.time)
+    np.testing.assert_allclose(parts.measured, whole.measured, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(parts.predicted, whole.predicted, rtol=0, atol=1e-10)
+
+
+def test_poses_and_a_moving_torso_go_in_stretches_too(short_stretches):
+    rng = np.random.default_rng(3)
+    q = rng.uniform(-1.0, 1.0, (1500, 3))
+    pitch = rng.uniform(-0.3, 0.3, 1500)
+    torso = TorsoMotion(pitch=pitch, hip_acceleration=(0.1, 0.2))
+    tau = SWING.leg.inverse_dynamics(q, 0 * q, 0 * q, torso) + rng.normal(scale=0.1, size=q.shape)
+    poses = Poses(q, tau, joint_names=SWING.leg.joint_names, torso=torso)
+    whole = identify(SWING.leg, [recording(), poses], TERMS)
+    short_stretches(1.0)
+    parts = identify(SWING.leg, [recording(), poses], TERMS)
+    np.testing.assert_allclose(parts.values, whole.values, rtol=1e-9)
+    np.testing.assert_allclose(parts.std, whole.std, rtol=1e-6)
+
+
+def test_sums_over_lags_and_quadratic_forms_do_not_see_where_rows_were_cut():
+    rng = np.random.default_rng(4)
+    X = rng.normal(size=(3, 200))
+    noise = AutoregressiveNoise.from_autocovariances(np.array([1.0, 0.7, 0.4]), 1000)
+    sums, form = LagSums(12), QuadraticForm(noise, 3)
+    for part in np.split(X, [3, 4, 90, 95, 180], axis=1):
+        sums.add(part)
+        form.add(part)
+    np.testing.assert_allclose(sums.sums, autocovariance_sums(X, 12), atol=1e-10)
+    np.testing.assert_allclose(form.total(), noise.quadratic_form(X), rtol=1e-12)

@@ -1,0 +1,196 @@
+"""Least squares on R factors equals the textbook, and its intervals contain the truth as often as they say."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from scipy import stats
+from swings import TERMS, Swing
+
+import exoid
+from exoid import ExoidError
+from exoid.identification.estimators import ols, wls
+from exoid.regression.least_squares import RFactor, factorize_rows, solve, stack
+from exoid.regression.rows import make_rows
+from exoid.signals import FiniteDifference, ZeroPhase
+from exoid.torques import TorqueModel
+
+NOISE = np.array([0.3, 0.2, 0.1])
+PLAIN = FiniteDifference()
+
+
+@pytest.fixture(scope="module")
+def swing():
+    return Swing(exoid.load_leg("bleex", inertias="identified"), base=0.15)
+
+
+@pytest.fixture(scope="module")
+def rows(swing):
+    recording = swing.with_noise(np.random.default_rng(0), NOISE)
+    return make_rows(TorqueModel(swing.leg, TERMS), recording, PLAIN)
+
+
+class Reduced(NamedTuple):
+    """Triangles and names: all that least squares asks of a problem."""
+
+    r_factors: list
+    names: tuple
+
+    def solve(self, r_factor):
+        return solve(r_factor, self.names)
+
+
+def stacked(rows):
+    return rows.W.reshape(-1, rows.W.shape[-1]), rows.tau.ravel()
+
+
+def test_triangles_of_two_halves_join_to_the_triangle_of_the_whole(rows):
+    half = len(rows.time) // 2
+    parts = (slice(None, half), slice(half, None))
+    halves = [
+        factorize_rows(rows._replace(time=rows.time[p], W=rows.W[p], tau=rows.tau[p], usable=rows.usable[p]))
+        for p in parts
+    ]
+    for whole, *two in zip(factorize_rows(rows), *halves, strict=True):
+        joined = stack(two)
+        gram = whole.R.T @ whole.R
+        np.testing.assert_allclose(joined.R.T @ joined.R, gram, rtol=1e-10, atol=1e-12 * gram.max())
+        assert (joined.rows, joined.samples) == (whole.rows, whole.samples)
+
+
+def test_the_triangle_gives_what_lstsq_gives_on_all_rows(rows, swing):
+    W, tau = stacked(rows)
+    expected, (squares,), _, _ = np.linalg.lstsq(W, tau)
+    r_factors = factorize_rows(rows)
+    solution = ols(Reduced(r_factors, TorqueModel(swing.leg, TERMS).names)).solution
+    np.testing.assert_allclose(solution.values, expected, rtol=1e-10, atol=1e-12)
+    assert sum(t.residual(solution.values) ** 2 for t in r_factors) == pytest.approx(squares, rel=1e-10)
+    unit = W / np.linalg.norm(W, axis=0)
+    assert solution.condition_number == pytest.approx(np.linalg.cond(unit), rel=1e-8)
+
+
+def test_halves_joined_give_the_estimate_of_the_whole(rows, swing):
+    names = TorqueModel(swing.leg, TERMS).names
+    whole = factorize_rows(rows)
+    pieces = [
+        factorize_rows(rows._replace(time=rows.time[p], W=rows.W[p], tau=rows.tau[p], usable=rows.usable[p]))
+        for p in (slice(None, 700), slice(700, None))
+    ]
+    joined = [stack(pair) for pair in zip(*pieces, strict=True)]
+    for estimator in (ols, wls):
+        one, other = (estimator(Reduced(parts, names)).solution for parts in (whole, joined))
+        np.testing.assert_allclose(other.values, one.values, rtol=1e-10, atol=1e-10 * np.abs(one.values).max())
+        np.testing.assert_allclose(other.covariance, one.covariance, rtol=1e-8, atol=1e-14)
+
+
+def test_the_covariance_is_the_classical_one(rows, swing):
+    """s² (WᵀW)⁻¹ with s² = ‖residual‖² / (rows − P)."""
+    W, tau = stacked(rows)
+    solution = ols(Reduced(factorize_rows(rows), TorqueModel(swing.leg, TERMS).names)).solution
+    residual = tau - W @ solution.values
+    assert solution.dof == len(tau) - W.shape[1]
+    expected = residual @ residual / solution.dof * np.linalg.inv(W.T @ W)
+    np.testing.assert_allclose(solution.covariance, expected, rtol=1e-7, atol=1e-12)
+
+
+def test_weights_are_the_residuals_of_each_joint(rows, swing):
+    """The same as scaling the rows of each joint by its own residual RMS."""
+    names = TorqueModel(swing.leg, TERMS).names
+    r_factors = factorize_rows(rows)
+    first = ols(Reduced(r_factors, names)).solution.values
+    rms = np.sqrt(np.mean((rows.tau - rows.W @ first) ** 2, axis=0))
+    W, tau = (rows.W / rms[:, None]).reshape(-1, len(names)), (rows.tau / rms).ravel()
+    expected, *_ = np.linalg.lstsq(W, tau)
+    solution = wls(Reduced(r_factors, names)).solution
+    np.testing.assert_allclose(solution.values, expected, rtol=1e-9, atol=1e-11)
+    residual = tau - W @ expected
+    covariance = residual @ residual / (len(tau) - len(names)) * np.linalg.inv(W.T @ W)
+    np.testing.assert_allclose(solution.covariance, covariance, rtol=1e-7, atol=1e-12)
+
+
+def test_units_of_the_parameters_do_not_matter():
+    """A column a million times larger gives a value a million times smaller, to the last digits."""
+    rng = np.random.default_rng(5)
+    W, tau = rng.standard_normal((50, 3)), rng.standard_normal(50)
+    scale = np.array([1e6, 1.0, 1e-6])
+    one, other = (
+        solve(RFactor(np.linalg.qr(np.column_stack([x, tau]), mode="r"), 50, 50.0), "abc") for x in (W, W * scale)
+    )
+    np.testing.assert_allclose(other.values * scale, one.values, rtol=1e-12)
+    assert other.condition_number == pytest.approx(one.condition_number, rel=1e-9)
+
+
+def test_fewer_samples_than_parameters_are_refused():
+    rng = np.random.default_rng(6)
+    table = np.vstack([rng.standard_normal((3, 4)), np.zeros((1, 4))])
+    with pytest.raises(ExoidError, match=r"3 independent ones for 3 parameters.*record longer"):
+        solve(RFactor(np.linalg.qr(table, mode="r"), 3, 3.0), "abc")
+
+
+@pytest.mark.parametrize("level", [0.5, 0.9, 0.95, 0.99])
+def test_intervals_are_students(swing, level):
+    estimate = exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(7), NOISE), TERMS)
+    low, high = stats.t(estimate.dof_each, loc=estimate.values, scale=estimate.std).interval(level)
+    np.testing.assert_allclose(estimate.interval(level), np.column_stack([low, high]), rtol=1e-12)
+
+
+@pytest.mark.parametrize("level", [0.0, 1.0, -0.1, 95.0, float("nan")])
+def test_an_interval_of_an_impossible_level_is_refused(swing, level):
+    estimate = exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(7), NOISE), TERMS)
+    with pytest.raises(ExoidError, match="between 0 and 1"):
+        estimate.interval(level)
+
+
+def replicates(swing, count, std, **options):
+    rng = np.random.default_rng(20)
+    return [exoid.identify(swing.leg, swing.with_noise(rng, std), TERMS, **options) for _ in range(count)]
+
+
+@pytest.mark.parametrize(
+    ("preparation", "estimator", "noise"),
+    [(PLAIN, "wls", NOISE), (PLAIN, "ols", 0.2), (ZeroPhase(), "wls", NOISE), (ZeroPhase(), "ols", 0.2)],
+    ids=["plain-wls", "plain-ols", "zero-phase-wls", "zero-phase-ols"],
+)
+def test_intervals_contain_the_truth_as_often_as_they_say(preparation, estimator, noise):
+    """White torque noise, exact kinematics, 200 replicates, pooled over 15 parameters.
+
+    Measured: 95.1 and 95.4 % (no filter; wls and ols), 95.2 and 95.9 % (zero-phase).
+    """
+    swing = Swing(exoid.load_leg("bleex", inertias="identified"), seconds=12.0, base=0.15)
+    estimates = replicates(swing, 200, noise, estimator=estimator, preparation=preparation)
+    inside = [(low <= swing.truth) & (swing.truth <= high) for low, high in (e.interval().T for e in estimates)]
+    print(f"coverage {preparation.name} {estimator}: {np.mean(inside):.4f}")
+    assert 0.92 < np.mean(inside) < 0.98
+    assert np.mean(inside, axis=0).min() > 0.87
+    scatter = np.std([e.values for e in estimates], axis=0) / np.mean([e.std for e in estimates], axis=0)
+    assert (np.abs(scatter - 1.0) < 0.2).all()
+
+
+def test_intervals_that_count_filtered_samples_as_independent_must_be_too_narrow():
+    """Without the noise bandwidth of the filter, 95 % intervals contain the truth far less often."""
+
+    class Naive(ZeroPhase):
+        def independence(self, rate):
+            return 1.0
+
+    swing = Swing(exoid.load_leg("bleex", inertias="identified"), seconds=12.0, base=0.15)
+    estimates = replicates(swing, 40, NOISE, preparation=Naive(), noise="white")
+    inside = [(low <= swing.truth) & (swing.truth <= high) for low, high in (e.interval().T for e in estimates)]
+    assert np.mean(inside) < 0.75
+
+
+def test_weighting_beats_ordinary_least_squares_where_joints_differ_in_noise():
+    """Hip torque errs ten times as much as the others'; parameters of knee and ankle gain by it."""
+    swing = Swing(exoid.load_leg("bleex"), seconds=10.0, base=0.2)
+    error = {
+        estimator: np.array([e.values for e in replicates(swing, 60, [1.0, 0.1, 0.1], estimator=estimator)])
+        - swing.truth
+        for estimator in ("ols", "wls")
+    }
+    ratio = (error["wls"] ** 2).mean(axis=0) / (error["ols"] ** 2).mean(axis=0)
+    print("mean squared error, wls over ols:", ratio.round(3))
+    names = list(TorqueModel(swing.leg, TERMS).names)
+    assert ratio[names.index("J2")] < 0.5
+    assert ratio[names.index("J3")] < 0.5
+    assert ratio.max() < 1.15
+    assert np.median(ratio) < 0.7
