@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.json_values import attributes
 from exoid.rig import Energy, Run
 from exoid.signals import Recording
 from exoid.tables import DataTable, to_text
@@ -113,8 +114,7 @@ class Tracking:
 
 def tracking_to_json(tracking: Tracking) -> dict[str, Any]:
     """Turn the metrics into what JSON can hold."""
-    names = ("peak_deg", "rms_deg", "rms_torque", "torque_variation")
-    return {name: getattr(tracking, name).tolist() for name in names}
+    return attributes(tracking, "peak_deg", "rms_deg", "rms_torque", "torque_variation")
 
 
 def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:

@@ -11,6 +11,7 @@ from exoid._typing import FloatArray
 from exoid.control.model import ControlModel
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
+from exoid.json_values import attributes
 from exoid.leg import Leg
 from exoid.rig import Plant
 from exoid.tables import make_table, to_text
@@ -149,17 +150,9 @@ def check_properties(
 
 def properties_to_json(properties: ModelProperties) -> dict[str, Any]:
     """Turn verdicts and evidence into what JSON can hold."""
-    return {
-        "symmetric_positive_definite": properties.symmetric_positive_definite,
-        "skew_symmetric": properties.skew_symmetric,
-        "bounded": properties.bounded,
-        "smallest_inertia": properties.smallest_inertia,
-        "skewness": properties.skewness,
-        "speeds": properties.speeds.tolist(),
-        "coriolis": properties.coriolis.tolist(),
-        "friction": properties.friction.tolist(),
-        "gravity": properties.gravity,
-    }
+    verdicts = ("symmetric_positive_definite", "skew_symmetric", "bounded")
+    evidence = ("smallest_inertia", "skewness", "speeds", "coriolis", "friction", "gravity")
+    return attributes(properties, *verdicts, *evidence)
 
 
 def _mass_matrix(model: ControlModel, q: FloatArray) -> FloatArray:

@@ -18,6 +18,7 @@ from exoid.control.side_by_side import SideBySide
 from exoid.control.tracking import Tracking
 from exoid.errors import ExoidError
 from exoid.experiments import Hold
+from exoid.json_values import attributes, json_value
 from exoid.rig import Plant
 from exoid.tables import make_table, to_text
 
@@ -240,20 +241,19 @@ def _simulate(
 def regulations_to_json(regulations: Regulations) -> dict[str, Any]:
     """Turn the table into what JSON can hold."""
     return {
-        "kp": regulations.kp.tolist(),
-        "kd": regulations.kd.tolist(),
+        **attributes(regulations, "kp", "kd"),
         "rate_hz": regulations.rate,
         "tolerance": TOLERANCE,
-        "runs": {
-            run.name: {
-                "never_increases": run.lyapunov.sampled().never_increases(),
-                "largest_increase": run.lyapunov.sampled().largest_increase,
-                "share_increasing": run.lyapunov.sampled().share_increasing,
-                "outcome": run.outcome,
-                "final_error_deg": run.final_error_deg.tolist(),
-                "band_deg": np.rad2deg(run.equilibrium.band).tolist(),
-                "peak_to_peak_deg": run.cycle.peak_to_peak_deg.tolist(),
-            }
-            for run in regulations.runs
-        },
+        "runs": {run.name: _run_to_json(run) for run in regulations.runs},
+    }
+
+
+def _run_to_json(run: Regulation) -> dict[str, Any]:
+    energy = run.lyapunov.sampled()
+    return {
+        "never_increases": energy.never_increases(),
+        **attributes(energy, "largest_increase", "share_increasing"),
+        **attributes(run, "outcome", "final_error_deg"),
+        "band_deg": json_value(np.rad2deg(run.equilibrium.band)),
+        **attributes(run.cycle, "peak_to_peak_deg"),
     }
