@@ -10,16 +10,14 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.estimate import Estimate
-from exoid.leg import Leg
-from exoid.rig import Plant, Reference, Target
+from exoid.rig import Reference, Target
 
-from .estimate_checks import warn_of_active_friction
+from .estimate_checks import model_to_compensate
 from .friction import AHEAD, FrictionCompensation
 from .law import RATE, State, acceleration, refuse_rate
 from .linearise import discretise, linearise
 from .mean_pose import mean_pose
-from .model import ControlModel
+from .model import ControlModel, ModelSource
 
 
 class Weights(NamedTuple):
@@ -81,7 +79,7 @@ class LQR:
 
 
 def lqr(
-    source: Estimate | Leg | Plant | ControlModel,
+    source: ModelSource,
     reference: Reference,
     period: float,
     *,
@@ -113,9 +111,7 @@ def lqr(
         UserWarning: The friction coefficients are negative.
     """
     refuse_rate(rate)
-    model = ControlModel.of(source)
-    if friction is not None:
-        warn_of_active_friction(model)
+    model = model_to_compensate(source, friction)
     pose = mean_pose(reference, period)
     if len(pose) != model.n:
         raise ExoidError(f"a reference of {len(pose)} joints for a leg of {model.n}", remedy="give one of this leg")

@@ -8,9 +8,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.estimate import Estimate
-from exoid.leg import Leg
-from exoid.rig import Plant, Reference
+from exoid.rig import Reference
 
 from .computed_torque import computed_torque
 from .feedforward_pd import feedforward_pd
@@ -18,7 +16,7 @@ from .gravity_friction_pd import gravity_friction_pd
 from .law import RATE, Law
 from .lqr import lqr
 from .mean_pose import mean_pose
-from .model import ControlModel
+from .model import ControlModel, ModelSource
 from .pd import pd
 
 LAWS = ("pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr")
@@ -32,7 +30,7 @@ DAMPING = 0.1
 
 
 def standard_laws(
-    source: Estimate | Leg | Plant | ControlModel,
+    source: ModelSource,
     kp: ArrayLike,
     kd: ArrayLike,
     reference: Reference,
@@ -86,7 +84,7 @@ def refuse_unknown_laws(names: Sequence[str]) -> None:
         raise ExoidError(f"no law {', '.join(unknown) or 'at all'}", remedy=f"use some of {', '.join(LAWS)}")
 
 
-def default_gains(source: Estimate | Leg | Plant | ControlModel, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
+def default_gains(source: ModelSource, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Kp = ω² M_ii and Kd = 0.1 s · Kp for a natural frequency ω of 5 rad/s at a pose.
 
     Args:

@@ -9,13 +9,13 @@ import sys
 import threading
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import exoid
-from exoid.cli import main
 from exoid.errors import ExoidError
 from exoid.experiments import cuhk
 from exoid.experiments.excitation import MotionLimits, Scales
@@ -333,16 +333,9 @@ def test_studies_that_make_no_sense_are_refused(changes, words):
         processes(0)
 
 
-def test_the_command_prints_a_table_or_json(capsys, monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
+def test_the_command_prints_a_table_or_json(exoid_):
     options = ["--replicates", "2", "--duration", "12", "--protocols", "document", "--noise", "0.3"]
-
-    def run(*more):
-        monkeypatch.setattr(sys, "argv", ["exoid", "study", "cuhk", *options, *more])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        return (int(stop.value.code or 0), *capsys.readouterr())
-
+    run = partial(exoid_, "study", "cuhk", *options)
     code, out, _ = run("-o", "kept", "--parameters")
     assert code == 0
     assert "document, mixed, wls" in out

@@ -8,12 +8,9 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control.model import ControlModel
+from exoid.control.model import ControlModel, ModelSource
 from exoid.errors import ExoidError
-from exoid.estimate import Estimate
 from exoid.json_values import attributes
-from exoid.leg import Leg
-from exoid.rig import Plant
 from exoid.tables import make_table, to_text
 
 EXACT = 1e-9
@@ -110,9 +107,7 @@ class ModelProperties:
         return to_text(table, f"at {self.poses} random poses and velocities")
 
 
-def check_properties(
-    source: Estimate | Leg | Plant | ControlModel, *, poses: int = 500, seed: int | np.random.Generator = 0
-) -> ModelProperties:
+def check_properties(source: ModelSource, *, poses: int = 500, seed: int | np.random.Generator = 0) -> ModelProperties:
     """Look for counterexamples to doc. 2's Properties 1 to 3.
 
     The rate of M is a numerical derivative along the motion, so that Property 2 is not read off the formula for C.
