@@ -125,10 +125,10 @@ def identify(
     if report is not None:
         _report(estimate, all_at_once(recordings), held_out, report)
     if as_json:
-        data = estimates.estimate_to_json(estimate)
+        data = estimate.to_json()
         del data["leg"]["urdf"]
         if predicted:
-            data["tests"] = [estimates.validation_to_json(each) for each in predicted]
+            data["tests"] = [each.to_json() for each in predicted]
         typer.echo(json.dumps(data, indent=1))
     else:
         typer.echo("\n\n".join(map(str, [estimate, *predicted])))
@@ -152,7 +152,7 @@ def _report(
     estimate: estimates.Estimate, recordings: Sequence[Recording], held_out: Sequence[Recording], path: str
 ) -> None:
     """Write the report."""
-    from exoid.view.report import identification_report  # noqa: PLC0415 - matplotlib would slow down every command
+    from exoid.view.report import identification_report  # noqa: PLC0415 - only a report needs matplotlib
 
     with Console(stderr=True).status("writing the report"):
         identification_report(estimate, recordings, held_out).write(path)

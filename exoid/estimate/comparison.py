@@ -36,12 +36,12 @@ class Comparison:
         units: Their units.
         difference: Second less first, (P,).
         std: Its standard deviation, (P,).
-        p_values: Of each alone: probability of a larger difference between estimates of one and the same leg, (P,).
+        p_values: p-value of each difference alone: probability of a larger one between estimates of the same leg, (P,).
         adjusted: The same for the largest of all differences (Holm), so that one in twenty comparisons of equal legs,
             not one in twenty parameters, is called different, (P,).
-        statistic: F of all together.
-        p_value: Of all together.
-        remarks: What the reader should know of what both estimates were told.
+        statistic: F statistic of all differences together.
+        p_value: p-value of all differences together.
+        notes: Notes on what is known or has a prior in both.
     """
 
     names: tuple[str, ...]
@@ -52,7 +52,7 @@ class Comparison:
     adjusted: FloatArray
     statistic: float
     p_value: float
-    remarks: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Forbid changes."""
@@ -63,6 +63,21 @@ class Comparison:
     def differ(self) -> bool:
         """Whether the legs differ, at 5 %, all parameters together."""
         return self.p_value < SIGNIFICANT
+
+    def to_json(self) -> dict[str, Any]:
+        """Turn a comparison into what JSON can hold.
+
+        Returns:
+            Differences and p-values by name, and the test of all.
+        """
+        by_name = ("difference", "std", "p_values", "adjusted")
+        return {
+            **{key: dict(zip(self.names, getattr(self, key).tolist(), strict=True)) for key in by_name},
+            "units": dict(zip(self.names, self.units, strict=True)),
+            "remarks": list(self.notes),
+            "statistic": self.statistic,
+            "p_value": self.p_value,
+        }
 
     def __repr__(self) -> str:
         """Name the parameters that differ."""
@@ -84,7 +99,7 @@ class Comparison:
             table,
             f"all together: F = {self.statistic:.2f}, p = {self.p_value:.2g}: {verdict}",
             f"different at 5 % of all: {names or 'none'}",
-            *(f"note: {remark}" for remark in self.remarks),
+            *(f"note: {remark}" for remark in self.notes),
         )
 
     def _different(self) -> list[str]:
@@ -102,6 +117,9 @@ def compare(first: EstimateData, second: EstimateData) -> Comparison:
     Args:
         first: An estimate.
         second: Another one, from other recordings.
+
+    Returns:
+        Differences with their tests.
 
     Raises:
         ExoidError: There is no common parameter, units differ, or both were made from the same recording, so that
@@ -136,7 +154,7 @@ def compare(first: EstimateData, second: EstimateData) -> Comparison:
     dof *= np.divide(np.diag(C), v1 + v2, out=np.ones(len(names)), where=v1 + v2 > 0.0) ** 2  # priors are certain
     held = np.array([name in first.prior_knowledge.known and name in second.prior_knowledge.known for name in names])
     told = _told(first, second, [name for name in of_both if name not in common])
-    return wald(names, units, difference, C, dof, min(first.dof, second.dof), held=held, remarks=told)
+    return wald(names, units, difference, C, dof, min(first.dof, second.dof), held=held, notes=told)
 
 
 def wald(
@@ -148,25 +166,28 @@ def wald(
     least: float,
     *,
     held: NDArray[np.bool_] | None = None,
-    remarks: tuple[str, ...] = (),
+    notes: tuple[str, ...] = (),
 ) -> Comparison:
     """Test whether differences are zero, each alone and all together.
 
     Args:
         names: Parameters, (P,).
-        units: Their units.
-        difference: (P,).
-        covariance: Of the differences, (P, P).
-        dof: Degrees of freedom of each, (P,).
-        least: Of all together.
+        units: Units, (P,).
+        difference: Differences, (P,).
+        covariance: Covariance of the differences, (P, P).
+        dof: Degrees of freedom of each difference, (P,).
+        least: Degrees of freedom of the test of all.
         held: Parameters that are not tested, (P,).
-        remarks: For the reader.
+        notes: Notes for the reader.
+
+    Returns:
+        Differences with their tests.
     """
     std = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
     tested = np.ones(len(names), dtype=np.bool_) if held is None else ~held
     p_values = np.where(tested, _each(difference, std, dof), 1.0)
     statistic, p_value = hotelling(difference[tested], covariance[np.ix_(tested, tested)], least)
-    return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value, remarks)
+    return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value, notes)
 
 
 def _own(estimate: EstimateData) -> FloatArray:
@@ -214,18 +235,6 @@ def _told(first: EstimateData, second: EstimateData, unknown: Collection[str]) -
     return tuple(told)
 
 
-def comparison_to_json(comparison: Comparison) -> dict[str, Any]:
-    """Turn a comparison into what JSON can hold."""
-    by_name = ("difference", "std", "p_values", "adjusted")
-    return {
-        **{key: dict(zip(comparison.names, getattr(comparison, key).tolist(), strict=True)) for key in by_name},
-        "units": dict(zip(comparison.names, comparison.units, strict=True)),
-        "remarks": list(comparison.remarks),
-        "statistic": comparison.statistic,
-        "p_value": comparison.p_value,
-    }
-
-
 def welch(v1: FloatArray, v2: FloatArray, dof1: float | FloatArray, dof2: float | FloatArray) -> FloatArray:
     """Degrees of freedom of sums of two variances (Welch and Satterthwaite); 1 where both are zero."""
     known = v1 + v2 == 0.0
@@ -257,7 +266,14 @@ def hotelling(difference: FloatArray, covariance: FloatArray, dof: float) -> tup
 
 
 def holm(p_values: FloatArray) -> FloatArray:
-    """Adjust for the number of tests, the smallest first."""
+    """Adjust for the number of tests, the smallest first.
+
+    Args:
+        p_values: p-value of each test, (P,).
+
+    Returns:
+        Adjusted p-values, (P,).
+    """
     order = np.argsort(p_values)
     steps = np.arange(len(p_values), 0, -1) * p_values[order]
     adjusted = np.empty_like(p_values)

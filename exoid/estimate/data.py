@@ -52,31 +52,31 @@ class EstimateData:
     Attributes:
         model: Leg as it was given, and the terms beside it, loaded by the values: what the parameters belong to.
         values: Parameters in the order of :attr:`names`, (P,).
-        covariance: Of the values, (P, P).
-        condition_number: Of the regressor with columns scaled to unit length; below 100 is good.
+        covariance: Covariance of the values, (P, P).
+        condition_number: Condition number of the regressor with columns scaled to unit length; below 100 is good.
         dof: Independent samples less parameters.
-        dof_each: Of each parameter's variance, at most as many, (P,): what is known of the noise at the frequencies on
-            which the parameter hangs. Empty counts as ``dof`` for all.
-        residual_rms: Of each joint on the data it was fitted to [N·m], (n,).
+        dof_each: Degrees of freedom of each parameter's variance, at most ``dof``, (P,): they depend on the noise at
+            the parameter's own frequencies. Empty counts as ``dof`` for all.
+        residual_rms: RMS residual of each joint on the data that were fitted [N·m], (n,).
         estimator: Name of the estimator.
-        preparation: How the recordings became rows.
-        inputs: What was identified from.
-        noise: What the residuals of each joint look like, n of them, or none.
-        parameter_scale: Of parameters that would explain all torque of a joint alone, (P,); see
-            :attr:`identifiability`.
-        reference_scale: The same had joints moved as in a calm exercise; as good as infinite in older files, (P,).
+        preparation: Filter and differentiation of the recordings.
+        inputs: Recordings that were fitted.
+        noise: Noise of the residuals of each joint, n of them, or none.
+        parameter_scale: Parameter scale: value of each parameter that alone would explain all torque of a joint, (P,);
+            see :attr:`identifiability`.
+        reference_scale: Reference scale: the parameter scale in a calm exercise at the same angles, (P,).
         collinearity: Condition index of each parameter: half of its variance comes from directions that the recordings
-            see so many times worse than the best; 1 in older files, (P,).
-        prior_gains: How far each parameter follows the value of each prior, ∂β/∂p, (P, K); empty where that is not
-            known, as of ``ml``, output error and older files.
-        warnings: What makes this estimate doubtful.
-        assumed: What was known beside the recordings.
+            see so many times worse than the best, (P,).
+        prior_gains: Gain of each parameter with the value of each prior, ∂β/∂p, (P, K); empty where that is not
+            known, as of ``ml`` and output error.
+        warnings: Reasons to doubt this estimate.
+        prior_knowledge: Known parameters, priors and signs.
         bounded: Parameters that would have become negative and were kept at zero. Intervals are then centred there, as
             wide as without the bound: rather too wide.
-        influence: Of each recording, where there are several.
+        influence: Influence of each recording, where there are several.
         trends: Residuals against velocity and angle, joint by joint.
-        shapes: Settings of terms that were found, such as a Stribeck velocity; the covariance of the values counts in
-            that they are uncertain, too.
+        nonlinear: Nonlinear parameters, such as a Stribeck velocity; the covariance of the values includes their
+            uncertainty.
     """
 
     model: TorqueModel
@@ -89,7 +89,7 @@ class EstimateData:
     preparation: Preparation
     inputs: tuple[Input, ...] = field(default=())
     noise: tuple[JointNoise, ...] = ()
-    parameter_scale: FloatArray | None = None
+    parameter_scale: FloatArray = field(default_factory=lambda: np.zeros(0))
     warnings: tuple[str, ...] = ()
     prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
     bounded: tuple[str, ...] = ()
@@ -104,23 +104,15 @@ class EstimateData:
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
         count, joints = len(self.names), len(self.joint_names)
-        if self.parameter_scale is None:
-            object.__setattr__(self, "parameter_scale", np.zeros(count))
-        missing = {"dof_each": self.dof, "reference_scale": LARGE, "collinearity": 1.0}
-        for name, number in missing.items():
+        unknown = {"dof_each": self.dof, "parameter_scale": 0.0, "reference_scale": LARGE, "collinearity": 1.0}
+        for name, number in unknown.items():
             if not len(getattr(self, name)):
                 object.__setattr__(self, name, np.full(count, number))
-        nonlinear = {
-            "values": (count,),
-            "covariance": (count, count),
-            "residual_rms": (joints,),
-            "parameter_scale": (count,),
-        }
-        nonlinear.update(dict.fromkeys(missing, (count,)))
-        nonlinear["prior_gains"] = (
-            (count, len(self.prior_knowledge.prior.values)) if np.size(self.prior_gains) else (0, 0)
-        )
-        for name, shape in nonlinear.items():
+        shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("values", *unknown), (count,))
+        shapes |= {"covariance": (count, count), "residual_rms": (joints,)}
+        priors = len(self.prior_knowledge.prior.values)
+        shapes["prior_gains"] = (count, priors) if np.size(self.prior_gains) else (0, 0)
+        for name, shape in shapes.items():
             array = np.array(getattr(self, name), dtype=np.float64)
             if array.shape != shape or not np.isfinite(array).all():
                 raise ExoidError(
@@ -182,8 +174,7 @@ class EstimateData:
         that would give three times all torque of a joint is not determined: it only cancels another. And what moves
         together with others is at best weakly determined from a condition index of 100 on, and not from 300 on.
         """
-        sizes = np.zeros(len(self.values)) if self.parameter_scale is None else self.parameter_scale
-        numbers = zip(self.values, self.std, sizes, self.reference_scale, self.collinearity, strict=True)
+        numbers = zip(self.values, self.std, self.parameter_scale, self.reference_scale, self.collinearity, strict=True)
         return tuple(
             identifiability_beside(name, self.prior_knowledge, each[1], identifiability_class(*each))
             for name, each in zip(self.names, numbers, strict=True)
@@ -194,6 +185,9 @@ class EstimateData:
 
         Args:
             level: Probability that an interval contains the true value, between 0 and 1.
+
+        Returns:
+            Lower and upper ends, (P, 2).
 
         Raises:
             ExoidError: The level is not between 0 and 1.
@@ -277,6 +271,9 @@ class EstimateData:
             torso: Motion of the torso, if it moves.
             measured: Whether to add the noise of a new measurement, which has passed the same filter as those that the
                 estimate was made from.
+
+        Returns:
+            Standard deviations [N·m], (N, n).
         """
         model = self.model.loaded_by(self.values)
         std = torque_std(model, self.covariance, model.motion(q, v, a, torso))
@@ -307,6 +304,9 @@ class EstimateData:
             level: The probability, between 0 and 1.
             measured: True for a torque measured and filtered like those that the estimate was made from, False for the
                 model's own, without noise.
+
+        Returns:
+            Torque with the lower and upper edge of its band [N·m], (N, n) each.
         """
         dof = self.dof if measured else float(self.dof_each.min())
         half = half_width(level, dof) * self.torque_std(q, v, a, torso, measured=measured)

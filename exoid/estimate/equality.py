@@ -19,7 +19,7 @@ class Equality(NamedTuple):
     Attributes:
         names: The parameters.
         p_values: Probability of larger differences if it were, (P,).
-        adjusted: The same for the largest of all differences (Holm), (P,).
+        adjusted: p-values adjusted for the number of tests (Holm), (P,).
     """
 
     names: tuple[str, ...]
@@ -27,7 +27,14 @@ class Equality(NamedTuple):
     adjusted: FloatArray
 
     def below(self, level: float) -> tuple[str, ...]:
-        """Parameters that differ, if in so many of all comparisons of equal groups any may be said to."""
+        """Parameters that differ, if in so many of all comparisons of equal groups any may be said to.
+
+        Args:
+            level: Significance level.
+
+        Returns:
+            Names of the parameters.
+        """
         return tuple(name for name, p in zip(self.names, self.adjusted, strict=True) if p < level)
 
 
@@ -40,10 +47,13 @@ def equality_of(
     degrees of freedom of the groups.
 
     Args:
-        places: Where the values of each parameter stand, one for each group.
+        places: Indices of the values of each parameter, one for each group.
         values: (P,).
-        covariance: Of the values, (P, P).
+        covariance: Covariance of the values, (P, P).
         dof: Degrees of freedom of each, (P,).
+
+    Returns:
+        Test of each parameter.
     """
     p_values = np.ones(len(places))
     for k, several in enumerate(places.values()):
@@ -55,7 +65,17 @@ def equality_of(
 
 
 def own_equality(layout: ParameterLayout, values: FloatArray, covariance: FloatArray, dofs: FloatArray) -> Equality:
-    """Test whether own parameters are the same in all groups, with their joint covariance."""
+    """Test whether own parameters are the same in all groups, with their joint covariance.
+
+    Args:
+        layout: Parameter layout.
+        values: All parameters, (P,).
+        covariance: Their covariance, (P, P).
+        dofs: Degrees of freedom of each, (P,).
+
+    Returns:
+        Test of each own parameter.
+    """
     groups = range(len(layout.groups))
     places = {name: [layout.place(name, group) for group in groups] for name in layout.own}
     return equality_of(places, values, covariance, dofs)

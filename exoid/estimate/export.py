@@ -28,13 +28,13 @@ from .data import EstimateData
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Export:
-    """What was written where; prints itself.
+    """Files that an export wrote; prints itself.
 
     Attributes:
         urdf: The URDF.
         sidecar: The file beside it, with everything that a URDF has no place for.
         sha256: Hash of the URDF, by which the sidecar knows it.
-        estimate: What was exported.
+        estimate: Estimate that was exported.
         lift: The links, and by how much the estimate had to move to be possible.
         values: All parameters as exported, (P,), in the order of ``estimate.names``. Where the rigid bodies had to
             move, the other terms move along as their correlation with these says.
@@ -57,6 +57,41 @@ class Export:
         return tuple(
             name for name in self.estimate.names[len(self.lift.names) :] if _place(name, self.estimate) is None
         )
+
+    def to_json(self) -> dict[str, Any]:
+        """Describe an export as the sidecar has it.
+
+        Returns:
+            Parameters, terms and lift, as the sidecar file has them.
+        """
+        estimate, leg = self.estimate, self.estimate.model.leg
+        return {
+            "schema": SCHEMA,
+            "urdf": {"name": self.urdf.name, "sha256": self.sha256},
+            "joints": list(leg.joint_names),
+            "locked": dict(leg.locked),
+            "cumulative": leg.cumulative,
+            "values": dict(zip(estimate.names, self.values.tolist(), strict=True)),
+            "units": dict(zip(estimate.names, estimate.units, strict=True)),
+            "only_here": list(self.only_in_sidecar),
+            "not_dissipative": list(self.not_dissipative),
+            "terms": [term_to_json(term) for term in estimate.model.terms],
+            "shapes": dict(zip(estimate.nonlinear.names, estimate.nonlinear.values.tolist(), strict=True)),
+            "merged": {regrouped.name: regrouped.into for regrouped in estimate.regrouped},
+            "estimate": {
+                "values": dict(zip(estimate.names, estimate.values.tolist(), strict=True)),
+                "std": dict(zip(estimate.names, estimate.std.tolist(), strict=True)),
+                "estimator": estimate.estimator,
+                "urdf": {"name": leg.description.name, "sha256": leg.description.sha256},
+            },
+            "lift": {
+                "feasible": self.lift.feasible,
+                "distance": self.lift.distance,
+                "divergence": self.lift.divergence,
+                "moved": self.lift.moved,
+                "links": list(self.changed_links),
+            },
+        }
 
     def __repr__(self) -> str:
         """Name the files."""
@@ -87,7 +122,18 @@ class Export:
 
 
 def export_urdf(estimate: EstimateData, path: str | os.PathLike[str]) -> Export:
-    """Write an estimate as a URDF with a sidecar; see :meth:`Estimate.to_urdf`."""
+    """Write an estimate as a URDF with a sidecar; see :meth:`Estimate.to_urdf`.
+
+    Args:
+        estimate: The estimate.
+        path: The URDF to write.
+
+    Returns:
+        What was written.
+
+    Raises:
+        ExoidError: The path names no URDF, or a file cannot be written.
+    """
     urdf = Path(path)
     sidecar = sidecar_of(urdf) if urdf.name else urdf
     if sidecar == urdf:
@@ -101,41 +147,9 @@ def export_urdf(estimate: EstimateData, path: str | os.PathLike[str]) -> Export:
     text = rewrite(leg.description, links, dynamics, _note(leg, sidecar.name, links, dynamics))
     digest = hashlib.sha256(text.encode()).hexdigest()
     result = Export(urdf, sidecar, digest, estimate, lifted, values, tuple(links), negative)
-    beside = json.dumps(export_to_json(result), indent=1, ensure_ascii=False)
+    beside = json.dumps(result.to_json(), indent=1, ensure_ascii=False)
     write_together({urdf: text, sidecar: f"{beside}\n"})
     return result
-
-
-def export_to_json(export: Export) -> dict[str, Any]:
-    """Describe an export as the sidecar has it."""
-    estimate, leg = export.estimate, export.estimate.model.leg
-    return {
-        "schema": SCHEMA,
-        "urdf": {"name": export.urdf.name, "sha256": export.sha256},
-        "joints": list(leg.joint_names),
-        "locked": dict(leg.locked),
-        "cumulative": leg.cumulative,
-        "values": dict(zip(estimate.names, export.values.tolist(), strict=True)),
-        "units": dict(zip(estimate.names, estimate.units, strict=True)),
-        "only_here": list(export.only_in_sidecar),
-        "not_dissipative": list(export.not_dissipative),
-        "terms": [term_to_json(term) for term in estimate.model.terms],
-        "shapes": dict(zip(estimate.nonlinear.names, estimate.nonlinear.values.tolist(), strict=True)),
-        "merged": {regrouped.name: regrouped.into for regrouped in estimate.regrouped},
-        "estimate": {
-            "values": dict(zip(estimate.names, estimate.values.tolist(), strict=True)),
-            "std": dict(zip(estimate.names, estimate.std.tolist(), strict=True)),
-            "estimator": estimate.estimator,
-            "urdf": {"name": leg.description.name, "sha256": leg.description.sha256},
-        },
-        "lift": {
-            "feasible": export.lift.feasible,
-            "distance": export.lift.distance,
-            "divergence": export.lift.divergence,
-            "moved": export.lift.moved,
-            "links": list(export.changed_links),
-        },
-    }
 
 
 def _note(leg: Leg, sidecar: str, links: Mapping[str, object], dynamics: Mapping[str, object]) -> str:

@@ -8,19 +8,17 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.regression.diagnostics import identifiability_beside, identifiability_class
 from exoid.regression.intervals import intervals
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
-from exoid.tables import make_table, to_text
+from exoid.tables import DataTable, make_table, to_text
 
 from .comparison import Comparison, wald, welch
 from .equality import Equality
 from .estimate import Estimate
-from .file import estimate_to_json
 from .text import assumptions, condition, written
 
 HEADERS = ("value", "± std", "95 % from", "to", "unit", "determined")
@@ -38,20 +36,20 @@ class GroupedEstimate:
 
     Attributes:
         estimates: One for each group, by its name.
-        layout: Which parameters are shared.
-        values: Of all parameters in the order of :attr:`names`, (P,).
-        covariance: Of the values, (P, P).
+        layout: Parameter layout: which parameters are shared.
+        values: Values of all parameters in the order of :attr:`names`, (P,).
+        covariance: Covariance of the values, (P, P).
         dofs: Degrees of freedom of each, (P,).
-        parameter_scale: Of parameters that would explain all torque of a joint alone, (P,).
-        reference_scale: The same had joints moved as in a calm exercise, (P,).
+        parameter_scale: Parameter scale, see :class:`EstimateData`, (P,).
+        reference_scale: Reference scale, the smallest of all groups, (P,).
         collinearity: Condition index of each parameter, (P,).
-        condition_number: Of the regressor of all with columns scaled to unit length.
-        assumed: What was known beside the recordings, by the names here.
-        bounded: Parameters that would have become negative and were kept at zero.
-        equal: Whether own parameters are the same in all groups.
-        agreement: Whether shared ones would be, were each group identified alone; None if one cannot be.
-        warnings: What makes the estimates doubtful.
-        notes: What else the reader should know.
+        condition_number: Condition number of the regressor of all groups with columns scaled to unit length.
+        prior_knowledge: Known parameters, priors and signs, by the names here.
+        bounded: Parameters at their bound, zero.
+        equal: Test whether own parameters are the same in all groups.
+        agreement: Test whether shared parameters are the same where each group is identified alone; None without it.
+        warnings: Reasons to doubt the estimates.
+        notes: Notes for the reader.
     """
 
     estimates: Mapping[str, Estimate]
@@ -80,6 +78,12 @@ class GroupedEstimate:
 
     def __getitem__(self, group: str) -> Estimate:
         """Look the estimate of a group up.
+
+        Args:
+            group: Name of the group.
+
+        Returns:
+            Its estimate.
 
         Raises:
             ExoidError: There is no such group.
@@ -141,6 +145,9 @@ class GroupedEstimate:
         Args:
             level: Probability that an interval contains the true value, between 0 and 1.
 
+        Returns:
+            Lower and upper ends, (P, 2).
+
         Raises:
             ExoidError: The level is not between 0 and 1.
         """
@@ -154,6 +161,9 @@ class GroupedEstimate:
         Args:
             first: Name of a group.
             second: Name of another.
+
+        Returns:
+            Differences with their tests.
 
         Raises:
             ExoidError: There is no such group, or it has no parameters of its own.
@@ -173,6 +183,34 @@ class GroupedEstimate:
         least = min(self[group].dof for group in (first, second))
         return wald(self.own, units, self.values[other] - self.values[one], covariance, dof, least)
 
+    def to_json(self) -> dict[str, Any]:
+        """Turn estimates that share parameters into what JSON can hold.
+
+        Returns:
+            Shared and own parameters, tests, and the estimate of each group.
+        """
+        names = self.names
+        of_each = {
+            "values": self.values.tolist(),
+            "std": self.std.tolist(),
+            "interval_95": self.interval().tolist(),
+            "units": self.units,
+            "determined": self.identifiability,
+            "degrees_of_freedom": self.dofs.tolist(),
+        }
+        return {
+            **{key: dict(zip(names, column, strict=True)) for key, column in of_each.items()},
+            "shared": list(self.shared),
+            "own": list(self.own),
+            "condition_number": self.condition_number,
+            "covariance": self.covariance.tolist(),
+            "equal": _equality_to_json(self.equal),
+            "agreement": None if self.agreement is None else _equality_to_json(self.agreement),
+            "warnings": list(self.warnings),
+            "notes": list(self.notes),
+            "groups": {group: self[group].to_json() for group in self},
+        }
+
     def __repr__(self) -> str:
         """Name groups and parameters."""
         return (
@@ -188,39 +226,14 @@ def report(grouped: GroupedEstimate) -> str:
     """Print estimates that share parameters."""
     kind = next(iter(grouped.estimates.values())).estimator
     title = f"{', '.join(grouped.groups)}: {kind} estimate of {len(grouped.shared)} shared parameters"
-    parts: list[Table | str] = [f"{title}, {len(grouped.own)} own each"]
+    parts: list[DataTable | str] = [f"{title}, {len(grouped.own)} own each"]
     numbers = dict(zip(grouped.names, _numbers(grouped), strict=True))
     if grouped.shared:
         rows = [(name, *numbers[name]) for name in grouped.shared]
         parts.append(make_table(("shared", *HEADERS), rows))
     if grouped.own:
         parts.append(make_table(("own", *HEADERS, "p equal"), _own_rows(grouped, numbers)))
-    return to_text(*parts, *_remarks(grouped))
-
-
-def grouped_to_json(grouped: GroupedEstimate) -> dict[str, Any]:
-    """Turn estimates that share parameters into what JSON can hold."""
-    names = grouped.names
-    of_each = {
-        "values": grouped.values.tolist(),
-        "std": grouped.std.tolist(),
-        "interval_95": grouped.interval().tolist(),
-        "units": grouped.units,
-        "determined": grouped.identifiability,
-        "degrees_of_freedom": grouped.dofs.tolist(),
-    }
-    return {
-        **{key: dict(zip(names, column, strict=True)) for key, column in of_each.items()},
-        "shared": list(grouped.shared),
-        "own": list(grouped.own),
-        "condition_number": grouped.condition_number,
-        "covariance": grouped.covariance.tolist(),
-        "equal": _equality_to_json(grouped.equal),
-        "agreement": None if grouped.agreement is None else _equality_to_json(grouped.agreement),
-        "warnings": list(grouped.warnings),
-        "notes": list(grouped.notes),
-        "groups": {group: estimate_to_json(grouped[group]) for group in grouped},
-    }
+    return to_text(*parts, *_closing_lines(grouped))
 
 
 def _numbers(grouped: GroupedEstimate) -> Iterator[tuple[str, ...]]:
@@ -239,7 +252,7 @@ def _own_rows(grouped: GroupedEstimate, numbers: dict[str, tuple[str, ...]]) -> 
             yield place, *numbers[place], p
 
 
-def _remarks(grouped: GroupedEstimate) -> Iterator[str]:
+def _closing_lines(grouped: GroupedEstimate) -> Iterator[str]:
     for group in grouped:
         estimate = grouped[group]
         residuals = zip(estimate.joint_names, estimate.residual_rms, strict=True)

@@ -1,4 +1,4 @@
-"""Settings of terms that a fit has found."""
+"""Nonlinear parameters that a fit has found."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from exoid.regression.intervals import half_width
 
 @dataclass(frozen=True, eq=False)
 class NonlinearParameters:
-    """Fitted settings of terms, such as a Stribeck velocity, with their uncertainty.
+    """Nonlinear parameters of terms, such as a Stribeck velocity, with their uncertainty.
 
     Attributes:
         names: Symbol and joint, (S,).
         units: Their units.
         values: (S,).
-        covariance: Of the values, of Gauss and Newton, (S, S); zero for those that are held.
+        covariance: Covariance of the values (Gauss and Newton), (S, S); zero for those that are held.
         held: Settings that the recordings did not determine, and that stand where the fit left them.
     """
 
@@ -47,7 +47,15 @@ class NonlinearParameters:
         return len(self.names)
 
     def with_covariance(self, names: Sequence[str], covariance: FloatArray) -> NonlinearParameters:
-        """Return the same settings with the covariance of some of them."""
+        """Return the same settings with the covariance of some of them.
+
+        Args:
+            names: Names of those that are not held, (K,).
+            covariance: Their covariance, (K, K).
+
+        Returns:
+            The parameters with their covariance, zero for those that are held.
+        """
         places = [self.names.index(name) for name in names]
         whole = np.zeros((len(self), len(self)))
         whole[np.ix_(places, places)] = covariance
@@ -83,6 +91,9 @@ class NonlinearParameters:
         Args:
             dof: Degrees of freedom of the estimate.
             level: Probability that an interval contains the true value.
+
+        Returns:
+            Lower and upper ends, (S, 2).
         """
         half = half_width(level, dof) * self.std / self.values
         return np.column_stack([self.values * np.exp(-half), self.values * np.exp(half)])

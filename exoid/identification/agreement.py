@@ -56,6 +56,9 @@ def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[f
         estimator: The estimator.
         samples: Independent samples of each group.
         white: Whether the covariance assumes white noise.
+
+    Returns:
+        The test, or why there is none.
     """
     layout, groups = problem.layout, problem.layout.groups
     if len(groups) < 2 or not layout.shared:

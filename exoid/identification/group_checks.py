@@ -20,6 +20,10 @@ SAME = 1e-9
 def refuse_nonlinear_terms(legs: Mapping[str, Leg], terms: Sequence[Term]) -> None:
     """Refuse terms whose torque is not linear in all parameters where there are several groups.
 
+    Args:
+        legs: Leg of each group, by its name.
+        terms: The terms.
+
     Raises:
         ExoidError: Names the nonlinear parameters and terms.
     """
@@ -36,6 +40,9 @@ def refuse_nonlinear_terms(legs: Mapping[str, Leg], terms: Sequence[Term]) -> No
 
 def refuse_other_designs(legs: Mapping[str, Leg]) -> None:
     """Refuse legs whose rigid-body parameters do not mean the same.
+
+    Args:
+        legs: Leg of each group, by its name.
 
     Raises:
         ExoidError: Names the groups.
@@ -55,6 +62,9 @@ def refuse_other_designs(legs: Mapping[str, Leg]) -> None:
 
 def refuse_same_recordings(summaries: Mapping[str, Sequence[RecordingSummary]]) -> None:
     """Refuse a recording that is in two groups, and would count twice.
+
+    Args:
+        summaries: Summaries of the recordings of each group, by its name.
 
     Raises:
         ExoidError: Names recording and groups.

@@ -99,6 +99,9 @@ class Result:
         Args:
             group: Index of the group.
             common: Warnings that all groups share.
+
+        Returns:
+            The estimate.
         """
         problem, fit, model = self.fitted.problem, self.fitted.fit, self.fitted.models[group]
         layout, solution, rows = problem.layout, fit.solution, problem.groups[group]

@@ -2,7 +2,7 @@
 
 Base parameters β = K π leave most of the link parameters π open. Of all bodies with P ≻ 0 that reproduce β the lift
 takes those nearest to the leg's own inertias P⁰ by the entropic divergence (T. Lee, P. M. Wensing, F. C. Park,
-IEEE T-RO 36(1), 2020)
+IEEE T-RO 36(2), 2020)
 
     D(P ‖ P⁰) = Σ_links tr(P⁰⁻¹ P) − log det(P⁰⁻¹ P) − 4,
 

@@ -1,4 +1,4 @@
-"""What the residuals say on the trust that an estimate deserves."""
+"""Diagnostics: noise of the residuals, scale and identifiability of parameters, collinearity."""
 
 from __future__ import annotations
 
@@ -117,7 +117,14 @@ class Collinearity(NamedTuple):
         return cls(indices, tuple(directions))
 
     def warnings(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Name the parameters that move together, in one sentence."""
+        """Name the parameters that move together, in one sentence.
+
+        Args:
+            names: Names of the parameters, (P,).
+
+        Returns:
+            One warning, or none.
+        """
         groups = [
             f"{', '.join(names[k] for k in direction.columns)} (condition index {direction.condition:.3g})"
             for direction in self.directions
@@ -133,13 +140,13 @@ class Collinearity(NamedTuple):
 
 @dataclass(frozen=True)
 class JointNoise:
-    """What the residuals of one joint look like.
+    """Noise of the residuals of one joint.
 
     Attributes:
-        samples: Rows that were looked at, decimated to the pace at which a filter leaves them independent.
+        samples: Number of rows, decimated until they are independent behind the filter.
         effective_samples: Independent samples that say as much on the size of the noise, N γ_0² / Σ γ_k².
-        order: Of the autoregressive model of the noise, the largest of all recordings.
-        correlation: Of one residual with the next.
+        order: Order of the autoregressive noise model, the largest of all recordings.
+        correlation: Correlation of one residual with the next.
         whiteness: Probability of autocorrelations as large as these in white noise (Ljung and Box); below 0.05 the
             residuals are not white, which intervals account for.
     """
@@ -152,7 +159,16 @@ class JointNoise:
 
 
 def describe_noise(problem: RowProblem, point: Point, noises: Noises) -> tuple[JointNoise, ...]:
-    """Describe the residuals of each joint."""
+    """Describe the residuals of each joint.
+
+    Args:
+        problem: The problem.
+        point: Parameters and weights of its solution.
+        noises: Noise of each kind and joint.
+
+    Returns:
+        Description of the residuals of each joint, group by group.
+    """
     joints = len(problem.columns)
     samples, effective, statistic, lags = np.zeros((4, joints))
     products = np.zeros((joints, 2))
@@ -191,6 +207,12 @@ def parameter_scale(r_factors: Sequence[RFactor]) -> FloatArray:
     """Return the size of each parameter that would explain, alone, all torque of a joint it acts on, (P,).
 
     That is ‖τ‖ / ‖W_i‖ of the joint where it is smallest; zero for one that left no trace.
+
+    Args:
+        r_factors: R factor of the rows of each joint, in motion and at rest.
+
+    Returns:
+        Parameter scale of each parameter in its unit, (P,).
     """
     norms = np.array([np.linalg.norm(r_factor.R, axis=0) for r_factor in r_factors])
     columns, torques = norms[:, :-1], norms[:, -1:]
@@ -212,6 +234,9 @@ def reference_scale(
         lowest: Smallest angle of each joint in all recordings [rad], (n,).
         highest: Largest.
         r_factors: Rows of each joint, in motion and at rest.
+
+    Returns:
+        Reference scale of each parameter in its unit, (P,); 0 for one that leaves no trace.
     """
     rng = np.random.default_rng(0)
     q, v, a = rng.uniform(-1.0, 1.0, (3, STATES, len(lowest)))
@@ -228,11 +253,14 @@ def identifiability_class(value: float, std: float, size: float, calm: float = n
     """Say how well a parameter is determined: "well", "weakly" or "not".
 
     Args:
-        value: Of the parameter.
+        value: Value of the parameter.
         std: Its standard deviation.
         size: See :func:`parameter_scale`.
         calm: See :func:`calm_sizes`.
         index: Its condition index, see :class:`~exoid.regression.diagnostics.Collinearity`.
+
+    Returns:
+        The class.
     """
     scale = max(abs(value), SIZE * min(size, calm))
     if abs(value) > CANCELS * size > 0.0 or std > WEAKLY * scale or index > HOPELESS:
@@ -241,7 +269,17 @@ def identifiability_class(value: float, std: float, size: float, calm: float = n
 
 
 def identifiability_beside(name: str, prior_knowledge: PriorKnowledge, std: float, of_data: str) -> str:
-    """Say "known" or "prior" of parameters that are rather what was assumed than what was measured."""
+    """Say "known" or "prior" of parameters that are rather what was assumed than what was measured.
+
+    Args:
+        name: Name of the parameter.
+        prior_knowledge: What was known beside the recordings.
+        std: Standard deviation of the parameter.
+        of_data: Class by the recordings alone.
+
+    Returns:
+        The class.
+    """
     if name in prior_knowledge.known:
         return "known"
     believed = prior_knowledge.prior.values.get(name)

@@ -33,12 +33,12 @@ COLUMNS = 4
 
 
 class RFactor(NamedTuple):
-    """All that least squares needs to know of the rows of one joint: R of the QR factorisation of [W τ].
+    """R factor of the QR factorisation of [W τ] of one joint: all that least squares needs of its rows.
 
     Attributes:
         R: Upper R factor, (P + 1, P + 1).
-        rows: How many rows went in.
-        samples: How many independent samples they amount to.
+        rows: Number of rows that it stands for.
+        samples: Number of independent samples among them.
     """
 
     R: FloatArray
@@ -80,7 +80,16 @@ def joint_table(rows: Rows, joint: int) -> tuple[NDArray[np.intp], FloatArray]:
 
 
 def factorize(table: FloatArray, rows: int, samples: float) -> RFactor:
-    """Factorise rows of [W τ]."""
+    """Reduce rows of [W τ] to their R factor.
+
+    Args:
+        table: Rows of [W τ], (N, P + 1).
+        rows: Number of rows that the R factor stands for.
+        samples: Number of independent samples among them.
+
+    Returns:
+        The R factor.
+    """
     width = table.shape[1]
     if len(table) < width:
         table = np.vstack([table, np.zeros((width - len(table), width))])
@@ -89,13 +98,29 @@ def factorize(table: FloatArray, rows: int, samples: float) -> RFactor:
 
 
 def rms_residual(r_factors: Sequence[RFactor], values: FloatArray) -> float:
-    """RMS residual over the rows of several R factors [N·m]."""
+    """RMS residual over the rows of several R factors [N·m].
+
+    Args:
+        r_factors: R factors of rows in the same unit.
+        values: Parameters, (P,).
+
+    Returns:
+        Root mean square of the residual.
+    """
     squares = sum(r_factor.residual(values) ** 2 for r_factor in r_factors)
     return float(np.sqrt(squares / max(sum(r_factor.rows for r_factor in r_factors), 1)))
 
 
 def stack(r_factors: Sequence[RFactor], weights: Sequence[float] | None = None) -> RFactor:
-    """Combine R factors, each multiplied by its weight, into the R factor of all their rows."""
+    """Combine R factors, each multiplied by its weight, into the R factor of all their rows.
+
+    Args:
+        r_factors: R factors of the same parameters.
+        weights: Weight of the rows of each; None for 1.
+
+    Returns:
+        R factor of all rows.
+    """
     weights = [1.0] * len(r_factors) if weights is None else weights
     table = np.vstack([weight * r_factor.R for weight, r_factor in zip(weights, r_factors, strict=True)])
     return factorize(table, sum(t.rows for t in r_factors), sum(t.samples for t in r_factors))
@@ -103,6 +128,10 @@ def stack(r_factors: Sequence[RFactor], weights: Sequence[float] | None = None) 
 
 def refuse_empty_joints(joint_names: Sequence[str], r_factors: Sequence[RFactor]) -> None:
     """Refuse a fit in which the terms' dead bands left no sample of a joint.
+
+    Args:
+        joint_names: Names of the joints, (n,).
+        r_factors: R factor of each joint.
 
     Raises:
         ExoidError: Names the joints.
@@ -121,7 +150,7 @@ class Solution(NamedTuple):
     Attributes:
         values: β, (P,).
         covariance: For independent noise of one size in all rows, as weighted, (P, P).
-        condition_number: Of the regressor with columns scaled to unit length.
+        condition_number: Condition number of the regressor with columns scaled to unit length.
         dof: Independent samples less parameters.
         inverse: (WᵀW)⁻¹ of the rows as weighted, those of priors among them; zero for known parameters, (P, P).
         prior_noise: Share of the priors' own uncertainty in Wᵀ Γ W, (P, P).
@@ -143,7 +172,15 @@ class Solution(NamedTuple):
     free: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
 
     def prior_gains(self, names: Sequence[str], prior_knowledge: PriorKnowledge) -> FloatArray:
-        """How far parameters follow priors p, ∂β/∂p = (WᵀW)⁻¹ s² / σ² of rows (s/σ) β = (s/σ) p, (P, K)."""
+        """How far parameters follow priors p, ∂β/∂p = (WᵀW)⁻¹ s² / σ² of rows (s/σ) β = (s/σ) p, (P, K).
+
+        Args:
+            names: Names of the parameters, (P,).
+            prior_knowledge: Prior knowledge with K priors.
+
+        Returns:
+            ∂β/∂p, (P, K).
+        """
         places = [list(names).index(name) for name in prior_knowledge.prior.values]
         std = np.array([std for _, std in prior_knowledge.prior.values.values()])
         return np.asarray(self.inverse[:, places] * (np.sqrt(np.diag(self.prior_noise)[places]) / std))
@@ -166,8 +203,11 @@ def solve(
     Args:
         r_factor: R of [W τ].
         names: Parameters, (P,).
-        prior_knowledge: What is known beside the rows.
+        prior_knowledge: Known parameters, priors and signs.
         nonnegative: Parameters that must not become negative, (P,); None if all may.
+
+    Returns:
+        Values with covariance, condition number and singular value decomposition.
 
     Raises:
         ExoidError: Names the parameters that neither rows nor priors determine, and what to do.

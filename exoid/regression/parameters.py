@@ -75,6 +75,9 @@ class Prior:
             leg: The leg with the values that are believed.
             relative_std: Standard deviation over value.
             names: Parameters to take; None for all of the leg.
+
+        Returns:
+            The prior.
         """
         wanted = leg.parameter_names if names is None else tuple(names)
         units, sizes = np.array(leg.parameter_units), np.abs(leg.parameters)
@@ -124,7 +127,19 @@ class PriorKnowledge:
         *,
         nonnegative: bool,
     ) -> PriorKnowledge:
-        """Check arguments as a user gives them; None for nothing."""
+        """Check arguments as a user gives them; None for nothing.
+
+        Args:
+            known: Values of parameters that are held fixed, by name.
+            prior: Value and standard deviation by name.
+            nonnegative: Whether friction and rotor inertia are kept from falling below zero.
+
+        Returns:
+            The knowledge.
+
+        Raises:
+            ExoidError: A value is not a number, or a parameter is both known and has a prior.
+        """
         return cls(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
 
     @property
@@ -135,6 +150,9 @@ class PriorKnowledge:
     def check(self, model: RegressorModel) -> None:
         """Check that all names are those of a model.
 
+        Args:
+            model: Torque model that the names must belong to.
+
         Raises:
             ExoidError: Names what is not a parameter, is one twice, or was regrouped into others.
         """
@@ -144,22 +162,47 @@ class PriorKnowledge:
                 raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(model.names)}")
 
     def check_regrouped(self, parameters: Sequence[Regrouping]) -> None:
-        """Check that no name is that of a parameter that is part of others."""
+        """Check that no name is that of a parameter that is part of others.
+
+        Args:
+            parameters: Regrouped parameters of the model.
+        """
         for regrouped in parameters:
             if regrouped.name in self.names:
                 into = " and ".join(regrouped.into)
                 raise ExoidError(f"{regrouped}", remedy=f"say what is known of {into} instead")
 
     def free(self, names: Sequence[str]) -> NDArray[np.bool_]:
-        """Which of the parameters are not known, (P,)."""
+        """Which of the parameters are not known, (P,).
+
+        Args:
+            names: Names of the parameters, (P,).
+
+        Returns:
+            Mask, (P,).
+        """
         return np.array([name not in self.known for name in names], dtype=np.bool_)
 
     def fixed_values(self, names: Sequence[str]) -> FloatArray:
-        """Known values, zero elsewhere, (P,)."""
+        """Known values, zero elsewhere, (P,).
+
+        Args:
+            names: Names of the parameters, (P,).
+
+        Returns:
+            Values, (P,).
+        """
         return np.array([self.known.get(name, 0.0) for name in names])
 
     def pseudo_rows(self, names: Sequence[str]) -> FloatArray:
-        """Rows (1/σ) β = p/σ of the priors, as [W τ] of unit variance, (K, P + 1)."""
+        """Rows (1/σ) β = p/σ of the priors, as [W τ] of unit variance, (K, P + 1).
+
+        Args:
+            names: Names of the parameters, (P,).
+
+        Returns:
+            One row for each of K priors, (K, P + 1).
+        """
         rows = np.zeros((len(self.prior.values), len(names) + 1))
         for row, (name, (value, std)) in zip(rows, self.prior.values.items(), strict=True):
             row[list(names).index(name)], row[-1] = 1.0 / std, value / std
@@ -221,11 +264,25 @@ class ParameterLayout(NamedTuple):
         return len(self.places) == 1 and np.array_equal(self.places[0], np.arange(len(self.names)))
 
     def place(self, name: str, group: int) -> int:
-        """Index of one of the own parameters of a group."""
+        """Index of one of the own parameters of a group.
+
+        Args:
+            name: Name of an own parameter, without the group.
+            group: Index of the group.
+
+        Returns:
+            Index in β.
+        """
         return self.names.index(own_name(name, self.groups[group]))
 
     def spread(self, knowledge: PriorKnowledge) -> PriorKnowledge:
         """Apply to every group what is known of a parameter without saying whose.
+
+        Args:
+            knowledge: Prior knowledge by names of parameters, with or without a group.
+
+        Returns:
+            Prior knowledge by the names of the layout.
 
         Raises:
             ExoidError: There is no such parameter, or two things are known of it.
@@ -239,14 +296,29 @@ class ParameterLayout(NamedTuple):
         return PriorKnowledge(dict(known), Prior(dict(prior)), knowledge.nonnegative)
 
     def known_by(self, group: int, spread: PriorKnowledge) -> PriorKnowledge:
-        """Select what is known of the parameters of one group, by the names that they have there."""
+        """Select what is known of the parameters of one group, by the names that they have there.
+
+        Args:
+            group: Index of the group.
+            spread: Prior knowledge by the names of the layout.
+
+        Returns:
+            Prior knowledge by the names of the group's model.
+        """
         names = self.names_of(group)
         known = {names[name]: value for name, value in spread.known.items() if name in names}
         prior = {names[name]: pair for name, pair in spread.prior.values.items() if name in names}
         return PriorKnowledge(known, Prior(prior), spread.nonnegative)
 
     def names_of(self, group: int) -> dict[str, str]:
-        """Names in the model of one group, by those here."""
+        """Names in the model of one group, by those here.
+
+        Args:
+            group: Index of the group.
+
+        Returns:
+            Name in the model, by the name in the layout.
+        """
         own = {own_name(name, self.groups[group]): name for name in self.own}
         return {**{name: name for name in self.names[: self.shared]}, **own}
 

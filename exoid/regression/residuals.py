@@ -30,7 +30,7 @@ class Series(NamedTuple):
     """Weighted rows of one recording and joint in time order, or a stretch of them.
 
     Attributes:
-        kind: Of the noise.
+        kind: Kind of the noise.
         joint: Index.
         columns: Parameters that act on the joint, (p,).
         X: Their columns of the regressor, zero at samples left out, (p, N).
@@ -38,7 +38,7 @@ class Series(NamedTuple):
         usable: Samples not left out, (N,).
         q: Angle [rad], (N,).
         v: Velocity [rad/s], (N,).
-        stands_for: How many rows each of these stands for.
+        stands_for: Number of rows that each of these stands for.
         begins: Whether these are the first of the recording.
         ends: Whether these are the last of it.
     """
@@ -61,8 +61,8 @@ class Point(NamedTuple):
 
     Attributes:
         values: β, (P,).
-        weights: Of each triangle's rows, by which their residuals are of size 1.
-        clip: Weighted residuals beyond this counted as this; infinite for least squares.
+        weights: Weight of the rows of each R factor; weighted residuals are of size 1.
+        clip: Limit of weighted residuals, beyond which they count as the limit; infinite for least squares.
     """
 
     values: FloatArray
@@ -100,6 +100,14 @@ def over_recordings(problem: RowProblem, point: Point, work: Callable[[Iterator[
     """Let work go over the rows of each recording, joint by joint, decimated to the pace of independent noise.
 
     The rows may be elsewhere, on a disk or on a cluster: what the work finds should be small.
+
+    Args:
+        problem: The problem.
+        point: Parameters and weights of its solution.
+        work: Function of the rows of one recording.
+
+    Yields:
+        Result of the function for each recording.
     """
     yield from problem.gather(partial(_on_series, work, ColumnLayout.of(problem), point))
 
@@ -111,7 +119,15 @@ def _on_series(
 
 
 def series(problem: RowProblem, point: Point) -> Iterator[Series]:
-    """Go over all recordings and joints, in rows decimated to the pace of independent noise."""
+    """Go over all recordings and joints, in rows decimated to the pace of independent noise.
+
+    Args:
+        problem: The problem.
+        point: Parameters and weights of its solution.
+
+    Returns:
+        Decimated rows of all recordings, joint by joint.
+    """
     return _series(problem.blocks(decimated=True), ColumnLayout.of(problem), point)
 
 
@@ -152,6 +168,14 @@ def fit_noise(
     Residuals are smaller than the noise, and less alike, since the fit has taken part of it away; on average
     γ̂_k falls short by (1/N) Σ_t x_t C x_{t+k}ᵀ with C the covariance of the estimate, which is put back (as restricted
     maximum likelihood does). Samples left out do not count.
+
+    Args:
+        problem: The problem.
+        point: Parameters and weights of its solution.
+        covariance: Covariance of the solution, (P, P).
+
+    Returns:
+        Noise model of each kind and joint.
     """
     roots = [_root(covariance[np.ix_(columns, columns)]).T for columns in problem.columns]
     sums: dict[tuple[NoiseKind, int], FloatArray] = {}
@@ -197,8 +221,11 @@ def sandwich(problem: RowProblem, point: Point, solution: Solution) -> Sandwich:
 
     Args:
         problem: The problem.
-        point: Where it was solved.
+        point: Parameters and weights of its solution.
         solution: (WᵀW)⁻¹ of the weighted rows, and a first idea of the covariance.
+
+    Returns:
+        The covariance, and the noise that it is for.
     """
     inverse, covariance = solution.inverse, solution.covariance
     for _ in range(PASSES):

@@ -30,10 +30,10 @@ class Rows(NamedTuple):
         tau: Measured torque [N·m], (N, n).
         q: Angle [rad], (N, n).
         v: Velocity [rad/s], (N, n).
-        usable: Which samples of which joint may be fitted, (N, n).
-        acting: Which parameters can act on which joint, (n, P); the regressor is zero elsewhere.
+        usable: Mask of samples of each joint that may be fitted, (N, n).
+        acting: Mask of parameters that can act on each joint, (n, P); the regressor is zero elsewhere.
         independence: Share of the rows that carry independent noise; a low-pass leaves fewer.
-        stands_for: How many rows each of these stands for; 1 unless decimated.
+        stands_for: Number of rows that each of these stands for; 1 unless decimated.
     """
 
     time: FloatArray
@@ -83,9 +83,9 @@ class Prepared(NamedTuple):
 
     Attributes:
         time: [s], (N,).
-        motion: What the columns depend on.
+        motion: Motion from which the columns are formed.
         tau: Measured torque [N·m], (N, n), filtered unless by ``parallel``.
-        usable: Which samples of which joint may be fitted, (N, n).
+        usable: Mask of samples of each joint that may be fitted, (N, n).
         rows: Samples that become rows: not spoilt by the ends of the record, evenly spaced.
         independence: Share of the rows that carry independent noise.
         parallel: Filter that columns and torque still have to pass; None for none.
@@ -116,10 +116,13 @@ def prepare(
     """Derive the kinematics of a recording; poses have no velocity and need no filter.
 
     Args:
-        model: Whose rows are wanted.
+        model: Torque model.
         data: The recording.
-        preparation: How it becomes rows.
+        preparation: Filter and differentiation.
         every: Whether each sample is to be a row; else only as many as are not redundant behind the filter.
+
+    Returns:
+        Arrays of all samples, from which columns follow block by block.
 
     Raises:
         ExoidError: The recording has no torque, lacks a joint of the leg, or is too short for the filter.
@@ -157,6 +160,14 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
     Columns are formed as far beyond both ends of the stretch as the filter reaches, so that they come out as if those
     of the whole recording had been filtered. Columns beyond those of the parameters are torque that is known, and is
     taken to the other side.
+
+    Args:
+        model: Torque model.
+        prepared: The prepared recording.
+        stretch: Samples that become rows.
+
+    Returns:
+        The rows.
     """
     around = slice(max(0, stretch[0] - prepared.reach), stretch[-1] + 1 + prepared.reach)
     columns, tau = model.columns(prepared.motion.rows(around)), prepared.tau[around].T
@@ -202,7 +213,16 @@ def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
 
 
 def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Preparation) -> Rows:
-    """Make a row of each sample of a recording that its ends do not spoil, or of poses, all at once."""
+    """Make a row of each sample of a recording that its ends do not spoil, or of poses, all at once.
+
+    Args:
+        model: Torque model.
+        data: The recording, or poses.
+        preparation: Filter and differentiation.
+
+    Returns:
+        The rows.
+    """
     prepared = prepare(model, data, preparation, every=True)
     return form_rows(model, prepared, prepared.rows)
 
@@ -220,8 +240,11 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
 
     Args:
         rows: All rows of a recording, or a stretch of them.
-        before: How many rows of the recording come before these.
-        count: How many it has in all.
+        before: Number of rows of the recording before these.
+        count: Number of rows of the recording.
+
+    Returns:
+        The rows that are kept.
     """
     step = decimation(rows.independence)
     if step == 1:
@@ -242,7 +265,14 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
 
 
 def chain(stretches: Sequence[Rows]) -> Rows:
-    """Put stretches of one recording together."""
+    """Put stretches of one recording together.
+
+    Args:
+        stretches: Rows of one recording, in order of time.
+
+    Returns:
+        All rows.
+    """
     if len(stretches) == 1:
         return stretches[0]
     W = np.concatenate([rows.W.transpose(2, 1, 0) for rows in stretches], axis=2).transpose(2, 1, 0)
@@ -261,6 +291,13 @@ Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)
 
 def for_leg(model: RegressorModel, recording: Measured) -> Measured:
     """Pick the leg's joints from a recording or poses, by name.
+
+    Args:
+        model: Torque model, for its joints.
+        recording: Recording or poses, with these joints and perhaps others.
+
+    Returns:
+        Recording or poses of these joints only.
 
     Raises:
         ExoidError: A joint is missing.

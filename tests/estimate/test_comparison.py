@@ -10,7 +10,6 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import ExoidError, Offset, Viscous
-from exoid.estimate import comparison_to_json
 from exoid.signals import FiniteDifference
 
 EXACT = FiniteDifference()
@@ -90,7 +89,7 @@ def test_estimates_from_one_recording_are_refused(leg):
 
 def test_a_comparison_is_json_and_cannot_be_changed(leg):
     comparison = exoid.compare(estimate_of(leg, 10), estimate_of(leg, 11))
-    data = json.loads(json.dumps(comparison_to_json(comparison), allow_nan=False))
+    data = json.loads(json.dumps(comparison.to_json(), allow_nan=False))
     assert data["difference"]["J1"] == comparison.difference[2]
     with pytest.raises(ValueError, match="read-only"):
         comparison.difference[0] = 0.0
@@ -126,7 +125,7 @@ def test_the_error_of_a_prior_that_both_were_given_cancels(leg):
     independent = exoid.compare(one, strangers)
     assert comparison.std[J3] < 0.6 * independent.std[J3]
     np.testing.assert_allclose(independent.std**2, one.std**2 + other.std**2, rtol=1e-6)
-    assert not comparison.remarks
+    assert not comparison.notes
     assert "same prior of X3, J3" in " ".join(str(independent).split())
 
 
@@ -149,8 +148,8 @@ def test_what_was_held_is_not_tested_and_two_values_are_named(leg):
     for comparison in (exoid.compare(one, same), exoid.compare(one, other)):
         assert comparison.p_values[X1] == 1.0
         assert "X1" not in repr(comparison)
-    assert not exoid.compare(one, same).remarks
-    assert "X1 (8 and 8.5) held at different values" in exoid.compare(one, other).remarks[0]
+    assert not exoid.compare(one, same).notes
+    assert "X1 (8 and 8.5) held at different values" in exoid.compare(one, other).notes[0]
     assert "note: X1 (8 and 8.5)" in " ".join(str(exoid.compare(one, other)).split())
 
 

@@ -10,7 +10,7 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Offset, Stiffness, Validation, Viscous
-from exoid.estimate import Input, estimate_from_json, estimate_to_json, validation_to_json
+from exoid.estimate import Input
 from exoid.regression import JointNoise
 from exoid.signals import PREPARATIONS, FiniteDifference, MovingAverage, ZeroPhase
 from exoid.torques import TorqueModel
@@ -117,7 +117,7 @@ def test_validation_predicts_what_the_estimate_predicts(estimate, swing):
 
 def test_validation_json_has_null_where_there_is_no_number():
     flat = np.ones((3, 1))
-    text = json.dumps(validation_to_json(Validation(("hip",), np.arange(3.0), flat, flat, "x")), allow_nan=False)
+    text = json.dumps(Validation(("hip",), np.arange(3.0), flat, flat, "x").to_json(), allow_nan=False)
     assert json.loads(text)["nrmse"] == [None]
 
 
@@ -234,14 +234,14 @@ def test_every_preparation_has_a_name_that_files_can_hold():
         assert kind().name == name
 
 
-def test_a_file_without_diagnostics_can_still_be_read(estimate):
-    """As files were before there were any."""
-    data = estimate_to_json(estimate)
-    for key in ("noise", "sizes", "determined", "warnings"):
-        del data[key]
-    again = estimate_from_json(data)
-    assert (again.values == estimate.values).all()
-    assert (again.noise, again.warnings) == ((), ())
+@pytest.mark.parametrize("key", ["noise", "sizes", "calm_sizes", "collinearity", "warnings", "trends", "prior"])
+def test_a_file_without_its_evidence_is_refused(estimate, tmp_path, key):
+    data = estimate.to_json()
+    del data[key]
+    path = tmp_path / "leg.json"
+    path.write_text(json.dumps(data), encoding="utf-8")
+    with pytest.raises(ExoidError, match=f"leg.json: damaged: .*{key}.*identify again"):
+        Estimate.load(path)
 
 
 def test_a_file_needs_no_urdf(swing, recording, tmp_path):
@@ -321,7 +321,7 @@ DAMAGE = {
 @pytest.mark.parametrize("damage", DAMAGE, ids=lambda name: name.replace(" ", "-"))
 def test_a_damaged_file_is_refused(estimate, tmp_path, damage):
     path, value = DAMAGE[damage]
-    data = json.loads(json.dumps(estimate_to_json(estimate)))
+    data = json.loads(json.dumps(estimate.to_json()))
     place = data
     for key in path[:-1]:
         place = place[key]
@@ -402,7 +402,7 @@ def test_saving_replaces_a_file_whole_or_not_at_all(estimate, tmp_path, monkeypa
 
 
 def test_json_in_memory_is_the_file(estimate):
-    again = estimate_from_json(estimate_to_json(estimate))
+    again = Estimate.from_json(estimate.to_json())
     assert (again.values == estimate.values).all()
 
 

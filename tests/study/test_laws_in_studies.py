@@ -1,7 +1,6 @@
 """Laws that know what a study identified drive the same leg: as in the closed loop by itself, and reproducibly."""
 
 import json
-import sys
 import warnings
 from dataclasses import replace
 from functools import partial
@@ -218,7 +217,7 @@ def test_terms_that_no_rig_has_are_refused():
 @pytest.fixture
 def quick(monkeypatch):
     """Strides of 4 s."""
-    monkeypatch.setattr(sys.modules["exoid.cli.study"], "PERIOD", 4.0)
+    monkeypatch.setattr("exoid.cli.study.PERIOD", 4.0)
 
 
 @pytest.mark.usefixtures("quick")

@@ -27,6 +27,12 @@ NEED_LOOP: Mapping[str, Estimator] = {"output-error": OutputError()}
 def find_estimator(given: str | Estimator) -> Estimator:
     """Look an estimator up by name; an estimator stays what it is.
 
+    Args:
+        given: Name of an estimator, or an estimator.
+
+    Returns:
+        The estimator.
+
     Raises:
         ExoidError: There is none of that name.
     """

@@ -28,6 +28,10 @@ def default_start(problem: Problem) -> FloatArray:
 def refuse_other_friction(model: TorqueModel, estimator: str) -> None:
     """Refuse terms whose torque does not follow from the motion of the moment alone.
 
+    Args:
+        model: Torque model.
+        estimator: Name of the estimator.
+
     Raises:
         ExoidError: A term remembers, depends on load, or has settings that are to be found.
     """

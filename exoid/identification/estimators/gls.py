@@ -28,6 +28,12 @@ def gls(problem: RowProblem) -> Fit:
     Of all unbiased linear estimators the one of smallest variance, *if* the residual is noise beside a right model. If
     it is the model's own error, whitening stresses the frequencies at which the model is worst: the point then leaves
     that of weighted least squares by more than noise explains, and the fit carries a remark.
+
+    Args:
+        problem: The problem.
+
+    Returns:
+        The fit, with its noise models; a warning where it leaves weighted least squares by more than noise explains.
     """
     first = wls(problem)
     reference = sandwich(problem, first.point, first.solution)

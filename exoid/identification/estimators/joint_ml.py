@@ -61,7 +61,7 @@ class JointML:
     over 0.01 rad/s; samples in a dead band count as angles, not as torques.
 
     Attributes:
-        spacing: Of the knots [s]; None to try a geometric ladder of them and take the one below that which generalised
+        spacing: Spacing of the knots [s]; None to try a geometric ladder and take the one below that which generalised
             cross-validation prefers: a little more variance, but no bias that intervals do not know of.
     """
 
@@ -78,7 +78,17 @@ class JointML:
         return "ml" if self.spacing is None else f"ml(spacing={self.spacing:.4g})"
 
     def __call__(self, problem: Problem) -> Fit:
-        """Start from weighted least squares on filtered rows, and fit."""
+        """Start from weighted least squares on filtered rows, and fit.
+
+        Args:
+            problem: Problem of one group.
+
+        Returns:
+            The fit.
+
+        Raises:
+            ExoidError: A term has memory or depends on load, knots are too close, or there are several groups.
+        """
         refuse_other_friction(problem.model, "ml")
         first = wls(problem)
         model = smooth(problem.model)

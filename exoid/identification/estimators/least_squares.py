@@ -16,7 +16,14 @@ NOISELESS = 1e-9
 
 
 def ols(problem: LeastSquaresProblem) -> Fit:
-    """Every torque row counts the same, whichever joint it comes from: min Σ ‖W β − τ‖²."""
+    """Weigh every torque row alike, whichever joint it comes from: min Σ ‖W β − τ‖² (doc. 1, eq. (17)).
+
+    Args:
+        problem: The problem.
+
+    Returns:
+        The fit.
+    """
     return Fit(problem.solve(stack(problem.r_factors)), [1.0] * len(problem.r_factors))
 
 
@@ -24,6 +31,12 @@ def wls(problem: LeastSquaresProblem) -> Fit:
     """Each joint's rows are divided by that joint's own residual of a first, ordinary, fit.
 
     A hip whose sensor errs by 1 N·m then no longer drowns an ankle whose sensor errs by 0.1 N·m.
+
+    Args:
+        problem: The problem.
+
+    Returns:
+        The fit.
     """
     first = ols(problem).solution.values
     floor = noise_floor(problem)

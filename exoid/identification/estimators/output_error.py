@@ -67,6 +67,12 @@ class OutputError:
     def __call__(self, problem: Problem) -> Fit:
         """Fit.
 
+        Args:
+            problem: Problem of one group.
+
+        Returns:
+            The fit.
+
         Raises:
             ExoidError: No loop was given, it cannot be simulated, or there are several groups.
         """

@@ -38,9 +38,9 @@ class Score(NamedTuple):
     """How a candidate did.
 
     Attributes:
-        candidate: What was tried.
-        numbers: How many parameters and settings it fits.
-        nrmse: Of each joint over all folds, (n,).
+        candidate: Candidate model.
+        numbers: Number of parameters that it fits, nonlinear ones too.
+        nrmse: NRMSE of each joint over all folds, (n,).
         folds: NRMSE averaged over the joints, of each fold, relative to the torque of the whole, (K,).
         extrapolation: NRMSE of the fastest seconds predicted from the slower ones, (n,); not a number where these do
             not suffice.
@@ -67,9 +67,9 @@ class Selection:
     Attributes:
         leg: The leg.
         joint_names: Joints, (n,).
-        scores: Of all candidates, in the order in which they were tried.
+        scores: Scores of all candidates, in the order in which they were tried.
         chosen: Index of the one that was chosen.
-        cutoff: Of the filter behind which torques were compared [Hz].
+        cutoff: Cut-off frequency of the filter behind which torques were compared [Hz].
         folds: Number of folds.
     """
 
@@ -101,14 +101,53 @@ class Selection:
         )
 
     def identify(self, recordings: Recording | Sequence[Recording]) -> Estimate:
-        """Identify with what was chosen; see :func:`exoid.identify`."""
+        """Identify with what was chosen; see :func:`exoid.identify`.
+
+        Args:
+            recordings: Recordings to identify from.
+
+        Returns:
+            The estimate.
+        """
         chosen = self.candidate
         return identify(self.leg, recordings, chosen.terms, chosen.estimator, preparation=chosen.preparation)
 
     def validate(self, estimate: Estimate, recording: Recording) -> Validation:
-        """Validate behind the filter at :attr:`cutoff`, whatever filter was chosen for the fit."""
+        """Validate behind the filter at :attr:`cutoff`, whatever filter was chosen for the fit.
+
+        Args:
+            estimate: An estimate by :meth:`identify`.
+            recording: A recording that is not fitted.
+
+        Returns:
+            Measured and predicted torque.
+        """
         preparation = evaluation(estimate.preparation, self.cutoff, recording.sample_rate)
         return validate(estimate, recording, preparation=preparation)
+
+    def to_json(self) -> dict[str, Any]:
+        """Turn a selection into what JSON can hold."""
+        return {
+            "cutoff": self.cutoff,
+            "folds": self.folds,
+            "joint_names": list(self.joint_names),
+            "chosen": self.candidate.name,
+            "terms": [term_to_json(term) for term in self.candidate.terms],
+            "estimator": self.candidate.estimator,
+            "preparation": preparation_to_json(self.candidate.preparation),
+            "warnings": list(self.warnings),
+            "candidates": [
+                {
+                    "name": score.candidate.name,
+                    "numbers": score.numbers,
+                    "nrmse": _list(score.nrmse),
+                    "folds": _list(score.folds),
+                    "fast": _list(score.extrapolation),
+                    "failure": score.failure,
+                }
+                for score in self.scores
+            ],
+        }
 
     def __repr__(self) -> str:
         """Name the choice."""
@@ -154,11 +193,14 @@ def select_terms(
     Args:
         leg: The leg.
         recordings: One or several. Nothing else is looked at.
-        candidates: What to compare; None for :func:`exoid.identification.selection.friction_candidates`.
+        candidates: Candidates to compare; None for :func:`exoid.identification.selection.friction_candidates`.
         folds: Number of folds, at least 3.
-        cutoff: Of the filter behind which torques are compared, and of the default candidates' own [Hz].
+        cutoff: Cut-off frequency of the filter behind which torques are compared, and of the default candidates [Hz].
         tune: Whether to go on to filters and estimators.
         progress: Called with the share done.
+
+    Returns:
+        The scores of all candidates, and the choice.
 
     Raises:
         ExoidError: There are no candidates, too few folds, a joint stands still or its torque is dead, or none of the
@@ -190,31 +232,6 @@ def select_terms(
         chosen = chosen if choice == 0 else len(scores) + choice - 1
         scores = (*scores, *later)
     return Selection(leg, leg.joint_names, scores, chosen, cutoff, folds)
-
-
-def selection_to_json(selection: Selection) -> dict[str, Any]:
-    """Turn a selection into what JSON can hold."""
-    return {
-        "cutoff": selection.cutoff,
-        "folds": selection.folds,
-        "joint_names": list(selection.joint_names),
-        "chosen": selection.candidate.name,
-        "terms": [term_to_json(term) for term in selection.candidate.terms],
-        "estimator": selection.candidate.estimator,
-        "preparation": preparation_to_json(selection.candidate.preparation),
-        "warnings": list(selection.warnings),
-        "candidates": [
-            {
-                "name": score.candidate.name,
-                "numbers": score.numbers,
-                "nrmse": _list(score.nrmse),
-                "folds": _list(score.folds),
-                "fast": _list(score.extrapolation),
-                "failure": score.failure,
-            }
-            for score in selection.scores
-        ],
-    }
 
 
 class _Bench(NamedTuple):
