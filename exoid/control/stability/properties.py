@@ -74,6 +74,16 @@ class ModelProperties:
         """Property 3: C, G and F_r are all bounded for all θ and θ̇."""
         return self.coriolis_bounded and self.friction_bounded
 
+    def to_json(self) -> dict[str, Any]:
+        """Turn verdicts and evidence into what JSON can hold.
+
+        Returns:
+            Both by name.
+        """
+        verdicts = ("symmetric_positive_definite", "skew_symmetric", "bounded")
+        evidence = ("smallest_inertia", "skewness", "speeds", "coriolis", "friction", "gravity")
+        return attributes(self, *verdicts, *evidence)
+
     def __repr__(self) -> str:
         """Name what holds."""
         verdicts = (self.symmetric_positive_definite, self.skew_symmetric, self.bounded)
@@ -141,13 +151,6 @@ def check_properties(source: ModelSource, *, poses: int = 500, seed: int | np.ra
         gravity=float(np.abs(model.leg.gravity(q)).max()),
         friction=np.array([_friction_at(model, q, speed) for speed in SPEEDS]),
     )
-
-
-def properties_to_json(properties: ModelProperties) -> dict[str, Any]:
-    """Turn verdicts and evidence into what JSON can hold."""
-    verdicts = ("symmetric_positive_definite", "skew_symmetric", "bounded")
-    evidence = ("smallest_inertia", "skewness", "speeds", "coriolis", "friction", "gravity")
-    return attributes(properties, *verdicts, *evidence)
 
 
 def _mass_matrix(model: ControlModel, q: FloatArray) -> FloatArray:
