@@ -75,7 +75,7 @@ class ControlModel:
     others: tuple[OtherTerm, ...] = field(default=())
 
     @classmethod
-    def of(cls, source: Estimate | Leg | Plant | ControlModel) -> ControlModel:
+    def of(cls, source: ModelSource) -> ControlModel:
         """Take over the model of an estimate, a leg (bodies only), or the truth of a plant of one rig.
 
         Raises:
@@ -211,6 +211,10 @@ class ControlModel:
             torque = torque + np.zeros_like(q)
             torque[other.joint] += other.torque(at, np.zeros_like(at), np.zeros_like(at)).reshape(q.shape[1:])
         return np.asarray(torque)
+
+
+ModelSource = Estimate | Leg | Plant | ControlModel
+"""What laws know of a leg: an estimate, a leg (its bodies only), or the truth of a plant of one rig."""
 
 
 def _of_parameters(model: TorqueModel, parameters: FloatArray) -> ControlModel:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import asdict, dataclass
+from typing import ClassVar, Protocol
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
@@ -121,6 +121,7 @@ class ZeroPhase:
         order: Order of one of the two passes of each filter.
     """
 
+    name: ClassVar[str] = "zero-phase"
     cutoff: float = 8.0
     kinematics_cutoff: float | None = None
     order: int = 4
@@ -130,11 +131,6 @@ class ZeroPhase:
             value = getattr(self, name)
             if value is not None and not 0.0 < value < math.inf:
                 raise ExoidError(f"{name} is {value}", remedy="pass a positive frequency in Hz")
-
-    @property
-    def name(self) -> str:
-        """``"zero-phase"``."""
-        return "zero-phase"
 
     def kinematics_cutoff_at(self, rate: float) -> float:
         """Return the cut-off [Hz] for q, v, a sampled at ``rate`` [Hz]."""
@@ -192,36 +188,10 @@ class ZeroPhase:
 
 
 @dataclass(frozen=True)
-class Smoothed:
-    """Smooth the angles without delay and derive, but leave columns and torques as they are.
+class _Unfiltered:
+    """What preparations have in common after which torques and columns pass no filter."""
 
-    For joints that truly stick and slip: a filter after sgn(v) would smear the jump of friction over rows that are left
-    out on purpose, see :class:`exoid.torques.Coulomb` and its dead band.
-
-    Attributes:
-        cutoff: −3 dB frequency for q, v, a [Hz].
-        order: Order of one of the two passes.
-    """
-
-    cutoff: float = 10.0
-    order: int = 4
-
-    @property
-    def name(self) -> str:
-        """``"smoothed"``."""
-        return "smoothed"
-
-    def kinematics(self, recording: Recording) -> Kinematics:
-        """Smooth and derive.
-
-        Raises:
-            ExoidError: The cut-off is not below half the rate, or nothing is left between the ends.
-        """
-        recording = recording.resampled()
-        rate = recording.sample_rate
-        edge = edge_length(rate, self.cutoff, self.order)
-        valid = _inner(recording, edge, edge)
-        return _derive(recording, lambda x: zero_phase(x, rate, self.cutoff, self.order), valid, accuracy=4)
+    name: ClassVar[str]
 
     def filter(self, x: FloatArray, rate: float) -> FloatArray:
         """Return the torques as they are."""
@@ -240,20 +210,46 @@ class Smoothed:
 
     def describe(self) -> dict[str, float | str]:
         """Name and settings."""
-        return {"name": self.name, "cutoff": self.cutoff, "order": self.order}
+        return {"name": self.name, **asdict(self)}
 
 
 @dataclass(frozen=True)
-class FiniteDifference:
+class Smoothed(_Unfiltered):
+    """Smooth the angles without delay and derive, but leave columns and torques as they are.
+
+    For joints that truly stick and slip: a filter after sgn(v) would smear the jump of friction over rows that are left
+    out on purpose, see :class:`exoid.torques.Coulomb` and its dead band.
+
+    Attributes:
+        cutoff: −3 dB frequency for q, v, a [Hz].
+        order: Order of one of the two passes.
+    """
+
+    name: ClassVar[str] = "smoothed"
+    cutoff: float = 10.0
+    order: int = 4
+
+    def kinematics(self, recording: Recording) -> Kinematics:
+        """Smooth and derive.
+
+        Raises:
+            ExoidError: The cut-off is not below half the rate, or nothing is left between the ends.
+        """
+        recording = recording.resampled()
+        rate = recording.sample_rate
+        edge = edge_length(rate, self.cutoff, self.order)
+        valid = _inner(recording, edge, edge)
+        return _derive(recording, lambda x: zero_phase(x, rate, self.cutoff, self.order), valid, accuracy=4)
+
+
+@dataclass(frozen=True)
+class FiniteDifference(_Unfiltered):
     """Plain central differences and no filter, as doc. 1, sec. III-B; the first and last sample are dropped.
 
     Velocities and accelerations that were recorded are taken as they are.
     """
 
-    @property
-    def name(self) -> str:
-        """``"finite-difference"``."""
-        return "finite-difference"
+    name: ClassVar[str] = "finite-difference"
 
     def kinematics(self, recording: Recording) -> Kinematics:
         """Difference the angles.
@@ -264,28 +260,9 @@ class FiniteDifference:
         recording = recording.resampled()
         return _derive(recording, lambda x: x, _inner(recording, 1, 1), accuracy=2)
 
-    def filter(self, x: FloatArray, rate: float) -> FloatArray:
-        """Return the torques as they are."""
-        return x
-
-    def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
-        """Return the columns as they are."""
-        return x
-
-    def parallel(self, rate: float) -> None:
-        """None: columns are not filtered."""
-
-    def independence(self, rate: float) -> float:
-        """All samples: nothing is filtered."""
-        return 1.0
-
-    def describe(self) -> dict[str, float | str]:
-        """Name; there are no settings."""
-        return {"name": self.name}
-
 
 @dataclass(frozen=True)
-class MovingAverage:
+class MovingAverage(_Unfiltered):
     """Smooth every measured signal by an exponential moving average, as doc. 2, sec. III.
 
     Velocity as measured where there is one, else by differences of the smoothed angle. All signals are late
@@ -296,16 +273,12 @@ class MovingAverage:
         alpha: Weight of the newest sample, 0 < α ≤ 1. Doc. 2 prints none; 0.2 is an assumption.
     """
 
+    name: ClassVar[str] = "moving-average"
     alpha: float = 0.2
 
     def __post_init__(self) -> None:
         if not 0.0 < self.alpha <= 1.0:
             raise ExoidError(f"alpha is {self.alpha}", remedy="pass 0 < alpha ≤ 1, the weight of the newest sample")
-
-    @property
-    def name(self) -> str:
-        """``"moving-average"``."""
-        return "moving-average"
 
     def kinematics(self, recording: Recording) -> Kinematics:
         """Smooth and derive.
@@ -322,20 +295,9 @@ class MovingAverage:
         """Smooth torques like the angles."""
         return exponential_moving_average(x, self.alpha)
 
-    def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
-        """Return the columns as they are: their signals were smoothed before."""
-        return x
-
-    def parallel(self, rate: float) -> None:
-        """None: columns are not filtered."""
-
     def independence(self, rate: float) -> float:
         """Σ h² of the average, α / (2 − α)."""
         return self.alpha / (2.0 - self.alpha)
-
-    def describe(self) -> dict[str, float | str]:
-        """Name and setting."""
-        return {"name": self.name, "alpha": self.alpha}
 
 
 def _derive(

@@ -7,7 +7,6 @@ from .by_name import ESTIMATORS, Estimator, find_estimator, fit_by, name_of, reg
 from .closed_loop import ClosedLoop
 from .gls import gls
 from .huber import huber
-from .instrumental import InstrumentalVariables
 from .joint_ml import JointML
 from .least_squares import ols, wls
 from .output_error import OutputError
@@ -17,7 +16,6 @@ __all__ = [
     "ClosedLoop",
     "Estimator",
     "Fit",
-    "InstrumentalVariables",
     "JointML",
     "LeastSquaresProblem",
     "OutputError",

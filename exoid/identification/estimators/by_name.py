@@ -12,7 +12,6 @@ from exoid.regression.fit import Fit
 
 from .gls import gls
 from .huber import huber
-from .instrumental import InstrumentalVariables
 from .joint_ml import JointML
 from .least_squares import ols, wls
 from .output_error import OutputError
@@ -22,7 +21,7 @@ Estimator = Callable[[Problem], Fit]
 
 AnyEstimator = TypeVar("AnyEstimator", bound=Estimator)
 
-NEED_LOOP: Mapping[str, Estimator] = {"iv": InstrumentalVariables(), "output-error": OutputError()}
+NEED_LOOP: Mapping[str, Estimator] = {"output-error": OutputError()}
 """Estimators that need a :class:`ClosedLoop`, and say so when they are used without."""
 
 
