@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import ClassVar, Protocol
 
@@ -29,7 +29,9 @@ LARGEST_RATIO = 0.4
 class Preparation(Protocol):
     """Interface of a preparation.
 
-    A recording with uneven time stamps is resampled first: rows of results are those of ``recording.resampled()``.
+    A recording with uneven time stamps is resampled first: rows of results are those of ``recording.resampled()``. A
+    preparation of another package is a frozen dataclass, whose fields are its settings; see
+    :func:`exoid.signals.register_preparation`.
     """
 
     @property
@@ -425,32 +427,6 @@ class MovingAverage(_Unfiltered):
             Fraction of the samples that carries independent noise.
         """
         return self.alpha / (2.0 - self.alpha)
-
-
-PREPARATIONS: Mapping[str, type[ZeroPhase] | type[Smoothed] | type[FiniteDifference] | type[MovingAverage]] = {
-    "finite-difference": FiniteDifference,
-    "moving-average": MovingAverage,
-    "smoothed": Smoothed,
-    "zero-phase": ZeroPhase,
-}
-"""Preparations by name."""
-
-
-def preparation_by_name(name: str) -> Preparation:
-    """Make a preparation with its default settings.
-
-    Args:
-        name: A key of :data:`PREPARATIONS`.
-
-    Returns:
-        The preparation.
-
-    Raises:
-        ExoidError: There is no preparation of that name.
-    """
-    if name not in PREPARATIONS:
-        raise ExoidError(f"no preparation {name!r}", remedy=f"use one of {', '.join(PREPARATIONS)}")
-    return PREPARATIONS[name]()
 
 
 def _derive(

@@ -302,7 +302,7 @@ class Recording:
         topic: str | None = None,
         stamps: Literal["header", "received"] = "header",
     ) -> Recording:
-        """Read a log of any format; the first bytes of the file say which.
+        """Read a log of any format: its first bytes say which, or an ending of :func:`register_format`.
 
         * CSV, as :meth:`from_csv`.
         * Parquet, columns named as in CSV (needs ``exoid[io]``).

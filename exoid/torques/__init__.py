@@ -1,7 +1,7 @@
 """Joint torques besides rigid-body dynamics (friction, springs, rotors, offsets), and the torque model of a leg."""
 
 from .armature import Armature
-from .catalog import DEFAULT_TERMS, TERMS, term_by_name, term_from_json, term_to_json
+from .catalog import DEFAULT_TERMS, TERMS, register_term, term_by_name, term_from_json, term_to_json
 from .coulomb import Coulomb
 from .dry_friction import DryFriction
 from .internal_state import InternalState
@@ -38,6 +38,7 @@ __all__ = [
     "TorqueModel",
     "Viscous",
     "nonlinear_settings",
+    "register_term",
     "term_by_name",
     "term_from_json",
     "term_to_json",

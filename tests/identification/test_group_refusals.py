@@ -127,7 +127,7 @@ def test_terms_in_which_torque_is_not_linear(leg, two, term):
         identify(leg, two, (*TERMS, term))
 
 
-@pytest.mark.parametrize("estimator", ["ml", JointML(), "iv"])
+@pytest.mark.parametrize("estimator", ["ml", JointML(), "output-error"])
 def test_estimators_of_one_leg_alone(leg, two, estimator):
     with pytest.raises(ExoidError, match=r"is for one leg alone.*use one of gls, huber, ols, wls"):
         identify(leg, two, TERMS, estimator)

@@ -14,12 +14,11 @@ from .table import ArrayTable, ReadOptions, reading, refuse_expansion, to_column
 REMEDY = "write it with np.savez(path, time=..., q=..., tau=..., joint_names=[...]), all arrays of numbers or text"
 
 
-def read_npz(path: Path, file: str, options: ReadOptions) -> ArrayTable:
+def read_npz(file: str, options: ReadOptions) -> ArrayTable:
     """Read an archive of arrays; pickled arrays are refused, because unpickling runs code from the file.
 
     Args:
-        path: The file.
-        file: Path as the caller gave it, for messages.
+        file: Path as the caller gave it.
         options: What the caller requests.
 
     Returns:
@@ -28,6 +27,7 @@ def read_npz(path: Path, file: str, options: ReadOptions) -> ArrayTable:
     Raises:
         ExoidError: The file is damaged, or holds objects.
     """
+    path = Path(file)
     with reading(file, "a NumPy archive", REMEDY):
         with zipfile.ZipFile(path) as archive:
             refuse_expansion(sum(member.file_size for member in archive.infolist()), path, file)

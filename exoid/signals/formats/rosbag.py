@@ -1,4 +1,4 @@
-"""``sensor_msgs/JointState`` in bags of ROS: rosbag2 folders, MCAP and sqlite3 files, and bags of ROS 1."""
+"""``sensor_msgs/JointState`` in ROS bags: rosbag2 folders, MCAP and sqlite3 files, and ROS 1 bags."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class _Message(NamedTuple):
     effort: NDArray[np.float64]
 
 
-def read_rosbag(path: Path, file: str, options: ReadOptions) -> ArrayTable:
+def read_rosbag(file: str, options: ReadOptions) -> ArrayTable:
     """Read the joint states of one topic: ``time``, ``q_<joint>`` and, where messages have them, ``v_`` and ``tau_``.
 
     Time starts at the first message. Messages may list their joints in any order. Messages without any requested joint
@@ -41,8 +41,7 @@ def read_rosbag(path: Path, file: str, options: ReadOptions) -> ArrayTable:
     are ignored.
 
     Args:
-        path: The file.
-        file: Path as the caller gave it, for messages.
+        file: Path as the caller gave it.
         options: What the caller requests.
 
     Returns:
@@ -51,6 +50,7 @@ def read_rosbag(path: Path, file: str, options: ReadOptions) -> ArrayTable:
     Raises:
         ExoidError: rosbags is missing, the bag is damaged, no topic or several fit, or messages disagree on joints.
     """
+    path = Path(file)
     with reading(file, "a bag", REMEDY):
         messages = list(_messages(path, file, options))
         if not messages:
@@ -66,7 +66,7 @@ def read_rosbag(path: Path, file: str, options: ReadOptions) -> ArrayTable:
 
 
 def _messages(path: Path, file: str, options: ReadOptions) -> Iterator[_Message]:
-    """Go over the joint states of the topic, numbered from 0 within it."""
+    """Joint states of the topic, numbered from 0."""
     try:
         from rosbags import rosbag1, rosbag2  # noqa: PLC0415 - an extra
         from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
@@ -87,7 +87,7 @@ def _messages(path: Path, file: str, options: ReadOptions) -> Iterator[_Message]
 
 
 def _topic(kinds: Mapping[str, str], file: str, asked: str | None) -> str:
-    """Choose the topic asked for, or the only one of joint states."""
+    """Select the requested topic, or the only one of joint states."""
     fit = [topic for topic, kind in kinds.items() if kind == JOINT_STATE]
     listed = ", ".join(f"{topic} ({kind})" for topic, kind in sorted(kinds.items())[:20]) or "no topics"
     if asked is not None and asked not in fit:
@@ -102,14 +102,14 @@ def _topic(kinds: Mapping[str, str], file: str, asked: str | None) -> str:
 
 
 def _common_joints(messages: list[_Message], file: str, options: ReadOptions) -> tuple[tuple[str, ...], list[_Message]]:
-    """Joints to read, and the messages that have them."""
+    """Joints to read, and the messages with these joints."""
     layouts = {message.joints: message.number for message in messages}
     for joints, number in layouts.items():
         if len(set(joints)) < len(joints):
             raise ExoidError(
                 f"a joint is named twice: {', '.join(joints)}",
                 where=f"{file}, message {number}",
-                remedy="mend the publisher",
+                remedy="correct the publisher",
             )
     if options.joint_names is None:
         if len({frozenset(joints) for joints in layouts}) > 1:
@@ -146,7 +146,7 @@ def _seconds(messages: Sequence[_Message], file: str, options: ReadOptions) -> F
 
 
 def _matrix(messages: Sequence[_Message], joints: Sequence[str], field: str, file: str) -> FloatArray | None:
-    """One field of all messages, (N, n), joints in one order; None where no message has it."""
+    """One field of all messages, (N, n), joints in one order; None if no message has it."""
     given = np.array([len(getattr(message, field)) > 0 for message in messages])
     if not given.any():
         return None
@@ -165,7 +165,7 @@ def _matrix(messages: Sequence[_Message], joints: Sequence[str], field: str, fil
             raise ExoidError(
                 f"{len(values)} values of {field} for {len(message.joints)} joints",
                 where=f"{file}, message {message.number}",
-                remedy="mend the publisher",
+                remedy="correct the publisher",
             )
         if message.joints not in columns:
             columns[message.joints] = [message.joints.index(joint) for joint in joints]
