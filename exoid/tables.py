@@ -76,6 +76,23 @@ def to_text(*parts: DataTable | str) -> str:
     return "\n".join(line.rstrip() for line in file.getvalue().splitlines()).strip("\n")
 
 
+def to_html(*parts: DataTable | str) -> str:
+    """Render tables, with their captions, and lines as HTML, such as a ``_repr_html_`` returns to a notebook.
+
+    Args:
+        parts: Tables, and lines of text, which are escaped.
+
+    Returns:
+        ``<table>`` and ``<p>`` elements.
+    """
+    return "".join(
+        html_table(part.headers, part.rows, part.caption)
+        if isinstance(part, DataTable)
+        else f"<p>{html.escape(part)}</p>"
+        for part in parts
+    )
+
+
 def html_table(headers: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:
     """Render a table as HTML, such as a ``_repr_html_`` returns to a notebook.
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from exoid.codegen import CSource, write_c
+from exoid.tables import to_html, to_text
 
 from .data import EstimateData
 from .export import Export, export_urdf
@@ -132,4 +133,8 @@ class Estimate(EstimateData):
 
     def __str__(self) -> str:
         """Print as a table, followed by what the reader should know before trusting it."""
-        return report(self)
+        return to_text(*report(self))
+
+    def _repr_html_(self) -> str:
+        """Table of the parameters for notebooks, with the same lines below it."""
+        return to_html(*report(self))

@@ -12,7 +12,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
-from exoid.tables import DataTable, make_table, to_text
+from exoid.tables import DataTable, make_table, to_html, to_text
 
 from .comparison import Comparison, wald, welch
 from .equality import Equality
@@ -190,11 +190,15 @@ class GroupedEstimate(ParameterTable):
 
     def __str__(self) -> str:
         """Print as tables, followed by what the reader should know before trusting them."""
-        return report(self)
+        return to_text(*report(self))
+
+    def _repr_html_(self) -> str:
+        """Tables of shared and own parameters for notebooks, with the same lines below them."""
+        return to_html(*report(self))
 
 
-def report(grouped: GroupedEstimate) -> str:
-    """Print estimates that share parameters."""
+def report(grouped: GroupedEstimate) -> list[DataTable | str]:
+    """Describe estimates that share parameters by tables, and by what the reader should know."""
     kind = next(iter(grouped.estimates.values())).estimator
     title = f"{', '.join(grouped.groups)}: {kind} estimate of {len(grouped.shared)} shared parameters"
     parts: list[DataTable | str] = [f"{title}, {len(grouped.own)} own each"]
@@ -204,7 +208,7 @@ def report(grouped: GroupedEstimate) -> str:
         parts.append(make_table(("shared", *HEADERS), rows))
     if grouped.own:
         parts.append(make_table(("own", *HEADERS, "p equal"), _own_rows(grouped, numbers)))
-    return to_text(*parts, *_closing_lines(grouped))
+    return [*parts, *_closing_lines(grouped)]
 
 
 def _numbers(grouped: GroupedEstimate) -> Iterator[tuple[str, ...]]:

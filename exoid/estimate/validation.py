@@ -12,7 +12,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.regression.rows import form_rows, prepare
 from exoid.signals import Preparation, Recording
-from exoid.tables import DataTable, make_table, to_text
+from exoid.tables import DataTable, make_table, to_html, to_text
 
 from .data import EstimateData
 
@@ -91,12 +91,20 @@ class Validation:
 
     def __str__(self) -> str:
         """Print as a table."""
+        return to_text(*self._report())
+
+    def _repr_html_(self) -> str:
+        """Table for notebooks."""
+        return to_html(*self._report())
+
+    def _report(self) -> list[DataTable | str]:
+        """Title, tables and number of samples."""
         samples = f"{len(self.time)} samples, both torques filtered alike"
         tables: list[DataTable | str] = [make_table(HEADERS, self.rows())]
         if self.parts:
             of_parts = [(part.source, *row) for part in self.parts for row in part.rows()]
             tables += ["each recording:", make_table(("recording", *HEADERS), of_parts)]
-        return to_text(f"Prediction of {self.source}", *tables, samples)
+        return [f"Prediction of {self.source}", *tables, samples]
 
     def rows(self) -> list[tuple[str, ...]]:
         """Write joint, RMSE, NRMSE and R² as rows of a table.

@@ -4,6 +4,7 @@ import dataclasses
 import json
 from pathlib import Path
 
+import lxml.html
 import numpy as np
 import pytest
 from swings import TERMS, Swing
@@ -418,3 +419,16 @@ def test_a_parameter_is_looked_up_by_name(estimate):
     with pytest.raises(ExoidError, match=r"no parameter 'X9'.*names are X1, Y1"):
         estimate["X9"]
     assert "X9" not in estimate
+
+
+def test_results_show_themselves_as_tables_in_notebooks(swing, recording, estimate):
+    """The same cells and lines as in the printed text, in HTML that an XML parser reads, with nothing unescaped."""
+    validation = exoid.validate(estimate, recording)
+    grouped = exoid.identify(swing.leg, {"<a>": recording}, TERMS, own="c0")
+    for result in (estimate, validation, grouped):
+        page = lxml.html.fragment_fromstring(result._repr_html_(), create_parent="div")
+        cells = [cell.text_content() for cell in page.iter("td")]
+        assert len(cells) > 5
+        assert all(cell in str(result) for cell in cells)
+        assert all(" ".join(line.text_content().split()) in " ".join(str(result).split()) for line in page.iter("p"))
+    assert "<a>" not in grouped._repr_html_()
