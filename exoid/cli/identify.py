@@ -49,7 +49,9 @@ def identify(
     side: Annotated[str | None, typer.Option(help="left or right; by default the side in the log.")] = None,
     inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
     joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF; default: logged.")] = None,
-    terms: Annotated[str | None, typer.Option(metavar="A,B", help=f"{', '.join(TERMS)}; none for none.")] = None,
+    terms: Annotated[
+        str | None, typer.Option(metavar="A,B", help=f"{', '.join(TERMS.registered)}; none for none.")
+    ] = None,
     estimator: Annotated[str, typer.Option(help="wls, huber, gls, ml or ols.")] = "wls",
     cutoff: Annotated[
         float | None,

@@ -221,7 +221,7 @@ def _of_parameters(model: TorqueModel, parameters: FloatArray) -> ControlModel:
     leg = model.leg.with_parameters(parameters[: len(model.leg.parameter_names)])
     values = dict(zip(model.names, parameters.tolist(), strict=True))
     n = len(leg.joint_names)
-    degree = max((term.degree for term in model.terms if isinstance(term, Stiffness)), default=0)
+    degree = max((term.degree for term in model.terms if type(term) is Stiffness), default=0)
     spring, rest = np.zeros((degree + 1, n)), np.zeros((3, n))
     others = []
     for term in model.terms:
@@ -229,7 +229,7 @@ def _of_parameters(model: TorqueModel, parameters: FloatArray) -> ControlModel:
             # what is regrouped into another parameter is compensated there
             found = np.array([values.get(f"{symbol}_{leg.joint_labels[joint]}", 0.0) for symbol in term.symbols])
             kind = type(term)
-            if isinstance(term, Stiffness):
+            if type(term) is Stiffness:  # a type derived from it may compute something else
                 spring[degree - term.degree :, joint] += found
             elif kind is Offset:
                 spring[-1, joint] += found[0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,9 +21,14 @@ from exoid.lift import Lift, lift
 from exoid.lift.lumping import share_out
 from exoid.rewriting import rewrite
 from exoid.tables import make_table, to_text
-from exoid.torques import term_to_json
+from exoid.torques import Coulomb, Term, TorqueModel, Viscous, term_to_json
 
 from .data import EstimateData
+
+PLACES: dict[tuple[type[Term], str], str] = {
+    (kind, symbol): IN_URDF[symbol] for kind, symbol in ((Coulomb, "c0"), (Viscous, "d"))
+}
+"""Attribute of ``<dynamics>`` for a symbol of a type of term; another type may mean another thing by it."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,9 +59,8 @@ class Export:
     @property
     def only_in_sidecar(self) -> tuple[str, ...]:
         """Parameters that the URDF has no place for."""
-        return tuple(
-            name for name in self.estimate.names[len(self.lift.names) :] if _place(name, self.estimate) is None
-        )
+        places = _places(self.estimate.model)
+        return tuple(name for name in self.estimate.names[len(self.lift.names) :] if name not in places)
 
     def to_json(self) -> dict[str, Any]:
         """Describe an export as the sidecar has it.
@@ -65,6 +69,7 @@ class Export:
             Parameters, terms and lift, as the sidecar file has them.
         """
         estimate, leg = self.estimate, self.estimate.model.leg
+        terms = [term_to_json(term) for term in estimate.model.terms]
         return {
             "schema": SCHEMA,
             "urdf": {"name": self.urdf.name, "sha256": self.sha256},
@@ -75,7 +80,8 @@ class Export:
             "units": dict(zip(estimate.names, estimate.units, strict=True)),
             "only_here": list(self.only_in_sidecar),
             "not_dissipative": list(self.not_dissipative),
-            "terms": [term_to_json(term) for term in estimate.model.terms],
+            "terms": terms,
+            "term_of": _term_of(estimate.model, [term["term"] for term in terms]),
             "shapes": dict(zip(estimate.nonlinear.names, estimate.nonlinear.values.tolist(), strict=True)),
             "merged": {regrouped.name: regrouped.into for regrouped in estimate.regrouped},
             "estimate": {
@@ -174,25 +180,37 @@ def _moved_along(estimate: EstimateData, rigid: FloatArray) -> FloatArray:
     return values
 
 
-def _place(name: str, estimate: EstimateData) -> tuple[str, str] | None:
-    """Joint and attribute of ``<dynamics>`` for a parameter; None where the URDF has none."""
-    leg = estimate.model.leg
-    symbol, _, label = name.partition("_")
-    if symbol not in IN_URDF or label not in leg.joint_labels:
-        return None
-    return leg.joint_names[leg.joint_labels.index(label)], IN_URDF[symbol]
+def _places(model: TorqueModel) -> dict[str, tuple[str, str]]:
+    """Joint and attribute of ``<dynamics>`` for each parameter that the URDF has a place for."""
+    joints = model.leg.joint_names
+    return {
+        name: (joints[block.joint], PLACES[type(block.term), symbol])
+        for block in model.blocks
+        for symbol, name in zip(block.term.symbols, block.names, strict=True)
+        if (type(block.term), symbol) in PLACES
+    }
+
+
+def _term_of(model: TorqueModel, terms: Sequence[str]) -> dict[str, str]:
+    """Name of the term that each parameter beside the rigid bodies belongs to.
+
+    Args:
+        model: The model.
+        terms: Name of each of its terms.
+    """
+    known = dict(zip(map(id, model.terms), terms, strict=True))
+    return {name: known[id(block.term)] for block in model.blocks for name in block.names if name in model.names}
 
 
 def _dynamics(estimate: EstimateData, values: FloatArray) -> tuple[dict[str, dict[str, float]], tuple[str, ...]]:
     """Attributes of ``<dynamics>`` for each joint, and the names of those that had to be raised to zero."""
     found: dict[str, dict[str, float]] = {}
     negative = []
-    p = len(estimate.model.leg.parameter_names)
-    for name, value in zip(estimate.names[p:], values[p:], strict=True):
-        place = _place(name, estimate)
-        if place is None:
+    places = _places(estimate.model)
+    for name, value in zip(estimate.names, values, strict=True):
+        if name not in places:
             continue
-        joint, attribute = place
+        joint, attribute = places[name]
         found.setdefault(joint, {})[attribute] = max(0.0, float(value))
         if value < 0.0:
             negative.append(name)

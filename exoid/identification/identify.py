@@ -14,7 +14,7 @@ from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .estimators import Estimator, find_estimator
+from .estimators import Estimator, find_estimator, fit_by
 from .fitting import Fitted, Start, Task
 from .group_checks import refuse_nonlinear_terms
 from .groups import Measured, make_groups, own_parameters, prepare_groups, summarize_groups
@@ -176,7 +176,7 @@ def fit_model(task: Task, start: Start | None = None) -> Fitted:
     models = tuple(TorqueModel(group.leg, task.terms) for group in task.groups)
     problem = Problem.of(task.groups, models, task.own, task.prior_knowledge, task.keep)
     problem.refuse_empty_joints()
-    fit = task.estimator(problem)
+    fit = fit_by(task.estimator, problem)
     return Fitted(models, fit.solution.values, NO_NONLINEAR_PARAMETERS, problem, fit, fit.warnings)
 
 

@@ -15,6 +15,7 @@ from exoid.regression.least_squares import factorize, stack
 from exoid.torques import NonlinearSetting, Term, TorqueModel, nonlinear_settings, with_settings
 from exoid.torques.linearised import linearise
 
+from .estimators import fit_by
 from .fitting import Fitted, Start, Task
 from .problem import Problem
 
@@ -142,7 +143,7 @@ class _Search:
         unsettled: tuple[str, ...] = ()
         for _ in range(POLISH):
             problem = self._problem(tuple(held))
-            fit = self.task.estimator(problem)
+            fit = fit_by(self.task.estimator, problem)
             found = dict(zip(problem.names, fit.solution.values, strict=True))
             before = self._vector(problem.names)
             moved = fit.solution.values - before

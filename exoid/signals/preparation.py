@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import ClassVar, Protocol
 
@@ -30,7 +30,8 @@ class Preparation(Protocol):
     """What identification asks of a way to prepare recordings.
 
     Use on a recording with even stamps (`Recording.resampled`): an uneven one is resampled inside, and the
-    rows of the result are then those of ``recording.resampled()``.
+    rows of the result are then those of ``recording.resampled()``. A type of preparation from outside exoid is a
+    frozen dataclass, whose fields are its settings; see :func:`exoid.signals.register_preparation`.
     """
 
     @property
@@ -39,30 +40,68 @@ class Preparation(Protocol):
         ...
 
     def kinematics(self, recording: Recording) -> Kinematics:
-        """Derive what was not recorded, smooth, and say which rows to trust."""
+        """Derive what was not recorded, smooth, and say which rows to trust.
+
+        Args:
+            recording: Angles, and velocities and accelerations where they were measured.
+
+        Returns:
+            Angles, velocities and accelerations of all samples, and the slice of those that no filter spoils.
+        """
         ...
 
     def filter(self, x: FloatArray, rate: float) -> FloatArray:
-        """Filter measured torques [N·m], (N, ...), sampled at ``rate`` [Hz]."""
+        """Filter measured torques.
+
+        Args:
+            x: Torques [N·m], (N, ...).
+            rate: Sampling rate [Hz].
+
+        Returns:
+            Filtered torques [N·m], (N, ...).
+        """
         ...
 
     def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
-        """Filter regressor columns, (N, ...), unless `kinematics` has filtered them like the torques."""
+        """Filter regressor columns, unless `kinematics` has filtered them like the torques.
+
+        Args:
+            x: Columns, (N, ...).
+            rate: Sampling rate [Hz].
+
+        Returns:
+            Filtered columns, (N, ...).
+        """
         ...
 
     def parallel(self, rate: float) -> ParallelFilter | None:
         """Return the filter of `filter` and `filter_columns`, if they are alike and it can run on any stretch.
 
-        None where torques pass `filter` from the first sample on and columns stay as they are.
+        Args:
+            rate: Sampling rate [Hz].
+
+        Returns:
+            The filter; None where torques pass `filter` from the first sample on and columns stay as they are.
         """
         ...
 
     def independence(self, rate: float) -> float:
-        """Return the share of filtered samples at ``rate`` [Hz] that carries independent noise, at most 1."""
+        """Return the share of filtered samples that carries independent noise.
+
+        Args:
+            rate: Sampling rate [Hz].
+
+        Returns:
+            The share, at most 1.
+        """
         ...
 
     def describe(self) -> dict[str, float | str]:
-        """Name and settings, for evidence."""
+        """Name and settings, for evidence.
+
+        Returns:
+            Settings by name, the name of the preparation under "name".
+        """
         ...
 
 
@@ -259,23 +298,6 @@ class MovingAverage(_Unfiltered):
     def independence(self, rate: float) -> float:
         """Σ h² of the average, α / (2 − α)."""
         return self.alpha / (2.0 - self.alpha)
-
-
-PREPARATIONS: Mapping[str, type[ZeroPhase] | type[Smoothed] | type[FiniteDifference] | type[MovingAverage]] = {
-    kind.name: kind for kind in (FiniteDifference, MovingAverage, Smoothed, ZeroPhase)
-}
-"""Preparations by the name they give themselves."""
-
-
-def preparation_by_name(name: str) -> Preparation:
-    """Make a preparation with its default settings.
-
-    Raises:
-        ExoidError: There is none of that name.
-    """
-    if name not in PREPARATIONS:
-        raise ExoidError(f"no preparation {name!r}", remedy=f"use one of {', '.join(PREPARATIONS)}")
-    return PREPARATIONS[name]()
 
 
 def _derive(

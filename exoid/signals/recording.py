@@ -254,7 +254,7 @@ class Recording:
         topic: str | None = None,
         stamps: Literal["header", "received"] = "header",
     ) -> Recording:
-        """Read a log of any kind: its first bytes say which.
+        """Read a log of any kind: its first bytes say which, or an ending that :func:`register_format` made known.
 
         * CSV, as :meth:`from_csv`.
         * Parquet, columns named as in CSV (needs ``exoid[io]``).

@@ -13,11 +13,9 @@ from typing import Literal, NamedTuple, overload
 from exoid.errors import ExoidError
 
 from . import checks
+from .formats import READERS
 from .poses import Poses
 from .recording import Recording
-
-ENDINGS = (".csv", ".txt", ".tsv", ".parquet", ".npz", ".mat", ".mcap", ".db3", ".bag")
-"""Files in a folder whose names end otherwise are no logs."""
 
 
 class Stored(NamedTuple):
@@ -165,13 +163,13 @@ def logs_in(folder: str | os.PathLike[str]) -> list[Path]:
     except OSError as error:
         raise ExoidError(f"no such folder ({error.strerror})", where=str(path), remedy="check the path") from None
     if not files:
-        known = ", ".join(ENDINGS)
+        known = ", ".join(f".{ending}" for ending in READERS)
         raise ExoidError("no logs in the folder", where=str(path), remedy=f"give them names that end in {known}")
     return files
 
 
 def _is_log(path: Path) -> bool:
-    return path.suffix.lower() in ENDINGS and not path.name.startswith(".") and path.is_file()
+    return path.suffix.lower().removeprefix(".") in READERS and not path.name.startswith(".") and path.is_file()
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:

@@ -1,7 +1,7 @@
 """What acts on a joint besides rigid-body dynamics, and the model that puts both together."""
 
 from .armature import Armature
-from .catalog import DEFAULT_TERMS, TERMS, term_by_name, term_from_json, term_to_json
+from .catalog import DEFAULT_TERMS, TERMS, register_term, term_by_name, term_from_json, term_to_json
 from .coulomb import Coulomb
 from .dry_friction import DryFriction
 from .load_friction import LoadFriction
@@ -37,6 +37,7 @@ __all__ = [
     "TorqueModel",
     "Viscous",
     "nonlinear_settings",
+    "register_term",
     "term_by_name",
     "term_from_json",
     "term_to_json",

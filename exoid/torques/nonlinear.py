@@ -116,4 +116,9 @@ def _free_settings(term: Term) -> Iterator[tuple[str, str, str, NonlinearParamet
     for field in fields(term):
         value = getattr(term, field.name)
         if isinstance(value, NonlinearParameter):
+            if field.name not in term.shape_symbols:
+                raise ExoidError(
+                    f"{type(term).__name__}({field.name}={value}): the term has no symbol for this setting",
+                    remedy="give a number, or let shape_symbols of the term name symbol and unit of the setting",
+                )
             yield (field.name, *term.shape_symbols[field.name], value)

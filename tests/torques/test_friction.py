@@ -222,7 +222,7 @@ def test_friction_survives_a_round_trip_through_json(first, second, band, yes):
         (lambda: NonlinearParameter(0.1, 0.2, 1.0), "0 < lower ≤ start ≤ upper"),
         (lambda: NonlinearParameter(0.1, 0.0, 1.0), "0 < lower ≤ start ≤ upper"),
         (lambda: NonlinearParameter(0.1, 0.1, np.inf), "0 < lower ≤ start ≤ upper"),
-        (lambda: term_from_json({"term": "stribeck", "velocity": {"start": 1.0}}), "terms are"),
+        (lambda: term_from_json({"term": "stribeck", "velocity": {"start": 1.0}}), "settings are"),
         (lambda: TorqueModel(exoid.load_leg("cuhk"), (Stribeck(velocity=VS),)), "still to be found: vs_hip, vs_knee"),
         (lambda: columns(Stribeck(velocity=VS)), "not yet a number"),
     ],

@@ -3,7 +3,7 @@
 from exoid.regression.fit import Fit
 from exoid.regression.problem import LeastSquaresProblem
 
-from .by_name import ESTIMATORS, Estimator, find_estimator, name_of
+from .by_name import ESTIMATORS, Estimator, find_estimator, fit_by, name_of, register_estimator
 from .closed_loop import ClosedLoop
 from .gls import gls
 from .huber import huber
@@ -20,9 +20,11 @@ __all__ = [
     "LeastSquaresProblem",
     "OutputError",
     "find_estimator",
+    "fit_by",
     "gls",
     "huber",
     "name_of",
     "ols",
+    "register_estimator",
     "wls",
 ]

@@ -12,7 +12,6 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.estimate import Estimate
-from exoid.estimate.file import preparation_to_json
 from exoid.estimate.validation import Validation, validate
 from exoid.identification.estimators import find_estimator
 from exoid.identification.fitting import Start, Task
@@ -21,6 +20,7 @@ from exoid.identification.identify import fit_model, identify
 from exoid.identification.recording_summary import refuse_dead_torques, refuse_still_joints, summarize
 from exoid.leg import Leg
 from exoid.signals import Recording
+from exoid.signals.preparation_names import preparation_to_json
 from exoid.tables import make_table, to_text
 from exoid.torques import TorqueModel, term_to_json
 
@@ -126,7 +126,11 @@ class Selection:
         return validate(estimate, recording, preparation=preparation)
 
     def to_json(self) -> dict[str, Any]:
-        """Turn a selection into what JSON can hold."""
+        """Turn a selection into what JSON can hold.
+
+        Returns:
+            Scores of all candidates, and the choice.
+        """
         return {
             "cutoff": self.cutoff,
             "folds": self.folds,

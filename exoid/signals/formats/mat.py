@@ -24,12 +24,20 @@ DEEPEST = 20
 """Structs in structs, at most."""
 
 
-def read_mat(path: Path, file: str, wanted: Wanted) -> ArrayTable:
+def read_mat(file: str, wanted: Wanted) -> ArrayTable:
     """Read numbers and text; other variables are passed over. Rows count from 1, as in MATLAB.
+
+    Args:
+        file: Path as the caller gave it.
+        wanted: What the caller asks for.
+
+    Returns:
+        The table.
 
     Raises:
         ExoidError: The file is damaged, of version 7.3, or has no time.
     """
+    path = Path(file)
     with reading(file, "a MATLAB file", REMEDY), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         data = path.read_bytes()

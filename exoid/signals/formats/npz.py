@@ -14,12 +14,20 @@ from .table import ArrayTable, Wanted, reading, refuse_expansion, to_columns
 REMEDY = "write it with np.savez(path, time=..., q=..., tau=..., joint_names=[...]), all arrays of numbers or text"
 
 
-def read_npz(path: Path, file: str, wanted: Wanted) -> ArrayTable:
+def read_npz(file: str, wanted: Wanted) -> ArrayTable:
     """Read an archive of arrays; pickled ones are refused unread, as pickles run what is in them.
+
+    Args:
+        file: Path as the caller gave it.
+        wanted: What the caller asks for.
+
+    Returns:
+        The table.
 
     Raises:
         ExoidError: The file is damaged, or holds objects.
     """
+    path = Path(file)
     with reading(file, "a NumPy archive", REMEDY):
         with zipfile.ZipFile(path) as archive:
             refuse_expansion(sum(member.file_size for member in archive.infolist()), path, file)

@@ -14,7 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals.source import Source
 
-from .table import as_column, needs, reading, refuse_expansion
+from .table import Wanted, as_column, needs, reading, refuse_expansion
 
 REMEDY = "check that the writer closed it; write it anew"
 
@@ -55,8 +55,15 @@ class ParquetTable:
         return as_column(series.to_numpy(), where)
 
 
-def read_parquet(path: Path, file: str) -> ParquetTable:
+def read_parquet(file: str, wanted: Wanted) -> ParquetTable:
     """Read the header of a Parquet file.
+
+    Args:
+        file: Path as the caller gave it.
+        wanted: What the caller asks for; columns are chosen later.
+
+    Returns:
+        The table.
 
     Raises:
         ExoidError: polars is missing, or the file is damaged.
@@ -65,7 +72,7 @@ def read_parquet(path: Path, file: str) -> ParquetTable:
     with reading(file, "Parquet", REMEDY):
         names = tuple(polars.read_parquet_schema(file))
         rows = polars.scan_parquet(file, glob=False, hive_partitioning=False).select(polars.len()).collect().item()
-        return ParquetTable(file, Source.of(path), names, int(rows))
+        return ParquetTable(file, Source.of(Path(file)), names, int(rows))
 
 
 def _polars(file: str) -> Any:  # noqa: ANN401 - a module

@@ -33,16 +33,24 @@ class _Message(NamedTuple):
     effort: NDArray[np.float64]
 
 
-def read_rosbag(path: Path, file: str, wanted: Wanted) -> ArrayTable:
+def read_rosbag(file: str, wanted: Wanted) -> ArrayTable:
     """Read the joint states of one topic: ``time``, ``q_<joint>`` and, where messages have them, ``v_`` and ``tau_``.
 
     Time counts from the first message. Messages may name their joints in any order; those of none of the wanted joints
     are passed over. A field that is empty, or NaN throughout, in all messages was not measured. Of what the bag itself
     says about message types nothing is used.
 
+    Args:
+        file: Path as the caller gave it.
+        wanted: What the caller asks for.
+
+    Returns:
+        The table.
+
     Raises:
         ExoidError: rosbags is missing, the bag is damaged, no topic or several fit, or messages disagree on joints.
     """
+    path = Path(file)
     with reading(file, "a bag", REMEDY):
         messages = list(_messages(path, file, wanted))
         if not messages:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,7 @@ class Wanted:
     stamps: Literal["header", "received"] = "header"
 
 
+@runtime_checkable
 class Table(Protocol):
     """Columns of a log file, not yet checked."""
 
@@ -85,7 +86,10 @@ class ArrayTable:
     """A table whose columns are in memory; attributes as those of :class:`Table`.
 
     Attributes:
-        columns: The columns by name, all of one length.
+        columns: The columns by name, all of one length, (N,).
+
+    Raises:
+        ExoidError: Columns are not of one length.
     """
 
     file: str
@@ -93,6 +97,17 @@ class ArrayTable:
     columns: Mapping[str, NDArray[Any]]
     lines: NDArray[np.int64] | None = None
     counted: str = "row"
+
+    def __post_init__(self) -> None:
+        """Check that columns are of one length."""
+        columns = {name: np.asarray(values) for name, values in self.columns.items()}
+        shapes = {values.shape for values in columns.values()}
+        if len(shapes) > 1 or any(len(shape) != 1 for shape in shapes):
+            found = ", ".join(f"{name} {values.shape}" for name, values in list(columns.items())[:20])
+            raise ExoidError(
+                f"columns are not of one length: {found}", where=self.file, remedy="give each one number a sample"
+            )
+        object.__setattr__(self, "columns", columns)
 
     @property
     def header(self) -> tuple[str, ...]:
