@@ -9,15 +9,10 @@ from exoid.errors import ExoidError
 from exoid.registry import Registry
 from exoid.settings import named_default, named_from_json, named_to_json, refuse_unwritable_class
 
-from .armature import Armature
-from .coulomb import Coulomb
 from .load_friction import LoadFriction
-from .nonlinear import NonlinearParameter
-from .offset import Offset
-from .stiffness import Stiffness
 from .stribeck import Stribeck
-from .term import Term
-from .viscous import Viscous
+from .term import NonlinearParameter, Term
+from .terms import Armature, Coulomb, Offset, Stiffness, Viscous
 
 DEFAULT_TERMS: tuple[Term, ...] = (Coulomb(), Viscous(), Armature(), Offset())
 """Terms of a leg if the caller gives none. Leaving out an effect that exists costs far more accuracy than including one

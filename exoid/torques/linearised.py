@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg import Leg
 
-from .columns import JointTerm, LoadedMotion, joint_terms
+from .columns import JointTerm, LoadedMotion, Regrouped, joint_terms, regroup
 from .model import TorqueModel
 from .nonlinear import NonlinearSetting, nonlinear_settings, with_settings
-from .regrouping import Regrouped, regroup
 from .term import Term
 
 STEP = 1e-4

@@ -8,8 +8,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 
-from .dry_friction import DryFriction
-from .motion import JointMotion
+from .term import JointMotion
+from .terms import DryFriction
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,10 +34,7 @@ class LoadFriction(DryFriction):
 
     split: bool = False
 
-    @property
-    def loaded(self) -> bool:
-        """True."""
-        return True
+    loaded = True
 
     @property
     def symbols(self) -> tuple[str, ...]:

@@ -13,11 +13,9 @@ from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.torso import TorsoMotion
 
-from .columns import JointTerm, LoadedMotion, fill_terms, internal_states, joint_terms, load_motion
-from .motion import JointMotion, Motion, random_motion
+from .columns import JointTerm, LoadedMotion, Regrouped, fill_terms, internal_states, joint_terms, load_motion, regroup
 from .nonlinear import nonlinear_settings
-from .regrouping import Regrouped, regroup
-from .term import Term
+from .term import JointMotion, Motion, Term, random_motion
 
 BLOCK = 32768
 """Samples whose terms are filled in at once."""

@@ -2,59 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import NamedTuple
 
 from exoid.errors import ExoidError
 
-from .term import Term
-
-
-@dataclass(frozen=True)
-class NonlinearParameter:
-    """Start and bounds of a setting that the fit finds; pass it instead of a number.
-
-    ``Stribeck(velocity=NonlinearParameter(0.1, 0.01, 1.0))`` starts at 0.1 and searches between 0.01 and 1 rad/s.
-
-    Attributes:
-        start: Start value.
-        lower: Smallest value, above zero.
-        upper: Largest value.
-
-    Raises:
-        ExoidError: They are not in ascending order.
-    """
-
-    start: float
-    lower: float
-    upper: float
-
-    def __post_init__(self) -> None:
-        """Check the order."""
-        if not 0.0 < self.lower <= self.start <= self.upper < math.inf or self.lower == self.upper:
-            raise ExoidError(
-                f"NonlinearParameter(start={self.start}, lower={self.lower}, upper={self.upper})",
-                remedy="0 < lower ≤ start ≤ upper, and lower < upper",
-            )
-
-
-def number(value: float | NonlinearParameter) -> float:
-    """Return the value of a setting.
-
-    Args:
-        value: Value, or start and bounds.
-
-    Returns:
-        The value.
-
-    Raises:
-        ExoidError: It has no value yet.
-    """
-    if isinstance(value, NonlinearParameter):
-        raise ExoidError(f"a setting is {value}, not yet a number", remedy="let exoid.identify find it")
-    return value
+from .term import NonlinearParameter, Term
 
 
 class NonlinearSetting(NamedTuple):

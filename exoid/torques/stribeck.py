@@ -10,9 +10,8 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .dry_friction import DryFriction
-from .motion import JointMotion
-from .nonlinear import NonlinearParameter, number
+from .term import JointMotion, NonlinearParameter, number
+from .terms import DryFriction
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,15 +34,8 @@ class Stribeck(DryFriction):
                 f"Stribeck(velocity={self.velocity})", remedy="a velocity in rad/s, positive, or NonlinearParameter"
             )
 
-    @property
-    def symbols(self) -> tuple[str, ...]:
-        """Symbol cs."""
-        return ("cs",)
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Newton metres."""
-        return ("N·m",)
+    symbols = ("cs",)
+    units = ("N·m",)
 
     @property
     def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:

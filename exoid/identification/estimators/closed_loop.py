@@ -26,8 +26,8 @@ from exoid.rig import (
 from exoid.rig.continuous import follow
 from exoid.signals import Recording
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
-from exoid.torques.dry_friction import DryFriction
-from exoid.torques.nonlinear import number
+from exoid.torques.term import number
+from exoid.torques.terms import DryFriction
 
 DISSIPATIVE: dict[type[Term], str] = {Coulomb: "c0", Viscous: "d", Armature: "Ia"}
 """Symbols of parameters that are kept from being negative: no simulation runs on friction that feeds energy in."""
