@@ -15,7 +15,7 @@ from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording, Recordings, ZeroPhase, preparation_by_name
-from exoid.signals.cutoff import cutoff_from
+from exoid.signals.default_preparation import cutoff_from
 from exoid.signals.recordings import RecordingFile
 from exoid.torques import TorqueModel
 

@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from exoid.estimate.data import Input
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses, Recording
-from exoid.signals.cutoff import AccelerationPower, acceleration_power
+from exoid.signals.default_preparation import AccelerationPower, acceleration_power
 from exoid.torques import TorqueModel
 
 SMALLEST_MOTION = 2e-3
@@ -71,7 +71,7 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
     Args:
         model: For its joints.
         data: The recording.
-        for_cutoff: Whether to compare noise and motion, for :func:`exoid.signals.cutoff.cutoff_from`.
+        for_cutoff: Whether to compare noise and motion, for :func:`exoid.signals.default_preparation.cutoff_from`.
 
     Returns:
         The summary.

@@ -1,13 +1,12 @@
 """Signals: recordings, log files, checks, filters and derivatives."""
 
 from .cluster import Cluster
-from .cutoff import choose_cutoff
+from .default_preparation import ZeroPhase, choose_cutoff
 from .differentiation import Kinematics, central_difference, second_difference
-from .filters import edge_length, exponential_moving_average, noise_bandwidth, zero_phase
+from .filters import ParallelFilter, edge_length, exponential_moving_average, noise_bandwidth, zero_phase
 from .formats import register_format
-from .parallel_filter import ParallelFilter
 from .poses import Approaches, Poses
-from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed, ZeroPhase
+from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed
 from .preparation_names import PREPARATIONS, preparation_by_name, register_preparation
 from .recording import Recording
 from .recordings import Recordings

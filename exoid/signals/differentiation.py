@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+
+from .recording import Recording
 
 Accuracy = Literal[2, 4]
 
@@ -112,3 +115,29 @@ def _apply(stencil: Stencil, x: FloatArray) -> FloatArray:
         derived[:margin] = stencil.ends @ signal[:width]
         derived[samples - margin :] = parity * (stencil.ends @ signal[: -width - 1 : -1])[::-1]
     return out.T.reshape(x.shape)
+
+
+def derive(
+    recording: Recording, smooth: Callable[[FloatArray], FloatArray], valid: slice, accuracy: Accuracy
+) -> Kinematics:
+    """Smooth the recorded quantities and derive the others from q.
+
+    The acceleration is derived from q even if v was recorded, because drives filter the velocity they report. On the
+    DFKI double pendulum, a delay of 1 ms costs more accuracy than the noise of a second difference.
+    """
+    rate, q = recording.sample_rate, smooth(recording.q)
+    v = central_difference(q, rate, accuracy) if recording.v is None else smooth(recording.v)
+    a = second_difference(q, rate, accuracy) if recording.a is None else smooth(recording.a)
+    return Kinematics(q, v, a, valid)
+
+
+def inner_samples(recording: Recording, head: int, tail: int) -> slice:
+    """Rows between the ends; a recording without such rows is refused."""
+    samples = len(recording)
+    if samples <= head + tail:
+        raise ExoidError(
+            f"{samples} samples are too few: the filters distort {head} at the beginning and {tail} at the end",
+            where=recording.source.name if recording.source else "",
+            remedy="record longer or choose a higher cut-off",
+        )
+    return slice(head, samples - tail)

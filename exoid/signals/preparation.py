@@ -3,27 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import ClassVar, Protocol
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .differentiation import Accuracy, Kinematics, central_difference, second_difference
-from .filters import TOLERANCE, edge_length, exponential_moving_average, zero_phase
-from .parallel_filter import ParallelFilter
+from .differentiation import Kinematics, derive, inner_samples
+from .filters import TOLERANCE, ParallelFilter, edge_length, exponential_moving_average, zero_phase
 from .recording import Recording
-
-KINEMATICS_MULTIPLE = 2.0
-"""Default cut-off of the kinematics filter over that of the parallel filter.
-
-The parallel filter acts on torques and columns alike and causes no bias. The kinematics filter acts on q, inside sines
-and products, and causes bias. With order 4 and twice the cut-off, its gain at the cut-off of the parallel filter is
-0.998. The noise of an acceleration grows with the cut-off to the power 5/2.
-"""
-LARGEST_RATIO = 0.4
-"""Largest default cut-off of the kinematics filter over the sampling rate."""
 
 
 class Preparation(Protocol):
@@ -103,146 +91,6 @@ class Preparation(Protocol):
             The settings, and ``"name"``.
         """
         ...
-
-
-@dataclass(frozen=True)
-class ZeroPhase:
-    """Smooth the angles without delay, derive, then filter columns and torques alike.
-
-    q, and v and a if recorded, are low-passed at the kinematics cut-off. Central differences over five points give what
-    was not recorded (with three points the velocity of a 2 Hz motion at 50 Hz loses 1 %, with five 0.01 %). Then the
-    *parallel filter* at ``cutoff`` acts on columns and torques: it removes noise from both sides of τ = W β, and the
-    equation still holds. Rows that the ends of the record affect through either filter are not valid.
-
-    Attributes:
-        cutoff: −3 dB frequency of the parallel filter [Hz].
-        kinematics_cutoff: −3 dB frequency for q, v, a [Hz]; None for ``min(2 cutoff, 0.4 rate)``.
-        order: Order of one of the two passes of each filter.
-
-    Raises:
-        ExoidError: A cut-off is not positive.
-    """
-
-    name: ClassVar[str] = "zero-phase"
-    cutoff: float = 8.0
-    kinematics_cutoff: float | None = None
-    order: int = 4
-
-    def __post_init__(self) -> None:
-        for name in ("cutoff", "kinematics_cutoff"):
-            value = getattr(self, name)
-            if value is not None and not 0.0 < value < math.inf:
-                raise ExoidError(f"{name} is {value}", remedy="pass a positive frequency in Hz")
-
-    def kinematics_cutoff_at(self, rate: float) -> float:
-        """Compute the cut-off frequency of the kinematics filter.
-
-        Args:
-            rate: Sampling rate [Hz].
-
-        Returns:
-            −3 dB frequency for q, v, a [Hz].
-        """
-        if self.kinematics_cutoff is not None:
-            return self.kinematics_cutoff
-        return min(KINEMATICS_MULTIPLE * self.cutoff, LARGEST_RATIO * rate)
-
-    def edge(self, rate: float) -> int:
-        """Count the rows at each end that the two filters distort.
-
-        Args:
-            rate: Sampling rate [Hz].
-
-        Returns:
-            Number of rows at each end.
-
-        Raises:
-            ExoidError: A cut-off is not below half the rate.
-        """
-        first = edge_length(rate, self.kinematics_cutoff_at(rate), self.order)
-        return first + edge_length(rate, self.cutoff, self.order)
-
-    def kinematics(self, recording: Recording) -> Kinematics:
-        """Smooth and derive.
-
-        Args:
-            recording: The recording.
-
-        Returns:
-            Kinematics at the samples of ``recording.resampled()``.
-
-        Raises:
-            ExoidError: A cut-off is not below half the rate, time has a gap, or the ends leave no rows.
-        """
-        recording = recording.resampled()
-        rate = recording.sample_rate
-        cutoff = self.kinematics_cutoff_at(rate)
-        valid = _inner(recording, self.edge(rate), self.edge(rate))
-        return _derive(recording, lambda x: zero_phase(x, rate, cutoff, self.order), valid, accuracy=4)
-
-    def filter(self, x: FloatArray, rate: float) -> FloatArray:
-        """Low-pass torques at ``cutoff``; memory beyond the result does not grow with ``x``.
-
-        Args:
-            x: Measured torques [N·m], (N, ...).
-            rate: Sampling rate [Hz].
-
-        Returns:
-            Filtered torques [N·m], of the shape of ``x``.
-
-        Raises:
-            ExoidError: The cut-off is not below half the rate, or there are too few samples.
-        """
-        return zero_phase(x, rate, self.cutoff, self.order)
-
-    def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
-        """Low-pass columns exactly as the torques.
-
-        Args:
-            x: Columns, (N, ...).
-            rate: Sampling rate [Hz].
-
-        Returns:
-            Filtered columns, of the shape of ``x``.
-
-        Raises:
-            ExoidError: The cut-off is not below half the rate, or there are too few samples.
-        """
-        return self.filter(x, rate)
-
-    def parallel(self, rate: float) -> ParallelFilter:
-        """Return the low-pass at ``cutoff``.
-
-        Args:
-            rate: Sampling rate [Hz].
-
-        Returns:
-            The filter.
-        """
-        return ParallelFilter(rate, self.cutoff, self.order)
-
-    def independent_fraction(self, rate: float) -> float:
-        """Compute the noise bandwidth of the parallel filter over half the rate.
-
-        Args:
-            rate: Sampling rate [Hz].
-
-        Returns:
-            Fraction of the samples, between 0 and 1.
-
-        Raises:
-            ExoidError: The cut-off is not below half the rate.
-        """
-        return self.parallel(rate).independent_fraction
-
-    def describe(self) -> dict[str, float | str]:
-        """Describe the preparation in a file.
-
-        Returns:
-            The settings, and ``"name"``.
-        """
-        default = f"min({KINEMATICS_MULTIPLE:g} cutoff, {LARGEST_RATIO:g} rate)"
-        return {"name": self.name, **asdict(self), "kinematics_cutoff": self.kinematics_cutoff or default}
 
 
 @dataclass(frozen=True)
@@ -337,8 +185,8 @@ class Smoothed(_Unfiltered):
         recording = recording.resampled()
         rate = recording.sample_rate
         edge = edge_length(rate, self.cutoff, self.order)
-        valid = _inner(recording, edge, edge)
-        return _derive(recording, lambda x: zero_phase(x, rate, self.cutoff, self.order), valid, accuracy=4)
+        valid = inner_samples(recording, edge, edge)
+        return derive(recording, lambda x: zero_phase(x, rate, self.cutoff, self.order), valid, accuracy=4)
 
 
 @dataclass(frozen=True)
@@ -363,7 +211,7 @@ class FiniteDifference(_Unfiltered):
             ExoidError: Time has a gap.
         """
         recording = recording.resampled()
-        return _derive(recording, lambda x: x, _inner(recording, 1, 1), accuracy=2)
+        return derive(recording, lambda x: x, inner_samples(recording, 1, 1), accuracy=2)
 
 
 @dataclass(frozen=True)
@@ -402,8 +250,8 @@ class MovingAverage(_Unfiltered):
         """
         recording = recording.resampled()
         settled = 1 if self.alpha == 1.0 else math.ceil(math.log(TOLERANCE) / math.log(1.0 - self.alpha))
-        valid = _inner(recording, settled, 1)
-        return _derive(recording, lambda x: exponential_moving_average(x, self.alpha), valid, accuracy=2)
+        valid = inner_samples(recording, settled, 1)
+        return derive(recording, lambda x: exponential_moving_average(x, self.alpha), valid, accuracy=2)
 
     def filter(self, x: FloatArray, rate: float) -> FloatArray:
         """Smooth torques like the angles.
@@ -427,29 +275,3 @@ class MovingAverage(_Unfiltered):
             Fraction of the samples that carries independent noise.
         """
         return self.alpha / (2.0 - self.alpha)
-
-
-def _derive(
-    recording: Recording, smooth: Callable[[FloatArray], FloatArray], valid: slice, accuracy: Accuracy
-) -> Kinematics:
-    """Smooth the recorded quantities and derive the others from q.
-
-    The acceleration is derived from q even if v was recorded, because drives filter the velocity they report. On the
-    DFKI double pendulum, a delay of 1 ms costs more accuracy than the noise of a second difference.
-    """
-    rate, q = recording.sample_rate, smooth(recording.q)
-    v = central_difference(q, rate, accuracy) if recording.v is None else smooth(recording.v)
-    a = second_difference(q, rate, accuracy) if recording.a is None else smooth(recording.a)
-    return Kinematics(q, v, a, valid)
-
-
-def _inner(recording: Recording, head: int, tail: int) -> slice:
-    """Rows between the ends; a recording without such rows is refused."""
-    samples = len(recording)
-    if samples <= head + tail:
-        raise ExoidError(
-            f"{samples} samples are too few: the filters distort {head} at the beginning and {tail} at the end",
-            where=recording.source.name if recording.source else "",
-            remedy="record longer or choose a higher cut-off",
-        )
-    return slice(head, samples - tail)

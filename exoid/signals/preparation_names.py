@@ -9,7 +9,8 @@ from exoid.errors import ExoidError
 from exoid.registry import Registry
 from exoid.settings import named_default, named_from_json, named_to_json, refuse_unwritable_class
 
-from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed, ZeroPhase
+from .default_preparation import ZeroPhase
+from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed
 
 KEY = "name"
 """Key of a preparation's name in files."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,7 +15,7 @@ from exoid.leg import Leg
 from exoid.torso import TorsoMotion
 
 from .columns import JointTerm, LoadedMotion, Regrouped, fill_terms, internal_states, joint_terms, load_motion, regroup
-from .nonlinear import nonlinear_settings
+from .nonlinear import nonlinear_settings, with_settings
 from .term import JointMotion, Motion, Term, random_motion
 
 BLOCK = 32768
@@ -55,8 +56,8 @@ class TorqueModel:
         repeated = sorted({name for name in names if names.count(name) > 1})
         if repeated:
             raise ExoidError(f"parameters occur twice: {', '.join(repeated)}", remedy="give each term once a joint")
-        settings = nonlinear_settings(self.terms, self.leg.joint_names, self.leg.joint_labels)
-        if settings:
+        if any(term.nonlinear for term in self.terms):
+            settings = nonlinear_settings(self.terms, self.leg.joint_names, self.leg.joint_labels)
             raise ExoidError(
                 f"nonlinear parameters have no value yet: {', '.join(setting.name for setting in settings)}",
                 remedy="give them numbers, or let exoid.identify find them",
@@ -66,6 +67,26 @@ class TorqueModel:
         unknown = [one.name for one in self.regrouped if one.name not in names]
         if unknown:
             raise ExoidError(f"{', '.join(unknown)} of regrouped are no parameters", remedy="leave regrouped out")
+
+    @classmethod
+    def at_start(cls, leg: Leg, terms: Sequence[Term]) -> TorqueModel:
+        """Make a torque model with all nonlinear parameters at their start values.
+
+        Args:
+            leg: The leg.
+            terms: Terms, settings of which may be nonlinear parameters.
+
+        Returns:
+            The torque model.
+
+        Raises:
+            ExoidError: A term does not fit the leg.
+        """
+        if any(term.nonlinear for term in terms):
+            names, labels = leg.joint_names, leg.joint_labels
+            start = {setting.name: setting.free.start for setting in nonlinear_settings(terms, names, labels)}
+            terms = with_settings(terms, names, labels, start)
+        return cls(leg, tuple(terms))
 
     def __repr__(self) -> str:
         """Write leg, terms and parameters in one line."""
