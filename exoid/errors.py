@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 
 class ExoidError(Exception):
     """Input that cannot give a trustworthy answer: says what is wrong, where, and what to do.
@@ -31,20 +28,3 @@ class ExoidError(Exception):
         if self.remedy:
             text = f"{text}. To mend it: {self.remedy}"
         return " ".join(text.split())
-
-
-@contextmanager
-def within(part: str) -> Iterator[None]:
-    """Name the part of the input, such as a group of recordings, in errors that are raised inside.
-
-    Args:
-        part: Its name; "" adds nothing.
-
-    Raises:
-        ExoidError: The error that was raised inside, with the name.
-    """
-    try:
-        yield
-    except ExoidError as error:
-        where = ", ".join(filter(None, (part, error.where)))
-        raise ExoidError(error.what, where=where, remedy=error.remedy) from error

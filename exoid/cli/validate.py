@@ -14,7 +14,7 @@ from .inputs import AsJson, Column, Degrees, LogOptions, Received, Start, Stop, 
 
 def validate(
     estimate: Annotated[str, typer.Argument(metavar="EST.JSON", help="What exoid identify -o wrote.")],
-    log: Annotated[str, typer.Argument(metavar="LOG", help="A log of any kind, or a dataset's name:test.")],
+    logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="Logs of any kind, or a dataset's name:test.")],
     column: Column = None,
     degrees: Degrees = False,
     start: Start = None,
@@ -23,10 +23,10 @@ def validate(
     received: Received = False,
     as_json: AsJson = False,
 ) -> None:
-    """Predict the torque of LOG from its motion and compare with what was measured."""
+    """Predict the torque of the LOGs from their motion and compare it with the measured one."""
     loaded = estimates.Estimate.load(estimate)
-    recording = read_logs([log], LogOptions(column, degrees, start, stop, topic, received))[0]
-    result = estimates.validate(loaded, recording)
+    recordings = read_logs(logs, LogOptions(column, degrees, start, stop, topic, received))
+    result = estimates.validate(loaded, recordings)
     if as_json:
         typer.echo(json.dumps(estimates.validation_to_json(result), indent=1))
     else:

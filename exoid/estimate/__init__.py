@@ -7,6 +7,7 @@ from .export import Export
 from .file import estimate_to_json
 from .grouped import GroupedEstimate, grouped_to_json
 from .nonlinear import NonlinearParameters
+from .parameter import Parameter
 from .prediction import predict_motion
 from .torque_band import TorqueBand
 from .validation import Validation, validate, validation_to_json
@@ -19,6 +20,7 @@ __all__ = [
     "GroupedEstimate",
     "Input",
     "NonlinearParameters",
+    "Parameter",
     "TorqueBand",
     "Validation",
     "compare",

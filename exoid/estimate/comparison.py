@@ -103,6 +103,9 @@ def compare(first: EstimateData, second: EstimateData) -> Comparison:
         first: An estimate.
         second: Another one, from other recordings.
 
+    Returns:
+        Differences with their tests.
+
     Raises:
         ExoidError: There is no common parameter, units differ, or both were made from the same recording, so that
             their errors are not independent.
@@ -154,13 +157,16 @@ def wald(
 
     Args:
         names: Parameters, (P,).
-        units: Their units.
-        difference: (P,).
-        covariance: Of the differences, (P, P).
-        dof: Degrees of freedom of each, (P,).
-        least: Of all together.
+        units: Units, (P,).
+        difference: Differences, (P,).
+        covariance: Covariance of the differences, (P, P).
+        dof: Degrees of freedom of each difference, (P,).
+        least: Degrees of freedom of the test of all.
         held: Parameters that are not tested, (P,).
-        remarks: For the reader.
+        remarks: Notes for the reader.
+
+    Returns:
+        Differences with their tests.
     """
     std = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
     tested = np.ones(len(names), dtype=np.bool_) if held is None else ~held
@@ -215,7 +221,14 @@ def _told(first: EstimateData, second: EstimateData, unknown: Collection[str]) -
 
 
 def comparison_to_json(comparison: Comparison) -> dict[str, Any]:
-    """Turn a comparison into what JSON can hold."""
+    """Turn a comparison into what JSON can hold.
+
+    Args:
+        comparison: The comparison.
+
+    Returns:
+        Differences and p-values by name, and the test of all.
+    """
     by_name = ("difference", "std", "p_values", "adjusted")
     return {
         **{key: dict(zip(comparison.names, getattr(comparison, key).tolist(), strict=True)) for key in by_name},
@@ -257,7 +270,14 @@ def hotelling(difference: FloatArray, covariance: FloatArray, dof: float) -> tup
 
 
 def holm(p_values: FloatArray) -> FloatArray:
-    """Adjust for the number of tests, the smallest first."""
+    """Adjust for the number of tests, the smallest first.
+
+    Args:
+        p_values: p-value of each test, (P,).
+
+    Returns:
+        Adjusted p-values, (P,).
+    """
     order = np.argsort(p_values)
     steps = np.arange(len(p_values), 0, -1) * p_values[order]
     adjusted = np.empty_like(p_values)

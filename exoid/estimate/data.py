@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -13,13 +14,14 @@ from exoid.leg import Leg
 from exoid.regression.diagnostics import JointNoise, identifiability_beside, identifiability_class
 from exoid.regression.influence import Influence
 from exoid.regression.intervals import half_width, intervals
-from exoid.regression.prior_knowledge import NO_PRIOR_KNOWLEDGE, PriorKnowledge
+from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
 from exoid.regression.trends import Trend
 from exoid.signals import Preparation
 from exoid.torques import Regrouped, TorqueModel
 from exoid.torso import TorsoMotion
 
-from .nonlinear import NonlinearParameters
+from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
+from .parameter import Parameter
 from .torque_band import TorqueBand, torque_std
 
 LARGE = 1e300
@@ -62,11 +64,11 @@ class EstimateData:
         noise: What the residuals of each joint look like, n of them, or none.
         parameter_scale: Of parameters that would explain all torque of a joint alone, (P,); see
             :attr:`identifiability`.
-        reference_scale: The same had joints moved as in a calm exercise; as good as infinite in older files, (P,).
+        reference_scale: The same had joints moved as in a calm exercise; (P,).
         collinearity: Condition index of each parameter: half of its variance comes from directions that the recordings
-            see so many times worse than the best; 1 in older files, (P,).
+            see so many times worse than the best, (P,).
         prior_gains: How far each parameter follows the value of each prior, ∂β/∂p, (P, K); empty where that is not
-            known, as of ``ml``, output error and older files.
+            known, as of ``ml`` and output error.
         warnings: What makes this estimate doubtful.
         assumed: What was known beside the recordings.
         bounded: Parameters that would have become negative and were kept at zero. Intervals are then centred there, as
@@ -87,13 +89,13 @@ class EstimateData:
     preparation: Preparation
     inputs: tuple[Input, ...] = field(default=())
     noise: tuple[JointNoise, ...] = ()
-    parameter_scale: FloatArray | None = None
+    parameter_scale: FloatArray = field(default_factory=lambda: np.zeros(0))
     warnings: tuple[str, ...] = ()
     prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
     bounded: tuple[str, ...] = ()
     influence: Influence | None = None
     trends: tuple[Trend, ...] = ()
-    nonlinear: NonlinearParameters = field(default_factory=NonlinearParameters)
+    nonlinear: NonlinearParameters = NO_NONLINEAR_PARAMETERS
     dof_each: FloatArray = field(default_factory=lambda: np.zeros(0))
     reference_scale: FloatArray = field(default_factory=lambda: np.zeros(0))
     collinearity: FloatArray = field(default_factory=lambda: np.zeros(0))
@@ -102,23 +104,15 @@ class EstimateData:
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
         count, joints = len(self.names), len(self.joint_names)
-        if self.parameter_scale is None:
-            object.__setattr__(self, "parameter_scale", np.zeros(count))
-        missing = {"dof_each": self.dof, "reference_scale": LARGE, "collinearity": 1.0}
-        for name, number in missing.items():
+        unknown = {"dof_each": self.dof, "parameter_scale": 0.0, "reference_scale": LARGE, "collinearity": 1.0}
+        for name, number in unknown.items():
             if not len(getattr(self, name)):
                 object.__setattr__(self, name, np.full(count, number))
-        nonlinear = {
-            "values": (count,),
-            "covariance": (count, count),
-            "residual_rms": (joints,),
-            "parameter_scale": (count,),
-        }
-        nonlinear.update(dict.fromkeys(missing, (count,)))
-        nonlinear["prior_gains"] = (
-            (count, len(self.prior_knowledge.prior.values)) if np.size(self.prior_gains) else (0, 0)
-        )
-        for name, shape in nonlinear.items():
+        shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("values", *unknown), (count,))
+        shapes |= {"covariance": (count, count), "residual_rms": (joints,)}
+        priors = len(self.prior_knowledge.prior.values)
+        shapes["prior_gains"] = (count, priors) if np.size(self.prior_gains) else (0, 0)
+        for name, shape in shapes.items():
             array = np.array(getattr(self, name), dtype=np.float64)
             if array.shape != shape or not np.isfinite(array).all():
                 raise ExoidError(
@@ -180,8 +174,7 @@ class EstimateData:
         that would give three times all torque of a joint is not determined: it only cancels another. And what moves
         together with others is at best weakly determined from a condition index of 100 on, and not from 300 on.
         """
-        sizes = np.zeros(len(self.values)) if self.parameter_scale is None else self.parameter_scale
-        numbers = zip(self.values, self.std, sizes, self.reference_scale, self.collinearity, strict=True)
+        numbers = zip(self.values, self.std, self.parameter_scale, self.reference_scale, self.collinearity, strict=True)
         return tuple(
             identifiability_beside(name, self.prior_knowledge, each[1], identifiability_class(*each))
             for name, each in zip(self.names, numbers, strict=True)
@@ -193,20 +186,56 @@ class EstimateData:
         Args:
             level: Probability that an interval contains the true value, between 0 and 1.
 
+        Returns:
+            Lower and upper ends, (P, 2).
+
         Raises:
             ExoidError: The level is not between 0 and 1.
         """
         return intervals(self.values, self.std, self.dof_each, level)
 
-    def value(self, name: str) -> float:
-        """Look one parameter up by name.
+    def __getitem__(self, name: str) -> Parameter:
+        """Look up one parameter by name, a nonlinear one too.
+
+        Args:
+            name: Name of the parameter, such as "X1".
+
+        Returns:
+            Value, standard deviation, 95 % interval, unit and identifiability.
 
         Raises:
-            ExoidError: There is none of that name.
+            ExoidError: There is no such parameter.
         """
-        if name not in self.names:
-            raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(self.names)}")
-        return float(self.values[self.names.index(name)])
+        of_all = self if name in self.names else self.nonlinear
+        if name not in of_all.names:
+            names = (*self.names, *self.nonlinear.names)
+            raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(names)}")
+        k = of_all.names.index(name)
+        low, high = (self.interval() if of_all is self else self.nonlinear.interval(self.dof))[k]
+        value, std = float(of_all.values[k]), float(of_all.std[k])
+        return Parameter(name, value, std, (float(low), float(high)), of_all.units[k], of_all.identifiability[k])
+
+    def __iter__(self) -> Iterator[str]:
+        """Go over the names of all parameters."""
+        return iter((*self.names, *self.nonlinear.names))
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a parameter of that name."""
+        return name in self.names or name in self.nonlinear.names
+
+    def value(self, name: str) -> float:
+        """Look up the value of one parameter: short for ``estimate[name].value``.
+
+        Args:
+            name: Name of the parameter.
+
+        Returns:
+            Its value.
+
+        Raises:
+            ExoidError: There is no such parameter.
+        """
+        return self[name].value
 
     @cached_property
     def leg(self) -> Leg:
@@ -242,6 +271,9 @@ class EstimateData:
             torso: Motion of the torso, if it moves.
             measured: Whether to add the noise of a new measurement, which has passed the same filter as those that the
                 estimate was made from.
+
+        Returns:
+            Standard deviations [N·m], (N, n).
         """
         model = self.model.loaded_by(self.values)
         std = torque_std(model, self.covariance, model.motion(q, v, a, torso))
@@ -272,6 +304,9 @@ class EstimateData:
             level: The probability, between 0 and 1.
             measured: True for a torque measured and filtered like those that the estimate was made from, False for the
                 model's own, without noise.
+
+        Returns:
+            Torque with the lower and upper edge of its band [N·m], (N, n) each.
         """
         dof = self.dof if measured else float(self.dof_each.min())
         half = half_width(level, dof) * self.torque_std(q, v, a, torso, measured=measured)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.regression.layout import ParameterLayout
+from exoid.regression.parameters import ParameterLayout
 
 from .comparison import holm, hotelling
 
@@ -27,7 +27,14 @@ class Equality(NamedTuple):
     adjusted: FloatArray
 
     def below(self, level: float) -> tuple[str, ...]:
-        """Parameters that differ, if in so many of all comparisons of equal groups any may be said to."""
+        """Parameters that differ, if in so many of all comparisons of equal groups any may be said to.
+
+        Args:
+            level: Significance level.
+
+        Returns:
+            Names of the parameters.
+        """
         return tuple(name for name, p in zip(self.names, self.adjusted, strict=True) if p < level)
 
 
@@ -44,6 +51,9 @@ def equality_of(
         values: (P,).
         covariance: Of the values, (P, P).
         dof: Degrees of freedom of each, (P,).
+
+    Returns:
+        Test of each parameter.
     """
     p_values = np.ones(len(places))
     for k, several in enumerate(places.values()):
@@ -55,7 +65,17 @@ def equality_of(
 
 
 def own_equality(layout: ParameterLayout, values: FloatArray, covariance: FloatArray, dofs: FloatArray) -> Equality:
-    """Test whether own parameters are the same in all groups, with their joint covariance."""
+    """Test whether own parameters are the same in all groups, with their joint covariance.
+
+    Args:
+        layout: Which parameters are own ones.
+        values: All parameters, (P,).
+        covariance: Their covariance, (P, P).
+        dofs: Degrees of freedom of each, (P,).
+
+    Returns:
+        Test of each own parameter.
+    """
     groups = range(len(layout.groups))
     places = {name: [layout.place(name, group) for group in groups] for name in layout.own}
     return equality_of(places, values, covariance, dofs)

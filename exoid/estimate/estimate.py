@@ -32,6 +32,9 @@ class Estimate(EstimateData):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the estimate as JSON, whole or not at all; see :meth:`load`.
 
+        Args:
+            path: File to write.
+
         Raises:
             ExoidError: The file cannot be written.
         """
@@ -40,6 +43,12 @@ class Estimate(EstimateData):
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Estimate:
         """Read an estimate that :meth:`save` wrote; it contains the URDF, so it needs no other file.
+
+        Args:
+            path: File that :meth:`save` wrote.
+
+        Returns:
+            The estimate, equal to the saved one to the last bit.
 
         Raises:
             ExoidError: The file is unreadable or not an estimate.

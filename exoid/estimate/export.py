@@ -87,7 +87,18 @@ class Export:
 
 
 def export_urdf(estimate: EstimateData, path: str | os.PathLike[str]) -> Export:
-    """Write an estimate as a URDF with a sidecar; see :meth:`Estimate.to_urdf`."""
+    """Write an estimate as a URDF with a sidecar; see :meth:`Estimate.to_urdf`.
+
+    Args:
+        estimate: The estimate.
+        path: The URDF to write.
+
+    Returns:
+        What was written.
+
+    Raises:
+        ExoidError: The path names no URDF, or a file cannot be written.
+    """
     urdf = Path(path)
     sidecar = sidecar_of(urdf) if urdf.name else urdf
     if sidecar == urdf:
@@ -107,7 +118,14 @@ def export_urdf(estimate: EstimateData, path: str | os.PathLike[str]) -> Export:
 
 
 def export_to_json(export: Export) -> dict[str, Any]:
-    """Describe an export as the sidecar has it."""
+    """Describe an export as the sidecar has it.
+
+    Args:
+        export: The export.
+
+    Returns:
+        Parameters, terms and lift, as the sidecar file has them.
+    """
     estimate, leg = export.estimate, export.estimate.model.leg
     return {
         "schema": SCHEMA,

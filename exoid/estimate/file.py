@@ -18,7 +18,7 @@ from exoid.files import write_whole
 from exoid.leg import Leg
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.influence import influence_from_json, influence_to_json
-from exoid.regression.prior_knowledge import Prior, PriorKnowledge
+from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.regression.trends import trends_from_json, trends_to_json
 from exoid.signals import PREPARATIONS, Preparation
 from exoid.torques import TorqueModel, term_from_json, term_to_json
@@ -32,7 +32,12 @@ E = TypeVar("E", bound=EstimateData)
 
 
 def write_estimate(estimate: EstimateData, path: str | os.PathLike[str]) -> None:
-    """Write an estimate; see :meth:`Estimate.save`."""
+    """Write an estimate; see :meth:`Estimate.save`.
+
+    Args:
+        estimate: The estimate.
+        path: File to write.
+    """
     write_whole(path, [estimate_text(estimate)])
 
 
@@ -42,7 +47,18 @@ def estimate_text(estimate: EstimateData) -> str:
 
 
 def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
-    """Read an estimate; see :meth:`Estimate.load`."""
+    """Read an estimate; see :meth:`Estimate.load`.
+
+    Args:
+        path: The file.
+        kind: Class to make.
+
+    Returns:
+        The estimate.
+
+    Raises:
+        ExoidError: The file is unreadable or not an estimate.
+    """
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
@@ -62,7 +78,14 @@ def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
 
 
 def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
-    """Turn an estimate into what JSON can hold, values by name."""
+    """Turn an estimate into what JSON can hold, values by name.
+
+    Args:
+        estimate: The estimate.
+
+    Returns:
+        All that :func:`estimate_from_json` needs, and figures for other programs.
+    """
     model, leg = estimate.model, estimate.model.leg
     interval = estimate.interval(0.95)
     return {
@@ -109,6 +132,13 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
 def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
     """Rebuild an estimate.
 
+    Args:
+        data: The estimate as JSON holds it.
+        kind: Class to make.
+
+    Returns:
+        The estimate.
+
     Raises:
         ExoidError: Names of the values do not fit the leg and terms, or the URDF was changed.
     """
@@ -137,25 +167,25 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         estimator=str(data["estimator"]),
         preparation=preparation,
         inputs=tuple(_input(**source) for source in data["inputs"]),
-        noise=_noise(data.get("noise", {}), leg.joint_names),
-        parameter_scale=_sizes(data.get("sizes"), model.names),
-        warnings=_warnings(data.get("warnings", [])),
-        prior_knowledge=_assumed(data, model),
-        bounded=tuple(str(name) for name in data.get("bounded", [])),
-        trends=trends_from_json(data.get("trends", [])),
-        influence=influence_from_json(data.get("influence", []), model.names),
-        nonlinear=_shapes(data.get("shapes", {})),
-        dof_each=_of_each(data.get("degrees_of_freedom_each"), model.names),
-        reference_scale=_of_each(data.get("calm_sizes"), model.names),
-        prior_gains=_prior_gains(data.get("prior_gains", [])),
-        collinearity=_of_each(data.get("collinearity"), model.names),
+        noise=_noise(data["noise"], leg.joint_names),
+        parameter_scale=_by_name(data["sizes"], model.names),
+        warnings=_warnings(data["warnings"]),
+        prior_knowledge=_prior_knowledge(data, model),
+        bounded=tuple(str(name) for name in data["bounded"]),
+        trends=trends_from_json(data["trends"]),
+        influence=influence_from_json(data["influence"], model.names),
+        nonlinear=_shapes(data["shapes"]),
+        dof_each=_by_name(data["degrees_of_freedom_each"], model.names),
+        reference_scale=_by_name(data["calm_sizes"], model.names),
+        prior_gains=_prior_gains(data["prior_gains"]),
+        collinearity=_by_name(data["collinearity"], model.names),
     )
 
 
-def _assumed(data: Mapping[str, Any], model: TorqueModel) -> PriorKnowledge:
-    """Read what was assumed; older files know of nothing."""
-    prior = Prior({name: tuple(pair) for name, pair in data.get("prior", {}).items()})
-    prior_knowledge = PriorKnowledge(data.get("known", {}), prior, bool(data.get("nonnegative", False)))
+def _prior_knowledge(data: Mapping[str, Any], model: TorqueModel) -> PriorKnowledge:
+    """Read what was known beside the recordings."""
+    prior = Prior({name: tuple(pair) for name, pair in data["prior"].items()})
+    prior_knowledge = PriorKnowledge(data["known"], prior, bool(data["nonnegative"]))
     prior_knowledge.check(model)
     return prior_knowledge
 
@@ -178,7 +208,7 @@ def _shapes_to_json(nonlinear: NonlinearParameters, dof: float) -> dict[str, Any
 
 
 def _shapes(data: Mapping[str, Any]) -> NonlinearParameters:
-    """Read fitted settings; files without any have none."""
+    """Read nonlinear parameters, if there are any."""
     if not data:
         return NonlinearParameters()
     names, units = tuple(data["values"]), tuple(data["units"].values())
@@ -188,7 +218,7 @@ def _shapes(data: Mapping[str, Any]) -> NonlinearParameters:
 
 
 def _noise(data: Mapping[str, Any], joints: Sequence[str]) -> tuple[JointNoise, ...]:
-    """Read the noise of the joints; files of version 0.1 have none."""
+    """Read the noise of the joints, if there is any."""
     return tuple(_joint_noise(**data[name]) for name in joints) if data else ()
 
 
@@ -204,17 +234,13 @@ def _input(name: str, sha256: str, samples: int, sample_rate: float) -> Input:
     return Input(str(name), str(sha256), int(samples), float(sample_rate))
 
 
-def _sizes(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray | None:
-    return None if data is None else np.array([data[name] for name in names], dtype=np.float64)
-
-
-def _of_each(data: Mapping[str, float] | None, names: Sequence[str]) -> FloatArray:
-    """Read numbers by name; nothing of what older files do not have."""
-    return np.zeros(0) if data is None else np.array([data[name] for name in names], dtype=np.float64)
+def _by_name(data: Mapping[str, float], names: Sequence[str]) -> FloatArray:
+    """Read a number of each parameter."""
+    return np.array([data[name] for name in names], dtype=np.float64)
 
 
 def _prior_gains(data: Sequence[Sequence[float]]) -> FloatArray:
-    """Read how far parameters follow priors; older files do not say."""
+    """Read how far parameters follow priors; empty where that is not known."""
     return np.array(data, dtype=np.float64) if np.size(data) else np.zeros((0, 0))
 
 

@@ -14,8 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.regression.diagnostics import identifiability_beside, identifiability_class
 from exoid.regression.intervals import intervals
-from exoid.regression.layout import ParameterLayout
-from exoid.regression.prior_knowledge import PriorKnowledge
+from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.tables import make_table, to_text
 
 from .comparison import Comparison, wald, welch
@@ -82,6 +81,12 @@ class GroupedEstimate:
     def __getitem__(self, group: str) -> Estimate:
         """Look the estimate of a group up.
 
+        Args:
+            group: Name of the group.
+
+        Returns:
+            Its estimate.
+
         Raises:
             ExoidError: There is no such group.
         """
@@ -142,6 +147,9 @@ class GroupedEstimate:
         Args:
             level: Probability that an interval contains the true value, between 0 and 1.
 
+        Returns:
+            Lower and upper ends, (P, 2).
+
         Raises:
             ExoidError: The level is not between 0 and 1.
         """
@@ -155,6 +163,9 @@ class GroupedEstimate:
         Args:
             first: Name of a group.
             second: Name of another.
+
+        Returns:
+            Differences with their tests.
 
         Raises:
             ExoidError: There is no such group, or it has no parameters of its own.
@@ -200,7 +211,14 @@ def report(grouped: GroupedEstimate) -> str:
 
 
 def grouped_to_json(grouped: GroupedEstimate) -> dict[str, Any]:
-    """Turn estimates that share parameters into what JSON can hold."""
+    """Turn estimates that share parameters into what JSON can hold.
+
+    Args:
+        grouped: The estimates.
+
+    Returns:
+        Shared and own parameters, tests, and the estimate of each group.
+    """
     names = grouped.names
     of_each = {
         "values": grouped.values.tolist(),

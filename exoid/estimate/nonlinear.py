@@ -47,7 +47,15 @@ class NonlinearParameters:
         return len(self.names)
 
     def with_covariance(self, names: Sequence[str], covariance: FloatArray) -> NonlinearParameters:
-        """Return the same settings with the covariance of some of them."""
+        """Return the same settings with the covariance of some of them.
+
+        Args:
+            names: Names of those that are not held, (K,).
+            covariance: Their covariance, (K, K).
+
+        Returns:
+            The parameters with their covariance, zero for those that are held.
+        """
         places = [self.names.index(name) for name in names]
         whole = np.zeros((len(self), len(self)))
         whole[np.ix_(places, places)] = covariance
@@ -83,6 +91,13 @@ class NonlinearParameters:
         Args:
             dof: Degrees of freedom of the estimate.
             level: Probability that an interval contains the true value.
+
+        Returns:
+            Lower and upper ends, (S, 2).
         """
         half = half_width(level, dof) * self.std / self.values
         return np.column_stack([self.values * np.exp(-half), self.values * np.exp(half)])
+
+
+NO_NONLINEAR_PARAMETERS = NonlinearParameters()
+"""Of a model that is linear in all parameters."""

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.regression.collinearity import ILL_CONDITIONED
+from exoid.regression.diagnostics import ILL_CONDITIONED
 from exoid.regression.intervals import half_width
-from exoid.regression.prior_knowledge import PriorKnowledge
+from exoid.regression.parameters import PriorKnowledge
 from exoid.tables import make_table, to_text, with_error
 
 from .data import EstimateData

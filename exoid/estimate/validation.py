@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from rich.table import Table
 
 from exoid._typing import FloatArray
+from exoid.errors import ExoidError
 from exoid.regression.rows import form_rows, prepare
 from exoid.signals import Preparation, Recording
 from exoid.tables import make_table, to_text
 
 from .data import EstimateData
+
+HEADERS = ("joint", "RMSE [N·m]", "NRMSE", "R²")
+"""Columns of :meth:`Validation.rows`."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -24,7 +30,8 @@ class Validation:
         time: [s], (N,).
         measured: Filtered measured torque [N·m], (N, n).
         predicted: Filtered predicted torque [N·m], (N, n).
-        source: Name of the recording.
+        source: Name of the recording, or of all.
+        parts: Validation of each recording where there are several; samples of all follow each other above.
     """
 
     joint_names: tuple[str, ...]
@@ -32,6 +39,7 @@ class Validation:
     measured: FloatArray
     predicted: FloatArray
     source: str
+    parts: tuple[Validation, ...] = ()
 
     def __post_init__(self) -> None:
         """Forbid changes."""
@@ -66,16 +74,34 @@ class Validation:
 
     def __str__(self) -> str:
         """Print as a table."""
-        rows = [
-            (name, f"{rmse:.4g}", f"{nrmse:.4f}", f"{r2:.4f}")
-            for name, rmse, nrmse, r2 in zip(self.joint_names, self.rmse, self.nrmse, self.r2, strict=True)
-        ]
-        table = make_table(("joint", "RMSE [N·m]", "NRMSE", "R²"), rows)
-        return to_text(f"Prediction of {self.source}", table, f"{len(self.time)} samples, both torques filtered alike")
+        samples = f"{len(self.time)} samples, both torques filtered alike"
+        tables: list[Table | str] = [make_table(HEADERS, self.rows())]
+        if self.parts:
+            of_parts = [(part.source, *row) for part in self.parts for row in part.rows()]
+            tables += ["each recording:", make_table(("recording", *HEADERS), of_parts)]
+        return to_text(f"Prediction of {self.source}", *tables, samples)
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """Write joint, RMSE, NRMSE and R² as rows of a table.
+
+        Returns:
+            One row a joint.
+        """
+        columns = (self.joint_names, self.rmse, self.nrmse, self.r2)
+        return [(name, f"{e:.4g}", f"{n:.4f}", f"{r:.4f}") for name, e, n, r in zip(*columns, strict=True)]
 
 
 def validation_to_json(validation: Validation) -> dict[str, Any]:
-    """Turn the figures of a validation into what JSON can hold."""
+    """Turn the figures of a validation into what JSON can hold.
+
+    Args:
+        validation: The validation.
+
+    Returns:
+        Source, number of samples, joints and their RMSE [N·m], NRMSE and R²; the same of each recording where there
+        are several.
+    """
+    parts = {"recordings": [validation_to_json(part) for part in validation.parts]} if validation.parts else {}
     return {
         "source": validation.source,
         "samples": len(validation.time),
@@ -83,6 +109,7 @@ def validation_to_json(validation: Validation) -> dict[str, Any]:
         "rmse": validation.rmse.tolist(),
         "nrmse": _numbers(validation.nrmse),
         "r2": _numbers(validation.r2),
+        **parts,
     }
 
 
@@ -91,21 +118,46 @@ def _numbers(array: FloatArray) -> list[float | None]:
     return [value if np.isfinite(value) else None for value in array.tolist()]
 
 
-def validate(estimate: EstimateData, recording: Recording, *, preparation: Preparation | None = None) -> Validation:
-    """Predict the torque of a recording and compare.
+def validate(
+    estimate: EstimateData, recordings: Recording | Iterable[Recording], *, preparation: Preparation | None = None
+) -> Validation:
+    """Predict the torque of one or several recordings and compare.
 
     Args:
         estimate: The estimate.
-        recording: A motion with torques, better not one that the estimate was fitted to.
+        recordings: Motions with torques, better none that the estimate was fitted to.
         preparation: How to filter both torques; None for the way the estimate was made.
 
     Returns:
-        Measured and predicted torque with RMSE, NRMSE and R² of each joint.
+        Measured and predicted torque with RMSE, NRMSE and R² of each joint, over all recordings and of each.
 
     Raises:
-        ExoidError: The recording lacks a joint or the torque, or is too short for the filter.
+        ExoidError: There is no recording, or one lacks a joint or the torque or is too short for the filter.
+
+    Example:
+        >>> data = exoid.datasets.bleex_swing()
+        >>> validation = exoid.validate(exoid.identify(data.leg, data.train), data.test)
+        >>> bool((validation.nrmse < 0.07).all())
+        True
     """
-    prepared = prepare(estimate.model, recording, preparation or estimate.preparation, every=True)
+    several = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    wrong = [item for item in several if not isinstance(item, Recording)]
+    if wrong or not several:
+        what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"
+        raise ExoidError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
+    parts = tuple(_validate_one(estimate, each, preparation or estimate.preparation) for each in several)
+    if len(parts) == 1:
+        return parts[0]
+    time, measured, predicted = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("time", "measured", "predicted")
+    )
+    source = ", ".join(part.source for part in parts)
+    return Validation(estimate.joint_names, time, measured, predicted, source, parts)
+
+
+def _validate_one(estimate: EstimateData, recording: Recording, preparation: Preparation) -> Validation:
+    """Predict the torque of one recording, block by block."""
+    prepared = prepare(estimate.model, recording, preparation, every=True)
     rows = (form_rows(estimate.model, prepared, stretch) for stretch in prepared.stretches())
     parts = [(of_some.time, of_some.tau, of_some.W @ estimate.values) for of_some in rows]
     time, measured, predicted = (np.concatenate(part) for part in zip(*parts, strict=True))

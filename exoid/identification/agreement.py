@@ -10,8 +10,8 @@ import scipy  # its parts load when they are first used
 
 from exoid.errors import ExoidError
 from exoid.estimate.equality import Equality, equality_of
-from exoid.regression.prior_knowledge import PriorKnowledge
-from exoid.regression.uncertainty import uncertainty_of
+from exoid.regression.fit import uncertainty_of
+from exoid.regression.parameters import PriorKnowledge
 
 from .estimators import Estimator
 from .problem import Problem
@@ -56,6 +56,9 @@ def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[f
         estimator: The estimator.
         samples: Independent samples of each group.
         white: Whether the covariance assumes white noise.
+
+    Returns:
+        The test, or why there is none.
     """
     layout, groups = problem.layout, problem.layout.groups
     if len(groups) < 2 or not layout.shared:

@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.estimate.nonlinear import NonlinearParameters
-from exoid.leg import Leg
 from exoid.regression.fit import Fit
-from exoid.regression.layout import ParameterLayout
-from exoid.regression.prior_knowledge import NO_PRIOR_KNOWLEDGE, PriorKnowledge
-from exoid.torques import Term, TorqueModel, nonlinear_settings, with_settings
+from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
+from exoid.torques import Term, TorqueModel
 
 from .estimators import Estimator
-from .group_rows import GroupRows
+from .group_rows import Keep
 from .groups import Group
 from .problem import Problem
-
-Keep = Callable[[int, FloatArray], NDArray[np.bool_]]
-"""Which rows to use: recording index, times [s] → mask."""
 
 
 class Task(NamedTuple):
@@ -43,17 +35,6 @@ class Task(NamedTuple):
     own: tuple[str, ...] = ()
     prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
     keep: Keep | None = None
-
-    def problem(self, models: Sequence[TorqueModel]) -> Problem:
-        """Form the regression problem of torque models, one for each group."""
-        share = 1.0 / len(self.groups)
-        rows = tuple(
-            GroupRows(model, group.data, group.preparation, self.keep, share)
-            for model, group in zip(models, self.groups, strict=True)
-            if group.preparation is not None
-        )
-        layout = ParameterLayout.of([g.name for g in self.groups], models[0].names, models[0].units, self.own)
-        return Problem(rows, layout, layout.spread(self.prior_knowledge))
 
 
 class Fitted(NamedTuple):
@@ -95,10 +76,3 @@ class Start(NamedTuple):
         nonlinear = fitted.nonlinear
         settings = dict(zip(nonlinear.names, nonlinear.values.tolist(), strict=True))
         return Start(fitted.values, settings, fitted.fit.weights)
-
-
-def starting_model(leg: Leg, terms: Sequence[Term]) -> TorqueModel:
-    """Make a model with all nonlinear parameters at their start values."""
-    names, labels = leg.joint_names, leg.joint_labels
-    start = {setting.name: setting.free.start for setting in nonlinear_settings(terms, names, labels)}
-    return TorqueModel(leg, with_settings(terms, names, labels, start))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.regression.r_factor import RFactor, factorize_rows, stack
+from exoid.regression.least_squares import RFactor, factorize_rows, stack
 from exoid.regression.rows import NoiseKind, Prepared, RowBlock, Rows, chain, decimate, decimation, form_rows, prepare
 from exoid.regression.rows_file import RowsFile
 from exoid.signals import Cluster, Poses, Preparation, Recording, Recordings
@@ -27,6 +27,9 @@ WORTH_FILING = 4
 """unless decimation leaves no more than one of so many: these go to a temporary file."""
 
 T = TypeVar("T")
+
+Keep = Callable[[int, FloatArray], NDArray[np.bool_]]
+"""Which rows to use: recording index, times [s] → mask."""
 
 Data = Sequence[Recording | Poses] | Cluster
 """Recordings and poses, in memory, on disk, or on a cluster."""
@@ -56,7 +59,7 @@ class GroupRows:
     model: TorqueModel
     data: Data
     preparation: Preparation
-    keep: Callable[[int, FloatArray], NDArray[np.bool_]] | None = None
+    keep: Keep | None = None
     memory_share: float = 1.0
     _kept: dict[tuple[int, bool], list[Rows]] = field(default_factory=dict, init=False, repr=False)
     _filed: dict[int, RowsFile] = field(default_factory=dict, init=False, repr=False)
@@ -123,6 +126,9 @@ class GroupRows:
 
         Args:
             decimated: Only as many as carry independent noise, see :func:`exoid.regression.rows.decimate`.
+
+        Yields:
+            Blocks of rows.
 
         Raises:
             ExoidError: They are on a cluster, which does not let them go.

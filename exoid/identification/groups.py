@@ -2,31 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import partial
-from itertools import combinations, product
+from os import PathLike
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.errors import ExoidError, within
+from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.regression.layout import ParameterLayout
-from exoid.regression.prior_knowledge import PriorKnowledge
-from exoid.signals import Cluster, Poses, Preparation, Recording, Recordings
+from exoid.regression.parameters import ParameterLayout, PriorKnowledge
+from exoid.signals import Cluster, Poses, Preparation, Recording, Recordings, ZeroPhase, preparation_by_name
+from exoid.signals.cutoff import cutoff_from
 from exoid.signals.recordings import Stored
-from exoid.torques import Term, TorqueModel, nonlinear_settings
+from exoid.torques import TorqueModel
 
-from .arguments import check_recordings, choose_preparation
+from .group_checks import refuse_other_designs, refuse_same_recordings
 from .group_rows import Data, map_recordings
 from .recording_summary import SMALLEST_MOTION, RecordingSummary, refuse_dead_torques, refuse_still_joints, summarize
 
 Measured = Recording | Poses | Iterable[Recording | Poses]
 """One recording or several."""
 
-SAME = 1e-9
-"""Regressors of legs of one design differ by less than this part of the largest entry."""
+
+@contextmanager
+def within(part: str) -> Iterator[None]:
+    """Name the part of the input, such as a group of recordings, in errors that are raised inside.
+
+    Args:
+        part: Its name; "" adds nothing.
+
+    Raises:
+        ExoidError: The error that was raised inside, with the name.
+    """
+    try:
+        yield
+    except ExoidError as error:
+        where = ", ".join(filter(None, (part, error.where)))
+        raise ExoidError(error.what, where=where, remedy=error.remedy) from error
 
 
 class Group(NamedTuple):
@@ -43,6 +58,12 @@ class Group(NamedTuple):
     leg: Leg
     data: Data
     preparation: Preparation | None = None
+
+    @property
+    def chosen_preparation(self) -> Preparation:
+        """How the recordings become rows, chosen by :func:`prepare_groups`."""
+        assert self.preparation is not None
+        return self.preparation
 
 
 def make_groups(
@@ -87,42 +108,6 @@ def make_groups(
     return tuple(groups)
 
 
-def refuse_nonlinear_terms(groups: Sequence[Group], terms: Sequence[Term]) -> None:
-    """Refuse terms whose torque is not linear in all parameters where there are several groups.
-
-    Raises:
-        ExoidError: Names the nonlinear parameters and terms.
-    """
-    leg = groups[0].leg
-    free = [setting.name for setting in nonlinear_settings(terms, leg.joint_names, leg.joint_labels)]
-    loaded = [type(term).__name__ for term in terms if term.loaded]
-    if len(groups) > 1 and (free or loaded):
-        raise ExoidError(
-            f"{', '.join((*free, *loaded))}: several groups are fitted together only where torque is linear in all "
-            "parameters",
-            remedy="give settings numbers, such as those that exoid.identify finds, and leave LoadFriction out",
-        )
-
-
-def refuse_other_designs(groups: Sequence[Group]) -> None:
-    """Refuse legs whose rigid-body parameters do not mean the same.
-
-    Raises:
-        ExoidError: Names the groups.
-    """
-    first, *others = groups
-    motion = np.random.default_rng(0).standard_normal((3, 10, len(first.leg.joint_names)))
-    expected = first.leg.regressor(*motion)
-    for other in others:
-        found = other.leg.regressor(*motion)
-        if np.abs(found - expected).max() > SAME * np.abs(expected).max():
-            raise ExoidError(
-                f"legs of {first.name} and {other.name} are not of one design: lengths or axes differ, so that their "
-                "rigid-body parameters do not mean the same",
-                remedy="identify them one by one",
-            )
-
-
 def refuse_still_groups(
     summaries: Mapping[str, Sequence[RecordingSummary]],
     models: Sequence[TorqueModel],
@@ -152,19 +137,6 @@ def _moving(summaries: Sequence[RecordingSummary]) -> NDArray[np.bool_]:
     """Which joints move in the recordings of a group, (n,)."""
     lowest, highest = (np.array([getattr(one, side) for one in summaries]) for side in ("lowest", "highest"))
     return np.asarray(highest.max(axis=0) - lowest.min(axis=0) >= SMALLEST_MOTION)
-
-
-def refuse_same_recordings(summaries: Mapping[str, Sequence[RecordingSummary]]) -> None:
-    """Refuse a recording that is in two groups, and would count twice.
-
-    Raises:
-        ExoidError: Names recording and groups.
-    """
-    for (one, first), (other, second) in combinations(summaries.items(), 2):
-        for a, b in product(first, second):
-            if a.evidence == b.evidence and np.array_equal(a.mean, b.mean):  # of one file there may be several parts
-                name = f"recording {a.source}" if a.source else "the same recording"
-                raise ExoidError(f"{name} is in {one} and in {other}", remedy="put it into one of them")
 
 
 def _by_source(recordings: Data) -> dict[str, Sequence[Recording | Poses]]:
@@ -262,7 +234,7 @@ def summarize_groups(
     """
     model = next(iter(models.values()))
     if len(groups) > 1 and not set(model.leg.parameter_names) <= set(own):
-        refuse_other_designs(groups)
+        refuse_other_designs({group.name: group.leg for group in groups})
     layout = ParameterLayout.of(list(models), model.names, model.units, own)
     knowledge.check_regrouped(model.regrouped)
     spread = layout.spread(knowledge)
@@ -272,7 +244,8 @@ def summarize_groups(
             summaries[group.name] = map_recordings(
                 group.data, partial(summarize, models[group.name], for_cutoff=for_cutoff)
             )
-    refuse_same_recordings(summaries)
+    if len(groups) > 1:
+        refuse_same_recordings(summaries)
     known = [layout.known_by(index, spread).names for index in range(len(groups))]
     refuse_still_groups(summaries, list(models.values()), layout.names[: layout.shared], known)
     return summaries
@@ -307,3 +280,31 @@ def prepare_groups(
             refuse_dead_torques(models[group.name], summaries[group.name])
         prepared.append(group._replace(preparation=chosen))
     return tuple(prepared)
+
+
+def choose_preparation(
+    summaries: Sequence[RecordingSummary], given: Preparation | str | None, cutoff: float | None
+) -> Preparation:
+    """Take the preparation that was given, or the parallel filter with a cut-off given or chosen from recordings."""
+    if isinstance(given, str):
+        return preparation_by_name(given)
+    if given is not None:
+        return given
+    return ZeroPhase(cutoff_from([one.bends for one in summaries if one.bends]) if cutoff is None else cutoff)
+
+
+def check_recordings(given: Recording | Poses | Iterable[Recording | Poses] | Cluster) -> Data:
+    """Check that there is at least one recording, and nothing else; those on disk or on a cluster stay there."""
+    if isinstance(given, Cluster):
+        return given
+    if isinstance(given, Recordings) and len(given):
+        return given
+    several = [given] if isinstance(given, (Recording, Poses, str, PathLike)) else list(given)
+    wrong = [item for item in several if not isinstance(item, (Recording, Poses, Recordings))]
+    if wrong or not several:
+        what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"
+        raise ExoidError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
+    if any(isinstance(item, Recordings) for item in several):
+        items = (item.items if isinstance(item, Recordings) else (item,) for item in several)
+        return Recordings(tuple(each for of_item in items for each in of_item))
+    return several

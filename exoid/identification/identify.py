@@ -5,19 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import overload
 
+from exoid.errors import ExoidError
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
+from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
 from exoid.leg import Leg
-from exoid.regression.prior_knowledge import Prior, PriorKnowledge
+from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording
-from exoid.torques import Term
+from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .arguments import check_noise, check_terms
 from .estimators import Estimator, find_estimator
-from .fitting import Task, starting_model
-from .groups import Measured, make_groups, own_parameters, prepare_groups, refuse_nonlinear_terms, summarize_groups
+from .fitting import Fitted, Start, Task
+from .group_checks import refuse_nonlinear_terms
+from .groups import Measured, make_groups, own_parameters, prepare_groups, summarize_groups
+from .problem import Problem
 from .result import Result
-from .variable_projection import fit_model
+from .variable_projection import is_nonlinear, search, starting_model
+
+NOISES = ("correlated", "white")
 
 
 @overload
@@ -136,10 +141,11 @@ def identify(
         >>> both = identify(leg, {"monday": a, "tuesday": b}, own="offset")  # doctest: +SKIP
         >>> both["monday"].torque(q, v, a)  # doctest: +SKIP
     """
-    check_noise(noise)
-    chosen, terms = find_estimator(estimator), check_terms(terms)
+    _check_noise(noise)
+    chosen, terms = find_estimator(estimator), _check_terms(terms)
     groups = make_groups(leg, recordings, own)
-    refuse_nonlinear_terms(groups, terms)
+    if len(groups) > 1:
+        refuse_nonlinear_terms({group.name: group.leg for group in groups}, terms)
     models = {group.name: starting_model(group.leg, terms) for group in groups}
     own_names = own_parameters(models, own)
     knowledge = PriorKnowledge.of(known, prior, nonnegative=nonnegative)
@@ -149,3 +155,43 @@ def identify(
     task = Task(prepare_groups(groups, models, summaries, preparation, cutoff), terms, chosen, own_names, knowledge)
     result = Result.of(fit_model(task), list(summaries.values()), chosen, white=noise == "white")
     return result.estimate() if groups[0].name == "" else result.grouped_estimate()
+
+
+def fit_model(task: Task, start: Start | None = None) -> Fitted:
+    """Fit a model: by one call of the estimator where it is linear in all parameters, else by variable projection.
+
+    Args:
+        task: What to fit.
+        start: Near the solution, such as that of nearly the same rows; None to search from the start values of the
+            nonlinear parameters.
+
+    Returns:
+        The fit.
+
+    Raises:
+        ExoidError: Parameters are not determined by the rows: names them.
+    """
+    if is_nonlinear(task.groups[0].leg, task.terms):
+        return search(task, start)
+    models = tuple(TorqueModel(group.leg, task.terms) for group in task.groups)
+    problem = Problem.of(task.groups, models, task.own, task.prior_knowledge, task.keep)
+    problem.refuse_empty_joints()
+    fit = task.estimator(problem)
+    return Fitted(models, fit.solution.values, NO_NONLINEAR_PARAMETERS, problem, fit, fit.warnings)
+
+
+def _check_noise(noise: str) -> None:
+    """Check the name of what a covariance assumes."""
+    if noise not in NOISES:
+        raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
+
+
+def _check_terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
+    """Check that terms are terms, not names of terms."""
+    if given is None:
+        return DEFAULT_TERMS
+    terms = (given,) if isinstance(given, (Term, str)) else tuple(given)
+    wrong = [item for item in terms if not isinstance(item, Term)]
+    if wrong:
+        raise ExoidError(f"{wrong[0]!r} is no term", remedy="pass terms such as (exoid.Coulomb(), exoid.Viscous())")
+    return terms

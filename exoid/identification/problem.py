@@ -11,16 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError, within
-from exoid.regression.layout import ParameterLayout
-from exoid.regression.least_squares import Solution, solve
-from exoid.regression.prior_knowledge import NO_PRIOR_KNOWLEDGE, PriorKnowledge
-from exoid.regression.r_factor import RFactor, refuse_empty_joints, stack
+from exoid.errors import ExoidError
+from exoid.regression.least_squares import RFactor, Solution, refuse_empty_joints, solve, stack
+from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, ParameterLayout, PriorKnowledge
 from exoid.regression.rows import NoiseKind, RowBlock
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 
-from .group_rows import GroupRows
+from .group_rows import GroupRows, Keep
+from .groups import Group, within
 
 T = TypeVar("T")
 
@@ -40,6 +39,34 @@ class Problem:
     groups: tuple[GroupRows, ...]
     layout: ParameterLayout
     prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
+
+    @classmethod
+    def of(
+        cls,
+        groups: Sequence[Group],
+        models: Sequence[TorqueModel],
+        own: Sequence[str] = (),
+        prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE,
+        keep: Keep | None = None,
+    ) -> Problem:
+        """Form the regression problem of groups of recordings.
+
+        Args:
+            groups: The groups, with their preparations.
+            models: Torque model of each.
+            own: Names of parameters that each group has of its own.
+            prior_knowledge: What is known beside the rows.
+            keep: Which rows to use; None for all.
+
+        Returns:
+            The problem; rows are formed when they are first needed.
+        """
+        rows = tuple(
+            GroupRows(model, group.data, group.chosen_preparation, keep, 1.0 / len(groups))
+            for model, group in zip(models, groups, strict=True)
+        )
+        layout = ParameterLayout.of([group.name for group in groups], models[0].names, models[0].units, own)
+        return cls(rows, layout, layout.spread(prior_knowledge))
 
     @classmethod
     def of_one(cls, rows: GroupRows, prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE) -> Problem:

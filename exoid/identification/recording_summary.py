@@ -73,6 +73,9 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
         data: The recording.
         for_cutoff: Whether to compare noise and motion, for :func:`exoid.signals.cutoff.cutoff_from`.
 
+    Returns:
+        The summary.
+
     Raises:
         ExoidError: A joint is missing, or time has a gap.
     """
@@ -123,6 +126,10 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
     """Refuse torques of a joint that never change, or stand still most of the time: a channel that was not connected.
 
     A recording in which a joint swings freely throughout, beside others, is none.
+
+    Args:
+        model: Torque model, for its joints.
+        summaries: Summaries of all recordings of a group.
 
     Raises:
         ExoidError: Names the joint and the value.

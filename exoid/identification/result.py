@@ -14,12 +14,12 @@ from exoid.estimate.data import Input
 from exoid.estimate.equality import own_equality
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
-from exoid.estimate.nonlinear import NonlinearParameters
-from exoid.regression.diagnostics import JointNoise, describe_noise, parameter_scale, reference_scale
+from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
+from exoid.regression.diagnostics import Collinearity, JointNoise, describe_noise, parameter_scale, reference_scale
+from exoid.regression.fit import SamplesLeft, Uncertainty, condition_number, samples_left, uncertainty_of
 from exoid.regression.influence import Influence, influence
-from exoid.regression.r_factor import rms_residual
+from exoid.regression.least_squares import rms_residual
 from exoid.regression.trends import Trend, residual_trends, trend_warnings
-from exoid.regression.uncertainty import SamplesLeft, Uncertainty, condition_number, samples_left, uncertainty_of
 from exoid.torques import TorqueModel
 
 from .agreement import Agreement, shared_agreement
@@ -83,7 +83,7 @@ class Result:
             dofs=dofs,
             parameter_scale=parameter_scale(problem.r_factors),
             reference_scale=self._smallest_reference_scale(),
-            collinearity=solution.collinearity.indices,
+            collinearity=self._collinearity.indices,
             condition_number=solution.condition_number,
             prior_knowledge=problem.prior_knowledge,
             equal=own_equality(layout, solution.values, covariance, dofs),
@@ -99,6 +99,9 @@ class Result:
         Args:
             group: Index of the group.
             common: Warnings that all groups share.
+
+        Returns:
+            The estimate.
         """
         problem, fit, model = self.fitted.problem, self.fitted.fit, self.fitted.models[group]
         layout, solution, rows = problem.layout, fit.solution, problem.groups[group]
@@ -125,7 +128,7 @@ class Result:
             noise=self._noise_of(group),
             parameter_scale=parameter_scale(rows.r_factors)[:count],
             reference_scale=self._reference_scales[group],
-            collinearity=solution.collinearity.indices[places],
+            collinearity=self._collinearity.indices[places],
             prior_gains=self._prior_gains(group)[:count],
             warnings=(*common, *negative(model, values, np.sqrt(np.diag(covariance))), *trend_warnings(trends)),
             nonlinear=self._nonlinear,
@@ -138,12 +141,19 @@ class Result:
     @cached_property
     def _common_warnings(self) -> tuple[str, ...]:
         """Warnings of the fit as a whole."""
-        collinearity = self.fitted.fit.solution.collinearity
-        return (*self.fitted.warnings, *self._nonlinear.warnings, *collinearity.warnings(self.fitted.problem.names))
+        nonlinear = () if self._nonlinear is NO_NONLINEAR_PARAMETERS else self._nonlinear.warnings
+        return (*self.fitted.warnings, *nonlinear, *self._collinearity.warnings(self.fitted.problem.names))
+
+    @cached_property
+    def _collinearity(self) -> Collinearity:
+        """Parameters that the rows can hardly tell apart."""
+        return Collinearity.of(self.fitted.fit.solution)
 
     @cached_property
     def _nonlinear(self) -> NonlinearParameters:
         """Nonlinear parameters with their covariance."""
+        if self.fitted.nonlinear is NO_NONLINEAR_PARAMETERS:
+            return self.fitted.nonlinear
         count = len(self.fitted.values)
         names = self.fitted.problem.names[count:]
         return self.fitted.nonlinear.with_covariance(names, self.uncertainty.covariance[count:, count:])
@@ -227,6 +237,8 @@ class Result:
     @cached_property
     def _influence(self) -> Influence | None:
         """Influence of each recording on all parameters; None for one recording."""
+        if len(self._inputs) < 2:
+            return None
         names, std = [source.name for source in self._inputs], np.sqrt(np.diag(self.uncertainty.covariance))
         return influence(self.fitted.problem, names, self.fitted.fit.weights, std)
 

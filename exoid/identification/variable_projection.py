@@ -1,4 +1,4 @@
-"""Fits of models that are linear in most parameters but not in all: separable least squares."""
+"""Variable projection: fits of models that are linear in most parameters but not in all."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.nonlinear import NonlinearParameters
-from exoid.regression.r_factor import factorize, stack
-from exoid.torques import NonlinearSetting, TorqueModel, nonlinear_settings, with_settings
+from exoid.leg import Leg
+from exoid.regression.least_squares import factorize, stack
+from exoid.torques import NonlinearSetting, Term, TorqueModel, nonlinear_settings, with_settings
 from exoid.torques.linearised import linearise
 
-from .fitting import Fitted, Start, Task, starting_model
+from .fitting import Fitted, Start, Task
 from .problem import Problem
 
 PASSES = 6
@@ -60,11 +61,23 @@ ROUNDING = 1e-6
 """and this part of itself, where there is no noise."""
 
 
-def fit_model(task: Task, start: Start | None = None) -> Fitted:
-    """Fit a model; where it is linear in all parameters, by one call of the estimator.
+def is_nonlinear(leg: Leg, terms: Sequence[Term]) -> bool:
+    """Whether torque is not linear in all parameters of some terms."""
+    return bool(nonlinear_settings(terms, leg.joint_names, leg.joint_labels)) or any(term.loaded for term in terms)
+
+
+def starting_model(leg: Leg, terms: Sequence[Term]) -> TorqueModel:
+    """Make a torque model with all nonlinear parameters at their start values."""
+    names, labels = leg.joint_names, leg.joint_labels
+    start = {setting.name: setting.free.start for setting in nonlinear_settings(terms, names, labels)}
+    return TorqueModel(leg, with_settings(terms, names, labels, start))
+
+
+def search(task: Task, start: Start | None = None) -> Fitted:
+    """Fit a model that is not linear in all parameters.
 
     Args:
-        task: What to fit.
+        task: What to fit, with one group.
         start: Near the solution, such as that of nearly the same rows; None to search from the settings' own start.
 
     Returns:
@@ -73,17 +86,12 @@ def fit_model(task: Task, start: Start | None = None) -> Fitted:
     Raises:
         ExoidError: Parameters are not determined by the rows: names them.
     """
-    settings = nonlinear_settings(task.terms, task.groups[0].leg.joint_names, task.groups[0].leg.joint_labels)
-    if settings or any(term.loaded for term in task.terms):
-        search = _Search(task, settings, start)
-        if start is None:
-            search.run()
-        return search.polish()
-    models = tuple(TorqueModel(group.leg, task.terms) for group in task.groups)
-    problem = task.problem(models)
-    problem.refuse_empty_joints()
-    fit = task.estimator(problem)
-    return Fitted(models, fit.solution.values, NonlinearParameters(), problem, fit, fit.warnings)
+    leg = task.groups[0].leg
+    settings = nonlinear_settings(task.terms, leg.joint_names, leg.joint_labels)
+    found = _Search(task, settings, start)
+    if start is None:
+        found.run()
+    return found.polish()
 
 
 class _Search:
@@ -220,7 +228,7 @@ class _Search:
     def _problem(self, held: Sequence[str] = ()) -> Problem:
         task = self.task
         model = linearise(self.leg, task.terms, self.values, self.settings, held=held, regrouped=self.regrouped)
-        return task.problem((model,))
+        return Problem.of(task.groups, (model,), task.own, task.prior_knowledge, task.keep)
 
     def _vector(self, names: Sequence[str]) -> FloatArray:
         return np.append(self.values, [self.settings[name] for name in names[len(self.values) :]])

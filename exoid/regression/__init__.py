@@ -2,7 +2,7 @@
 
 from .diagnostics import JointNoise
 from .influence import Influence
-from .prior_knowledge import Prior
+from .parameters import Prior
 from .trends import Trend
 
 __all__ = ["Influence", "JointNoise", "Prior", "Trend"]

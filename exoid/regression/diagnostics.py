@@ -5,18 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 
-from .collinearity import HOPELESS, ILL_CONDITIONED
+from .least_squares import RFactor, Solution
 from .model import RegressorModel
 from .noise import LagSums
-from .prior_knowledge import PriorKnowledge
+from .parameters import PriorKnowledge
 from .problem import RowProblem
-from .r_factor import RFactor
 from .residuals import Noises, Point, Series, over_recordings
 from .rows import NoiseKind
 
@@ -45,6 +45,99 @@ LAGS = 10
 """Autocorrelations that are tested for whiteness."""
 
 
+ILL_CONDITIONED = 100.0
+"""Beyond this condition index an error of a thousandth of the torque may grow to a tenth of that of a parameter,"""
+
+HOPELESS = 300.0
+"""and beyond this to a third."""
+
+LARGEST = 1e100
+"""Condition indices are cut off here."""
+
+HALF = 0.5
+"""A parameter belongs to the directions that make up this part of its variance."""
+
+NAMED = 3
+"""So many groups of parameters are named."""
+
+NAMED_PART = 0.2
+"""A column with at least this part in a direction is named with it."""
+
+
+class Direction(NamedTuple):
+    """Parameters whose columns nearly cancel each other, those most involved first.
+
+    Attributes:
+        condition: Its condition index, the largest singular value of the unit-column regressor over its own.
+        columns: Their indices.
+    """
+
+    condition: float
+    columns: tuple[int, ...]
+
+
+class Collinearity(NamedTuple):
+    """What a least-squares problem says on parameters that it can hardly tell apart.
+
+    Attributes:
+        indices: Condition index of each parameter: at least half of its variance comes from directions of this index
+            or worse, (P,); 1 for known parameters.
+        directions: Those beyond :data:`ILL_CONDITIONED`, the worst first.
+    """
+
+    indices: FloatArray = np.ones(0)
+    directions: tuple[Direction, ...] = ()
+
+    @classmethod
+    def of(cls, solution: Solution) -> Collinearity:
+        """Look at the singular value decomposition of a unit-column regressor.
+
+        With singular values σ_k and right vectors v_k a parameter's variance is Σ_k v_ik² / σ_k²: each term over the
+        sum is the variance-decomposition proportion of direction k.
+
+        Args:
+            solution: Least-squares solution with its singular values and vectors.
+
+        Returns:
+            Condition index of each parameter, and the directions of large ones.
+        """
+        sigma, places = solution.sigma, solution.free
+        worst_first, columns = np.minimum(sigma[0] / sigma[::-1], LARGEST), solution.Vt[::-1]
+        parts = (columns * worst_first[:, None]) ** 2
+        summed = np.cumsum(parts, axis=0) / np.maximum(parts.sum(axis=0), np.finfo(np.float64).tiny)
+        indices = np.ones(len(solution.values))
+        indices[places] = worst_first[np.argmax(summed >= HALF, axis=0)]
+        directions = []
+        for index, direction in zip(worst_first, np.abs(columns), strict=True):
+            if index <= ILL_CONDITIONED:
+                break
+            order = np.argsort(-direction)
+            named = [int(places[k]) for k in order if direction[k] >= NAMED_PART]
+            directions.append(Direction(float(index), tuple(named)))
+        return cls(indices, tuple(directions))
+
+    def warnings(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Name the parameters that move together, in one sentence.
+
+        Args:
+            names: Names of the parameters, (P,).
+
+        Returns:
+            One warning, or none.
+        """
+        groups = [
+            f"{', '.join(names[k] for k in direction.columns)} (condition index {direction.condition:.3g})"
+            for direction in self.directions
+        ]
+        if not groups:
+            return ()
+        more = f"; and {len(groups) - NAMED} other groups" if len(groups) > NAMED else ""
+        return (
+            f"these recordings hardly tell apart {'; '.join(groups[:NAMED])}{more}: small errors of model, sensors or "
+            "filters move them together by much, so excite more, or plan a motion",
+        )
+
+
 @dataclass(frozen=True)
 class JointNoise:
     """What the residuals of one joint look like.
@@ -66,7 +159,16 @@ class JointNoise:
 
 
 def describe_noise(problem: RowProblem, point: Point, noises: Noises) -> tuple[JointNoise, ...]:
-    """Describe the residuals of each joint."""
+    """Describe the residuals of each joint.
+
+    Args:
+        problem: The problem.
+        point: Parameters and weights of its solution.
+        noises: Noise of each kind and joint.
+
+    Returns:
+        Description of the residuals of each joint, group by group.
+    """
     joints = len(problem.columns)
     samples, effective, statistic, lags = np.zeros((4, joints))
     products = np.zeros((joints, 2))
@@ -105,6 +207,12 @@ def parameter_scale(r_factors: Sequence[RFactor]) -> FloatArray:
     """Return the size of each parameter that would explain, alone, all torque of a joint it acts on, (P,).
 
     That is ‖τ‖ / ‖W_i‖ of the joint where it is smallest; zero for one that left no trace.
+
+    Args:
+        r_factors: R factor of the rows of each joint, in motion and at rest.
+
+    Returns:
+        Parameter scale of each parameter in its unit, (P,).
     """
     norms = np.array([np.linalg.norm(r_factor.R, axis=0) for r_factor in r_factors])
     columns, torques = norms[:, :-1], norms[:, -1:]
@@ -126,6 +234,9 @@ def reference_scale(
         lowest: Smallest angle of each joint in all recordings [rad], (n,).
         highest: Largest.
         r_factors: Rows of each joint, in motion and at rest.
+
+    Returns:
+        Reference scale of each parameter in its unit, (P,); 0 for one that leaves no trace.
     """
     rng = np.random.default_rng(0)
     q, v, a = rng.uniform(-1.0, 1.0, (3, STATES, len(lowest)))
@@ -146,7 +257,10 @@ def identifiability_class(value: float, std: float, size: float, calm: float = n
         std: Its standard deviation.
         size: See :func:`parameter_scale`.
         calm: See :func:`calm_sizes`.
-        index: Its condition index, see :class:`~exoid.regression.collinearity.Collinearity`.
+        index: Its condition index, see :class:`~exoid.regression.diagnostics.Collinearity`.
+
+    Returns:
+        The class.
     """
     scale = max(abs(value), SIZE * min(size, calm))
     if abs(value) > CANCELS * size > 0.0 or std > WEAKLY * scale or index > HOPELESS:
@@ -155,7 +269,17 @@ def identifiability_class(value: float, std: float, size: float, calm: float = n
 
 
 def identifiability_beside(name: str, prior_knowledge: PriorKnowledge, std: float, of_data: str) -> str:
-    """Say "known" or "prior" of parameters that are rather what was assumed than what was measured."""
+    """Say "known" or "prior" of parameters that are rather what was assumed than what was measured.
+
+    Args:
+        name: Name of the parameter.
+        prior_knowledge: What was known beside the recordings.
+        std: Standard deviation of the parameter.
+        of_data: Class by the recordings alone.
+
+    Returns:
+        The class.
+    """
     if name in prior_knowledge.known:
         return "known"
     believed = prior_knowledge.prior.values.get(name)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
+from .least_squares import stack
 from .problem import RecordingProblem
-from .r_factor import stack
 
 NO_ESTIMATE = np.inf
 """Change of a parameter that cannot be identified without a recording."""
@@ -44,17 +44,37 @@ class Influence(NamedTuple):
     expected: FloatArray
 
     def of(self, count: int) -> Influence:
-        """Keep the first so many parameters."""
+        """Keep the first so many parameters.
+
+        Args:
+            count: Number of parameters.
+
+        Returns:
+            Influence on the first ones.
+        """
         return self.at(slice(count))
 
     def at(self, places: slice | NDArray[np.intp]) -> Influence:
-        """Keep the parameters at these places."""
+        """Keep the parameters at these places.
+
+        Args:
+            places: Indices of parameters.
+
+        Returns:
+            Influence on these.
+        """
         return Influence(self.recordings, *(array[:, places] for array in self[1:]))
 
     def strongest(self, limit: float | FloatArray) -> list[tuple[str, list[int]]]:
         """Name recordings that move parameters by more than so many standard deviations, one or (P,), and which.
 
         Only what noise does not explain either: in one of twenty estimates the largest change of all does by chance.
+
+        Args:
+            limit: Change in standard deviations, one number or (P,).
+
+        Returns:
+            Name of each such recording, and indices of the parameters that it moves.
         """
         chance = float(scipy.stats.norm.ppf(1.0 - 0.5 * SIGNIFICANT / self.change.size))
         moved = np.isfinite(self.change) & (np.abs(self.change) > np.maximum(limit, chance * self.expected))
@@ -62,9 +82,7 @@ class Influence(NamedTuple):
         return [(name, np.flatnonzero(row).tolist()) for name, row in found if row.any()]
 
 
-def influence(
-    problem: RecordingProblem, names: Sequence[str], weights: Sequence[float], std: FloatArray
-) -> Influence | None:
+def influence(problem: RecordingProblem, names: Sequence[str], weights: Sequence[float], std: FloatArray) -> Influence:
     """Leave out one recording after the other, with the weights of the whole.
 
     With A = Σ A_r the information WᵀW of all recordings, and of priors, the share of recording r in parameter i is the
@@ -73,15 +91,13 @@ def influence(
 
     Args:
         problem: The problem.
-        names: Names of its recordings, (R,).
+        names: Names of its recordings, (R,); at least two.
         weights: Weights of the rows of each R factor.
         std: Standard deviations of the parameters, (P,).
 
     Returns:
-        Influence on all parameters; nothing for one recording.
+        Influence on all parameters.
     """
-    if len(names) < 2:
-        return None
     each = problem.recording_r_factors(weights)
     whole = problem.solve(stack(each))
     change, share, expected = np.zeros((3, len(each), len(std)))
@@ -108,7 +124,15 @@ def _information(R: FloatArray, inverse: FloatArray) -> tuple[FloatArray, FloatA
 
 
 def influence_to_json(found: Influence | None, names: Sequence[str]) -> list[dict[str, Any]]:
-    """Turn influences into what JSON can hold; what is infinite becomes null."""
+    """Turn influences into what JSON can hold; what is infinite becomes null.
+
+    Args:
+        found: The influence; None for one recording.
+        names: Names of the parameters, (P,).
+
+    Returns:
+        Influence of each recording, by the names of the parameters.
+    """
     if found is None:
         return []
     finite = ([[x if np.isfinite(x) else None for x in row] for row in a.tolist()] for a in found[1:])
@@ -126,15 +150,19 @@ def influence_to_json(found: Influence | None, names: Sequence[str]) -> list[dic
 def influence_from_json(data: Sequence[dict[str, Any]], names: Sequence[str]) -> Influence | None:
     """Read what :func:`influence_to_json` wrote.
 
-    In older files the expected change follows from the share, √(share / (1 − share)), which is right for one parameter.
+    Args:
+        data: Influence of each recording.
+        names: Names of the parameters, (P,).
+
+    Returns:
+        The influence; None for no recording.
     """
     if not data:
         return None
-    change, share, expected = (
-        np.array([[one[key][n] if key in one else np.nan for n in names] for one in data], dtype=np.float64)
+    arrays = (
+        np.array([[one[key][name] for name in names] for one in data], dtype=np.float64)
         for key in ("change", "share", "expected")
     )
+    change, share, expected = arrays
     change[np.isnan(change)] = NO_ESTIMATE
-    part = np.clip(share, 0.0, 1.0 - TINY)
-    expected = np.where(np.isnan(expected), np.sqrt(part / (1.0 - part)), expected)
     return Influence(tuple(str(one["recording"]) for one in data), change, share, expected)

@@ -16,6 +16,9 @@ def half_width(level: float, dof: FloatArray | float) -> FloatArray:
         level: Probability that an interval contains the true value, between 0 and 1.
         dof: Degrees of freedom of the standard deviations.
 
+    Returns:
+        Half width in standard deviations.
+
     Raises:
         ExoidError: The level is not between 0 and 1.
     """
@@ -32,6 +35,9 @@ def intervals(values: FloatArray, std: FloatArray, dof: FloatArray, level: float
         std: Standard deviations, (P,).
         dof: Their degrees of freedom, (P,).
         level: See :func:`half_width`.
+
+    Returns:
+        Lower and upper ends, (P, 2).
 
     Raises:
         ExoidError: The level is not between 0 and 1.

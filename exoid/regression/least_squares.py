@@ -1,4 +1,4 @@
-"""Least squares by orthogonal factorisations, and which parameters the rows determine."""
+"""Least squares on R factors: all rows of a joint in one triangle, and which parameters they determine."""
 
 from __future__ import annotations
 
@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .collinearity import Collinearity
-from .prior_knowledge import NO_PRIOR_KNOWLEDGE, PriorKnowledge
-from .r_factor import RFactor, factorize
+from .parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
+from .rows import Rows
 
 UNDETERMINED = 1e-7
 """Singular values of the unit-column regressor below this fraction of the largest count as zero."""
@@ -29,6 +28,121 @@ ROUNDING = 1e-9
 TINY = 1e-150
 """Smallest number to divide by."""
 
+COLUMNS = 4
+"""Columns that are factorised at once: of so few as a joint has, fastest."""
+
+
+class RFactor(NamedTuple):
+    """All that least squares needs to know of the rows of one joint: R of the QR factorisation of [W τ].
+
+    Attributes:
+        R: Upper R factor, (P + 1, P + 1).
+        rows: How many rows went in.
+        samples: How many independent samples they amount to.
+    """
+
+    R: FloatArray
+    rows: int
+    samples: float
+
+    def among(self, columns: NDArray[np.intp], width: int) -> RFactor:
+        """Put the columns into the places that they have among so many, the others being zero."""
+        R = np.zeros((len(self.R), width))
+        R[:, columns] = self.R
+        return factorize(R, self.rows, self.samples)
+
+    def residual(self, values: FloatArray) -> float:
+        """Root of the sum of squared residuals ‖W β − τ‖ [N·m]."""
+        return float(np.linalg.norm(self.R @ np.append(values, -1.0)))
+
+
+def factorize_rows(rows: Rows) -> list[RFactor]:
+    """Reduce the rows of each joint to a R factor."""
+    r_factors = []
+    for joint in range(rows.tau.shape[1]):
+        columns, table = joint_table(rows, joint)
+        count = table.shape[1]
+        r_factor = factorize(table.T, count, count * rows.independence)
+        r_factors.append(r_factor.among(columns, rows.W.shape[2] + 1))
+    return r_factors
+
+
+def joint_table(rows: Rows, joint: int) -> tuple[NDArray[np.intp], FloatArray]:
+    """Columns of [W τ] that act on a joint, the last that of its torque, and usable rows in them, (p, N)."""
+    W, use = rows.W[:, joint].T, rows.usable[:, joint]
+    columns = np.flatnonzero(rows.acting[joint])
+    table = np.empty((len(columns) + 1, int(np.count_nonzero(use))))
+    used = slice(None) if use.all() else use
+    for row, column in zip(table, columns, strict=False):
+        row[:] = W[column, used]
+    table[-1] = rows.tau[used, joint]
+    return np.append(columns, len(W)), table
+
+
+def factorize(table: FloatArray, rows: int, samples: float) -> RFactor:
+    """Reduce rows of [W τ] to their R factor.
+
+    Args:
+        table: Rows of [W τ], (N, P + 1).
+        rows: Number of rows that the R factor stands for.
+        samples: Number of independent samples among them.
+
+    Returns:
+        The R factor.
+    """
+    width = table.shape[1]
+    if len(table) < width:
+        table = np.vstack([table, np.zeros((width - len(table), width))])
+    factored, *_ = scipy.linalg.lapack.dgeqrt(min(COLUMNS, width), table)
+    return RFactor(np.triu(factored[:width]), rows, samples)
+
+
+def rms_residual(r_factors: Sequence[RFactor], values: FloatArray) -> float:
+    """RMS residual over the rows of several R factors [N·m].
+
+    Args:
+        r_factors: R factors of rows in the same unit.
+        values: Parameters, (P,).
+
+    Returns:
+        Root mean square of the residual.
+    """
+    squares = sum(r_factor.residual(values) ** 2 for r_factor in r_factors)
+    return float(np.sqrt(squares / max(sum(r_factor.rows for r_factor in r_factors), 1)))
+
+
+def stack(r_factors: Sequence[RFactor], weights: Sequence[float] | None = None) -> RFactor:
+    """Combine R factors, each multiplied by its weight, into the R factor of all their rows.
+
+    Args:
+        r_factors: R factors of the same parameters.
+        weights: Weight of the rows of each; None for 1.
+
+    Returns:
+        R factor of all rows.
+    """
+    weights = [1.0] * len(r_factors) if weights is None else weights
+    table = np.vstack([weight * r_factor.R for weight, r_factor in zip(weights, r_factors, strict=True)])
+    return factorize(table, sum(t.rows for t in r_factors), sum(t.samples for t in r_factors))
+
+
+def refuse_empty_joints(joint_names: Sequence[str], r_factors: Sequence[RFactor]) -> None:
+    """Refuse a fit in which the terms' dead bands left no sample of a joint.
+
+    Args:
+        joint_names: Names of the joints, (n,).
+        r_factors: R factor of each joint.
+
+    Raises:
+        ExoidError: Names the joints.
+    """
+    empty = [joint for joint, r_factor in zip(joint_names, r_factors, strict=True) if r_factor.rows == 0]
+    if empty:
+        raise ExoidError(
+            f"no sample of {', '.join(empty)} is faster than the dead band of its friction term",
+            remedy="move faster, or choose a smaller dead_band",
+        )
+
 
 class Solution(NamedTuple):
     """Least-squares estimate with its evidence.
@@ -41,7 +155,9 @@ class Solution(NamedTuple):
         inverse: (WᵀW)⁻¹ of the rows as weighted, those of priors among them; zero for known parameters, (P, P).
         prior_noise: Share of the priors' own uncertainty in Wᵀ Γ W, (P, P).
         bounded: Indices of parameters that would have become negative.
-        collinearity: Which parameters move together.
+        sigma: Singular values of the regressor with columns scaled to unit length, the largest first, (p,).
+        Vt: Its right singular vectors, (p, p).
+        free: Indices of the p parameters that are not known.
     """
 
     values: FloatArray
@@ -51,10 +167,20 @@ class Solution(NamedTuple):
     inverse: FloatArray
     prior_noise: FloatArray
     bounded: tuple[int, ...] = ()
-    collinearity: Collinearity = Collinearity()
+    sigma: FloatArray = np.ones(0)
+    Vt: FloatArray = np.ones((0, 0))
+    free: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
 
     def prior_gains(self, names: Sequence[str], prior_knowledge: PriorKnowledge) -> FloatArray:
-        """How far parameters follow priors p, ∂β/∂p = (WᵀW)⁻¹ s² / σ² of rows (s/σ) β = (s/σ) p, (P, K)."""
+        """How far parameters follow priors p, ∂β/∂p = (WᵀW)⁻¹ s² / σ² of rows (s/σ) β = (s/σ) p, (P, K).
+
+        Args:
+            names: Names of the parameters, (P,).
+            prior_knowledge: What was known beside the rows, with K priors.
+
+        Returns:
+            ∂β/∂p, (P, K).
+        """
         places = [list(names).index(name) for name in prior_knowledge.prior.values]
         std = np.array([std for _, std in prior_knowledge.prior.values.values()])
         return np.asarray(self.inverse[:, places] * (np.sqrt(np.diag(self.prior_noise)[places]) / std))
@@ -79,6 +205,9 @@ def solve(
         names: Parameters, (P,).
         prior_knowledge: What is known beside the rows.
         nonnegative: Parameters that must not become negative, (P,); None if all may.
+
+    Returns:
+        Values with covariance, condition number and singular value decomposition.
 
     Raises:
         ExoidError: Names the parameters that neither rows nor priors determine, and what to do.
@@ -120,8 +249,8 @@ def solve(
     all_values = prior_knowledge.fixed_values(names)
     all_values[free] = values
     places = tuple(int(k) for k in np.flatnonzero(free)[bounded])
-    together = Collinearity.of(sigma, Vt, np.flatnonzero(free), len(names))
-    return Solution(all_values, variance * whole, float(sigma[0] / sigma[-1]), dof, whole, noise, places, together)
+    condition = float(sigma[0] / sigma[-1])
+    return Solution(all_values, variance * whole, condition, dof, whole, noise, places, sigma, Vt, np.flatnonzero(free))
 
 
 def _without_known(r_factor: RFactor, fixed: FloatArray, free: NDArray[np.bool_]) -> RFactor:

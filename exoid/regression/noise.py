@@ -50,6 +50,9 @@ class AutoregressiveNoise:
         Args:
             gamma: Autocovariances γ_0 … γ_K; orders up to K are compared.
             samples: Number N of samples that they come from: AIC(p) = N ln σ_p² + 2 p.
+
+        Returns:
+            Noise model of the order with the smallest AIC.
         """
         if gamma[0] <= 0.0:
             return AutoregressiveNoise.none()
@@ -115,6 +118,9 @@ class AutoregressiveNoise:
 
         Args:
             X: Rows over consecutive samples, none left out, (P, N).
+
+        Returns:
+            Whitened rows, (P, N).
         """
         p = min(self.order, X.shape[1])
         out = np.empty_like(X)
@@ -184,6 +190,13 @@ def autocovariance_sums(x: FloatArray, largest: int) -> FloatArray:
 
     Each row is cut into pieces longer than the lags: the diagonals of the products of a piece with itself and with the
     next one hold every pair. These are products of matrices, and take less than half the time of Fourier transforms.
+
+    Args:
+        x: Rows over consecutive samples, (P, N) or (N,).
+        largest: Largest lag.
+
+    Returns:
+        Sum for each lag, (largest + 1,).
     """
     length = largest + 1
     within, across = np.zeros((2, length, length))

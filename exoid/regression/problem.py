@@ -8,8 +8,7 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .least_squares import Solution
-from .r_factor import RFactor
+from .least_squares import RFactor, Solution
 from .rows import NoiseKind, RowBlock
 
 T = TypeVar("T")

@@ -100,6 +100,14 @@ def over_recordings(problem: RowProblem, point: Point, work: Callable[[Iterator[
     """Let work go over the rows of each recording, joint by joint, decimated to the pace of independent noise.
 
     The rows may be elsewhere, on a disk or on a cluster: what the work finds should be small.
+
+    Args:
+        problem: The problem.
+        point: Parameters and weights of its solution.
+        work: Function of the rows of one recording.
+
+    Yields:
+        Result of the function for each recording.
     """
     yield from problem.gather(partial(_on_series, work, ColumnLayout.of(problem), point))
 
@@ -111,7 +119,15 @@ def _on_series(
 
 
 def series(problem: RowProblem, point: Point) -> Iterator[Series]:
-    """Go over all recordings and joints, in rows decimated to the pace of independent noise."""
+    """Go over all recordings and joints, in rows decimated to the pace of independent noise.
+
+    Args:
+        problem: The problem.
+        point: Parameters and weights of its solution.
+
+    Returns:
+        Decimated rows of all recordings, joint by joint.
+    """
     return _series(problem.blocks(decimated=True), ColumnLayout.of(problem), point)
 
 
@@ -152,6 +168,14 @@ def fit_noise(
     Residuals are smaller than the noise, and less alike, since the fit has taken part of it away; on average
     γ̂_k falls short by (1/N) Σ_t x_t C x_{t+k}ᵀ with C the covariance of the estimate, which is put back (as restricted
     maximum likelihood does). Samples left out do not count.
+
+    Args:
+        problem: The problem.
+        point: Parameters and weights of its solution.
+        covariance: Covariance of the solution, (P, P).
+
+    Returns:
+        Noise model of each kind and joint.
     """
     roots = [_root(covariance[np.ix_(columns, columns)]).T for columns in problem.columns]
     sums: dict[tuple[NoiseKind, int], FloatArray] = {}
@@ -199,6 +223,9 @@ def sandwich(problem: RowProblem, point: Point, solution: Solution) -> Sandwich:
         problem: The problem.
         point: Where it was solved.
         solution: (WᵀW)⁻¹ of the weighted rows, and a first idea of the covariance.
+
+    Returns:
+        The covariance, and the noise that it is for.
     """
     inverse, covariance = solution.inverse, solution.covariance
     for _ in range(PASSES):

@@ -121,6 +121,9 @@ def prepare(
         preparation: How it becomes rows.
         every: Whether each sample is to be a row; else only as many as are not redundant behind the filter.
 
+    Returns:
+        Arrays of all samples, from which columns follow block by block.
+
     Raises:
         ExoidError: The recording has no torque, lacks a joint of the leg, or is too short for the filter.
     """
@@ -157,6 +160,14 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
     Columns are formed as far beyond both ends of the stretch as the filter reaches, so that they come out as if those
     of the whole recording had been filtered. Columns beyond those of the parameters are torque that is known, and is
     taken to the other side.
+
+    Args:
+        model: Torque model.
+        prepared: The prepared recording.
+        stretch: Samples that become rows.
+
+    Returns:
+        The rows.
     """
     around = slice(max(0, stretch[0] - prepared.reach), stretch[-1] + 1 + prepared.reach)
     columns, tau = model.columns(prepared.motion.rows(around)), prepared.tau[around].T
@@ -202,7 +213,16 @@ def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
 
 
 def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Preparation) -> Rows:
-    """Make a row of each sample of a recording that its ends do not spoil, or of poses, all at once."""
+    """Make a row of each sample of a recording that its ends do not spoil, or of poses, all at once.
+
+    Args:
+        model: Torque model.
+        data: The recording, or poses.
+        preparation: How it becomes rows.
+
+    Returns:
+        The rows.
+    """
     prepared = prepare(model, data, preparation, every=True)
     return form_rows(model, prepared, prepared.rows)
 
@@ -222,6 +242,9 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
         rows: All rows of a recording, or a stretch of them.
         before: How many rows of the recording come before these.
         count: How many it has in all.
+
+    Returns:
+        The rows that are kept.
     """
     step = decimation(rows.independence)
     if step == 1:
@@ -242,7 +265,14 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
 
 
 def chain(stretches: Sequence[Rows]) -> Rows:
-    """Put stretches of one recording together."""
+    """Put stretches of one recording together.
+
+    Args:
+        stretches: Rows of one recording, in order of time.
+
+    Returns:
+        All rows.
+    """
     if len(stretches) == 1:
         return stretches[0]
     W = np.concatenate([rows.W.transpose(2, 1, 0) for rows in stretches], axis=2).transpose(2, 1, 0)
@@ -261,6 +291,13 @@ Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)
 
 def for_leg(model: RegressorModel, recording: Measured) -> Measured:
     """Pick the leg's joints from a recording or poses, by name.
+
+    Args:
+        model: Torque model, for its joints.
+        recording: Recording or poses, with these joints and perhaps others.
+
+    Returns:
+        Recording or poses of these joints only.
 
     Raises:
         ExoidError: A joint is missing.

@@ -109,7 +109,14 @@ def residual_trends(
 
 
 def trend_warnings(trends: Sequence[Trend]) -> tuple[str, ...]:
-    """Name the joints whose residuals depend on velocity or angle."""
+    """Name the joints whose residuals depend on velocity or angle.
+
+    Args:
+        trends: Trends of all joints.
+
+    Returns:
+        One sentence for each trend that matters.
+    """
     return tuple(
         f"the residual of {trend.joint} depends on its {trend.against} by more than noise explains (p = "
         f"{trend.p_value:.1g}, {trend.share:.1%} of its torque): {_HINT[trend.against]}"
@@ -119,7 +126,14 @@ def trend_warnings(trends: Sequence[Trend]) -> tuple[str, ...]:
 
 
 def trends_to_json(trends: Sequence[Trend]) -> list[dict[str, Any]]:
-    """Turn trends into what JSON can hold."""
+    """Turn trends into what JSON can hold.
+
+    Args:
+        trends: The trends.
+
+    Returns:
+        One object for each trend.
+    """
     return [
         {
             "joint": t.joint,
@@ -135,7 +149,14 @@ def trends_to_json(trends: Sequence[Trend]) -> list[dict[str, Any]]:
 
 
 def trends_from_json(data: Sequence[dict[str, Any]]) -> tuple[Trend, ...]:
-    """Read what :func:`trends_to_json` wrote."""
+    """Read what :func:`trends_to_json` wrote.
+
+    Args:
+        data: What :func:`trends_to_json` wrote.
+
+    Returns:
+        The trends.
+    """
     return tuple(
         Trend(
             joint=str(one["joint"]),

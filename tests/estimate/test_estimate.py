@@ -235,14 +235,14 @@ def test_every_preparation_has_a_name_that_files_can_hold():
         assert kind().name == name
 
 
-def test_a_file_without_diagnostics_can_still_be_read(estimate):
-    """As files were before there were any."""
+@pytest.mark.parametrize("key", ["noise", "sizes", "calm_sizes", "collinearity", "warnings", "trends", "prior"])
+def test_a_file_without_its_evidence_is_refused(estimate, tmp_path, key):
     data = estimate_to_json(estimate)
-    for key in ("noise", "sizes", "determined", "warnings"):
-        del data[key]
-    again = estimate_from_json(data)
-    assert (again.values == estimate.values).all()
-    assert (again.noise, again.warnings) == ((), ())
+    del data[key]
+    path = tmp_path / "leg.json"
+    path.write_text(json.dumps(data), encoding="utf-8")
+    with pytest.raises(ExoidError, match=f"leg.json: damaged: .*{key}.*identify again"):
+        Estimate.load(path)
 
 
 def test_a_file_needs_no_urdf(swing, recording, tmp_path):
@@ -408,3 +408,17 @@ def test_saving_replaces_a_file_whole_or_not_at_all(estimate, tmp_path, monkeypa
 def test_json_in_memory_is_the_file(estimate):
     again = estimate_from_json(estimate_to_json(estimate))
     assert (again.values == estimate.values).all()
+
+
+def test_a_parameter_is_looked_up_by_name(estimate):
+    for k, name in enumerate(estimate.names):
+        found = estimate[name]
+        assert (found.name, found.value, found.std) == (name, estimate.values[k], estimate.std[k])
+        assert found.interval == tuple(estimate.interval()[k])
+        assert (found.unit, found.identifiability) == (estimate.units[k], estimate.identifiability[k])
+    assert "X1" in estimate
+    assert list(estimate)[:3] == ["X1", "Y1", "J1"]
+    assert str(estimate["X1"]).startswith("X1 = ")
+    with pytest.raises(ExoidError, match=r"no parameter 'X9'.*names are X1, Y1"):
+        estimate["X9"]
+    assert "X9" not in estimate

@@ -10,8 +10,14 @@ import exoid
 from exoid import Recording, Stiffness
 from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
-from exoid.regression.collinearity import HOPELESS, ILL_CONDITIONED, Collinearity
-from exoid.regression.diagnostics import identifiability_class, reference_scale
+from exoid.regression.diagnostics import (
+    HOPELESS,
+    ILL_CONDITIONED,
+    Collinearity,
+    identifiability_class,
+    reference_scale,
+)
+from exoid.regression.least_squares import factorize, solve
 from exoid.signals import FiniteDifference
 from exoid.torques import Stribeck, TorqueModel
 
@@ -19,9 +25,9 @@ EXACT = FiniteDifference()
 
 
 def of_columns(W):
-    unit = W / np.linalg.norm(W, axis=0)
-    _, sigma, Vt = np.linalg.svd(unit, full_matrices=False)
-    return Collinearity.of(sigma, Vt, np.arange(W.shape[1]), W.shape[1])
+    noise = np.random.default_rng(1).standard_normal(len(W))
+    factor = factorize(np.column_stack([W, noise]), len(W), float(len(W)))
+    return Collinearity.of(solve(factor, [f"p{k}" for k in range(W.shape[1])]))
 
 
 def test_two_columns_that_are_nearly_one_are_found_and_a_third_is_not_blamed():

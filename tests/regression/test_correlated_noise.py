@@ -149,7 +149,7 @@ def test_huber_is_that_of_statsmodels(pendulum):
     rng = np.random.default_rng(7)
     (recording,) = problem.local_data
     tau = recording.tau + 20.0 * (rng.random(recording.tau.shape) < 0.05)
-    problem = dataclasses.replace(problem, data=[dataclasses.replace(recording, tau=tau)])
+    problem = problem.with_data([dataclasses.replace(recording, tau=tau)])
     W, tau = regression_of(problem)
     expected = sm.RLM(tau, W, M=sm.robust.norms.HuberT()).fit()
     fit = ESTIMATORS["huber"](problem)

@@ -12,7 +12,7 @@ import exoid
 from exoid.identification.estimators import ols, wls
 from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
-from exoid.regression.degrees_of_freedom import degrees_of_freedom
+from exoid.regression.fit import degrees_of_freedom
 from exoid.regression.noise import AutoregressiveNoise
 from exoid.regression.residuals import sandwich
 from exoid.signals import FiniteDifference

@@ -8,10 +8,8 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Estimate, Stiffness, identify
-from exoid.estimate import estimate_to_json
 from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
-from exoid.regression.influence import influence_from_json
 from exoid.signals import FiniteDifference, Poses
 from exoid.torques import TorqueModel
 
@@ -118,15 +116,3 @@ def test_a_recording_without_which_nothing_is_left_is_named(leg, tmp_path):
     assert "not to be identified without array" in str(estimate)
     estimate.save(tmp_path / "e.json")
     assert np.isinf(Estimate.load(tmp_path / "e.json").influence.change[0]).all()
-
-
-def test_influences_of_older_files_can_be_read(leg):
-    estimate = identify(leg, logs(leg), TERMS, preparation=PLAIN)
-    data = estimate_to_json(estimate)["influence"]
-    assert all(
-        (a == b).all()
-        for a, b in zip(influence_from_json(data, estimate.names)[1:], estimate.influence[1:], strict=True)
-    )
-    old = influence_from_json([{k: one[k] for k in ("recording", "change", "share")} for one in data], estimate.names)
-    np.testing.assert_array_equal(old.change, estimate.influence.change)
-    assert np.isfinite(old.expected).all()

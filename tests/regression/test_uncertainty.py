@@ -10,8 +10,7 @@ from swings import TERMS, Swing
 import exoid
 from exoid import ExoidError
 from exoid.identification.estimators import ols, wls
-from exoid.regression.least_squares import solve
-from exoid.regression.r_factor import RFactor, factorize_rows, stack
+from exoid.regression.least_squares import RFactor, factorize_rows, solve, stack
 from exoid.regression.rows import make_rows
 from exoid.signals import FiniteDifference, ZeroPhase
 from exoid.torques import TorqueModel

@@ -10,7 +10,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.regression.diagnostics import SIZE, parameter_scale
-from exoid.regression.r_factor import factorize
+from exoid.regression.least_squares import factorize
 from exoid.torques import TorqueModel
 
 from .limits import MotionLimits

@@ -9,9 +9,8 @@ from .gls import gls
 from .huber import huber
 from .instrumental import InstrumentalVariables
 from .joint_ml import JointML
-from .ols import ols
+from .least_squares import ols, wls
 from .output_error import OutputError
-from .wls import wls
 
 __all__ = [
     "ESTIMATORS",

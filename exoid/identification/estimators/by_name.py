@@ -12,9 +12,8 @@ from .gls import gls
 from .huber import huber
 from .instrumental import InstrumentalVariables
 from .joint_ml import JointML
-from .ols import ols
+from .least_squares import ols, wls
 from .output_error import OutputError
-from .wls import wls
 
 Estimator = Callable[[Problem], Fit]
 """A function, or an object with settings such as :class:`exoid.identification.estimators.JointML`."""
@@ -28,6 +27,12 @@ NEED_LOOP: Mapping[str, Estimator] = {"iv": InstrumentalVariables(), "output-err
 
 def find_estimator(given: str | Estimator) -> Estimator:
     """Look an estimator up by name; an estimator stays what it is.
+
+    Args:
+        given: Name of an estimator, or an estimator.
+
+    Returns:
+        The estimator.
 
     Raises:
         ExoidError: There is none of that name.

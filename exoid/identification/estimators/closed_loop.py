@@ -85,6 +85,9 @@ class ClosedLoop:
             values: β of each, (P, B).
             recording: With even stamps.
 
+        Returns:
+            Angles and torques at the stamps.
+
         Raises:
             ExoidError: The rig knows no such term, or a run diverges.
         """

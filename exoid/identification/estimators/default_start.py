@@ -9,7 +9,7 @@ from exoid.regression.rows import for_leg
 from exoid.signals import ZeroPhase, choose_cutoff
 from exoid.torques import TorqueModel
 
-from .wls import wls
+from .least_squares import wls
 
 
 def default_preparation(problem: Problem) -> ZeroPhase:
@@ -27,6 +27,10 @@ def default_start(problem: Problem) -> FloatArray:
 
 def refuse_other_friction(model: TorqueModel, estimator: str) -> None:
     """Refuse terms whose torque does not follow from the motion of the moment alone.
+
+    Args:
+        model: Torque model.
+        estimator: Name of the estimator.
 
     Raises:
         ExoidError: A term remembers, depends on load, or has settings that are to be found.

@@ -8,14 +8,12 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.regression.degrees_of_freedom import degrees_of_freedom
-from exoid.regression.fit import Fit
-from exoid.regression.least_squares import Solution
+from exoid.regression.fit import Fit, degrees_of_freedom
+from exoid.regression.least_squares import RFactor, Solution, factorize, stack
 from exoid.regression.problem import RowProblem
-from exoid.regression.r_factor import RFactor, factorize, stack
 from exoid.regression.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
 
-from .wls import wls
+from .least_squares import wls
 
 ROUNDS = 6
 """Noise and parameters are estimated in turn at most so often."""
@@ -30,6 +28,12 @@ def gls(problem: RowProblem) -> Fit:
     Of all unbiased linear estimators the one of smallest variance, *if* the residual is noise beside a right model. If
     it is the model's own error, whitening stresses the frequencies at which the model is worst: the point then leaves
     that of weighted least squares by more than noise explains, and the fit carries a remark.
+
+    Args:
+        problem: The problem.
+
+    Returns:
+        The fit, with its noise models; a warning where it leaves weighted least squares by more than noise explains.
     """
     first = wls(problem)
     reference = sandwich(problem, first.point, first.solution)

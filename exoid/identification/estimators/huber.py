@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.regression.fit import Fit
+from exoid.regression.least_squares import RFactor, factorize, joint_table, stack
 from exoid.regression.problem import RowProblem
-from exoid.regression.r_factor import RFactor, factorize, joint_table, stack
 
-from .wls import noise_floor, wls
+from .least_squares import noise_floor, wls
 
 TUNING = 1.345
 """Residuals of this many standard deviations start to count less; 95 % efficient for normal noise."""
@@ -32,6 +32,12 @@ def huber(problem: RowProblem) -> Fit:
 
     s is 1.4826 times the median of the joint's absolute residuals. Solved by reweighting: rows count
     min(1, 1.345 / |r|). A spike of the torque sensor then pulls no more than a residual of 1.345 s.
+
+    Args:
+        problem: The problem.
+
+    Returns:
+        The fit.
     """
     solution, floor = wls(problem).solution, noise_floor(problem)
     scales = np.full(len(problem.r_factors), np.nan)

@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
 from exoid.regression.fit import Fit
 from exoid.regression.noise import QuadraticForm
-from exoid.regression.prior_knowledge import NO_PRIOR_KNOWLEDGE
+from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE
 from exoid.regression.residuals import Point, Sandwich, fit_noise, series
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording
@@ -22,7 +22,7 @@ from exoid.torques import TorqueModel
 
 from .closed_loop import ClosedLoop, as_possible
 from .default_start import default_start, refuse_other_friction
-from .wls import wls
+from .least_squares import wls
 
 ROUNDS = 8
 """Simulations at most."""
@@ -55,6 +55,12 @@ class InstrumentalVariables:
 
     def __call__(self, problem: Problem) -> Fit:
         """Fit.
+
+        Args:
+            problem: Problem of one group.
+
+        Returns:
+            The fit.
 
         Raises:
             ExoidError: No loop was given, it cannot be simulated, or there are several groups.

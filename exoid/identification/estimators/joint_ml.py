@@ -20,9 +20,9 @@ from exoid.torques import Term, TorqueModel
 from exoid.torques.dry_friction import DryFriction
 
 from .default_start import default_preparation, default_start, refuse_other_friction
+from .least_squares import wls
 from .motion_fit import MotionFit, fit_motion
 from .motion_system import Moving, Still
-from .wls import wls
 
 COARSE = 0.04
 """Knot spacing [s] to begin with."""
@@ -78,7 +78,17 @@ class JointML:
         return "ml" if self.spacing is None else f"ml(spacing={self.spacing:.4g})"
 
     def __call__(self, problem: Problem) -> Fit:
-        """Start from weighted least squares on filtered rows, and fit."""
+        """Start from weighted least squares on filtered rows, and fit.
+
+        Args:
+            problem: Problem of one group.
+
+        Returns:
+            The fit.
+
+        Raises:
+            ExoidError: A term has memory or depends on load, knots are too close, or there are several groups.
+        """
         refuse_other_friction(problem.model, "ml")
         first = wls(problem)
         model = smooth(problem.model)

@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.regression.least_squares import Solution
-from exoid.regression.r_factor import RFactor
+from exoid.regression.least_squares import RFactor, Solution
 from exoid.torques import TorqueModel
 
 from .bordered import eliminate
@@ -69,6 +68,9 @@ def fit_motion(
         solve: For β, with what is known beside the rows.
         priors: Rows of unit variance that it adds, as [W τ], (K, P + 1).
         settled: When to stop.
+
+    Returns:
+        Parameters, motions and noise levels.
     """
     system = System(model, moving, still, priors, [Trajectory.on(data.time, spacing) for data in moving])
     state = system.begin(values)

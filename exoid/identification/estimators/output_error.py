@@ -12,16 +12,15 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
 from exoid.regression.fit import Fit
-from exoid.regression.least_squares import Solution, solve
+from exoid.regression.least_squares import RFactor, Solution, factorize, solve
 from exoid.regression.noise import AutoregressiveNoise, autocovariance_sums
-from exoid.regression.r_factor import RFactor, factorize
 from exoid.regression.residuals import Point, fit_noise
 from exoid.regression.rows import for_leg, make_rows
 from exoid.signals import Poses
 
 from .closed_loop import ClosedLoop, as_possible
 from .default_start import default_start, refuse_other_friction
-from .wls import wls
+from .least_squares import wls
 
 ROUNDS = 12
 """Gauss–Newton steps at most."""
@@ -67,6 +66,12 @@ class OutputError:
 
     def __call__(self, problem: Problem) -> Fit:
         """Fit.
+
+        Args:
+            problem: Problem of one group.
+
+        Returns:
+            The fit.
 
         Raises:
             ExoidError: No loop was given, it cannot be simulated, or there are several groups.

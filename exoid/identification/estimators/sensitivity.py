@@ -32,6 +32,9 @@ def respond(model: TorqueModel, values: FloatArray, motion: Motion) -> Response:
         model: The model; its friction must be smooth.
         values: β, (P,).
         motion: N samples.
+
+    Returns:
+        Torque and its derivatives.
     """
     samples, joints = motion.q.shape
     to_motion = np.empty((3, samples, joints, joints))

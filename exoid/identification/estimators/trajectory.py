@@ -43,6 +43,9 @@ class Trajectory(NamedTuple):
         Args:
             time: Stamps [s], (N,), increasing.
             spacing: Of the knots [s]; narrowed a little, so that they fit.
+
+        Returns:
+            The trajectory space.
         """
         span = float(time[-1] - time[0])
         intervals = max(1, int(np.ceil(span / spacing - 1e-9)))

@@ -36,6 +36,9 @@ def friction_candidates(cutoff: float = 8.0) -> tuple[Candidate, ...]:
 
     Args:
         cutoff: Of the parallel filter [Hz].
+
+    Returns:
+        The candidates.
     """
     d = BENDING
     sharp, load, split = Coulomb(), LoadFriction(), LoadFriction(split=True)
@@ -68,6 +71,9 @@ def filter_candidates(chosen: Candidate, cutoff: float = 8.0) -> tuple[Candidate
     Args:
         chosen: With the terms, behind a parallel filter at ``cutoff``.
         cutoff: Of that filter [Hz].
+
+    Returns:
+        The candidates.
     """
     return (
         *(

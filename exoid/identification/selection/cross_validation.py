@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.fitting import Start, Task
-from exoid.identification.variable_projection import fit_model
+from exoid.identification.identify import fit_model
 from exoid.regression.rows import make_rows
 from exoid.signals import Preparation, Recording, Smoothed, ZeroPhase
 
@@ -120,6 +120,9 @@ def held_out(task: Task, recordings: Sequence[Recording], split: Split, start: S
         split: Rows to fit and rows to test.
         start: Near the solution; None to search.
         cutoff: Of the filter that measured and predicted torque pass for comparison [Hz].
+
+    Returns:
+        Prediction errors on the tested rows.
 
     Raises:
         ExoidError: The rows that are left do not determine the parameters, or none is left to test.

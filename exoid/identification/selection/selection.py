@@ -17,9 +17,8 @@ from exoid.estimate.validation import Validation, validate
 from exoid.identification.estimators import find_estimator
 from exoid.identification.fitting import Start, Task
 from exoid.identification.groups import Group
-from exoid.identification.identify import identify
+from exoid.identification.identify import fit_model, identify
 from exoid.identification.recording_summary import refuse_dead_torques, refuse_still_joints, summarize
-from exoid.identification.variable_projection import fit_model
 from exoid.leg import Leg
 from exoid.signals import Recording
 from exoid.tables import make_table, to_text
@@ -102,12 +101,27 @@ class Selection:
         )
 
     def identify(self, recordings: Recording | Sequence[Recording]) -> Estimate:
-        """Identify with what was chosen; see :func:`exoid.identify`."""
+        """Identify with what was chosen; see :func:`exoid.identify`.
+
+        Args:
+            recordings: Recordings to identify from.
+
+        Returns:
+            The estimate.
+        """
         chosen = self.candidate
         return identify(self.leg, recordings, chosen.terms, chosen.estimator, preparation=chosen.preparation)
 
     def validate(self, estimate: Estimate, recording: Recording) -> Validation:
-        """Validate behind the filter at :attr:`cutoff`, whatever filter was chosen for the fit."""
+        """Validate behind the filter at :attr:`cutoff`, whatever filter was chosen for the fit.
+
+        Args:
+            estimate: An estimate by :meth:`identify`.
+            recording: A recording that is not fitted.
+
+        Returns:
+            Measured and predicted torque.
+        """
         preparation = evaluation(estimate.preparation, self.cutoff, recording.sample_rate)
         return validate(estimate, recording, preparation=preparation)
 
@@ -160,6 +174,9 @@ def select_terms(
         cutoff: Of the filter behind which torques are compared, and of the default candidates' own [Hz].
         tune: Whether to go on to filters and estimators.
         progress: Called with the share done.
+
+    Returns:
+        The scores of all candidates, and the choice.
 
     Raises:
         ExoidError: There are no candidates, too few folds, a joint stands still or its torque is dead, or none of the

@@ -1,4 +1,4 @@
-"""Weighted least squares."""
+"""Ordinary least squares, and least squares weighted joint by joint."""
 
 from __future__ import annotations
 
@@ -8,19 +8,35 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.regression.fit import Fit
+from exoid.regression.least_squares import RFactor, stack
 from exoid.regression.problem import LeastSquaresProblem
-from exoid.regression.r_factor import RFactor, stack
-
-from .ols import ols
 
 NOISELESS = 1e-9
 """Residuals below this fraction of the leg's torque are rounding, not noise, and do not raise a weight further."""
+
+
+def ols(problem: LeastSquaresProblem) -> Fit:
+    """Weigh every torque row alike, whichever joint it comes from: min Σ ‖W β − τ‖² (doc. 1, eq. (17)).
+
+    Args:
+        problem: The problem.
+
+    Returns:
+        The fit.
+    """
+    return Fit(problem.solve(stack(problem.r_factors)), [1.0] * len(problem.r_factors))
 
 
 def wls(problem: LeastSquaresProblem) -> Fit:
     """Each joint's rows are divided by that joint's own residual of a first, ordinary, fit.
 
     A hip whose sensor errs by 1 N·m then no longer drowns an ankle whose sensor errs by 0.1 N·m.
+
+    Args:
+        problem: The problem.
+
+    Returns:
+        The fit.
     """
     first = ols(problem).solution.values
     floor = noise_floor(problem)

@@ -1,0 +1,336 @@
+"""Parameters: what is known of them beside the recordings, and where those of several groups stand in one vector."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
+from .model import RegressorModel, Regrouping
+
+SMALL = 0.1
+"""Values below this part of the largest of their unit share its uncertainty in :meth:`Prior.from_leg`."""
+
+
+class HasParameters(Protocol):
+    """Named values with units, such as those of :class:`exoid.Leg`."""
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names, (p,)."""
+        ...
+
+    @property
+    def parameter_units(self) -> tuple[str, ...]:
+        """Units, (p,)."""
+        ...
+
+    @property
+    def parameters(self) -> FloatArray:
+        """Values, (p,)."""
+        ...
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Values that parameters are believed to have, and standard deviations: measurements of another kind.
+
+    Attributes:
+        values: Value and standard deviation by name.
+
+    Example:
+        >>> prior = Prior({"J3": (0.05, 0.01)})
+    """
+
+    values: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check that values are numbers and standard deviations positive."""
+        try:
+            pairs = {str(name): (float(value), float(std)) for name, (value, std) in self.values.items()}
+        except (TypeError, ValueError, AttributeError) as error:
+            raise ExoidError(
+                f"a prior needs a value and a standard deviation ({error})", remedy='write {"J3": (0.05, 0.01)}'
+            ) from error
+        wrong = [name for name, (value, std) in pairs.items() if not (np.isfinite(value) and 0.0 < std < np.inf)]
+        if wrong:
+            what = f"the prior of {', '.join(wrong)} is not a finite value with a positive standard deviation"
+            raise ExoidError(what, remedy="pass what is exact as known=")
+        object.__setattr__(self, "values", MappingProxyType(pairs))
+
+    @classmethod
+    def from_leg(cls, leg: HasParameters, relative_std: float = 0.2, names: Sequence[str] | None = None) -> Prior:
+        """Take a leg's own parameters, such as those of its CAD, for right to so many parts.
+
+        A value near zero, as Y of a symmetric segment, has a tenth of the uncertainty of the largest of its unit.
+
+        Args:
+            leg: The leg with the values that are believed.
+            relative_std: Standard deviation over value.
+            names: Parameters to take; None for all of the leg.
+
+        Returns:
+            The prior.
+        """
+        wanted = leg.parameter_names if names is None else tuple(names)
+        units, sizes = np.array(leg.parameter_units), np.abs(leg.parameters)
+        pairs = {}
+        for name, unit, value in zip(leg.parameter_names, units, leg.parameters, strict=True):
+            size = max(abs(value), SMALL * float(sizes[units == unit].max()))
+            pairs[name] = (float(value), relative_std * size)
+        missing = [name for name in wanted if name not in pairs]
+        if missing:
+            raise ExoidError(f"the leg has no {', '.join(missing)}", remedy=f"names are {', '.join(pairs)}")
+        return cls({name: pairs[name] for name in wanted})
+
+
+@dataclass(frozen=True)
+class PriorKnowledge:
+    """All that enters an identification beside recordings, in the order of the model's parameters where it is arrays.
+
+    Attributes:
+        known: Values of parameters that are held fixed.
+        prior: Values that others are believed to have.
+        nonnegative: Whether friction and rotor inertia are kept from falling below zero.
+    """
+
+    known: Mapping[str, float] = field(default_factory=dict)
+    prior: Prior = field(default_factory=Prior)
+    nonnegative: bool = False
+
+    def __post_init__(self) -> None:
+        """Check that what is known is a number."""
+        try:
+            known = {str(name): float(value) for name, value in self.known.items()}
+        except (TypeError, ValueError, AttributeError) as error:
+            raise ExoidError(f"a known parameter needs a number ({error})", remedy='write {"X1": 4.25}') from error
+        wrong = [name for name, value in known.items() if not np.isfinite(value)]
+        if wrong:
+            raise ExoidError(f"the known {', '.join(wrong)} is not finite", remedy="pass a number")
+        both = [name for name in known if name in self.prior.values]
+        if both:
+            raise ExoidError(f"{', '.join(both)} is known and has a prior", remedy="use one of the two")
+        object.__setattr__(self, "known", MappingProxyType(known))
+
+    @classmethod
+    def of(
+        cls,
+        known: Mapping[str, float] | None,
+        prior: Prior | Mapping[str, tuple[float, float]] | None,
+        *,
+        nonnegative: bool,
+    ) -> PriorKnowledge:
+        """Check arguments as a user gives them; None for nothing.
+
+        Args:
+            known: Values of parameters that are held fixed, by name.
+            prior: Value and standard deviation by name.
+            nonnegative: Whether friction and rotor inertia are kept from falling below zero.
+
+        Returns:
+            The knowledge.
+
+        Raises:
+            ExoidError: A value is not a number, or a parameter is both known and has a prior.
+        """
+        return cls(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters that something is known of beside the recordings."""
+        return (*self.known, *self.prior.values)
+
+    def check(self, model: RegressorModel) -> None:
+        """Check that all names are those of a model.
+
+        Args:
+            model: Torque model that the names must belong to.
+
+        Raises:
+            ExoidError: Names what is not a parameter, is one twice, or was regrouped into others.
+        """
+        self.check_regrouped(model.regrouped)
+        for name in self.names:
+            if name not in model.names:
+                raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(model.names)}")
+
+    def check_regrouped(self, parameters: Sequence[Regrouping]) -> None:
+        """Check that no name is that of a parameter that is part of others.
+
+        Args:
+            parameters: Regrouped parameters of the model.
+        """
+        for regrouped in parameters:
+            if regrouped.name in self.names:
+                into = " and ".join(regrouped.into)
+                raise ExoidError(f"{regrouped}", remedy=f"say what is known of {into} instead")
+
+    def free(self, names: Sequence[str]) -> NDArray[np.bool_]:
+        """Which of the parameters are not known, (P,).
+
+        Args:
+            names: Names of the parameters, (P,).
+
+        Returns:
+            Mask, (P,).
+        """
+        return np.array([name not in self.known for name in names], dtype=np.bool_)
+
+    def fixed_values(self, names: Sequence[str]) -> FloatArray:
+        """Known values, zero elsewhere, (P,).
+
+        Args:
+            names: Names of the parameters, (P,).
+
+        Returns:
+            Values, (P,).
+        """
+        return np.array([self.known.get(name, 0.0) for name in names])
+
+    def pseudo_rows(self, names: Sequence[str]) -> FloatArray:
+        """Rows (1/σ) β = p/σ of the priors, as [W τ] of unit variance, (K, P + 1).
+
+        Args:
+            names: Names of the parameters, (P,).
+
+        Returns:
+            One row for each of K priors, (K, P + 1).
+        """
+        rows = np.zeros((len(self.prior.values), len(names) + 1))
+        for row, (name, (value, std)) in zip(rows, self.prior.values.items(), strict=True):
+            row[list(names).index(name)], row[-1] = 1.0 / std, value / std
+        return rows
+
+
+NO_PRIOR_KNOWLEDGE = PriorKnowledge()
+"""The recordings speak for themselves."""
+
+
+class ParameterLayout(NamedTuple):
+    """β = (shared, own of the first group, own of the second, …); one group without own parameters is the usual case.
+
+    Attributes:
+        groups: Names of the groups.
+        names: Names of all parameters, (P,); own ones say whose they are, as in ``c0_hip[left]``.
+        units: Units of all parameters.
+        shared: Number of shared parameters; they are the first.
+        own: Names of parameters that every group has of its own, without the group.
+        places: Indices of the parameters of each group's model, in the model's order.
+    """
+
+    groups: tuple[str, ...]
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    shared: int
+    own: tuple[str, ...]
+    places: tuple[NDArray[np.intp], ...]
+
+    @classmethod
+    def of(
+        cls, groups: Sequence[str], names: Sequence[str], units: Sequence[str], own: Sequence[str] = ()
+    ) -> ParameterLayout:
+        """Lay out the parameters of groups whose models have parameters of the same names.
+
+        Args:
+            groups: Names of the groups.
+            names: Names of one model's parameters.
+            units: Units of one model's parameters.
+            own: Names of those that each group has of its own.
+
+        Returns:
+            The layout.
+        """
+        named = dict(zip(names, units, strict=True))
+        places = {name: k for k, name in enumerate(name for name in names if name not in own)}
+        shared, own_names = len(places), tuple(name for name in names if name in own)
+        every = (*places, *(own_name(name, group) for group in groups for name in own_names))
+        every_unit = (*(named[name] for name in places), *(named[name] for _ in groups for name in own_names))
+        of_groups = []
+        for k in range(len(groups)):
+            places |= {name: shared + k * len(own_names) + i for i, name in enumerate(own_names)}
+            of_groups.append(np.array([places[name] for name in names], dtype=np.intp))
+        return cls(tuple(groups), every, every_unit, shared, own_names, tuple(of_groups))
+
+    @property
+    def identity(self) -> bool:
+        """Whether the one group's parameters are all, in the model's order."""
+        return len(self.places) == 1 and np.array_equal(self.places[0], np.arange(len(self.names)))
+
+    def place(self, name: str, group: int) -> int:
+        """Index of one of the own parameters of a group.
+
+        Args:
+            name: Name of an own parameter, without the group.
+            group: Index of the group.
+
+        Returns:
+            Index in β.
+        """
+        return self.names.index(own_name(name, self.groups[group]))
+
+    def spread(self, knowledge: PriorKnowledge) -> PriorKnowledge:
+        """Apply to every group what is known of a parameter without saying whose.
+
+        Args:
+            knowledge: Prior knowledge by names of parameters, with or without a group.
+
+        Returns:
+            Prior knowledge by the names of the layout.
+
+        Raises:
+            ExoidError: There is no such parameter, or two things are known of it.
+        """
+        known = [(name, value) for given, value in knowledge.known.items() for name in self._meant(given)]
+        prior = [(name, pair) for given, pair in knowledge.prior.values.items() for name in self._meant(given)]
+        names = [name for name, _ in (*known, *prior)]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ExoidError(f"{', '.join(twice)} is known or has a prior twice", remedy="say it once")
+        return PriorKnowledge(dict(known), Prior(dict(prior)), knowledge.nonnegative)
+
+    def known_by(self, group: int, spread: PriorKnowledge) -> PriorKnowledge:
+        """Select what is known of the parameters of one group, by the names that they have there.
+
+        Args:
+            group: Index of the group.
+            spread: Prior knowledge by the names of the layout.
+
+        Returns:
+            Prior knowledge by the names of the group's model.
+        """
+        names = self.names_of(group)
+        known = {names[name]: value for name, value in spread.known.items() if name in names}
+        prior = {names[name]: pair for name, pair in spread.prior.values.items() if name in names}
+        return PriorKnowledge(known, Prior(prior), spread.nonnegative)
+
+    def names_of(self, group: int) -> dict[str, str]:
+        """Names in the model of one group, by those here.
+
+        Args:
+            group: Index of the group.
+
+        Returns:
+            Name in the model, by the name in the layout.
+        """
+        own = {own_name(name, self.groups[group]): name for name in self.own}
+        return {**{name: name for name in self.names[: self.shared]}, **own}
+
+    def _meant(self, given: str) -> list[str]:
+        """Parameters that a name stands for."""
+        if given in self.own:
+            return [own_name(given, group) for group in self.groups]
+        if given in self.names:
+            return [given]
+        raise ExoidError(f"no parameter {given!r}", remedy=f"names are {', '.join((*self.names, *self.own))}")
+
+
+def own_name(name: str, group: str) -> str:
+    """Name of a parameter that says whose it is."""
+    return f"{name}[{group}]"
