@@ -12,9 +12,17 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from . import dynamics
 from ._typing import ArrayLike, FloatArray
 from .description import Description, read_description
+from .dynamics import (
+    SegmentPlacements,
+    coriolis_matrix,
+    gravity_torque,
+    inverse_dynamics,
+    joint_torque_regressor,
+    mass_matrix,
+    segment_placements,
+)
 from .errors import ExoidError
 from .model import build_model, dynamic_parameters, with_dynamic_parameters
 from .reduction import PlanarChain, Plane, Reduction, documented, fill_regressor, numeric
@@ -215,15 +223,15 @@ class Leg:
         """Joint torques by Pinocchio's RNEA [N·m], (N, n); arguments as for :meth:`regressor`."""
         samples = self.samples(q, v, a)
         if torso is None:
-            return dynamics.inverse_dynamics(self.model, *samples)
+            return inverse_dynamics(self.model, *samples)
         moved = (
             np.hstack(pair) for pair in zip(torso_coordinates(torso.samples(len(samples[0]))), samples, strict=True)
         )
-        return dynamics.inverse_dynamics(self._on_torso, *moved)[:, TORSO_JOINTS:]
+        return inverse_dynamics(self._on_torso, *moved)[:, TORSO_JOINTS:]
 
     def mass_matrix(self, q: ArrayLike) -> FloatArray:
         """Mass matrix M(q) [kg·m²], (N, n, n). A tilt of the torso does not change it."""
-        return dynamics.mass_matrix(self.model, *self.samples(q))
+        return mass_matrix(self.model, *self.samples(q))
 
     def coriolis(self, q: ArrayLike, v: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
         """Coriolis matrix C(q, v) with ½Ṁ − C skew, (N, n, n).
@@ -232,32 +240,32 @@ class Leg:
         """
         q, v = self.samples(q, v)
         if torso is None:
-            return dynamics.coriolis_matrix(self.model, q, v)
+            return coriolis_matrix(self.model, q, v)
         position, velocity, _ = torso_coordinates(torso.samples(len(q)))
-        C = dynamics.coriolis_matrix(self._on_torso, np.hstack([position, q]), np.hstack([velocity, v]))
+        C = coriolis_matrix(self._on_torso, np.hstack([position, q]), np.hstack([velocity, v]))
         return C[:, TORSO_JOINTS:, TORSO_JOINTS - 1 :]
 
     def gravity(self, q: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
         """Gravity torque G(q) [N·m], (N, n); of the torso only the pitch matters."""
         (q,) = self.samples(q)
         if torso is None:
-            return dynamics.gravity_torque(self.model, q)
+            return gravity_torque(self.model, q)
         position, _, _ = torso_coordinates(torso.samples(len(q)))
-        return dynamics.gravity_torque(self._on_torso, np.hstack([position, q]))[:, TORSO_JOINTS:]
+        return gravity_torque(self._on_torso, np.hstack([position, q]))[:, TORSO_JOINTS:]
 
     def gravity_of_tilted_torso(self, pitch: float) -> FloatArray:
         """Gravity as the base frame of a torso tilted by ``pitch`` [rad] sees it [m/s²], (3,)."""
         _, lateral, _ = self._plane
         return np.asarray(pin.exp3(pitch * lateral) @ self.model.gravity.linear)
 
-    def forward_kinematics(self, q: ArrayLike, torso: TorsoMotion | None = None) -> dynamics.SegmentPlacements:
+    def forward_kinematics(self, q: ArrayLike, torso: TorsoMotion | None = None) -> SegmentPlacements:
         """Place the frame of every segment in the base frame; a pitching torso turns about the hip."""
         (q,) = self.samples(q)
         if torso is None:
-            return dynamics.segment_placements(self.model, q)
+            return segment_placements(self.model, q)
         position, _, _ = torso_coordinates(torso.samples(len(q)))
-        rotation, translation = dynamics.segment_placements(self._on_torso, np.hstack([position, q]))
-        return dynamics.SegmentPlacements(rotation[:, TORSO_JOINTS:], translation[:, TORSO_JOINTS:])
+        rotation, translation = segment_placements(self._on_torso, np.hstack([position, q]))
+        return SegmentPlacements(rotation[:, TORSO_JOINTS:], translation[:, TORSO_JOINTS:])
 
     def samples(self, *arrays: ArrayLike) -> tuple[FloatArray, ...]:
         """Check that arrays are (N, n) alike; a single sample (n,) counts as N = 1."""
@@ -288,7 +296,7 @@ class Leg:
         block = 2048  # samples: keeps Pinocchio's wide regressor out of the way of memory
         for start in range(0, len(q), block):
             rows = slice(start, start + block)
-            Y = dynamics.joint_torque_regressor(self.model, q[rows], v[rows], a[rows])
+            Y = joint_torque_regressor(self.model, q[rows], v[rows], a[rows])
             out[..., rows] = self.reduction.reduce(Y).transpose(2, 1, 0)
 
 

@@ -6,10 +6,6 @@ import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.table import Table
-
 WIDTH = 110
 
 
@@ -18,7 +14,7 @@ class DataTable:
     """A table for terminals and pages alike, whose first column names its rows.
 
     Attributes:
-        caption: Above it.
+        caption: Line above it; empty for none.
         headers: Of the columns.
         rows: Cells as text.
     """
@@ -28,18 +24,32 @@ class DataTable:
     rows: Sequence[Sequence[str]]
 
 
-def make_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
-    """Make a table whose first column is text and whose others are numbers, aligned right."""
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    for index, header in enumerate(headers):
-        table.add_column(header, justify="left" if index == 0 else "right", overflow="fold")
-    for row in rows:
-        table.add_row(*row)
-    return table
+def make_table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> DataTable:
+    """Make a table without a caption.
+
+    Args:
+        headers: Headers of the columns.
+        rows: Cells as text, one sequence a row.
+
+    Returns:
+        The table: its first column is text, the others are numbers, aligned right.
+    """
+    return DataTable("", tuple(headers), tuple(rows))
 
 
-def to_text(*parts: Table | DataTable | str) -> str:
-    """Render tables, with their captions, and lines as plain text."""
+def to_text(*parts: DataTable | str) -> str:
+    """Render tables, with their captions, and lines as plain text.
+
+    Args:
+        *parts: Tables and lines, from top to bottom.
+
+    Returns:
+        Lines of at most ``WIDTH`` characters, without blanks at their ends.
+    """
+    from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - a leg and an estimate need Rich only when they are printed
+    from rich.console import Console  # noqa: PLC0415
+    from rich.table import Table  # noqa: PLC0415
+
     file = io.StringIO()
     console = Console(
         file=file,
@@ -51,11 +61,17 @@ def to_text(*parts: Table | DataTable | str) -> str:
         emoji=False,
     )
     for part in parts:
-        if isinstance(part, DataTable):
-            console.print(part.caption)
-            console.print(make_table(part.headers, part.rows))
-        else:
+        if isinstance(part, str):
             console.print(part)
+            continue
+        if part.caption:
+            console.print(part.caption)
+        table = Table(box=SIMPLE_HEAD, pad_edge=False)
+        for index, header in enumerate(part.headers):
+            table.add_column(header, justify="left" if index == 0 else "right", overflow="fold")
+        for row in part.rows:
+            table.add_row(*row)
+        console.print(table)
     return "\n".join(line.rstrip() for line in file.getvalue().splitlines()).strip("\n")
 
 

@@ -10,39 +10,20 @@ import typer
 import exoid
 from exoid.errors import ExoidError
 
-from .compare import compare
-from .export import export
-from .identify import identify
-from .plan import plan
-from .reproduce import reproduce
-from .select import select
-from .stability import stability
-from .study import study
-from .track import track
-from .validate import validate
-from .view import view
+from .verbs import LazyVerbs, add_verbs
 
 BAD_INPUT = 2
 """Exit status for bad input or usage."""
 
 app = typer.Typer(
     name="exoid",
+    cls=LazyVerbs,
     help="Identify exoskeleton legs: a URDF and a log go in, a leg you can trust comes out.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-app.command()(identify)
-app.command()(select)
-app.command()(validate)
-app.command()(compare)
-app.command()(export)
-app.command()(plan)
-app.command()(reproduce)
-app.command()(view)
-app.command()(stability)
-app.command()(study)
-app.command()(track)
+add_verbs(app)
 
 
 def _print_version(wanted: bool) -> None:

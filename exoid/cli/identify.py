@@ -152,7 +152,7 @@ def _report(
     estimate: estimates.Estimate, recordings: Sequence[Recording], held_out: Sequence[Recording], path: str
 ) -> None:
     """Write the report."""
-    from exoid.view.report import identification_report  # noqa: PLC0415 - matplotlib would slow down every command
+    from exoid.view.report import identification_report  # noqa: PLC0415 - only a report needs matplotlib
 
     with Console(stderr=True).status("writing the report"):
         identification_report(estimate, recordings, held_out).write(path)

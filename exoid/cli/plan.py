@@ -8,14 +8,17 @@ import math
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import typer
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
+from exoid import view
 from exoid.errors import ExoidError
+from exoid.experiments import excitation
+from exoid.experiments.excitation import Assessment, Clearance, Plan
 from exoid.files import write_bytes
 
 from .inputs import (
@@ -31,9 +34,6 @@ from .inputs import (
     read_logs,
     split_names,
 )
-
-if TYPE_CHECKING:
-    from exoid.experiments.excitation import Assessment, Clearance, Plan
 
 FIGURE_INCHES = (7.2, 4.6)
 
@@ -91,8 +91,6 @@ def plan(
     as_json: AsJson = False,
 ) -> None:
     """Find the motion after which the parameters of LEG will be known best, and say how well; or --assess a log."""
-    from exoid.experiments import excitation  # noqa: PLC0415 - its optimiser would slow down every command
-
     recordings = read_logs(assess, LogOptions(column, degrees, start, stop)) if assess else None
     found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names if recordings else None)
     limits = excitation.MotionLimits.of(
@@ -138,9 +136,7 @@ def plan(
 
 def _write(result: Assessment | Plan, output: str | None, figure: str | None) -> None:
     """Write what was asked for."""
-    from exoid.experiments import excitation  # noqa: PLC0415 - see above
-
-    if output is not None and isinstance(result, excitation.Plan):
+    if output is not None and isinstance(result, Plan):
         for path in excitation.write_plan(output, result):
             typer.echo(f"wrote {path}", err=True)
     if figure is not None:
@@ -149,14 +145,11 @@ def _write(result: Assessment | Plan, output: str | None, figure: str | None) ->
 
 
 def _draw(result: Assessment | Plan, path: str) -> None:
-    from matplotlib.figure import Figure  # noqa: PLC0415 - matplotlib would slow down every command
-
-    from exoid import view  # noqa: PLC0415
-    from exoid.experiments import excitation  # noqa: PLC0415
+    from matplotlib.figure import Figure  # noqa: PLC0415 - only a figure needs matplotlib
 
     with view.paper():
         sheet = Figure(figsize=FIGURE_INCHES)
-        if isinstance(result, excitation.Plan):
+        if isinstance(result, Plan):
             left, right = sheet.subfigures(1, 2, squeeze=False, width_ratios=(1.25, 1.0))[0]
             view.plot_planned_motion(left.subplots(3, 1, sharex=True), result)
             view.plot_precision(right.subplots(), result.precision)
@@ -168,10 +161,8 @@ def _draw(result: Assessment | Plan, path: str) -> None:
 
 
 def _to_json(result: Assessment | Plan) -> dict[str, Any]:
-    from exoid.experiments import excitation  # noqa: PLC0415 - see above
-
     data = excitation.precision_to_json(result.precision) | {"noise": list(result.noise.std)}
-    if isinstance(result, excitation.Assessment):
+    if isinstance(result, Assessment):
         return data | {"advice": [advice._asdict() for advice in result.advice]}
     peaks = {name: values.tolist() for name, values in result.peaks._asdict().items()}
     return data | {"peaks": peaks, "criterion": result.criterion, "seed": result.seed, "costs": list(result.costs)}
@@ -191,8 +182,6 @@ def _ranges(texts: Sequence[str] | None) -> dict[str, tuple[float, float]]:
 
 
 def _clearance(foot: Sequence[str] | None, ground: float | None, distance: float) -> Clearance | None:
-    from exoid.experiments import excitation  # noqa: PLC0415 - see above
-
     if not foot:
         if ground is not None:
             raise ExoidError("--ground has no effect without --foot", remedy="name points, e.g. --foot 0.18,-0.09")
@@ -200,7 +189,7 @@ def _clearance(foot: Sequence[str] | None, ground: float | None, distance: float
     points = [parse_numbers(point, "--foot") or () for point in foot]
     if any(len(point) != 2 for point in points):
         raise ExoidError(f"--foot {', '.join(foot)}", remedy="write X,Z in metres, e.g. --foot 0.18,-0.09")
-    return excitation.Clearance(np.array(points), -math.inf if ground is None else -abs(ground), distance)
+    return Clearance(np.array(points), -math.inf if ground is None else -abs(ground), distance)
 
 
 def _tell(bar: Progress, task: TaskID, share: float) -> None:

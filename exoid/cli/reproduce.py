@@ -23,7 +23,7 @@ def reproduce(
     as_json: AsJson = False,
 ) -> None:
     """Run a document's experiments on virtual rigs, identify, and print every table side by side."""
-    from exoid import reproduce as replays  # noqa: PLC0415 - it draws, and matplotlib would slow down every command
+    from exoid import reproduce as replays  # noqa: PLC0415 - matplotlib would slow down the help
     from exoid.view.figure_files import make_folder, write_figures  # noqa: PLC0415
 
     if figures is not None:

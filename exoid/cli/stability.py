@@ -6,25 +6,25 @@ import json
 from functools import partial
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from exoid import published
+from exoid import published, view
+from exoid._typing import FloatArray
 from exoid.catalog import load_leg
+from exoid.control import ControlModel, Law, gravity_friction_pd
+from exoid.control import stability as checks
+from exoid.control.stability import GainMargins, Regulations
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.files import write_bytes
+from exoid.rig import Plant
 
 from .inputs import AsJson
-
-if TYPE_CHECKING:
-    from exoid._typing import FloatArray
-    from exoid.control.stability import GainMargins, Regulations
-    from exoid.rig import Plant
 
 KP, TARGET_DEG, AWAY_DEG = "22.1,55.6", "10,40", "25,-30"
 """For CUHK-EXO: the gains that reproduce document 2's tracking errors under PD control, and a regulation task."""
@@ -64,37 +64,31 @@ def stability(
     as_json: AsJson = False,
 ) -> None:
     """Check Properties 1 to 3, regulate with friction compensated in part or too much, and find the gain margins."""
-    from exoid.control import gravity_friction_pd  # noqa: PLC0415 - few verbs need it
-    from exoid.control import stability as room  # noqa: PLC0415
-
     plant = _plant(leg, rotor)
     task = _task(plant, kp, kd, target, away)
     if figure is not None and not Path(figure).parent.is_dir():  # before the seconds that the runs take
         raise ExoidError("no such folder", where=figure, remedy="write into an existing folder")
-    properties = room.check_properties(plant)
+    properties = checks.check_properties(plant)
     with Progress(console=Console(stderr=True), transient=True) as bar:
         told = partial(_tell, bar, bar.add_task("regulating", total=1.0))
-        runs = room.regulate(plant, *task, rate=rate, duration=duration, progress=told)
+        runs = checks.regulate(plant, *task, rate=rate, duration=duration, progress=told)
 
-    def law(scale: float, rate: float) -> object:
+    def law(scale: float, rate: float) -> Law:
         return gravity_friction_pd(plant, scale * task.kp, scale * task.kd, friction=None, rate=rate)
 
-    margins = room.gain_margins(plant, law, task.target)  # type: ignore[arg-type]
+    margins = checks.gain_margins(plant, law, task.target)
     if figure is not None:
         _draw(figure, runs, margins)
         typer.echo(f"wrote {figure}", err=True)
     if as_json:
-        data = {"regulation": room.regulations_to_json(runs), "gain_margins": margins.to_json()}
-        typer.echo(json.dumps({"properties": room.properties_to_json(properties), **data}, indent=1))
+        data = {"regulation": checks.regulations_to_json(runs), "gain_margins": margins.to_json()}
+        typer.echo(json.dumps({"properties": checks.properties_to_json(properties), **data}, indent=1))
     else:
         typer.echo("\n\n".join(map(str, (properties, runs, margins))))
 
 
 def _plant(name: str, rotor: float | None) -> Plant:
     """CUHK-EXO as assumed, or the leg that an estimate describes; neither has end stops."""
-    from exoid.control import ControlModel  # noqa: PLC0415
-    from exoid.rig import Plant  # noqa: PLC0415
-
     if name == "cuhk":
         leg = load_leg("cuhk")
         rotors = {f"Ia_{label}": ROTOR if rotor is None else rotor for label in leg.joint_labels}
@@ -143,9 +137,7 @@ def _numbers(option: str, text: str, plant: Plant) -> FloatArray:
 
 
 def _draw(path: str, runs: Regulations, margins: GainMargins) -> None:
-    from matplotlib.figure import Figure  # noqa: PLC0415 - it would slow down every command
-
-    from exoid import view  # noqa: PLC0415
+    from matplotlib.figure import Figure  # noqa: PLC0415 - only a figure needs matplotlib
 
     with view.paper():
         drawing = Figure(figsize=(7.0, 5.0))

@@ -5,21 +5,24 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
+import numpy as np
 import typer
 from rich.console import Console
 from rich.progress import Progress, TaskID
+from threadpoolctl import threadpool_limits
 
+from exoid import study as studies
+from exoid.control import ControlModel
 from exoid.errors import ExoidError
+from exoid.experiments import healthy_gait, on_leg
+from exoid.experiments.excitation import MotionLimits, Plan, Scales, TorqueNoise, plan_excitation
 from exoid.leg import Leg
+from exoid.study import Protocol, TrackingTask
 from exoid.torques import Term, TorqueModel
 
 from .inputs import AsJson, find_leg, parse_numbers, parse_terms, refuse, split_names
-
-if TYPE_CHECKING:
-    from exoid.experiments.excitation import Plan
-    from exoid.study import Protocol, TrackingTask
 
 PROTOCOLS = ("planned", "document")
 
@@ -82,9 +85,6 @@ def study(
 
     With --laws, also how well laws that know the estimates control the same leg.
     """
-    from exoid import study as studies  # noqa: PLC0415 - what it needs would slow down every command
-    from exoid.experiments.excitation import MotionLimits, Scales, TorqueNoise  # noqa: PLC0415
-
     found, chosen = find_leg(leg, side, inertias, split_names(joints), None), parse_terms(terms)
     model = TorqueModel(found, chosen)
     scales = Scales.of(model, MotionLimits.of(found))
@@ -121,8 +121,6 @@ def study(
 
 def _protocol(name: str, leg: Leg, terms: tuple[Term, ...], planning: Mapping[str, Any]) -> Protocol:
     """Make a protocol by its name."""
-    from exoid import study as studies  # noqa: PLC0415 - see above
-
     if name == "planned":
         return studies.planned(_plan(leg, terms, planning))
     if name == "document":
@@ -139,12 +137,6 @@ def _course(
     planning: Mapping[str, Any],
 ) -> TrackingTask:
     """Make what laws follow, by its name: a gait as in ``exoid track``, or a plan that is not the protocol's."""
-    import numpy as np  # noqa: PLC0415 - see above
-
-    from exoid import study as studies  # noqa: PLC0415
-    from exoid.control import ControlModel  # noqa: PLC0415
-    from exoid.experiments import healthy_gait, on_leg  # noqa: PLC0415
-
     kp, kd = (parse_numbers(text, option) for text, option in zip(gains, ("--kp", "--kd"), strict=True))
     names, known = split_names(laws) or (), ControlModel.of_parameters(model, np.array(truth))
     if motion == "gait":
@@ -152,17 +144,13 @@ def _course(
             gait = on_leg(model.leg, healthy_gait(SCALE, PERIOD))
         except ExoidError as error:
             raise ExoidError(error.what, where=error.where, remedy=f"{error.remedy}, or --course planned") from None
-        return studies.TrackingTask.of(names, gait, PERIOD, known, kp, kd)
+        return TrackingTask.of(names, gait, PERIOD, known, kp, kd)
     plan = _plan(model.leg, model.terms, {**planning, "duration": PERIOD, "seed": OTHER}).motions[0]
-    return studies.TrackingTask.of(names, plan.reference, plan.period, known, kp, kd)
+    return TrackingTask.of(names, plan.reference, plan.period, known, kp, kd)
 
 
 def _plan(leg: Leg, terms: tuple[Term, ...], planning: Mapping[str, Any]) -> Plan:
     """Plan quickly, as a good motion is enough."""
-    from threadpoolctl import threadpool_limits  # noqa: PLC0415 - see above
-
-    from exoid.experiments.excitation import plan_excitation  # noqa: PLC0415
-
     with threadpool_limits(limits=1):  # the same bits on any number of processors
         return plan_excitation(leg, terms, criterion="d", starts=2, **planning)
 

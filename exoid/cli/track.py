@@ -13,13 +13,16 @@ import typer
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
-from exoid import published
+from exoid import control, experiments, published
 from exoid._typing import FloatArray
 from exoid.catalog import load_leg
+from exoid.control import ControlModel
+from exoid.control.tracking import tracking_table
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.files import refuse_unwritable
 from exoid.leg import Leg
+from exoid.rig import Payload, Plant, Reference
 from exoid.signals import Recording
 from exoid.tables import DataTable, to_text
 
@@ -75,7 +78,7 @@ def track(
     cuhk replays document 2's comparison of controllers, on a leg identified from noisy data. For an estimate the rig is
     made of it, and the laws know it; --payload and --friction make the rig differ.
     """
-    from exoid import reproduce  # noqa: PLC0415 - it draws, and matplotlib would slow down every command
+    from exoid import reproduce  # noqa: PLC0415 - matplotlib would slow down the help
     from exoid.view.figure_files import make_folder, write_figures  # noqa: PLC0415
 
     plan = Plan(kp, kd, rate, period, scale, speed, reference, payload, friction)
@@ -110,9 +113,7 @@ def _track_leg(
     what: str, plan: Plan, seed: int, told: Callable[[float], None]
 ) -> tuple[Mapping[str, Any], DataTable, dict[str, Any]]:
     """Run every law on a leg; return what they did, as a table and as JSON."""
-    from exoid import control, reproduce  # noqa: PLC0415
-    from exoid.control.tracking import tracking_table  # noqa: PLC0415
-    from exoid.rig import Payload  # noqa: PLC0415
+    from exoid import reproduce  # noqa: PLC0415 - see above
 
     model = _model(what)
     reference, period = _reference(model.leg, plan)
@@ -138,10 +139,7 @@ def _track_leg(
     return runs, tracking_table(title, runs.values()), reproduce.laws_json(runs, kp, kd, seed)
 
 
-def _model(what: str) -> Any:  # noqa: ANN401 - a ControlModel, which is not imported at the start
-    from exoid.control import ControlModel  # noqa: PLC0415
-    from exoid.rig import Plant  # noqa: PLC0415
-
+def _model(what: str) -> ControlModel:
     if what == "bleex":
         return ControlModel.of(
             Plant.build(load_leg("bleex", inertias="identified"), published.bleex_resistances("left"))
@@ -151,10 +149,8 @@ def _model(what: str) -> Any:  # noqa: ANN401 - a ControlModel, which is not imp
     return ControlModel.of(Estimate.load(what))
 
 
-def _reference(leg: Leg, plan: Plan) -> tuple[Any, float]:
+def _reference(leg: Leg, plan: Plan) -> tuple[Reference, float]:
     """Reference of one leg and its period [s]."""
-    from exoid import experiments  # noqa: PLC0415
-
     if plan.reference is not None:
         _refuse({"scale": plan.scale, "speed": plan.speed}, "the reference is that of a log")
         log = Recording.from_csv(plan.reference, leg.joint_names)

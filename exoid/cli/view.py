@@ -7,20 +7,19 @@ import math
 import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import Annotated, NamedTuple
 
 import typer
 from rich.console import Console
 
 from exoid import estimate as estimates
+from exoid import view as views
 from exoid.catalog import SEGMENTS
 from exoid.errors import ExoidError
 from exoid.leg import Leg
+from exoid.view import Scene
 
 from .inputs import AsJson, Column, Degrees, LogOptions, Start, Stop, find_leg, read_logs, refuse, split_names
-
-if TYPE_CHECKING:
-    from exoid.view import Scene
 
 
 def view(
@@ -51,8 +50,6 @@ def view(
     as_json: AsJson = False,
 ) -> None:
     """Show LEG in a browser until Ctrl-C, on 127.0.0.1 only; or write it as a page that needs no network."""
-    from exoid import view as views  # noqa: PLC0415 - it draws, and matplotlib would slow down every command
-
     if html is not None and port is not None:
         raise ExoidError("--port has no effect: --html serves nothing", remedy="leave out one of the two")
     if reference is not None and log is None:

@@ -10,7 +10,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
-import jinja2
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
@@ -107,7 +106,8 @@ def c_source(
         )
     numbers = _checked(model, values)
     terms = terms_in_c(model, numbers, f"{prefix}_term", dialect)
-    text = _template(dialect).render(
+    text = _render(
+        dialect,
         p=prefix,
         urdf=leg.description,
         version=__version__,
@@ -129,8 +129,10 @@ class _Table(NamedTuple):
     rows: Sequence[tuple[str, str]]
 
 
-def _template(dialect: Dialect) -> jinja2.Template:
-    """Load the template, in which numbers and functions have one precision."""
+def _render(dialect: Dialect, **values: object) -> str:
+    """Fill the template, in which numbers and functions have one precision."""
+    import jinja2  # noqa: PLC0415 - an estimate needs it only when it is written as C
+
     environment = jinja2.Environment(
         autoescape=False,  # it is no HTML: texts pass the filter "comment"
         undefined=jinja2.StrictUndefined,
@@ -140,7 +142,8 @@ def _template(dialect: Dialect) -> jinja2.Template:
     )
     environment.filters["comment"] = comment
     environment.globals.update(precision=dialect.real, number=dialect.number, function=dialect.function)
-    return environment.from_string(resources.files(__package__).joinpath(TEMPLATE).read_text(encoding="utf-8"))
+    template = resources.files(__package__).joinpath(TEMPLATE).read_text(encoding="utf-8")
+    return environment.from_string(template).render(values)
 
 
 def _checked(model: TorqueModel, values: ArrayLike) -> FloatArray:

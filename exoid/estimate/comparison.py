@@ -36,12 +36,12 @@ class Comparison:
         units: Their units.
         difference: Second less first, (P,).
         std: Its standard deviation, (P,).
-        p_values: Of each alone: probability of a larger difference between estimates of one and the same leg, (P,).
+        p_values: p-value of each difference alone: probability of a larger one between estimates of the same leg, (P,).
         adjusted: The same for the largest of all differences (Holm), so that one in twenty comparisons of equal legs,
             not one in twenty parameters, is called different, (P,).
-        statistic: F of all together.
-        p_value: Of all together.
-        remarks: What the reader should know of what both estimates were told.
+        statistic: F statistic of all differences together.
+        p_value: p-value of all differences together.
+        notes: Notes on what is known or has a prior in both.
     """
 
     names: tuple[str, ...]
@@ -52,7 +52,7 @@ class Comparison:
     adjusted: FloatArray
     statistic: float
     p_value: float
-    remarks: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Forbid changes."""
@@ -84,7 +84,7 @@ class Comparison:
             table,
             f"all together: F = {self.statistic:.2f}, p = {self.p_value:.2g}: {verdict}",
             f"different at 5 % of all: {names or 'none'}",
-            *(f"note: {remark}" for remark in self.remarks),
+            *(f"note: {remark}" for remark in self.notes),
         )
 
     def _different(self) -> list[str]:
@@ -139,7 +139,7 @@ def compare(first: EstimateData, second: EstimateData) -> Comparison:
     dof *= np.divide(np.diag(C), v1 + v2, out=np.ones(len(names)), where=v1 + v2 > 0.0) ** 2  # priors are certain
     held = np.array([name in first.prior_knowledge.known and name in second.prior_knowledge.known for name in names])
     told = _told(first, second, [name for name in of_both if name not in common])
-    return wald(names, units, difference, C, dof, min(first.dof, second.dof), held=held, remarks=told)
+    return wald(names, units, difference, C, dof, min(first.dof, second.dof), held=held, notes=told)
 
 
 def wald(
@@ -151,7 +151,7 @@ def wald(
     least: float,
     *,
     held: NDArray[np.bool_] | None = None,
-    remarks: tuple[str, ...] = (),
+    notes: tuple[str, ...] = (),
 ) -> Comparison:
     """Test whether differences are zero, each alone and all together.
 
@@ -163,7 +163,7 @@ def wald(
         dof: Degrees of freedom of each difference, (P,).
         least: Degrees of freedom of the test of all.
         held: Parameters that are not tested, (P,).
-        remarks: Notes for the reader.
+        notes: Notes for the reader.
 
     Returns:
         Differences with their tests.
@@ -172,7 +172,7 @@ def wald(
     tested = np.ones(len(names), dtype=np.bool_) if held is None else ~held
     p_values = np.where(tested, _each(difference, std, dof), 1.0)
     statistic, p_value = hotelling(difference[tested], covariance[np.ix_(tested, tested)], least)
-    return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value, remarks)
+    return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value, notes)
 
 
 def _own(estimate: EstimateData) -> FloatArray:
@@ -233,7 +233,7 @@ def comparison_to_json(comparison: Comparison) -> dict[str, Any]:
     return {
         **{key: dict(zip(comparison.names, getattr(comparison, key).tolist(), strict=True)) for key in by_name},
         "units": dict(zip(comparison.names, comparison.units, strict=True)),
-        "remarks": list(comparison.remarks),
+        "remarks": list(comparison.notes),
         "statistic": comparison.statistic,
         "p_value": comparison.p_value,
     }

@@ -52,31 +52,31 @@ class EstimateData:
     Attributes:
         model: Leg as it was given, and the terms beside it, loaded by the values: what the parameters belong to.
         values: Parameters in the order of :attr:`names`, (P,).
-        covariance: Of the values, (P, P).
-        condition_number: Of the regressor with columns scaled to unit length; below 100 is good.
+        covariance: Covariance of the values, (P, P).
+        condition_number: Condition number of the regressor with columns scaled to unit length; below 100 is good.
         dof: Independent samples less parameters.
-        dof_each: Of each parameter's variance, at most as many, (P,): what is known of the noise at the frequencies on
-            which the parameter hangs. Empty counts as ``dof`` for all.
-        residual_rms: Of each joint on the data it was fitted to [N·m], (n,).
+        dof_each: Degrees of freedom of each parameter's variance, at most ``dof``, (P,): they depend on the noise at
+            the parameter's own frequencies. Empty counts as ``dof`` for all.
+        residual_rms: RMS residual of each joint on the data that were fitted [N·m], (n,).
         estimator: Name of the estimator.
-        preparation: How the recordings became rows.
-        inputs: What was identified from.
-        noise: What the residuals of each joint look like, n of them, or none.
-        parameter_scale: Of parameters that would explain all torque of a joint alone, (P,); see
-            :attr:`identifiability`.
-        reference_scale: The same had joints moved as in a calm exercise; (P,).
+        preparation: Filter and differentiation of the recordings.
+        inputs: Recordings that were fitted.
+        noise: Noise of the residuals of each joint, n of them, or none.
+        parameter_scale: Parameter scale: value of each parameter that alone would explain all torque of a joint, (P,);
+            see :attr:`identifiability`.
+        reference_scale: Reference scale: the parameter scale in a calm exercise at the same angles, (P,).
         collinearity: Condition index of each parameter: half of its variance comes from directions that the recordings
             see so many times worse than the best, (P,).
-        prior_gains: How far each parameter follows the value of each prior, ∂β/∂p, (P, K); empty where that is not
+        prior_gains: Gain of each parameter with the value of each prior, ∂β/∂p, (P, K); empty where that is not
             known, as of ``ml`` and output error.
-        warnings: What makes this estimate doubtful.
-        assumed: What was known beside the recordings.
+        warnings: Reasons to doubt this estimate.
+        prior_knowledge: Known parameters, priors and signs.
         bounded: Parameters that would have become negative and were kept at zero. Intervals are then centred there, as
             wide as without the bound: rather too wide.
-        influence: Of each recording, where there are several.
+        influence: Influence of each recording, where there are several.
         trends: Residuals against velocity and angle, joint by joint.
-        shapes: Settings of terms that were found, such as a Stribeck velocity; the covariance of the values counts in
-            that they are uncertain, too.
+        nonlinear: Nonlinear parameters, such as a Stribeck velocity; the covariance of the values includes their
+            uncertainty.
     """
 
     model: TorqueModel

@@ -19,7 +19,7 @@ class Equality(NamedTuple):
     Attributes:
         names: The parameters.
         p_values: Probability of larger differences if it were, (P,).
-        adjusted: The same for the largest of all differences (Holm), (P,).
+        adjusted: p-values adjusted for the number of tests (Holm), (P,).
     """
 
     names: tuple[str, ...]
@@ -47,9 +47,9 @@ def equality_of(
     degrees of freedom of the groups.
 
     Args:
-        places: Where the values of each parameter stand, one for each group.
+        places: Indices of the values of each parameter, one for each group.
         values: (P,).
-        covariance: Of the values, (P, P).
+        covariance: Covariance of the values, (P, P).
         dof: Degrees of freedom of each, (P,).
 
     Returns:
@@ -68,7 +68,7 @@ def own_equality(layout: ParameterLayout, values: FloatArray, covariance: FloatA
     """Test whether own parameters are the same in all groups, with their joint covariance.
 
     Args:
-        layout: Which parameters are own ones.
+        layout: Parameter layout.
         values: All parameters, (P,).
         covariance: Their covariance, (P, P).
         dofs: Degrees of freedom of each, (P,).

@@ -28,13 +28,13 @@ from .data import EstimateData
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Export:
-    """What was written where; prints itself.
+    """Files that an export wrote; prints itself.
 
     Attributes:
         urdf: The URDF.
         sidecar: The file beside it, with everything that a URDF has no place for.
         sha256: Hash of the URDF, by which the sidecar knows it.
-        estimate: What was exported.
+        estimate: Estimate that was exported.
         lift: The links, and by how much the estimate had to move to be possible.
         values: All parameters as exported, (P,), in the order of ``estimate.names``. Where the rigid bodies had to
             move, the other terms move along as their correlation with these says.

@@ -8,14 +8,13 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.regression.diagnostics import identifiability_beside, identifiability_class
 from exoid.regression.intervals import intervals
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
-from exoid.tables import make_table, to_text
+from exoid.tables import DataTable, make_table, to_text
 
 from .comparison import Comparison, wald, welch
 from .equality import Equality
@@ -38,20 +37,20 @@ class GroupedEstimate:
 
     Attributes:
         estimates: One for each group, by its name.
-        layout: Which parameters are shared.
-        values: Of all parameters in the order of :attr:`names`, (P,).
-        covariance: Of the values, (P, P).
+        layout: Parameter layout: which parameters are shared.
+        values: Values of all parameters in the order of :attr:`names`, (P,).
+        covariance: Covariance of the values, (P, P).
         dofs: Degrees of freedom of each, (P,).
-        parameter_scale: Of parameters that would explain all torque of a joint alone, (P,).
-        reference_scale: The same had joints moved as in a calm exercise, (P,).
+        parameter_scale: Parameter scale, see :class:`EstimateData`, (P,).
+        reference_scale: Reference scale, the smallest of all groups, (P,).
         collinearity: Condition index of each parameter, (P,).
-        condition_number: Of the regressor of all with columns scaled to unit length.
-        assumed: What was known beside the recordings, by the names here.
-        bounded: Parameters that would have become negative and were kept at zero.
-        equal: Whether own parameters are the same in all groups.
-        agreement: Whether shared ones would be, were each group identified alone; None if one cannot be.
-        warnings: What makes the estimates doubtful.
-        notes: What else the reader should know.
+        condition_number: Condition number of the regressor of all groups with columns scaled to unit length.
+        prior_knowledge: Known parameters, priors and signs, by the names here.
+        bounded: Parameters at their bound, zero.
+        equal: Test whether own parameters are the same in all groups.
+        agreement: Test whether shared parameters are the same where each group is identified alone; None without it.
+        warnings: Reasons to doubt the estimates.
+        notes: Notes for the reader.
     """
 
     estimates: Mapping[str, Estimate]
@@ -200,14 +199,14 @@ def report(grouped: GroupedEstimate) -> str:
     """Print estimates that share parameters."""
     kind = next(iter(grouped.estimates.values())).estimator
     title = f"{', '.join(grouped.groups)}: {kind} estimate of {len(grouped.shared)} shared parameters"
-    parts: list[Table | str] = [f"{title}, {len(grouped.own)} own each"]
+    parts: list[DataTable | str] = [f"{title}, {len(grouped.own)} own each"]
     numbers = dict(zip(grouped.names, _numbers(grouped), strict=True))
     if grouped.shared:
         rows = [(name, *numbers[name]) for name in grouped.shared]
         parts.append(make_table(("shared", *HEADERS), rows))
     if grouped.own:
         parts.append(make_table(("own", *HEADERS, "p equal"), _own_rows(grouped, numbers)))
-    return to_text(*parts, *_remarks(grouped))
+    return to_text(*parts, *_closing_lines(grouped))
 
 
 def grouped_to_json(grouped: GroupedEstimate) -> dict[str, Any]:
@@ -258,7 +257,7 @@ def _own_rows(grouped: GroupedEstimate, numbers: dict[str, tuple[str, ...]]) -> 
             yield place, *numbers[place], p
 
 
-def _remarks(grouped: GroupedEstimate) -> Iterator[str]:
+def _closing_lines(grouped: GroupedEstimate) -> Iterator[str]:
     for group in grouped:
         estimate = grouped[group]
         residuals = zip(estimate.joint_names, estimate.residual_rms, strict=True)

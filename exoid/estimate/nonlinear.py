@@ -1,4 +1,4 @@
-"""Settings of terms that a fit has found."""
+"""Nonlinear parameters that a fit has found."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from exoid.regression.intervals import half_width
 
 @dataclass(frozen=True, eq=False)
 class NonlinearParameters:
-    """Fitted settings of terms, such as a Stribeck velocity, with their uncertainty.
+    """Nonlinear parameters of terms, such as a Stribeck velocity, with their uncertainty.
 
     Attributes:
         names: Symbol and joint, (S,).
         units: Their units.
         values: (S,).
-        covariance: Of the values, of Gauss and Newton, (S, S); zero for those that are held.
+        covariance: Covariance of the values (Gauss and Newton), (S, S); zero for those that are held.
         held: Settings that the recordings did not determine, and that stand where the fit left them.
     """
 

@@ -24,7 +24,7 @@ HEADERS = ("parameter", "value", "± std", "95 % from", "to", "unit", "determine
 def report(estimate: EstimateData) -> str:
     """Print an estimate."""
     title = f"{estimate.model.leg.description.name}: {estimate.estimator} estimate of {len(estimate.names)} parameters"
-    return to_text(title, make_table(HEADERS, parameter_rows(estimate)), *_remarks(estimate))
+    return to_text(title, make_table(HEADERS, parameter_rows(estimate)), *_closing_lines(estimate))
 
 
 def parameter_rows(estimate: EstimateData) -> list[tuple[str, ...]]:
@@ -66,7 +66,7 @@ def written(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
     return with_error(value, std, *interval) if std > 0.0 else (f"{value:.6g}", "", "", "")
 
 
-def _remarks(estimate: EstimateData) -> Iterator[str]:
+def _closing_lines(estimate: EstimateData) -> Iterator[str]:
     residuals = zip(estimate.joint_names, estimate.residual_rms, strict=True)
     yield "residual RMS [N·m]: " + ", ".join(f"{joint} {rms:.3g}" for joint, rms in residuals)
     yield f"{condition(estimate.condition_number)}; {estimate.dof:.0f} degrees of freedom"

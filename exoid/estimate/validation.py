@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.regression.rows import form_rows, prepare
 from exoid.signals import Preparation, Recording
-from exoid.tables import make_table, to_text
+from exoid.tables import DataTable, make_table, to_text
 
 from .data import EstimateData
 
@@ -75,7 +74,7 @@ class Validation:
     def __str__(self) -> str:
         """Print as a table."""
         samples = f"{len(self.time)} samples, both torques filtered alike"
-        tables: list[Table | str] = [make_table(HEADERS, self.rows())]
+        tables: list[DataTable | str] = [make_table(HEADERS, self.rows())]
         if self.parts:
             of_parts = [(part.source, *row) for part in self.parts for row in part.rows()]
             tables += ["each recording:", make_table(("recording", *HEADERS), of_parts)]
@@ -126,7 +125,7 @@ def validate(
     Args:
         estimate: The estimate.
         recordings: Motions with torques, better none that the estimate was fitted to.
-        preparation: How to filter both torques; None for the way the estimate was made.
+        preparation: Filter of both torques; None for the estimate's own.
 
     Returns:
         Measured and predicted torque with RMSE, NRMSE and R² of each joint, over all recordings and of each.

@@ -1,4 +1,4 @@
-"""What is fitted to what, where it begins, and what comes out."""
+"""Task, start and result of a fit."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from .problem import Problem
 
 
 class Task(NamedTuple):
-    """What is fitted to what.
+    """Torque model, data and estimator of a fit.
 
     Attributes:
         groups: Groups of recordings; one is the usual case.
         terms: Terms, settings of which may be nonlinear parameters.
         estimator: The estimator.
         own: Names of parameters that each group has of its own.
-        prior_knowledge: What is known beside the recordings.
-        keep: Which rows to use; None for all.
+        prior_knowledge: Known parameters, priors and signs.
+        keep: Function that selects rows; None for all.
     """
 
     groups: tuple[Group, ...]
@@ -46,7 +46,7 @@ class Fitted(NamedTuple):
         nonlinear: Nonlinear parameters that were found, without covariance.
         problem: Rows, about the solution linear in β and in the nonlinear parameters that are not held.
         fit: Solution in both.
-        warnings: What the reader should know.
+        warnings: Warnings for the reader.
     """
 
     models: tuple[TorqueModel, ...]

@@ -51,8 +51,8 @@ class GroupRows:
     Attributes:
         model: Torque model.
         data: Recordings and poses, in memory, on disk, or on a cluster.
-        preparation: How they become rows.
-        keep: Which rows to use, given the index of the recording and their times [s], (N,); None for all.
+        preparation: Filter and differentiation.
+        keep: Function that selects rows, given the index of the recording and their times [s], (N,); None for all.
         memory_share: Part of :data:`KEPT_BYTES` for rows that are kept, where there are several groups.
     """
 

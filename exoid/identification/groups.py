@@ -51,7 +51,7 @@ class Group(NamedTuple):
         name: Name of the group; "" where there is only one.
         leg: The leg.
         data: Its recordings and poses.
-        preparation: How they become rows; None while it is not chosen.
+        preparation: Filter and differentiation; None while it is not chosen.
     """
 
     name: str
@@ -76,7 +76,7 @@ def make_groups(
     Args:
         legs: The leg, or one for each group.
         recordings: Recordings by the name of the group; without names, each is a group if ``own`` is given.
-        own: What each group has of its own; None for one group, unless recordings have names.
+        own: Parameters that each group has of its own; None for one group, unless recordings have names.
 
     Returns:
         The groups; one without a name where neither names nor ``own`` are given.
@@ -222,7 +222,7 @@ def summarize_groups(
         groups: The groups.
         models: Torque model of each, by its name.
         own: Names of parameters that each group has of its own.
-        knowledge: What is known beside the recordings.
+        knowledge: Known parameters, priors and signs.
         for_cutoff: Whether to compare noise and motion of the angles.
 
     Returns:

@@ -161,7 +161,7 @@ def fit_model(task: Task, start: Start | None = None) -> Fitted:
     """Fit a model: by one call of the estimator where it is linear in all parameters, else by variable projection.
 
     Args:
-        task: What to fit.
+        task: Torque model, data and estimator.
         start: Near the solution, such as that of nearly the same rows; None to search from the start values of the
             nonlinear parameters.
 

@@ -32,8 +32,8 @@ class Problem:
 
     Attributes:
         groups: Rows of each group.
-        layout: Where the parameters of each group stand in β.
-        prior_knowledge: What is known beside the rows, by the names of the layout.
+        layout: Parameter layout: indices of the parameters of each group in β.
+        prior_knowledge: Known parameters, priors and signs, by the names of the layout.
     """
 
     groups: tuple[GroupRows, ...]
@@ -55,8 +55,8 @@ class Problem:
             groups: The groups, with their preparations.
             models: Torque model of each.
             own: Names of parameters that each group has of its own.
-            prior_knowledge: What is known beside the rows.
-            keep: Which rows to use; None for all.
+            prior_knowledge: Known parameters, priors and signs.
+            keep: Function that selects rows; None for all.
 
         Returns:
             The problem; rows are formed when they are first needed.

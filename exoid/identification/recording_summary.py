@@ -1,4 +1,4 @@
-"""What has to be known of a recording before its rows are formed, and what is refused on the spot."""
+"""Summary of a recording before its rows are formed, and refusal of recordings that cannot be identified from."""
 
 from __future__ import annotations
 
@@ -44,16 +44,16 @@ class Torques(NamedTuple):
 
 
 class RecordingSummary(NamedTuple):
-    """A recording at a glance.
+    """Evidence, range and torques of a recording.
 
     Attributes:
         evidence: Name, hash and size.
         source: Name of its file, for errors; "" for one made in memory.
-        lowest: Angle of each joint of the leg [rad], (n,).
-        highest: The same, (n,).
-        mean: The same, (n,).
+        lowest: Smallest angle of each joint of the leg [rad], (n,).
+        highest: Largest angle of each joint [rad], (n,).
+        mean: Mean angle of each joint [rad], (n,).
         torques: None where there are none.
-        bends: How its angles' noise compares with its motion; None where nobody asked, or nothing is derived from them.
+        bends: Noise of the angles beside their motion, for the cut-off; None where it is not needed.
     """
 
     evidence: Input
@@ -66,7 +66,7 @@ class RecordingSummary(NamedTuple):
 
 
 def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool = True) -> RecordingSummary:
-    """Look a recording through, once.
+    """Summarize a recording in one pass.
 
     Args:
         model: For its joints.
@@ -101,8 +101,8 @@ def refuse_still_joints(model: TorqueModel, summaries: Sequence[RecordingSummary
     """Refuse recordings in which a joint of the leg never moves, unless all of it is known beside them.
 
     Args:
-        model: What is to be identified.
-        summaries: Of all recordings and poses.
+        model: Torque model, for its joints.
+        summaries: Summaries of all recordings and poses.
         known: Parameters that are known or have a prior.
 
     Raises:

@@ -77,7 +77,7 @@ def search(task: Task, start: Start | None = None) -> Fitted:
     """Fit a model that is not linear in all parameters.
 
     Args:
-        task: What to fit, with one group.
+        task: Task with one group.
         start: Near the solution, such as that of nearly the same rows; None to search from the settings' own start.
 
     Returns:

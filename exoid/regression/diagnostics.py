@@ -1,4 +1,4 @@
-"""What the residuals say on the trust that an estimate deserves."""
+"""Diagnostics: noise of the residuals, scale and identifiability of parameters, collinearity."""
 
 from __future__ import annotations
 
@@ -140,13 +140,13 @@ class Collinearity(NamedTuple):
 
 @dataclass(frozen=True)
 class JointNoise:
-    """What the residuals of one joint look like.
+    """Noise of the residuals of one joint.
 
     Attributes:
-        samples: Rows that were looked at, decimated to the pace at which a filter leaves them independent.
+        samples: Number of rows, decimated until they are independent behind the filter.
         effective_samples: Independent samples that say as much on the size of the noise, N γ_0² / Σ γ_k².
-        order: Of the autoregressive model of the noise, the largest of all recordings.
-        correlation: Of one residual with the next.
+        order: Order of the autoregressive noise model, the largest of all recordings.
+        correlation: Correlation of one residual with the next.
         whiteness: Probability of autocorrelations as large as these in white noise (Ljung and Box); below 0.05 the
             residuals are not white, which intervals account for.
     """
@@ -253,7 +253,7 @@ def identifiability_class(value: float, std: float, size: float, calm: float = n
     """Say how well a parameter is determined: "well", "weakly" or "not".
 
     Args:
-        value: Of the parameter.
+        value: Value of the parameter.
         std: Its standard deviation.
         size: See :func:`parameter_scale`.
         calm: See :func:`calm_sizes`.

@@ -23,16 +23,16 @@ TINY = 1e-300
 
 
 class Fit(NamedTuple):
-    """A solution and how it was come by.
+    """Solution of an estimator, and how rows were weighted.
 
     Attributes:
-        solution: Its covariance is for white noise, unless ``noises`` are given.
-        weights: Of the rows of each R factor.
-        clip: Weighted residuals beyond this counted as this.
-        noises: The noise that the covariance is for; None if it still has to be found.
-        warnings: What the reader should know.
-        dofs: Degrees of freedom of each parameter's variance, (P,); None if they still have to be found.
-        name: Of the estimator with the settings that it chose; "" for its own name.
+        solution: Solution; its covariance is for white noise, unless ``noises`` are given.
+        weights: Weight of the rows of each R factor.
+        clip: Limit of weighted residuals, beyond which they count as the limit.
+        noises: Noise models that the covariance is for; None to estimate them from the residuals.
+        warnings: Warnings for the reader.
+        dofs: Degrees of freedom of each parameter's variance, (P,); None to compute them.
+        name: Name of the estimator with the settings that it chose; "" for its own name.
     """
 
     solution: Solution
@@ -45,7 +45,7 @@ class Fit(NamedTuple):
 
     @property
     def point(self) -> Point:
-        """Where residuals are to be looked at."""
+        """Parameters and weights at which residuals are computed."""
         return Point(self.solution.values, self.weights, self.clip)
 
 
@@ -156,15 +156,15 @@ def degrees_of_freedom(
 ) -> FloatArray:
     """Satterthwaite's ν_i = 2 V_i² / var V_i of each parameter's variance V_i, (P,); infinite where V_i is exact.
 
-    The variance of a parameter hangs on the noise at the frequencies of the motion, and of those a recording shows few
+    The variance of a parameter depends on the noise at the frequencies of the motion, of which a recording contains few
     periods: ν is well below the number of samples. With the autoregressive noise of kind and joint known to
     var ln σ² = 2 / N, cov φ = σ² Γ_p⁻¹ / N (Brockwell and Davis, ch. 8), var V_i is that of first order in both. Of N
-    samples a share P / Σ N went into the parameters; for white noise of one joint ν = N − P, as in textbooks. That the
-    order was chosen counts as certain.
+    samples a share P / Σ N went into the parameters; for white noise of one joint ν = N − P, as in textbooks.
+    Uncertainty in the selected order is ignored.
 
     Args:
         problem: The problem.
-        point: Where it was solved.
+        point: Parameters and weights of its solution.
         noises: The noise that the covariance is for.
         solution: Covariance V, and (WᵀW)⁻¹ of the weighted rows.
         whitened: Whether V = (W Γ⁻¹ Wᵀ)⁻¹, not the sandwich.

@@ -33,12 +33,12 @@ COLUMNS = 4
 
 
 class RFactor(NamedTuple):
-    """All that least squares needs to know of the rows of one joint: R of the QR factorisation of [W τ].
+    """R factor of the QR factorisation of [W τ] of one joint: all that least squares needs of its rows.
 
     Attributes:
         R: Upper R factor, (P + 1, P + 1).
-        rows: How many rows went in.
-        samples: How many independent samples they amount to.
+        rows: Number of rows that it stands for.
+        samples: Number of independent samples among them.
     """
 
     R: FloatArray
@@ -150,7 +150,7 @@ class Solution(NamedTuple):
     Attributes:
         values: β, (P,).
         covariance: For independent noise of one size in all rows, as weighted, (P, P).
-        condition_number: Of the regressor with columns scaled to unit length.
+        condition_number: Condition number of the regressor with columns scaled to unit length.
         dof: Independent samples less parameters.
         inverse: (WᵀW)⁻¹ of the rows as weighted, those of priors among them; zero for known parameters, (P, P).
         prior_noise: Share of the priors' own uncertainty in Wᵀ Γ W, (P, P).
@@ -176,7 +176,7 @@ class Solution(NamedTuple):
 
         Args:
             names: Names of the parameters, (P,).
-            prior_knowledge: What was known beside the rows, with K priors.
+            prior_knowledge: Prior knowledge with K priors.
 
         Returns:
             ∂β/∂p, (P, K).
@@ -203,7 +203,7 @@ def solve(
     Args:
         r_factor: R of [W τ].
         names: Parameters, (P,).
-        prior_knowledge: What is known beside the rows.
+        prior_knowledge: Known parameters, priors and signs.
         nonnegative: Parameters that must not become negative, (P,); None if all may.
 
     Returns:

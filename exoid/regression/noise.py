@@ -30,7 +30,7 @@ class AutoregressiveNoise:
 
     Attributes:
         predictors: Best predictors of orders 0 to p, row k holding φ_1 … φ_k, (p + 1, p).
-        variances: Of what each of them leaves unexplained, (p + 1,); the last is σ².
+        variances: Variance that the predictor of each order leaves, (p + 1,); the last is σ².
         samples: From how many it was estimated, N; 0 for silence.
     """
 

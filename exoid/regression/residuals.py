@@ -30,7 +30,7 @@ class Series(NamedTuple):
     """Weighted rows of one recording and joint in time order, or a stretch of them.
 
     Attributes:
-        kind: Of the noise.
+        kind: Kind of the noise.
         joint: Index.
         columns: Parameters that act on the joint, (p,).
         X: Their columns of the regressor, zero at samples left out, (p, N).
@@ -38,7 +38,7 @@ class Series(NamedTuple):
         usable: Samples not left out, (N,).
         q: Angle [rad], (N,).
         v: Velocity [rad/s], (N,).
-        stands_for: How many rows each of these stands for.
+        stands_for: Number of rows that each of these stands for.
         begins: Whether these are the first of the recording.
         ends: Whether these are the last of it.
     """
@@ -61,8 +61,8 @@ class Point(NamedTuple):
 
     Attributes:
         values: β, (P,).
-        weights: Of each triangle's rows, by which their residuals are of size 1.
-        clip: Weighted residuals beyond this counted as this; infinite for least squares.
+        weights: Weight of the rows of each R factor; weighted residuals are of size 1.
+        clip: Limit of weighted residuals, beyond which they count as the limit; infinite for least squares.
     """
 
     values: FloatArray
@@ -221,7 +221,7 @@ def sandwich(problem: RowProblem, point: Point, solution: Solution) -> Sandwich:
 
     Args:
         problem: The problem.
-        point: Where it was solved.
+        point: Parameters and weights of its solution.
         solution: (WᵀW)⁻¹ of the weighted rows, and a first idea of the covariance.
 
     Returns:

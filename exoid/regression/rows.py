@@ -30,10 +30,10 @@ class Rows(NamedTuple):
         tau: Measured torque [N·m], (N, n).
         q: Angle [rad], (N, n).
         v: Velocity [rad/s], (N, n).
-        usable: Which samples of which joint may be fitted, (N, n).
-        acting: Which parameters can act on which joint, (n, P); the regressor is zero elsewhere.
+        usable: Mask of samples of each joint that may be fitted, (N, n).
+        acting: Mask of parameters that can act on each joint, (n, P); the regressor is zero elsewhere.
         independence: Share of the rows that carry independent noise; a low-pass leaves fewer.
-        stands_for: How many rows each of these stands for; 1 unless decimated.
+        stands_for: Number of rows that each of these stands for; 1 unless decimated.
     """
 
     time: FloatArray
@@ -83,9 +83,9 @@ class Prepared(NamedTuple):
 
     Attributes:
         time: [s], (N,).
-        motion: What the columns depend on.
+        motion: Motion from which the columns are formed.
         tau: Measured torque [N·m], (N, n), filtered unless by ``parallel``.
-        usable: Which samples of which joint may be fitted, (N, n).
+        usable: Mask of samples of each joint that may be fitted, (N, n).
         rows: Samples that become rows: not spoilt by the ends of the record, evenly spaced.
         independence: Share of the rows that carry independent noise.
         parallel: Filter that columns and torque still have to pass; None for none.
@@ -116,9 +116,9 @@ def prepare(
     """Derive the kinematics of a recording; poses have no velocity and need no filter.
 
     Args:
-        model: Whose rows are wanted.
+        model: Torque model.
         data: The recording.
-        preparation: How it becomes rows.
+        preparation: Filter and differentiation.
         every: Whether each sample is to be a row; else only as many as are not redundant behind the filter.
 
     Returns:
@@ -218,7 +218,7 @@ def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Prepa
     Args:
         model: Torque model.
         data: The recording, or poses.
-        preparation: How it becomes rows.
+        preparation: Filter and differentiation.
 
     Returns:
         The rows.
@@ -240,8 +240,8 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
 
     Args:
         rows: All rows of a recording, or a stretch of them.
-        before: How many rows of the recording come before these.
-        count: How many it has in all.
+        before: Number of rows of the recording before these.
+        count: Number of rows of the recording.
 
     Returns:
         The rows that are kept.

@@ -1,4 +1,4 @@
-"""Whether residuals depend on velocity or angle by more than noise explains: what a friction or gravity model lacks."""
+"""Trends of residuals with velocity or angle beyond the noise: errors of the friction or gravity model."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ QUANTILES = 1001
 SIGNIFICANT = 1e-3
 """A smaller probability is called a dependence,"""
 
-TRIFLE = 0.01
+NEGLIGIBLE = 0.01
 """unless its size is below this part of the joint's torque."""
 
 LEFT = 1e-4
@@ -46,9 +46,9 @@ class Trend:
     Attributes:
         joint: Name.
         against: "velocity" [rad/s] or "angle" [rad].
-        edges: Of the intervals, (B + 1,).
+        edges: Edges of the intervals, (B + 1,).
         mean: Residual, measured less predicted [N·m], (B,).
-        std: What noise alone leaves of it, given that parameters were fitted to it [N·m], (B,).
+        std: Standard deviation of the mean if there were only noise, after the fit [N·m], (B,).
         p_value: Probability of means as large as these if there were only noise.
         share: Root mean square of the means over that of the joint's torque.
     """
@@ -68,8 +68,8 @@ class Trend:
 
     @property
     def matters(self) -> bool:
-        """Whether the residual depends on it, by more than noise explains and by more than a trifle."""
-        return self.significant and self.share > TRIFLE
+        """Whether the residual depends on it by more than noise explains, and the dependence is not negligible."""
+        return self.significant and self.share > NEGLIGIBLE
 
 
 def residual_trends(
@@ -83,10 +83,10 @@ def residual_trends(
 
     Args:
         problem: The problem.
-        point: Where it was solved.
+        point: Parameters and weights of its solution.
         noises: Noise of the residuals.
         solution: For (XᵀX)⁻¹.
-        covariance: Of the estimate.
+        covariance: Covariance of the estimate, (P, P).
         whitened: Whether rows were whitened.
 
     Returns:

@@ -8,7 +8,6 @@ from functools import partial
 
 import numpy as np
 
-from exoid import published
 from exoid._typing import FloatArray
 from exoid.catalog import load_leg
 from exoid.errors import ExoidError
@@ -16,6 +15,7 @@ from exoid.estimate import Estimate
 from exoid.experiments import bleex
 from exoid.identification import identify
 from exoid.leg import Leg
+from exoid.published import bleex_parameters
 from exoid.signals import Poses, Recording, Smoothed
 from exoid.torques import Coulomb, Stiffness, TorqueModel
 
@@ -125,7 +125,7 @@ def _identify_side(side: str, data: Measurements) -> SideReplay:
     joint = identify(leg, [upright, *data.tilted, *recordings], JOINT_TERMS, preparation=JOINT_PREPARATION)
     no_tilt = identify(leg, [upright, *recordings], JOINT_TERMS, preparation=JOINT_PREPARATION)
     sequential = sequential_bleex(model, data.sets, upright, data.swings)
-    truth, cad = truth_of(side), published.bleex_parameters("cad")
+    truth, cad = truth_of(side), bleex_parameters("cad")
     models = {"sequential": sequential.as_dict(), "joint": by_name(joint), "cad": cad, "truth": truth}
     return SideReplay(
         leg=leg,

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exoid import published
 from exoid.catalog import load_leg
 from exoid.errors import ExoidError
 from exoid.experiments import Bench, StaticProtocol, bleex, run_motion, run_static
+from exoid.published import bleex_parameters, bleex_resistances
 from exoid.rig import HydraulicServo, Plant, Proportional, Rates, Run, Sensors
 from exoid.signals import Approaches, Poses, Recording
 
@@ -81,7 +81,7 @@ class Measurements:
 
 def truth_of(side: str) -> dict[str, float]:
     """Tables I to IV of one side in exoid's signs, and the hidden hip."""
-    return {**published.bleex_parameters(side), **published.bleex_resistances(side), **HIDDEN_HIP[side]}
+    return {**bleex_parameters(side), **bleex_resistances(side), **HIDDEN_HIP[side]}
 
 
 def measure_bleex(

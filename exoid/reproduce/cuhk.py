@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exoid import published
 from exoid._typing import FloatArray
 from exoid.catalog import load_leg
 from exoid.errors import ExoidError
@@ -15,6 +14,7 @@ from exoid.estimate import Estimate
 from exoid.experiments import Bench, Harmonics, StaticProtocol, cuhk, run_motion, run_static
 from exoid.identification import identify
 from exoid.leg import Leg
+from exoid.published import cuhk_parameters, cuhk_resistances
 from exoid.rig import DcMotor, Plant, Proportional, ProportionalDerivative, Rates, Sensors
 from exoid.signals import MovingAverage, Poses, Preparation, Recording, ZeroPhase
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Viscous
@@ -99,7 +99,7 @@ class CuhkReplay:
 def truth_values() -> dict[str, float]:
     """Anthropometric bodies, Table III's friction magnitudes in dissipative sign, and rotors, by name."""
     rotor = {f"Ia_{joint}": MOTOR.armature for joint in ("hip", "knee")}
-    return {**published.cuhk_parameters(), **published.cuhk_resistances(), **rotor}
+    return {**cuhk_parameters(), **cuhk_resistances(), **rotor}
 
 
 def reproduce_cuhk(

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exoid import published
 from exoid._typing import FloatArray
 from exoid.catalog import load_leg
 from exoid.control import ControlModel, Law, Tracking, compare_laws, gravity_friction_pd, pd, standard_laws
@@ -16,6 +15,8 @@ from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.experiments import cuhk, healthy_gait, refuse_motion_beyond_limits
 from exoid.identification import identify
+from exoid.published import cuhk as document
+from exoid.published import cuhk_parameters, cuhk_resistances
 from exoid.rig import IdealTorque, Payload, PinocchioStepper, Plant, ProportionalDerivative, load_plant, simulate
 
 from .cuhk import DURATION, MOTOR, PREPARATION, RATES, SENSORS, SERVOS, SETTLE, TERMS
@@ -109,7 +110,7 @@ def tracking_plant(rotor: float = MOTOR.armature) -> Plant:
     """
     if not 0.0 <= rotor < np.inf:
         raise ExoidError(f"rotors of {rotor:g} kg·m²", remedy="give their inertia at the joint, zero or positive")
-    values = {**published.cuhk_parameters(), **published.cuhk_resistances()}
+    values = {**cuhk_parameters(), **cuhk_resistances()}
     return Plant.build(load_leg("cuhk"), {**values, "Ia_hip": rotor, "Ia_knee": rotor})
 
 
@@ -159,7 +160,7 @@ def table_iii_model() -> ControlModel:
 
     θ is taken in radians, and b_k0, which has no number, as zero.
     """
-    table = published.cuhk().table("III")
+    table = document().table("III")
     hip, knee = table.column("hip"), table.column("knee")
     leg = load_leg("cuhk")
     both = {**hip, **knee}

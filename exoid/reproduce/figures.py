@@ -16,7 +16,8 @@ from exoid.view import (
     plot_stiffness,
     plot_torques,
 )
-from exoid.view.style import CAD, COLUMN, IDENTIFIED
+from exoid.view.colours import CAD, IDENTIFIED
+from exoid.view.style import COLUMN
 
 from .bleex import SideReplay
 from .cuhk import CuhkReplay

@@ -1,39 +1,9 @@
-"""Figures, functions of results that draw on matplotlib axes and return them, and the leg in three dimensions."""
+"""Figures, functions of results that draw on matplotlib axes and return them, and the leg in three dimensions.
 
-from .coverage import plot_coverage, plot_excitation
-from .dynamics import plot_friction, plot_inertial_torque, plot_reference, plot_torques
-from .parameters import plot_correlation, plot_parameters
-from .plans import plot_planned_motion, plot_precision
-from .residuals import plot_prediction, plot_residual_along
-from .scenes import Scene, SceneServer, scene
-from .stability import plot_gain_margins, plot_lyapunov, plot_regulation_errors
-from .statics import plot_approaches, plot_stiffness
-from .style import paper
-from .tracking import plot_law_torques, plot_peak_errors, plot_tracking_errors
+A name is imported when it is first used: the leg in three dimensions needs no matplotlib. The table of contents is
+``__init__.pyi`` beside this file.
+"""
 
-__all__ = [
-    "Scene",
-    "SceneServer",
-    "paper",
-    "plot_approaches",
-    "plot_correlation",
-    "plot_coverage",
-    "plot_excitation",
-    "plot_friction",
-    "plot_gain_margins",
-    "plot_inertial_torque",
-    "plot_law_torques",
-    "plot_lyapunov",
-    "plot_parameters",
-    "plot_peak_errors",
-    "plot_planned_motion",
-    "plot_precision",
-    "plot_prediction",
-    "plot_reference",
-    "plot_regulation_errors",
-    "plot_residual_along",
-    "plot_stiffness",
-    "plot_torques",
-    "plot_tracking_errors",
-    "scene",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

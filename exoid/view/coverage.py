@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from exoid._typing import FloatArray
 
-from .style import GUIDE, joint_colour
+from .colours import GUIDE, joint_colour
 
 DRAWN = 4000
 """Samples drawn, at most."""

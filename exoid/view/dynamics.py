@@ -10,7 +10,8 @@ from matplotlib.ticker import MaxNLocator
 
 from exoid._typing import FloatArray
 
-from .style import IDENTIFIED, JOINT_COLOURS, MEASURED, legend_above
+from .colours import IDENTIFIED, JOINT_COLOURS, MEASURED
+from .style import legend_above
 
 
 def plot_inertial_torque(ax: Axes, time: FloatArray, measured: FloatArray, fitted: FloatArray, label: str) -> Axes:

@@ -6,7 +6,8 @@ from matplotlib.axes import Axes
 
 from exoid._typing import FloatArray
 
-from .style import GUIDE, IDENTIFIED, joint_colour, legend_above
+from .colours import GUIDE, IDENTIFIED, joint_colour
+from .style import legend_above
 
 DRAWN = 4000
 """Samples drawn, at most."""

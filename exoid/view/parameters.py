@@ -12,7 +12,8 @@ from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.tables import with_error
 
-from .style import CAD, GUIDE, IDENTIFIED, LEFT_OVER, MEASURED, legend_above
+from .colours import CAD, GUIDE, IDENTIFIED, LEFT_OVER, MEASURED
+from .style import legend_above
 
 MARKERS = ("D", "s", "^", "v")
 """Of values that stand beside the estimate."""

@@ -11,7 +11,8 @@ from matplotlib.lines import Line2D
 from exoid.experiments.excitation import Plan, Precision
 from exoid.regression.diagnostics import WEAKLY, WELL
 
-from .style import CAD, GUIDE, IDENTIFIED, JOINT_COLOURS, legend_above
+from .colours import CAD, GUIDE, IDENTIFIED, JOINT_COLOURS
+from .style import legend_above
 
 IDENTIFIABILITY_COLOURS = {"well": IDENTIFIED, "weakly": "#E69F00", "not": CAD}
 

@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from exoid._typing import FloatArray
 from exoid.regression import Trend
 
-from .style import GUIDE, IDENTIFIED, LEFT_OVER, MEASURED, joint_colour, legend_above
+from .colours import GUIDE, IDENTIFIED, LEFT_OVER, MEASURED, joint_colour
+from .style import legend_above
 
 BINS = 24
 """Of the mean residual along an axis."""

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 
-from .style import CAD, GUIDE, IDENTIFIED, MEASURED, SHADES, legend_above
+from .colours import CAD, GUIDE, IDENTIFIED, MEASURED, SHADES
+from .style import legend_above
 
 if TYPE_CHECKING:
     from exoid.control.stability import GainMargins, Lyapunov, Regulation

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from exoid._typing import FloatArray
 from exoid.signals import Approaches, Poses
 
-from .style import CAD, GUIDE, IDENTIFIED, SHADES, legend_above
+from .colours import CAD, GUIDE, IDENTIFIED, SHADES
+from .style import legend_above
 
 
 def plot_approaches(ax: Axes, approaches: Approaches, joint: int, label: str) -> Axes:

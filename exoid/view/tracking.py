@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 
 from exoid.control import Tracking
 
-from .style import GUIDE, legend_above
+from .colours import GUIDE
+from .style import legend_above
 
 LAW_COLOURS = ("#222222", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00")
 """Of laws, in the order in which they are drawn."""

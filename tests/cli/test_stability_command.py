@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from doc_pages import Page
 
 import exoid
 from exoid import Coulomb, Offset, Stiffness, Viscous
@@ -18,12 +19,10 @@ from exoid.estimate import Estimate
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "stability.md"
-FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-BLOCKS = FENCE.findall(PAGE.read_text(encoding="utf-8")) if PAGE.is_file() else []
+PAGE = Page.read("docs/stability.md")
 QUICK = ("--duration", "0.5")
 
-needs_page = pytest.mark.skipif(not BLOCKS, reason="needs the source tree")
+needs_page = pytest.mark.skipif(not PAGE.python, reason="needs the source tree")
 
 
 def run(monkeypatch, capsys, *arguments):
@@ -36,9 +35,9 @@ def run(monkeypatch, capsys, *arguments):
 @needs_page
 def test_the_tables_of_the_page_are_those_of_its_command(monkeypatch, capsys, tmp_path):
     """But for the regulation, whose runs are cut short here, and which is tested by itself."""
-    command = next(text for language, text in BLOCKS if language == "bash")
+    (command,) = PAGE.commands
     assert shlex.split(command)[:3] == ["exoid", "stability", "cuhk"]
-    properties, regulation, margins, _ = (text for language, text in BLOCKS if language == "text")
+    properties, regulation, margins, _ = PAGE.shown
     monkeypatch.chdir(tmp_path)
     code, out, err = run(monkeypatch, capsys, *shlex.split(command)[2:], *QUICK)
     assert code == 0
@@ -55,11 +54,8 @@ def without_rounding(text: str) -> str:
 
 
 @needs_page
-def test_the_python_of_the_page_prints_what_it_shows(capsys):
-    program = next(text for language, text in BLOCKS if language == "python")
-    *_, shown = (text for language, text in BLOCKS if language == "text")
-    exec(compile(program, str(PAGE), "exec"), {"__name__": "page"})
-    assert capsys.readouterr().out.endswith(shown)
+def test_the_python_of_the_page_prints_what_it_shows(tmp_path):
+    assert PAGE.run_python(tmp_path).endswith(PAGE.shown[-1])
 
 
 def saved(path, **changes) -> Estimate:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -12,27 +11,21 @@ from types import ModuleType
 import numpy as np
 import pytest
 from compiled import CompiledLeg, compile_c, needs_compiler
+from doc_pages import FENCE, ROOT, Page
 from planar_chains import assert_relative, random_motion
 
 import exoid
-from exoid.cli import main
 from exoid.codegen import c_source
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "microcontroller.md"
-BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.M | re.S) if PAGE.is_file() else []
-"""Language and text of each block: commands, program, how to build it, what it prints; then a term in Python."""
+PAGE = Page.read("docs/microcontroller.md")
 
-pytestmark = [needs_compiler, pytest.mark.skipif(not BLOCKS, reason="needs the source tree")]
+pytestmark = [needs_compiler, pytest.mark.skipif(not PAGE.commands, reason="needs the source tree")]
 
 
-def test_the_commands_and_the_program_print_what_the_page_shows(tmp_path, monkeypatch, capsys):
+def test_the_commands_and_the_program_print_what_the_page_shows(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (_, commands), (_, program), (_, build), (_, shown) = BLOCKS[:4]
-    for line in commands.splitlines():
-        monkeypatch.setattr(sys, "argv", shlex.split(line))
-        with pytest.raises(SystemExit) as stop:
-            main()
-        assert not stop.value.code, capsys.readouterr().err
+    _, (_, program), (_, build), (_, shown), _ = FENCE.findall((ROOT / PAGE.name).read_text(encoding="utf-8"))
+    PAGE.run_commands(tmp_path)
     Path("main.c").write_text(program, encoding="utf-8")
     done = subprocess.run(build, shell=True, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
@@ -44,11 +37,10 @@ def test_the_commands_and_the_program_print_what_the_page_shows(tmp_path, monkey
 
 def test_the_term_of_ones_own_computes_the_same_in_c(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    ((language, text),) = BLOCKS[4:]
-    assert language == "python"
+    PAGE.run_python(tmp_path)
     page = ModuleType("page")
     monkeypatch.setitem(sys.modules, "page", page)  # where dataclass looks for the class
-    exec(text, vars(page))
+    exec(PAGE.python, vars(page))
     estimate = page.est
     assert "drag_term" in Path("drag.c").read_text(encoding="utf-8")
     c = CompiledLeg(c_source(estimate.model, estimate.values, precision="float"), tmp_path)

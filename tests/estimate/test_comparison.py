@@ -126,7 +126,7 @@ def test_the_error_of_a_prior_that_both_were_given_cancels(leg):
     independent = exoid.compare(one, strangers)
     assert comparison.std[J3] < 0.6 * independent.std[J3]
     np.testing.assert_allclose(independent.std**2, one.std**2 + other.std**2, rtol=1e-6)
-    assert not comparison.remarks
+    assert not comparison.notes
     assert "same prior of X3, J3" in " ".join(str(independent).split())
 
 
@@ -149,8 +149,8 @@ def test_what_was_held_is_not_tested_and_two_values_are_named(leg):
     for comparison in (exoid.compare(one, same), exoid.compare(one, other)):
         assert comparison.p_values[X1] == 1.0
         assert "X1" not in repr(comparison)
-    assert not exoid.compare(one, same).remarks
-    assert "X1 (8 and 8.5) held at different values" in exoid.compare(one, other).remarks[0]
+    assert not exoid.compare(one, same).notes
+    assert "X1 (8 and 8.5) held at different values" in exoid.compare(one, other).notes[0]
     assert "note: X1 (8 and 8.5)" in " ".join(str(exoid.compare(one, other)).split())
 
 

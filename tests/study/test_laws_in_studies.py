@@ -219,7 +219,7 @@ def test_terms_that_no_rig_has_are_refused():
 @pytest.fixture
 def quick(monkeypatch, tmp_path):
     """Strides of 4 s, in a folder of its own."""
-    monkeypatch.setattr(sys.modules["exoid.cli.study"], "PERIOD", 4.0)
+    monkeypatch.setattr("exoid.cli.study.PERIOD", 4.0)
     monkeypatch.chdir(tmp_path)
 
 

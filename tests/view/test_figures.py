@@ -30,8 +30,9 @@ from exoid.view import (
     plot_torques,
     plot_tracking_errors,
 )
+from exoid.view.colours import MEASURED
 from exoid.view.stability import RESTLESS
-from exoid.view.style import COLUMN, MEASURED
+from exoid.view.style import COLUMN
 
 NAMES = ("hip", "knee", "ankle")
 TIME = np.linspace(0.0, 4.0, 50)

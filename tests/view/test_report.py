@@ -123,9 +123,9 @@ def test_what_was_known_and_believed_is_told_and_nothing_is_advised_for_it(parti
 def test_fitted_settings_stand_below_the_parameters(particular):
     estimate, page = particular
     rows = [[cell.text for cell in row] for row in check(page.html()).find(".//table").iter("tr")]
-    assert [row[0] for row in rows[1:]] == [*estimate.names, *estimate.shapes.names]
-    settings = rows[-len(estimate.shapes) :]
-    np.testing.assert_allclose([float(row[1]) for row in settings], estimate.shapes.values, rtol=5e-2)
+    assert [row[0] for row in rows[1:]] == [*estimate.names, *estimate.nonlinear.names]
+    settings = rows[-len(estimate.nonlinear) :]
+    np.testing.assert_allclose([float(row[1]) for row in settings], estimate.nonlinear.values, rtol=5e-2)
 
 
 def test_every_recordings_part_is_told(particular):

@@ -8,8 +8,8 @@ import pytest
 from browser import distance_to
 
 import exoid
+from exoid.view.colours import CAD, IDENTIFIED
 from exoid.view.report import identification_report
-from exoid.view.style import CAD, IDENTIFIED
 
 WIDE, PHONE = (1100, 900), (390, 844)
 

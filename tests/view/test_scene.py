@@ -17,8 +17,8 @@ import exoid
 from exoid import ExoidError, Leg, Recording, TorsoMotion
 from exoid.description import describe
 from exoid.view import scene
+from exoid.view.colours import CAD, IDENTIFIED
 from exoid.view.scenes.inertias import STEEL
-from exoid.view.style import CAD, IDENTIFIED
 
 RNG = np.random.default_rng(6)
 TIME = np.arange(90) / 60.0

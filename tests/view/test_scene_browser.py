@@ -13,8 +13,8 @@ import exoid
 from exoid import Leg
 from exoid.estimate import predict_motion
 from exoid.view import scene
+from exoid.view.colours import CAD, IDENTIFIED, JOINT_COLOURS
 from exoid.view.report import Embedded, Page, Section
-from exoid.view.style import CAD, IDENTIFIED, JOINT_COLOURS
 
 READY = "window.exoid !== undefined && window.exoid.viewer.renderer.info.render.frame > 0"
 UNRESOLVED = "Failed to load resource: net::ERR_NAME_NOT_RESOLVED"

@@ -2,48 +2,25 @@
 
 from __future__ import annotations
 
-import re
 import runpy
-import shlex
-import sys
-from pathlib import Path
 
 import pytest
+from doc_pages import ROOT, Page
 
-from exoid.cli import main
-from exoid.view import SceneServer
+PAGE = Page.read("docs/view.md")
 
-ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs" / "view.md"
-BLOCKS = (
-    re.findall(r"^```(\w+)\n(.*?)^```$", PAGE.read_text("utf-8"), re.MULTILINE | re.DOTALL) if PAGE.is_file() else []
-)
-
-pytestmark = pytest.mark.skipif(not BLOCKS, reason="needs the source tree")
+pytestmark = pytest.mark.skipif(not PAGE.python, reason="needs the source tree")
 
 
-@pytest.fixture(autouse=True)
-def unattended(tmp_path, monkeypatch):
-    """In an empty folder, with no browser to open and no one to press Ctrl-C."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("webbrowser.open", lambda url: True)
-    monkeypatch.setattr(SceneServer, "wait", lambda self: None)
-
-
-def test_the_commands_run_and_write_pages_of_the_size_that_is_said(monkeypatch):
-    (commands,) = [text for language, text in BLOCKS if language == "bash"]
-    for command in commands.splitlines():
-        monkeypatch.setattr(sys, "argv", shlex.split(command, comments=True))
-        with pytest.raises(SystemExit) as stop:
-            main()
-        assert not stop.value.code, command
-    assert 0.25e6 < Path("leg.html").stat().st_size < 0.35e6
-    assert Path("replay.html").stat().st_size < 0.45e6
+def test_the_commands_run_and_write_pages_of_the_size_that_is_said(tmp_path):
+    assert len(PAGE.commands) == 6
+    PAGE.run_commands(tmp_path)
+    assert 0.25e6 < (tmp_path / "leg.html").stat().st_size < 0.35e6
+    assert (tmp_path / "replay.html").stat().st_size < 0.45e6
 
 
 def test_the_python_runs(tmp_path):
-    for text in (text for language, text in BLOCKS if language == "python"):
-        exec(compile("import exoid\n" + text, str(PAGE), "exec"), {})
+    PAGE.run_python(tmp_path)
     assert (tmp_path / "replay.html").stat().st_size < 0.45e6
 
 
@@ -56,4 +33,4 @@ def test_the_table_is_what_the_study_prints(capsys):
         if "cannot be downloaded" in str(error):
             pytest.skip("the DFKI recording is neither in $EXOID_DATA_DIR nor to be downloaded: see tests/datasets")
         raise
-    assert capsys.readouterr().out in PAGE.read_text("utf-8")
+    assert capsys.readouterr().out in (ROOT / PAGE.name).read_text("utf-8")

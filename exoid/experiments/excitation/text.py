@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rich.table import Table
-
-from exoid.tables import make_table
+from exoid.tables import DataTable, make_table
 
 from .precision import Precision
 
 
-def precision_table(precision: Precision) -> Table:
+def precision_table(precision: Precision) -> DataTable:
     """Make a table: expected value, predicted standard deviation, and that over the scale, for each parameter."""
     scales = precision.scales
     rows = zip(

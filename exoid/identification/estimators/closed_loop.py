@@ -53,11 +53,11 @@ class ClosedLoop:
     """Controller, reference and actuator of a recording; its stamps are times of the reference.
 
     Attributes:
-        controller: Sees angles and velocities without noise.
-        reference: What was to be followed.
-        actuator: Between command and torque.
-        control_rate: Of a sampled controller [Hz]; None for one that is much faster than the log.
-        step: Of the simulation [s], at most; shortened to a whole part of the log's interval.
+        controller: Controller; it receives angles and velocities without noise.
+        reference: Reference trajectory.
+        actuator: Actuator between command and torque.
+        control_rate: Rate of a sampled controller [Hz]; None for one that is much faster than the log.
+        step: Largest step of the simulation [s]; shortened to a whole part of the log's interval.
         lead: The simulation starts on the reference so long before the recording [s], for its transient to die out.
     """
 

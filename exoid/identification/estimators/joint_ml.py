@@ -61,7 +61,7 @@ class JointML:
     over 0.01 rad/s; samples in a dead band count as angles, not as torques.
 
     Attributes:
-        spacing: Of the knots [s]; None to try a geometric ladder of them and take the one below that which generalised
+        spacing: Spacing of the knots [s]; None to try a geometric ladder and take the one below that which generalised
             cross-validation prefers: a little more variance, but no bias that intervals do not know of.
     """
 

@@ -27,7 +27,7 @@ class MotionFit(NamedTuple):
 
     Attributes:
         solution: β, and its covariance after the motions were eliminated.
-        spacing: Of the knots [s].
+        spacing: Spacing of the knots [s].
         levels: Noise.
         motions: Fitted angles of each recording [rad], (N, n).
         criterion: Generalised cross-validation, Σ N ln(mean squared residual / (1 − t)²) over the angles and torques of
@@ -64,10 +64,10 @@ def fit_motion(
         moving: Recordings.
         still: Poses.
         values: β to begin with.
-        spacing: Of the knots [s].
+        spacing: Spacing of the knots [s].
         solve: For β, with what is known beside the rows.
         priors: Rows of unit variance that it adds, as [W τ], (K, P + 1).
-        settled: When to stop.
+        settled: Relative change below which the fit has converged.
 
     Returns:
         Parameters, motions and noise levels.

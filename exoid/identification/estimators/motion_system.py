@@ -34,7 +34,7 @@ class Moving(NamedTuple):
         tau: Measured torques [N·m], (N, n).
         usable: 1, or 0 for torques that are left out, (N, n).
         smooth: Angles to begin with [rad], (N, n).
-        torso: How the torso was held.
+        torso: Posture of the torso.
     """
 
     time: FloatArray
@@ -58,7 +58,7 @@ class Levels(NamedTuple):
     Attributes:
         angle: [rad].
         torque: [N·m].
-        still: Of the torques of poses [N·m].
+        still: Noise of the torques of poses [N·m].
     """
 
     angle: FloatArray

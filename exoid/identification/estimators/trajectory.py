@@ -42,7 +42,7 @@ class Trajectory(NamedTuple):
 
         Args:
             time: Stamps [s], (N,), increasing.
-            spacing: Of the knots [s]; narrowed a little, so that they fit.
+            spacing: Spacing of the knots [s]; narrowed a little, so that they fit.
 
         Returns:
             The trajectory space.

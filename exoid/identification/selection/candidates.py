@@ -20,7 +20,7 @@ class Candidate:
 
     Attributes:
         name: Short name for tables.
-        terms: What acts on the joints besides rigid bodies.
+        terms: Terms of the torque model.
         estimator: Name of the estimator.
         preparation: From recordings to rows.
     """
@@ -35,7 +35,7 @@ def friction_candidates(cutoff: float = 8.0) -> tuple[Candidate, ...]:
     """Friction models from plain to rich, all with rotor inertia and offset, by weighted least squares.
 
     Args:
-        cutoff: Of the parallel filter [Hz].
+        cutoff: Cut-off frequency of the parallel filter [Hz].
 
     Returns:
         The candidates.
@@ -70,7 +70,7 @@ def filter_candidates(chosen: Candidate, cutoff: float = 8.0) -> tuple[Candidate
 
     Args:
         chosen: With the terms, behind a parallel filter at ``cutoff``.
-        cutoff: Of that filter [Hz].
+        cutoff: Cut-off frequency of that filter [Hz].
 
     Returns:
         The candidates.

@@ -86,7 +86,7 @@ class Errors(NamedTuple):
         squares: Sum of squared residuals of each joint [N²·m²], (n,).
         torque: Sum of measured torques [N·m], (n,).
         torque_squares: Sum of their squares [N²·m²], (n,).
-        rows: How many.
+        rows: Number of rows.
     """
 
     squares: FloatArray
@@ -115,11 +115,11 @@ def held_out(task: Task, recordings: Sequence[Recording], split: Split, start: S
     """Fit to the rows that a split leaves, and predict the others.
 
     Args:
-        task: What to fit.
+        task: Torque model, data and estimator.
         recordings: Its data.
         split: Rows to fit and rows to test.
         start: Near the solution; None to search.
-        cutoff: Of the filter that measured and predicted torque pass for comparison [Hz].
+        cutoff: Cut-off frequency of the filter for measured and predicted torque [Hz].
 
     Returns:
         Prediction errors on the tested rows.

@@ -38,9 +38,9 @@ class Score(NamedTuple):
     """How a candidate did.
 
     Attributes:
-        candidate: What was tried.
-        numbers: How many parameters and settings it fits.
-        nrmse: Of each joint over all folds, (n,).
+        candidate: Candidate model.
+        numbers: Number of parameters that it fits, nonlinear ones too.
+        nrmse: NRMSE of each joint over all folds, (n,).
         folds: NRMSE averaged over the joints, of each fold, relative to the torque of the whole, (K,).
         extrapolation: NRMSE of the fastest seconds predicted from the slower ones, (n,); not a number where these do
             not suffice.
@@ -67,9 +67,9 @@ class Selection:
     Attributes:
         leg: The leg.
         joint_names: Joints, (n,).
-        scores: Of all candidates, in the order in which they were tried.
+        scores: Scores of all candidates, in the order in which they were tried.
         chosen: Index of the one that was chosen.
-        cutoff: Of the filter behind which torques were compared [Hz].
+        cutoff: Cut-off frequency of the filter behind which torques were compared [Hz].
         folds: Number of folds.
     """
 
@@ -169,9 +169,9 @@ def select_terms(
     Args:
         leg: The leg.
         recordings: One or several. Nothing else is looked at.
-        candidates: What to compare; None for :func:`exoid.identification.selection.friction_candidates`.
+        candidates: Candidates to compare; None for :func:`exoid.identification.selection.friction_candidates`.
         folds: Number of folds, at least 3.
-        cutoff: Of the filter behind which torques are compared, and of the default candidates' own [Hz].
+        cutoff: Cut-off frequency of the filter behind which torques are compared, and of the default candidates [Hz].
         tune: Whether to go on to filters and estimators.
         progress: Called with the share done.
 

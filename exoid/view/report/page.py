@@ -15,7 +15,7 @@ import jinja2
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-import exoid
+from exoid._version import __version__
 from exoid.files import write_whole
 from exoid.tables import DataTable
 from exoid.view.style import COLUMN, paper
@@ -110,7 +110,7 @@ class Page:
         """Write the page as HTML that loads nothing from anywhere."""
         environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
         template = resources.files(__package__).joinpath("page.html.jinja").read_text(encoding="utf-8")
-        return environment.from_string(template).render(page=self, version=exoid.__version__, kind=_kind)
+        return environment.from_string(template).render(page=self, version=__version__, kind=_kind)
 
     def write(self, path: str | Path) -> None:
         """Write the page, whole or not at all.

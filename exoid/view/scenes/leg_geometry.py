@@ -15,7 +15,7 @@ from exoid._typing import FloatArray
 from exoid.estimate import Estimate
 from exoid.leg import SIDES, Leg
 from exoid.lift import lift
-from exoid.view.style import CAD, IDENTIFIED, JOINT_COLOURS
+from exoid.view.colours import CAD, IDENTIFIED, JOINT_COLOURS
 
 from .bars import bars, mount
 from .commands import Command, child, place, show

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.view.style import IDENTIFIED
+from exoid.view.colours import IDENTIFIED
 
 from .arrows import WEIGHT
 from .commands import Command, Tracks, child, place

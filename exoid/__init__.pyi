@@ -1,0 +1,73 @@
+# Table of contents of exoid: to add a name, import it here and list it. It is imported when it is first used.
+
+from . import (
+    catalog,
+    codegen,
+    control,
+    datasets,
+    errors,
+    estimate,
+    experiments,
+    exported,
+    identification,
+    lift,
+    published,
+    reduction,
+    regression,
+    reproduce,
+    rig,
+    signals,
+    study,
+    torques,
+    view,
+)
+from .catalog import load_leg
+from .errors import ExoidError
+from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, validate
+from .identification import identify
+from .leg import Leg
+from .signals import Recording, Recordings
+from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
+from .torso import TorsoMotion
+
+__version__: str
+
+__all__ = [
+    "Armature",
+    "Comparison",
+    "Coulomb",
+    "Estimate",
+    "ExoidError",
+    "GroupedEstimate",
+    "Leg",
+    "Offset",
+    "Recording",
+    "Recordings",
+    "Stiffness",
+    "TorsoMotion",
+    "Validation",
+    "Viscous",
+    "catalog",
+    "codegen",
+    "compare",
+    "control",
+    "datasets",
+    "errors",
+    "estimate",
+    "experiments",
+    "exported",
+    "identification",
+    "identify",
+    "lift",
+    "load_leg",
+    "published",
+    "reduction",
+    "regression",
+    "reproduce",
+    "rig",
+    "signals",
+    "study",
+    "torques",
+    "validate",
+    "view",
+]

@@ -1,0 +1,73 @@
+"""The verbs of the command line: a name and a line of help each; a verb's file is imported when the verb is called."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+VERBS = {
+    "identify": (
+        "Identify the parameters of LEG from the LOGs: columns time, q_<joint>, tau_<joint>, optionally v_ and a_."
+    ),
+    "select": "Select terms, filter and estimator for LEG by blocked cross-validation inside the LOGs.",
+    "validate": "Predict the torque of LOG from its motion and compare with what was measured.",
+    "compare": "Test whether B differs from A: left and right, one day and another, with and without a wearer.",
+    "export": (
+        "Write what was identified into the URDF, and what that has no place for into LEG.exoid.json; or write it as C."
+    ),
+    "plan": (
+        "Find the motion after which the parameters of LEG will be known best, and say how well; or --assess a log."
+    ),
+    "reproduce": "Run a document's experiments on virtual rigs, identify, and print every table side by side.",
+    "view": "Show LEG in a browser until Ctrl-C, on 127.0.0.1 only; or write it as a page that needs no network.",
+    "stability": (
+        "Check Properties 1 to 3, regulate with friction compensated in part or too much, and find the gain margins."
+    ),
+    "study": "Identify virtual legs again and again: bias, scatter, coverage of intervals, and efficiency.",
+    "track": "Run control laws on a rig and compare: tracking error, torque, energy, chatter.",
+}
+"""First paragraph of each verb's help. A verb is the function of that name in the file of that name."""
+
+
+class LazyVerbs(TyperGroup):
+    """A group whose verbs are imported when they are called: the group's own help needs none of them."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:  # noqa: ANN401 - Click's
+        """Find the verb that the arguments name, and import it.
+
+        Args:
+            ctx: Click's context.
+            args: Arguments after the options of the group.
+
+        Returns:
+            Name of the verb, its command, and the arguments that remain.
+        """
+        name, found, rest = super().resolve_command(ctx, args)
+        return name, found and load_verb(str(found.name)), rest
+
+
+def load_verb(name: str) -> Any:  # noqa: ANN401 - Typer's or Click's Command, by Typer's version
+    """Import a verb.
+
+    Args:
+        name: One of ``VERBS``.
+
+    Returns:
+        The command with all its options.
+    """
+    alone = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    alone.command(name)(getattr(import_module(f".{name}", __package__), name))
+    return typer.main.get_command(alone)
+
+
+def add_verbs(app: typer.Typer) -> None:
+    """Give an application whose class is :class:`LazyVerbs` all verbs, by name and help only."""
+
+    def not_yet_imported() -> None:
+        """Stand in for the verb in the list of all."""
+
+    for name, text in VERBS.items():
+        app.command(name, help=text)(not_yet_imported)

@@ -1,0 +1,39 @@
+# Table of contents of exoid.view: to add a name, import it here and list it. It is imported when it is first used.
+
+from .coverage import plot_coverage, plot_excitation
+from .dynamics import plot_friction, plot_inertial_torque, plot_reference, plot_torques
+from .parameters import plot_correlation, plot_parameters
+from .plans import plot_planned_motion, plot_precision
+from .residuals import plot_prediction, plot_residual_along
+from .scenes import Scene, SceneServer, scene
+from .stability import plot_gain_margins, plot_lyapunov, plot_regulation_errors
+from .statics import plot_approaches, plot_stiffness
+from .style import paper
+from .tracking import plot_law_torques, plot_peak_errors, plot_tracking_errors
+
+__all__ = [
+    "Scene",
+    "SceneServer",
+    "paper",
+    "plot_approaches",
+    "plot_correlation",
+    "plot_coverage",
+    "plot_excitation",
+    "plot_friction",
+    "plot_gain_margins",
+    "plot_inertial_torque",
+    "plot_law_torques",
+    "plot_lyapunov",
+    "plot_parameters",
+    "plot_peak_errors",
+    "plot_planned_motion",
+    "plot_precision",
+    "plot_prediction",
+    "plot_reference",
+    "plot_regulation_errors",
+    "plot_residual_along",
+    "plot_stiffness",
+    "plot_torques",
+    "plot_tracking_errors",
+    "scene",
+]

@@ -1,0 +1,64 @@
+"""The command line imports a verb when it is called, and lists all verbs without."""
+
+from __future__ import annotations
+
+import inspect
+import subprocess
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from exoid.cli import app
+from exoid.cli.verbs import VERBS, load_verb
+
+HEAVY = ("numpy", "pinocchio", "scipy", "matplotlib", "jinja2", "meshcat", "lxml", "pooch")
+
+
+def imported_by(*arguments):
+    """Exit status of ``exoid ARGUMENTS`` in a fresh interpreter, and modules that it imported."""
+    program = "import atexit, sys; atexit.register(lambda: print(*sys.modules, file=sys.stderr))\n"
+    done = subprocess.run(
+        [sys.executable, "-c", f"{program}from exoid.cli import main; main()", *arguments],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
+        timeout=120,
+    )
+    return done.returncode, set(done.stderr.splitlines()[-1].split())
+
+
+@pytest.mark.parametrize(("arguments", "code"), [(["--help"], 0), (["--version"], 0), (["identfy"], 2)])
+def test_no_verb_is_imported_before_one_is_called(arguments, code):
+    status, modules = imported_by(*arguments)
+    assert status == code
+    assert not modules & set(HEAVY)
+    assert {name for name in modules if name.startswith("exoid")} == {
+        *("exoid", "exoid._version", "exoid.errors", "exoid.cli", "exoid.cli.app", "exoid.cli.verbs")
+    }
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_the_line_in_the_list_of_verbs_is_the_first_of_the_verbs_own_help(name):
+    verb = load_verb(name)
+    assert verb.name == name
+    first, *_ = inspect.cleandoc(verb.help).split("\n\n")
+    assert " ".join(first.split()) == VERBS[name]
+
+
+def test_the_help_lists_every_verb_in_order():
+    text = CliRunner().invoke(app, ["--help"], env={"COLUMNS": "200"}).output
+    places = [text.index(f"│ {name} ") for name in VERBS]
+    assert places == sorted(places)
+    assert all(line in text for line in VERBS.values())
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_a_verbs_help_has_its_own_arguments_and_options(name):
+    result = CliRunner().invoke(app, [name, "--help"], env={"COLUMNS": "200"})
+    assert result.exit_code == 0
+    assert f"Usage: exoid {name} " in result.output
+    for parameter in load_verb(name).params:
+        shown = parameter.opts[0] if parameter.param_type_name == "option" else parameter.metavar or parameter.name
+        assert shown in result.output

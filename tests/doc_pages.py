@@ -1,0 +1,106 @@
+"""Pages of Markdown whose Python and whose commands run as they stand, each in a fresh interpreter."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+PROGRAM = "import sys; exec(compile(sys.stdin.read(), sys.argv[1], 'exec'), {'__name__': '__main__'})"
+
+COMMANDS = """
+import shlex, sys
+
+from exoid.cli import main
+
+for line in sys.stdin.read().splitlines():
+    sys.argv = shlex.split(line, comments=True)
+    if sys.argv[1] == "view":  # there is no browser to open, and no one to press Ctrl-C
+        import webbrowser
+
+        import exoid
+
+        webbrowser.open, exoid.view.SceneServer.wait = lambda url: True, lambda server: None
+    try:
+        main()
+    except SystemExit as stop:
+        if stop.code:
+            sys.exit(f"{line}: exit status {stop.code}")
+"""
+
+
+class Page(NamedTuple):
+    """A page of Markdown.
+
+    Attributes:
+        name: From the root of the project.
+        python: All its Python, each line at the place that it has on the page.
+        commands: Lines of its shell that start with exoid, also behind ``&&``.
+        shown: Blocks of printed text.
+    """
+
+    name: str
+    python: str
+    commands: tuple[str, ...]
+    shown: tuple[str, ...]
+
+    @staticmethod
+    def read(name: str) -> Page:
+        """Read a page; one that does not exist has nothing on it."""
+        path = ROOT / name
+        text = path.read_text(encoding="utf-8") if path.is_file() else ""
+        python = ""
+        commands, shown = [], []
+        for block in FENCE.finditer(text):
+            language, content = block.groups()
+            if language == "python":
+                lines_above = text.count("\n", 0, block.start(2))
+                python += "\n" * (lines_above - python.count("\n")) + content
+            if language in ("bash", "console", "sh"):
+                commands += exoid_commands(content)
+            if language == "text":
+                shown.append(content)
+        return Page(name, python, tuple(commands), tuple(shown))
+
+    def run_python(self, folder: Path) -> str:
+        """Run all Python of the page, from top to bottom, in a folder; return what it printed."""
+        return run([sys.executable, "-c", PROGRAM, self.name], self.python, folder)
+
+    def run_commands(self, folder: Path) -> str:
+        """Run all commands of the page, one after the other, in a folder; return what they printed."""
+        return run_commands(self.commands, folder)
+
+
+def exoid_commands(block: str) -> list[str]:
+    """Commands of a block that start with exoid, those after ``&&`` included."""
+    lines = [line.removeprefix("$ ") for line in block.splitlines() if not line.startswith("#")]
+    parts = [part.strip() for line in lines for part in line.split("&&")]
+    return [part for part in parts if part.startswith("exoid ")]
+
+
+def run_commands(commands: tuple[str, ...] | list[str], folder: Path) -> str:
+    """Run commands one after the other in one fresh interpreter; return what they printed."""
+    return run([sys.executable, "-c", COMMANDS], "\n".join(commands), folder)
+
+
+def run(command: list[str], given: str, folder: Path) -> str:
+    """Run a process on what it is given; skip the test where data are missing that cannot be downloaded."""
+    done = subprocess.run(
+        command, input=given, cwd=folder, capture_output=True, text=True, encoding="utf-8", check=False, timeout=600
+    )
+    if "cannot be downloaded" in done.stderr:
+        pytest.skip("the DFKI recording is neither in $EXOID_DATA_DIR nor to be downloaded: see tests/datasets")
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def without_spaces(text: str) -> str:
+    """Text as it reads, whatever its lines and columns."""
+    return " ".join(text.split())
