@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from html_pages import check
+from html_pages import check, undrawn
 
 import exoid
 from exoid.experiments.excitation import assess
@@ -59,7 +59,8 @@ def test_the_verdict_counts_and_says_how_well_an_unseen_recording_is_predicted(p
 
 def test_without_a_held_out_recording_the_report_says_so(swing):
     data, estimate = swing
-    assert "not tested" in " ".join(identification_report(estimate, [data.train]).verdict)
+    with undrawn():
+        assert "not tested" in " ".join(identification_report(estimate, [data.train]).verdict)
 
 
 def test_where_everything_comes_from_is_told(page, swing):
@@ -75,7 +76,8 @@ def short(swing):
     """Too short a recording for too many parameters, its estimate, and the page's text."""
     part = swing[0].train.slice(0, 700)
     estimate = exoid.identify(swing[0].leg, part, (*exoid.torques.DEFAULT_TERMS, exoid.Stiffness()))
-    return part, estimate, text_of(check(identification_report(estimate, [part]).html()))
+    with undrawn():
+        return part, estimate, text_of(check(identification_report(estimate, [part]).html()))
 
 
 def test_what_is_not_determined_is_named_with_what_it_trades_against(short):
@@ -102,9 +104,10 @@ def particular(swing):
     data, _ = swing
     parts = [replace(data.train.slice(k * 1000, (k + 1) * 1000), source=Source(f"run{k}.csv", f"{k}")) for k in (0, 1)]
     terms = (Coulomb(), Stribeck(velocity=NonlinearParameter(0.1, 0.01, 1.0)), Viscous(), Armature(), Offset())
-    prior = exoid.identification.Prior({"J3": (0.05, 1e-4)})
+    prior = exoid.regression.Prior({"J3": (0.05, 1e-4)})
     estimate = exoid.identify(data.leg, parts, terms, known={"X1": 3.98}, prior=prior, nonnegative=True)
-    return estimate, identification_report(estimate, parts)
+    with undrawn():
+        return estimate, identification_report(estimate, parts)
 
 
 def test_what_was_known_and_believed_is_told_and_nothing_is_advised_for_it(particular):
@@ -151,7 +154,8 @@ def test_residuals_that_depend_on_velocity_are_told_with_a_hint(swing):
 def test_a_leg_without_friction_terms_has_no_friction_section(swing):
     data, _ = swing
     rigid = exoid.identify(data.leg, data.train, (Offset(),))
-    titles = [section.title for section in identification_report(rigid, [data.train]).sections]
+    with undrawn():
+        titles = [section.title for section in identification_report(rigid, [data.train]).sections]
     assert "Friction" not in titles
     assert "What the model leaves over" in titles
 
