@@ -225,6 +225,7 @@ def kill_a_child_once(folder, after, killed):
         time.sleep(0.01)
 
 
+@pytest.mark.slow
 def test_killing_a_worker_changes_nothing_but_time(result, tmp_path):
     killed = []
     killer = threading.Thread(target=kill_a_child_once, args=(tmp_path / "kept", 1, killed), daemon=True)
@@ -235,6 +236,7 @@ def test_killing_a_worker_changes_nothing_but_time(result, tmp_path):
     assert same(found, result)
 
 
+@pytest.mark.slow
 def test_two_runs_at_once_in_one_folder_do_not_harm_each_other(tmp_path):
     command = [
         sys.executable,
@@ -255,6 +257,7 @@ def test_two_runs_at_once_in_one_folder_do_not_harm_each_other(tmp_path):
     assert printed[0] == printed[1] == printed[2] != ""
 
 
+@pytest.mark.slow
 def test_a_dask_cluster_gives_the_same_bits_even_if_a_worker_dies(tmp_path):
     """Two workers of a local cluster, one of which is killed when the first chunk is there."""
     distributed = pytest.importorskip("distributed")
