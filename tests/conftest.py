@@ -1,7 +1,11 @@
 """Settings that every test shares."""
 
+import os
 import sys
 from typing import NamedTuple
+
+# Before the first import of numpy: many small matrices, and one process for each core.
+os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
 
 import pytest
 from browser import chromium
@@ -19,6 +23,11 @@ BUILT_IN = [
     for inertias in sets
     for side in ("left", "right")
 ]
+
+
+def pytest_xdist_auto_num_workers(config):
+    """Tests whose output is to be seen (``pytest -s``) run in this process, else in one for each core."""
+    return 0 if config.option.capture == "no" else None
 
 
 @pytest.fixture(params=BUILT_IN, ids="-".join, scope="session")

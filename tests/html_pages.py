@@ -2,8 +2,12 @@
 
 import itertools
 import re
+from contextlib import contextmanager
 
 import html5lib
+import pytest
+
+from exoid.view.report import Picture
 
 HEADINGS = ("h1", "h2", "h3", "h4")
 
@@ -11,6 +15,18 @@ HEADINGS = ("h1", "h2", "h3", "h4")
 def parsed(html):
     """The page's tree; html5lib in strict mode raises on an unclosed or misplaced tag."""
     return html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(html)
+
+
+@contextmanager
+def undrawn():
+    """Reports without their drawings, which take most of the time: for tests of their words."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("exoid.view.report.pictures.picture", empty)
+        yield
+
+
+def empty(draw, alternative, caption="", **_):
+    return Picture(b"", alternative, caption)
 
 
 def check(html, largest=5e6):

@@ -1,7 +1,7 @@
 """Hostile and broken URDFs: each ends in one line that says what is wrong, where, and what to do."""
 
 import hashlib
-import time
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 
@@ -83,9 +83,12 @@ def test_a_file_that_is_too_large_is_not_read_to_its_end(tmp_path):
     path = tmp_path / "huge.urdf"
     with path.open("wb") as file:
         file.truncate(50 * LARGEST_URDF)
-    start = time.perf_counter()
-    assert "larger than 20 MB" in refusal(lambda: read_description(path))
-    assert time.perf_counter() - start < 2.0
+    tracemalloc.start()
+    try:
+        assert "larger than 20 MB" in refusal(lambda: read_description(path))
+        assert tracemalloc.get_traced_memory()[1] < 3 * LARGEST_URDF
+    finally:
+        tracemalloc.stop()
 
 
 @pytest.mark.parametrize("encoding", ["utf-16", "latin-1"])
@@ -126,18 +129,14 @@ def bomb() -> str:
     ],
     ids=["billion laughs", "external entity", "external DTD", "empty DTD"],
 )
-def test_entities_and_document_types_are_refused_at_once(text):
-    start = time.perf_counter()
+def test_entities_and_document_types_are_refused(text):
     assert "declares a document type or entities" in refusal(lambda: describe(text))
-    assert time.perf_counter() - start < 0.5
 
 
 def test_entities_hidden_in_another_encoding_are_not_expanded_either():
     """UTF-7 spells <!DOCTYPE without a less-than sign."""
     hidden = bomb().replace("<!", "+ADwAIQ-")
-    start = time.perf_counter()
     assert "not well-formed XML" in refusal(lambda: describe(f'<?xml version="1.0" encoding="utf-7"?>{hidden}'))
-    assert time.perf_counter() - start < 0.5
 
 
 @pytest.mark.parametrize(
@@ -151,10 +150,8 @@ def test_what_is_not_xml_is_refused(text):
     assert refusal(lambda: describe(text, "bad.urdf")).startswith("bad.urdf: not well-formed XML (")
 
 
-def test_xml_nested_without_end_is_refused_at_once():
-    start = time.perf_counter()
+def test_xml_nested_without_end_is_refused():
     assert "not well-formed XML" in refusal(lambda: describe("<robot>" + "<a>" * 500_000))
-    assert time.perf_counter() - start < 2.0
 
 
 @pytest.mark.parametrize("root", ["sdf", "mujoco", "Robot", "html"])
@@ -205,7 +202,7 @@ def test_a_broken_structure_names_the_joint_and_the_link(text, message):
 
 
 @pytest.mark.parametrize("joined", [True, False], ids=["chain", "loose links"])
-def test_a_robot_of_endless_links_is_refused_at_once(joined):
+def test_a_robot_of_endless_links_is_refused(joined):
     """Pinocchio's parser would overflow the stack, and take the process with it."""
     count = 100_000
     links = "".join(f'<link name="l{k}"/>' for k in range(count + 1))
@@ -213,10 +210,8 @@ def test_a_robot_of_endless_links_is_refused_at_once(joined):
         f'<joint name="j{k}" type="fixed"><parent link="l{k}"/><child link="l{k + 1}"/></joint>'
         for k in range(count if joined else 1)
     )
-    start = time.perf_counter()
     message = refusal(lambda: describe(f'<robot name="r">{links}{joints}</robot>'))
     assert f"100001 links and {count if joined else 1} joints: more than 1000" in message
-    assert time.perf_counter() - start < 5.0
 
 
 def test_the_longest_chain_allowed_is_read():

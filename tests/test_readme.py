@@ -14,6 +14,11 @@ README = ROOT / "README.md"
 PAGE = Page.read("README.md")
 BLOCKS = FENCE.findall(README.read_text(encoding="utf-8")) if README.is_file() else []
 SHELL = [text for language, text in BLOCKS if language in ("bash", "console", "sh")]
+COMMANDS = [
+    pytest.param(block, id=commands[0][6:], marks=[pytest.mark.slow] if "exoid reproduce bleex" in commands else [])
+    for block in SHELL
+    if (commands := exoid_commands(block))
+]
 
 pytestmark = pytest.mark.skipif(not BLOCKS, reason="needs the source tree")
 
@@ -37,7 +42,7 @@ def test_the_python_runs_from_top_to_bottom(folder):
     assert "too few" in out
 
 
-@pytest.mark.parametrize("block", [b for b in SHELL if exoid_commands(b)], ids=lambda b: exoid_commands(b)[0][6:])
+@pytest.mark.parametrize("block", COMMANDS)
 def test_the_commands_run(block, folder):
     printed = run_commands(exoid_commands(block), folder)
     for output in PAGE.shown:
@@ -47,7 +52,7 @@ def test_the_commands_run(block, folder):
 
 def test_all_output_that_is_shown_is_tested():
     assert len(PAGE.shown) == 2
-    assert len([block for block in SHELL if exoid_commands(block)]) == 5
+    assert len(COMMANDS) == 5
 
 
 def test_the_first_lines_of_the_readme_have_the_two_commands():

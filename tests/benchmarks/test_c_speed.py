@@ -6,21 +6,21 @@
 from __future__ import annotations
 
 import ctypes
-import gc
 import shutil
 import subprocess
-import time
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from planar_chains import assert_relative, random_motion
+from turns import best_of_turns, show
 
 import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
 
-CALLS = 20_000
+CALLS, ROUNDS = 20_000, 5
 RATIO = 1.0
+BARE = "pin.rnea from Python"
 
 COMPILER = shutil.which("cc")
 
@@ -92,7 +92,6 @@ def test_the_loop_in_c_computes_the_torque_of_the_estimate(estimate, compiled, m
 
 
 def test_a_call_in_c_costs_less_than_one_bare_rnea_from_python(estimate, compiled, motion):
-    """Measured in turns, the best of each, so that other work on the machine meets both alike."""
     model, data = estimate.leg.model, estimate.leg.model.createData()
     rows = list(zip(*motion, strict=True))
 
@@ -101,22 +100,10 @@ def test_a_call_in_c_costs_less_than_one_bare_rnea_from_python(estimate, compile
             pin.rnea(model, data, q, v, a)
 
     works = {
-        "pin.rnea from Python": bare,
+        BARE: bare,
         "inverse dynamics with every term, in C": lambda: compiled("all_of_it", motion),
         "gravity and friction, in C": lambda: compiled("gravity_and_friction", motion),
     }
-    best = dict.fromkeys(works, np.inf)
-    gc.disable()
-    try:
-        for _ in range(7):
-            for name, work in works.items():
-                start = time.perf_counter()
-                work()
-                best[name] = min(best[name], (time.perf_counter() - start) / CALLS)
-    finally:
-        gc.enable()
-    reference = best["pin.rnea from Python"]
-    print()
-    for name, seconds in best.items():
-        print(f"{name}: {1e9 * seconds:.0f} ns, {seconds / reference:.3f} × pin.rnea")
-    assert max(seconds for name, seconds in best.items() if name.endswith("in C")) <= RATIO * reference
+    best = best_of_turns(works, ROUNDS)
+    show(f"{CALLS:,} calls of a leg's torques", best, BARE)
+    assert max(seconds for name, seconds in best.items() if name.endswith("in C")) <= RATIO * best[BARE]

@@ -1,10 +1,9 @@
 """Time of one control step, as ratios to a bare ``pin.rnea`` in the same run: ``pytest tests/benchmarks -s``."""
 
-import time
-
 import numpy as np
 import pinocchio as pin
 import pytest
+from turns import best_of_turns, show
 
 import exoid
 from exoid import published
@@ -16,7 +15,7 @@ LEG = exoid.load_leg("cuhk")
 PLANT = Plant.build(LEG, {**published.cuhk_resistances(), "Ia_knee": 0.8})
 KP, KD = (22.0, 55.0), (2.2, 5.5)
 Q, V, A = np.array([0.3, 0.5]), np.array([0.2, -0.4]), np.array([1.0, 0.5])
-ROUNDS, STEPS = 40, 200
+ROUNDS = 5
 
 
 def steps():
@@ -35,26 +34,17 @@ def steps():
 
 
 @pytest.fixture(scope="module")
-def medians():
-    """Median time of a step [s], of rounds taken in turns."""
-    calls = steps()
-    times = {name: [] for name in calls}
-    for _ in range(ROUNDS):
-        for name, call in calls.items():
-            begin = time.perf_counter()
-            for _ in range(STEPS):
-                call()
-            times[name].append((time.perf_counter() - begin) / STEPS)
-    found = {name: float(np.median(each)) for name, each in times.items()}
-    for name, median in found.items():
-        print(f"\n{name:20s} {1e6 * median:6.1f} µs, {median / found['rnea']:5.2f} × pin.rnea", end="")
+def best():
+    """Processor time of a step of each law [s]."""
+    found = best_of_turns(steps(), ROUNDS)
+    show("A step of control from Python", found, "rnea")
     return found
 
 
-def test_a_step_of_pd_with_gravity_and_friction_takes_at_most_8_calls_of_rnea(medians):
-    assert medians["pd_gravity_friction"] <= 8.0 * medians["rnea"]
+def test_a_step_of_pd_with_gravity_and_friction_takes_at_most_8_calls_of_rnea(best):
+    assert best["pd_gravity_friction"] <= 8.0 * best["rnea"]
 
 
-def test_no_law_takes_longer_than_40_calls_of_rnea(medians):
+def test_no_law_takes_longer_than_40_calls_of_rnea(best):
     """That is some 50 µs: 0.5 % of a period at 100 Hz."""
-    assert max(medians.values()) <= 40.0 * medians["rnea"]
+    assert max(best.values()) <= 40.0 * best["rnea"]

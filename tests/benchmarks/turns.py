@@ -40,9 +40,9 @@ def seconds(work: Callable[[], object], repeats: int) -> float:
     return (time.process_time() - start) / repeats
 
 
-def show(title: str, best: Mapping[str, float], ours: str) -> None:
-    """Print times and what they are to ours."""
+def show(title: str, best: Mapping[str, float], baseline: str) -> None:
+    """Print times, and their ratios to that of the baseline."""
     print(f"\n{title}")
     for name, seconds in best.items():
-        ratio = "" if name == ours else f"{seconds / best[ours]:8.2f} ×"
-        print(f"  {name:58s} {1e3 * seconds:9.1f} ms {ratio}")
+        ratio = "" if name == baseline else f"{seconds / best[baseline]:8.2f} ×"
+        print(f"  {name:58s} {1e3 * seconds:9.4g} ms {ratio}")

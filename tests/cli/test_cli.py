@@ -9,6 +9,7 @@ import sys
 
 import numpy as np
 import pytest
+from html_pages import undrawn
 from typer.testing import CliRunner
 
 import exoid
@@ -178,10 +179,11 @@ def test_identify_reads_held_out_logs_as_the_others(exoid_, estimate, data):
 
 
 def test_identify_writes_a_report(exoid_, estimate, data, tmp_path):
-    run = exoid_("identify", "bleex", TRAIN, "--test", TEST, "--report", "leg.html", "--json")
+    with undrawn():
+        run = exoid_("identify", "bleex", TRAIN, "--test", TEST, "--report", "leg.html", "--json")
+        page = identification_report(estimate, [data.train], [data.test])
     assert (run.code, run.err) == (0, "wrote leg.html\n")
     assert "tests" in json.loads(run.out)
-    page = identification_report(estimate, [data.train], [data.test])
     assert (tmp_path / "leg.html").read_text(encoding="utf-8") == page.html()
 
 

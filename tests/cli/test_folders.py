@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
+from html_pages import undrawn
 
 import exoid
 
@@ -43,9 +44,10 @@ def test_each_log_of_a_folder_can_have_parameters_of_its_own(exoid_, folder):
 
 
 def test_a_report_of_a_folder_is_written(exoid_, folder, tmp_path):
-    code, _, _ = exoid_("identify", "bleex", "logs", "--report", "page.html")
+    with undrawn():
+        code, _, _ = exoid_("identify", "bleex", "logs", "--report", "page.html")
     assert code == 0
-    assert (tmp_path / "page.html").stat().st_size > 10_000
+    assert "part.10.csv" in (tmp_path / "page.html").read_text(encoding="utf-8")
 
 
 def test_an_empty_folder_is_one_line(exoid_, tmp_path):

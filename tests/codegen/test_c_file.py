@@ -261,7 +261,7 @@ class TestRefusals:
 
     def test_a_refusal_leaves_an_existing_file_alone(self, tmp_path):
         (tmp_path / "leg.c").write_text("mine")
-        with pytest.raises(ExoidError):
+        with pytest.raises(ExoidError, match="no precision 'half'"):
             ESTIMATE.to_c(tmp_path / "leg.c", precision="half")
         assert [path.name for path in tmp_path.iterdir()] == ["leg.c"]
         assert (tmp_path / "leg.c").read_text() == "mine"

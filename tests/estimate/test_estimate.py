@@ -164,7 +164,8 @@ def test_the_arrays_given_are_copied():
     ],
 )
 def test_an_estimate_that_cannot_be_is_refused(changes):
-    with pytest.raises(ExoidError):
+    """The message names the field, or says that no least-squares fit gives such a number."""
+    with pytest.raises(ExoidError, match=f"^{next(iter(changes))} of |is not what a least-squares fit gives"):
         dataclasses.replace(hand_made(), **changes)
 
 
@@ -371,9 +372,12 @@ def test_a_truncated_file_is_refused(estimate, tmp_path, share):
         Estimate.load(file)
 
 
-@pytest.mark.parametrize("path", ["absent.json", ".", "a\0b"])
-def test_a_path_that_is_no_file_is_refused(tmp_path, path):
-    with pytest.raises(ExoidError):
+@pytest.mark.parametrize(
+    ("path", "reason"),
+    [("absent.json", "No such file or directory"), (".", "Is a directory"), ("a\0b", "embedded null byte")],
+)
+def test_a_path_that_is_no_file_is_refused(tmp_path, path, reason):
+    with pytest.raises(ExoidError, match=rf"\({reason}\)"):
         Estimate.load(f"{tmp_path}/{path}")
 
 

@@ -183,14 +183,15 @@ def test_a_written_motion_reads_back_as_a_recording(tmp_path):
 
 
 def test_protocols_beyond_the_limits_are_not_written(tmp_path):
-    for write in (
-        lambda path: write_static_protocol(path, LEG, np.array([[3.0, 0.0]]), 0.1),
-        lambda path: write_static_protocol(path, LEG, np.array([[0.5, 0.5]]), -0.1),
-        lambda path: write_motion(path, LEG, cuhk.swing(0), 0.0, 2.0),
-        lambda path: write_motion(path, LEG, cuhk.swing(0), 100.0, -2.0),
-    ):
-        with pytest.raises(ExoidError):
-            write(tmp_path / "plan.csv")
+    path = tmp_path / "plan.csv"
+    with pytest.raises(ExoidError, match=r"pose 0 asks left_hip for 171\.9°"):
+        write_static_protocol(path, LEG, np.array([[3.0, 0.0]]), 0.1)
+    with pytest.raises(ExoidError, match=r"a distance of -0\.1 rad"):
+        write_static_protocol(path, LEG, np.array([[0.5, 0.5]]), -0.1)
+    with pytest.raises(ExoidError, match="a rate of 0 Hz"):
+        write_motion(path, LEG, cuhk.swing(0), 0.0, 2.0)
+    with pytest.raises(ExoidError, match="a motion of -2 s"):
+        write_motion(path, LEG, cuhk.swing(0), 100.0, -2.0)
     assert list(tmp_path.iterdir()) == []
 
 

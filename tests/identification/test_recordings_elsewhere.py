@@ -143,6 +143,7 @@ def test_a_bag_and_an_array_of_dask_give_the_estimate_of_memory(client, in_memor
         Cluster.of_array(client, array, ("time", "q_hip"))
 
 
+@pytest.mark.slow
 def test_a_worker_that_dies_costs_only_time(folder, in_memory, monkeypatch):
     """It is killed when R factors are back; rows that it had kept for the noise model are made again elsewhere."""
     distributed = pytest.importorskip("distributed")

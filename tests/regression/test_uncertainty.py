@@ -148,7 +148,12 @@ def replicates(swing, count, std, **options):
 
 @pytest.mark.parametrize(
     ("preparation", "estimator", "noise"),
-    [(PLAIN, "wls", NOISE), (PLAIN, "ols", 0.2), (ZeroPhase(), "wls", NOISE), (ZeroPhase(), "ols", 0.2)],
+    [
+        (PLAIN, "wls", NOISE),
+        pytest.param(PLAIN, "ols", 0.2, marks=pytest.mark.slow),
+        pytest.param(ZeroPhase(), "wls", NOISE, marks=pytest.mark.slow),
+        (ZeroPhase(), "ols", 0.2),
+    ],
     ids=["plain-wls", "plain-ols", "zero-phase-wls", "zero-phase-ols"],
 )
 def test_intervals_contain_the_truth_as_often_as_they_say(preparation, estimator, noise):

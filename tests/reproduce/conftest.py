@@ -83,7 +83,9 @@ def cuhk(shared_folder):
     return once(shared_folder, "cuhk", make)
 
 
-@pytest.fixture(scope="session", params=[0.8, 0.0], ids=lambda rotor: f"rotor {rotor}")
+@pytest.fixture(
+    scope="session", params=[0.8, pytest.param(0.0, marks=pytest.mark.slow)], ids=lambda rotor: f"rotor {rotor}"
+)
 def tracking(request, shared_folder):
     """Document 2's comparison of controllers with every law, with rotors and without."""
 

@@ -91,20 +91,20 @@ def test_a_delay_counts_in_control_periods_however_often_the_log_reads():
 
 
 @pytest.mark.parametrize(
-    "values",
+    ("values", "said"),
     [
-        {"encoder_counts": 0.0},
-        {"encoder_counts": np.nan},
-        {"angle_noise": -1e-3},
-        {"torque_noise": (0.1, np.nan, 0.1)},
-        {"torque_resolution": -0.1},
-        {"torque_offset": np.inf},
-        {"delay": -1},
-        {"delay": 0.5},
+        ({"encoder_counts": 0.0}, "an encoder of 0 counts"),
+        ({"encoder_counts": np.nan}, "an encoder of nan counts"),
+        ({"angle_noise": -1e-3}, "angle_noise of the sensors is -0.001"),
+        ({"torque_noise": (0.1, np.nan, 0.1)}, r"torque_noise of the sensors is \(0.1, nan, 0.1\)"),
+        ({"torque_resolution": -0.1}, "torque_resolution of the sensors is -0.1"),
+        ({"torque_offset": np.inf}, "torque_offset of the sensors is inf"),
+        ({"delay": -1}, "a delay of -1 periods"),
+        ({"delay": 0.5}, "a delay of 0.5 periods"),
     ],
 )
-def test_absurd_sensors_are_refused(values):
-    with pytest.raises(ExoidError):
+def test_absurd_sensors_are_refused(values, said):
+    with pytest.raises(ExoidError, match=said):
         Sensors(**values)
 
 

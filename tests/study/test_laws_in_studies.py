@@ -127,13 +127,8 @@ def _exact():
 
 
 def test_whoever_does_the_pieces_the_bits_are_the_same(result, tmp_path):
-    """Two processes; two Dask workers; stopped, with a chunk damaged, and resumed."""
+    """Two processes; stopped, with a chunk damaged, and resumed."""
     assert same(run_study(study(), workers=processes(2)), result)
-    distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
-    ) as cluster:
-        assert same(run_study(study(), None, dask_cluster(cluster.scheduler_address)), result)
 
     def dying(what, numbers):
         yield next(iter(run_serially(what, numbers)))
@@ -145,6 +140,15 @@ def test_whoever_does_the_pieces_the_bits_are_the_same(result, tmp_path):
     assert same(run_study(study(), tmp_path / "kept", lambda *_: pytest.fail("nothing is left to do")), result)
     with pytest.raises(ExoidError, match="another study"):
         run_study(study(course=course("pd")), tmp_path / "kept")
+
+
+@pytest.mark.slow
+def test_dask_workers_give_the_same_bits(result):
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+    ) as cluster:
+        assert same(run_study(study(), None, dask_cluster(cluster.scheduler_address)), result)
 
 
 def test_a_law_that_diverges_is_counted_and_leaves_the_others_alone():

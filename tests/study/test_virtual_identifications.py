@@ -231,6 +231,7 @@ def kill_a_child_once(folder, after, killed):
         time.sleep(0.01)
 
 
+@pytest.mark.slow
 def test_killing_a_worker_changes_nothing_but_time(result, tmp_path):
     killed = []
     killer = threading.Thread(target=kill_a_child_once, args=(tmp_path / "kept", 1, killed), daemon=True)
@@ -269,6 +270,7 @@ def test_scripts_need_no_main_guard_for_processes(tmp_path):
     assert ran.stdout == json.dumps(run_study(study()).to_json()) + "\n"
 
 
+@pytest.mark.slow
 def test_two_runs_at_once_in_one_folder_do_not_harm_each_other(tmp_path):
     command = [
         sys.executable,
@@ -289,6 +291,7 @@ def test_two_runs_at_once_in_one_folder_do_not_harm_each_other(tmp_path):
     assert printed[0] == printed[1] == printed[2] != ""
 
 
+@pytest.mark.slow
 def test_a_dask_cluster_gives_the_same_bits_even_if_a_worker_dies(tmp_path):
     """Two workers of a local cluster, one of which is killed when the first chunk is there."""
     distributed = pytest.importorskip("distributed")

@@ -185,20 +185,20 @@ def test_an_unknown_term_is_refused_with_the_known_ones():
 
 
 @pytest.mark.parametrize(
-    "data",
+    ("data", "words"),
     [
-        {},
-        {"term": "magnet"},
-        {"term": None},
-        {"term": ["coulomb"]},
-        {"term": "viscous", "smoothing": 0.1},
-        {"term": "coulomb", "smoothing": "slow"},
-        {"term": "coulomb", "smoothing": -1.0},
-        {"term": "stiffness", "degree": 2.5},
+        ({}, "unknown term {}"),
+        ({"term": "magnet"}, "unknown term .*'magnet'"),
+        ({"term": None}, "unknown term .*None"),
+        ({"term": ["coulomb"]}, "unknown term .*'coulomb'"),
+        ({"term": "viscous", "smoothing": 0.1}, "unknown term .*'smoothing': 0.1"),
+        ({"term": "coulomb", "smoothing": "slow"}, "unknown term .*'slow'"),
+        ({"term": "coulomb", "smoothing": -1.0}, r"smoothing=-1\.0.*a velocity in rad/s"),
+        ({"term": "stiffness", "degree": 2.5}, r"stiffness of degree 2\.5"),
     ],
 )
-def test_a_wrong_description_of_a_term_is_refused(data):
-    with pytest.raises(ExoidError):
+def test_a_wrong_description_of_a_term_is_refused(data, words):
+    with pytest.raises(ExoidError, match=words):
         term_from_json(data)
 
 

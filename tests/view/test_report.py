@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from html_pages import check
+from html_pages import check, undrawn
 
 import exoid
 from exoid.experiments.excitation import assess
@@ -61,7 +61,8 @@ def test_the_summary_counts_parameters_and_gives_the_error_on_a_held_out_recordi
 
 def test_without_a_held_out_recording_the_report_says_so(swing):
     data, estimate = swing
-    assert "no held-out recording" in " ".join(identification_report(estimate, [data.train]).summary)
+    with undrawn():
+        assert "no held-out recording" in " ".join(identification_report(estimate, [data.train]).summary)
 
 
 def test_inputs_and_settings_are_listed(page, swing):
@@ -77,7 +78,8 @@ def short(swing):
     """Too short a recording for too many parameters, its estimate, and the page's text."""
     part = swing[0].train.slice(0, 700)
     estimate = exoid.identify(swing[0].leg, part, (*exoid.torques.DEFAULT_TERMS, exoid.Stiffness()))
-    return part, estimate, text_of(check(identification_report(estimate, [part]).html()))
+    with undrawn():
+        return part, estimate, text_of(check(identification_report(estimate, [part]).html()))
 
 
 def test_poorly_identified_parameters_are_named_with_those_they_correlate_with(short):
@@ -106,7 +108,8 @@ def particular(swing):
     terms = (Coulomb(), Stribeck(velocity=NonlinearParameter(0.1, 0.01, 1.0)), Viscous(), Armature(), Offset())
     prior = Prior({"J3": (0.05, 1e-4)})
     estimate = exoid.identify(data.leg, parts, terms, known={"X1": 3.98}, prior=prior, nonnegative=True)
-    return estimate, identification_report(estimate, parts)
+    with undrawn():
+        return estimate, identification_report(estimate, parts)
 
 
 def test_prior_knowledge_is_listed_and_gets_no_advice(particular):
@@ -153,7 +156,8 @@ def test_residuals_that_depend_on_velocity_are_named_with_a_hint(swing):
 def test_a_leg_without_friction_terms_has_no_friction_section(swing):
     data, _ = swing
     rigid = exoid.identify(data.leg, data.train, (Offset(),))
-    titles = [section.title for section in identification_report(rigid, [data.train]).sections]
+    with undrawn():
+        titles = [section.title for section in identification_report(rigid, [data.train]).sections]
     assert "Friction" not in titles
     assert "Residuals" in titles
 
