@@ -80,7 +80,7 @@ def to_html(*parts: DataTable | str) -> str:
     """Render tables, with their captions, and lines as HTML, such as a ``_repr_html_`` returns to a notebook.
 
     Args:
-        parts: Tables, and lines of text, which are escaped.
+        *parts: Tables, and lines of text, which are escaped.
 
     Returns:
         ``<table>`` and ``<p>`` elements.

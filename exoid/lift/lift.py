@@ -147,8 +147,8 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
 
     Returns:
         The links. Each pseudo-inertia is positive definite, so masses and principal inertias are positive and the
-        triangle inequalities hold strictly. An estimate counts as infeasible on the boundary of the consistent set (a
-        body thinner than about 1e-8 of the prior), or if its links exceed :data:`HEAVIEST`.
+        triangle inequalities hold strictly. An estimate on the boundary of the consistent set, with a body thinner than
+        about 1e-8 of the prior, counts as infeasible. So does an estimate whose links exceed :data:`HEAVIEST`.
 
     Raises:
         ExoidError: Values or covariance do not fit the leg or are not finite, or the covariance has a negative
