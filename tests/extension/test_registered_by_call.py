@@ -20,7 +20,7 @@ from exoid.control import ControlModel
 from exoid.experiments import Harmonics
 from exoid.exported import read_exported
 from exoid.identification import register_estimator
-from exoid.identification.estimators import ClosedLoop, InstrumentalVariables, wls
+from exoid.identification.estimators import ClosedLoop, OutputError, wls
 from exoid.rig import Plant, ProportionalDerivative
 from exoid.signals import Recordings, Source, ZeroPhase, register_format, register_preparation
 from exoid.signals.formats import ArrayTable
@@ -262,7 +262,7 @@ class TestSymbolsOfExoid:
         controller = ProportionalDerivative(np.array([100.0, 50.0]), np.array([10.0, 5.0]))
         one = np.ones((1, 2, 1))
         reference = Harmonics(centre=np.zeros((2, 1)), amplitude=0.3 * one, frequency=3.0 * one, phase=0.0 * one)
-        estimator = InstrumentalVariables(ClosedLoop(controller, reference))
+        estimator = OutputError(ClosedLoop(controller, reference))
         with pytest.raises(ExoidError, match="no rig has the parameter d_hip"):
             exoid.identify(LEG, recording, (Coulomb(), Thick()), estimator)
 
@@ -296,12 +296,12 @@ class TestEstimators:
         with pytest.raises(ExoidError, match=rf"the estimator odd {found}.*one weight for each of the 2 R factors"):
             exoid.identify(LEG, recording, FRICTION, "odd")
 
-    @pytest.mark.parametrize("name", ["wls", "iv", "output-error"])
+    @pytest.mark.parametrize("name", ["wls", "output-error"])
     def test_the_names_of_exoid_are_taken(self, name):
         with pytest.raises(ExoidError, match=f"the estimator '{name}' exists"):
             register_estimator(name, partial(wls))
 
-    @pytest.mark.parametrize("estimator", [3, InstrumentalVariables])
+    @pytest.mark.parametrize("estimator", [3, OutputError])
     def test_what_cannot_be_called_with_a_problem_is_refused(self, estimator):
         with pytest.raises(ExoidError, match="is no estimator"):
             register_estimator("odd")(estimator)
