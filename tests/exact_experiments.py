@@ -71,7 +71,7 @@ def bleex_data(exact, seconds=10.0, poses=100):
     sets = bleex.static_sets(np.random.default_rng(1), poses)
     motions = bleex.dynamic_motions()
     swings = [
-        [exact.recording(motions, bleex.swing(joint, k), seconds, bleex.LOG_RATE) for k in range(5)]
+        [exact.recording(motions, bleex.swing_index(joint, k), seconds, bleex.LOG_RATE) for k in range(5)]
         for joint in range(3)
     ]
     return sets, exact.poses(sets.all), swings

@@ -78,7 +78,7 @@ def test_the_rig_simulates_it_and_identification_of_the_log_returns_the_estimate
     terms = (Coulomb(smoothing=0.0, dead_band=0.05), *TERMS[1:])
     found = exoid.identify(exported.leg, run.recording(), terms, preparation=Smoothed(20.0))
     assert found.names == estimate.names
-    off = np.abs(found.values - estimate.values) / found.sizes
+    off = np.abs(found.values - estimate.values) / found.parameter_scale
     assert off.max() < 6e-3
     rigid = slice(0, 9)
     assert np.median(off[rigid]) < 2e-3
@@ -141,8 +141,8 @@ def edited(path, **changes):
         (lambda export: edited(export.sidecar, values={"d_hip": float("nan")}), "lacks"),
         (lambda export: edited(export.sidecar, joints="left_hip"), "lacks"),
         (lambda export: edited(export.sidecar, joints=["left_wing"]), "left_wing"),
-        (lambda export: edited(export.sidecar, values={"wings": 1.0}), "knows no wings"),
-        (lambda export: edited(export.sidecar, not_dissipative=["wings"]), "knows no wings"),
+        (lambda export: edited(export.sidecar, values={"wings": 1.0}), "has no wings"),
+        (lambda export: edited(export.sidecar, not_dissipative=["wings"]), "has no wings"),
         (lambda export: export.urdf.write_text(export.urdf.read_text() + "\n<!-- mine -->"), "has changed"),
     ],
 )

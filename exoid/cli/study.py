@@ -143,13 +143,13 @@ def _course(
 
     from exoid import study as studies  # noqa: PLC0415
     from exoid.control import ControlModel  # noqa: PLC0415
-    from exoid.experiments import healthy_gait, on_leg  # noqa: PLC0415
+    from exoid.experiments import gait_for_leg, healthy_gait  # noqa: PLC0415
 
     kp, kd = (parse_numbers(text, option) for text, option in zip(gains, ("--kp", "--kd"), strict=True))
     names, known = split_names(laws) or (), ControlModel.of_parameters(model, np.array(truth))
     if motion == "gait":
         try:
-            gait = on_leg(model.leg, healthy_gait(SCALE, PERIOD))
+            gait = gait_for_leg(model.leg, healthy_gait(SCALE, PERIOD))
         except ExoidError as error:
             raise ExoidError(error.what, where=error.where, remedy=f"{error.remedy}, or --course planned") from None
         return studies.TrackingTask.of(names, gait, PERIOD, known, kp, kd)

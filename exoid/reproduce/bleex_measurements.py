@@ -100,20 +100,20 @@ def measure_bleex(
         One set of measurements for each replicate.
     """
     leg, truth = load_leg("bleex", side=side), truth_of(side)
-    plant = Plant.build(leg, truth).each(replicates)
+    plant = Plant.build(leg, truth).repeat(replicates)
     sets = bleex.static_sets(rng, extent.poses)
     upright = run_static(plant, sets.all, BENCH, rng, STATIC)
     told(0.2)
     tilted = []
     for tilt in TILTS:
         poses = bleex.static_sets(rng, extent.poses).random
-        leaning = Plant.build(leg, truth, pitch=np.deg2rad(tilt)).each(replicates)
+        leaning = Plant.build(leg, truth, pitch=np.deg2rad(tilt)).repeat(replicates)
         tilted.append([both.averaged for both in run_static(leaning, poses, BENCH, rng, STATIC)])
     told(0.4)
     rigs = bleex.VALIDATION + 1
     run = run_motion(
-        plant.each(rigs),
-        bleex.dynamic_motions().each(replicates),
+        plant.repeat(rigs),
+        bleex.dynamic_motions().tile(replicates),
         BENCH,
         extent.duration,
         rng,
@@ -139,7 +139,7 @@ def _log(run: Run, rig: int) -> Recording:
 
 def _swings(run: Run, first: int) -> tuple[tuple[Recording, ...], ...]:
     frequencies = range(len(bleex.FREQUENCIES))
-    return tuple(tuple(_log(run, first + bleex.swing(joint, k)) for k in frequencies) for joint in range(3))
+    return tuple(tuple(_log(run, first + bleex.swing_index(joint, k)) for k in frequencies) for joint in range(3))
 
 
 def _coarser(run: Run, rng: np.random.Generator) -> Run:

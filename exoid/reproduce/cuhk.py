@@ -129,7 +129,7 @@ def reproduce_cuhk(
     told = progress or (lambda _: None)
     rng = np.random.default_rng(seed)
     leg = load_leg("cuhk")
-    plant = Plant.build(leg, truth_values()).each(replicates)
+    plant = Plant.build(leg, truth_values()).repeat(replicates)
     poses = [run_static(plant, p, DOCUMENT, rng, STATIC) for p in (cuhk.stiffness_poses(), cuhk.random_poses(rng))]
     told(0.2)
     motions = {
@@ -202,8 +202,8 @@ def _record(
     stiffness, damping = np.repeat(servos.T * AMPERES, count, axis=1)
     bench = Bench(ProportionalDerivative(stiffness[None], damping[None]), MOTOR, SENSORS, RATES)
     run = run_motion(
-        Plant.join([plant] * len(motions)),
-        Harmonics.join([motion.each(count) for _, motion in motions.values()]),
+        Plant.concatenate([plant] * len(motions)),
+        Harmonics.concatenate([motion.tile(count) for _, motion in motions.values()]),
         bench,
         duration,
         rng,

@@ -16,7 +16,15 @@ from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.experiments import cuhk, healthy_gait, refuse_motion_beyond_limits
 from exoid.identification import identify
-from exoid.rig import IdealTorque, Payload, PinocchioStepper, Plant, ProportionalDerivative, load_plant, simulate
+from exoid.rig import (
+    IdealTorque,
+    Payload,
+    PinocchioStepper,
+    Plant,
+    ProportionalDerivative,
+    plant_with_payloads,
+    simulate,
+)
 
 from .cuhk import DURATION, MOTOR, PREPARATION, RATES, SENSORS, SERVOS, SETTLE, TERMS
 
@@ -85,7 +93,7 @@ def reproduce_cuhk_tracking(
     estimate = identify_for_tracking(plant, seed, lambda share: told(0.4 * share))
     laws = document_laws(estimate)
     ill = wrong_laws(estimate) if wrong else {}
-    heavy = load_plant(plant, [SHANK_WEIGHT])
+    heavy = plant_with_payloads(plant, [SHANK_WEIGHT])
     runs = compare_laws(
         {name: heavy if name.endswith(LOADED) else plant for name in (*laws, *ill)},
         laws | ill,

@@ -153,4 +153,4 @@ def test_bad_settings_are_refused(settings, word):
 
 def test_a_reference_of_several_legs_is_refused():
     with pytest.raises(ExoidError, match="that of one leg"):
-        lqr(LEG, GAIT.each(2), 10.0)
+        lqr(LEG, GAIT.tile(2), 10.0)

@@ -166,7 +166,7 @@ def test_a_rig_that_carries_a_plan_out_scatters_as_predicted():
     truth = {"c0_hip": 1.445, "c0_knee": 0.593, "d_hip": 0.038, "d_knee": 0.192, "Ia_hip": 0.8, "Ia_knee": 0.8}
     rng, values = np.random.default_rng(5), []
     for _ in range(0, replicates, 50 if FULL else 60):
-        plant = Plant.build(LEG, truth).each(50 if FULL else 60)
+        plant = Plant.build(LEG, truth).repeat(50 if FULL else 60)
         run = run_motion(plant, plan.motions[0].reference, bench, plan.duration, rng)
         values += [exoid.identify(LEG, run.recording(k)).values for k in range(plant.count)]
     ratio = np.std(values, axis=0, ddof=1) / plan.precision.std

@@ -78,7 +78,7 @@ def test_exact_data_give_the_truth_or_a_refusal_never_a_confident_wrong_number(s
     result = outcome(exoid.identify, leg, recording, terms, estimator, preparation=FiniteDifference())
     if isinstance(result, Estimate):
         error = np.abs(result.values - truth)
-        assert (error <= 1e-6 * result.sizes + 10.0 * result.std).all()
+        assert (error <= 1e-6 * result.parameter_scale + 10.0 * result.std).all()
         exact = 1e-4 if estimator == "ml" else 1e-6  # a spline is not quite the motion
         np.testing.assert_allclose(result.torque(q, v, a), tau, rtol=0.0, atol=exact * np.abs(tau).max())
 

@@ -61,8 +61,10 @@ def test_torque_converters_have_steps():
     np.testing.assert_allclose(read, [[0.0], [0.5], [-1.3]])
 
 
-def test_blocks_of_rigs_that_are_alike_have_the_same_noise():
-    sensors = Sensors(encoder_counts=np.inf, angle_noise=1.0, velocity_noise=1.0, torque_noise=(1.0, 2.0), alike=3)
+def test_blocks_of_rigs_have_the_same_noise():
+    sensors = Sensors(
+        encoder_counts=np.inf, angle_noise=1.0, velocity_noise=1.0, torque_noise=(1.0, 2.0), noise_blocks=3
+    )
     rng, zero = np.random.default_rng(0), np.zeros((2, 6))
     for read in (sensors.angle(zero, rng), sensors.velocity(zero, rng), sensors.torque(zero, rng)):
         np.testing.assert_array_equal(read[:, :2], read[:, 2:4])
@@ -71,8 +73,8 @@ def test_blocks_of_rigs_that_are_alike_have_the_same_noise():
     with pytest.raises(ExoidError, match="4 rigs in 3 blocks"):
         sensors.angle(np.zeros((2, 4)), rng)
     for wrong in (0, 1.5):
-        with pytest.raises(ExoidError, match="blocks of rigs alike"):
-            Sensors(alike=wrong)
+        with pytest.raises(ExoidError, match="blocks of rigs with the same noise"):
+            Sensors(noise_blocks=wrong)
 
 
 @pytest.mark.parametrize("delay", [1, 4])
@@ -120,7 +122,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_one_does_not():
 
 def test_rigs_side_by_side_do_what_they_do_alone():
     plants = [Plant.build(BLEEX, {**FRICTION, "b1_knee": x, "Ia_hip": 0.1 * x}, pitch=0.1 * x) for x in range(5)]
-    together = run(Plant.join(plants))
+    together = run(Plant.concatenate(plants))
     for k, plant in enumerate(plants):
         alone = run(plant)
         np.testing.assert_allclose(together.q[..., k], alone.q[..., 0], rtol=0, atol=1e-10)
@@ -254,7 +256,7 @@ def test_progress_is_told_up_to_the_end():
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"c0_toe": 1.0}, "knows no c0_toe"),
+        ({"c0_toe": 1.0}, "has no c0_toe"),
         ({"c0_hip": np.nan}, "not finite"),
         ({"X1": np.inf}, "finite"),
         ({"c0_hip": -1.0}, "negative"),
@@ -277,13 +279,13 @@ def test_a_pitch_that_is_no_row_of_angles_is_refused(pitch):
 
 def test_plants_of_several_legs_do_not_go_side_by_side():
     with pytest.raises(ExoidError, match="same leg"):
-        Plant.join([Plant.build(BLEEX), Plant.build(exoid.load_leg("cuhk"))])
+        Plant.concatenate([Plant.build(BLEEX), Plant.build(exoid.load_leg("cuhk"))])
     with pytest.raises(ExoidError, match="same leg"):
-        Plant.join([])
+        Plant.concatenate([])
 
 
 def test_plants_are_copied_rig_by_rig_and_taken_out_again():
     two = Plant.build(BLEEX, pitch=[0.1, 0.2])
-    np.testing.assert_array_equal(two.each(3).pitch, [0.1, 0.1, 0.1, 0.2, 0.2, 0.2])
-    np.testing.assert_array_equal(two.each(3).take([1, 4]).pitch, [0.1, 0.2])
-    assert two.each(3).take(slice(3, None)).count == 3
+    np.testing.assert_array_equal(two.repeat(3).pitch, [0.1, 0.1, 0.1, 0.2, 0.2, 0.2])
+    np.testing.assert_array_equal(two.repeat(3).take([1, 4]).pitch, [0.1, 0.2])
+    assert two.repeat(3).take(slice(3, None)).count == 3

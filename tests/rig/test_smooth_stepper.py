@@ -69,7 +69,7 @@ def test_the_torque_is_that_of_the_controller_at_the_sample(plant):
 
 
 def test_many_rigs_do_what_each_does_alone(plant):
-    np.testing.assert_allclose(followed(plant.each(3), 2e-3).q[..., 2:], followed(plant, 2e-3).q, atol=1e-13)
+    np.testing.assert_allclose(followed(plant.repeat(3), 2e-3).q[..., 2:], followed(plant, 2e-3).q, atol=1e-13)
 
 
 def test_energy_is_balanced_in_a_sampled_run(plant):

@@ -33,9 +33,9 @@ def test_both_steppers_go_the_same_way(end_stops, pitch):
         one, other = (rig.step(torque(k * 5e-4), damping) for rig in rigs)
         np.testing.assert_allclose(rigs[0].q, rigs[1].q, rtol=0, atol=1e-10)
         np.testing.assert_allclose(rigs[0].v, rigs[1].v, rtol=0, atol=1e-9)
-        np.testing.assert_allclose(one.taken, other.taken, rtol=0, atol=1e-10)
+        np.testing.assert_allclose(one.friction_impulse, other.friction_impulse, rtol=0, atol=1e-10)
         seen |= set(np.sign(rigs[0].v).ravel())
-        if (np.abs(one.taken) > 5e-4 * plant.static + 1e-12).any():
+        if (np.abs(one.friction_impulse) > 5e-4 * plant.static + 1e-12).any():
             seen.add("stop")
     assert seen == ({-1.0, 0.0, 1.0, "stop"} if end_stops else {-1.0, 0.0, 1.0})
     constant = rigs[0].energy() - rigs[1].energy()
@@ -74,7 +74,7 @@ def test_with_stick_and_slip_half_the_step_has_half_the_error_or_less():
     """Root mean square over rigs that stop, rest and turn at other times each."""
     B = 16
     parts = [Plant.build(BLEEX, {**FRICTION, "b1_hip": x}, end_stops=False) for x in np.linspace(0.0, 6.0, B)]
-    plant = Plant.join(parts)
+    plant = Plant.concatenate(parts)
     runs = [final_state(plant, dt, 1.5) for dt in (1e-3 / 16, 1e-3, 5e-4, 2.5e-4)]
     assert runs[0][1] > 500  # joints rested
     errors = [np.sqrt(np.mean((run[0][:3] - runs[0][0][:3]) ** 2)) for run in runs[1:]]
@@ -227,6 +227,6 @@ def test_mujocos_friction_creeps_where_ours_holds():
 
 
 def test_pinocchio_steps_one_rig_only():
-    plant = Plant.build(BLEEX).each(2)
+    plant = Plant.build(BLEEX).repeat(2)
     with pytest.raises(ExoidError, match=r"plant\.take"):
         PinocchioStepper(plant, zeros(plant), zeros(plant), 1e-3)

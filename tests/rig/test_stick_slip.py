@@ -44,7 +44,7 @@ def assert_coulomb(M, b, friction, slip):
     assert ((taken <= friction.high + scale) & (taken >= friction.low - scale))[~moving].all()
     into_stop = ((slip.v > 0.0) & (friction.high == np.inf)) | ((slip.v < 0.0) & (friction.low == -np.inf))
     assert not into_stop.any()
-    np.testing.assert_allclose(slip.taken, taken, rtol=0, atol=1e-9 * np.abs(b).max())
+    np.testing.assert_allclose(slip.impulse, taken, rtol=0, atol=1e-9 * np.abs(b).max())
 
 
 @SIZES
@@ -126,11 +126,11 @@ def test_a_joint_that_turns_round_rubs_both_ways():
     impulse = -last - 2.0 * kinetic - rng.uniform(0.0, 3.0, (1, B))  # strong enough to turn it
     slip = solve_stick_slip(np.ones((1, 1, B)), impulse, Friction(kinetic, -kinetic, kinetic), last)
     assert (slip.v < 0.0).all()
-    np.testing.assert_allclose(last + impulse - slip.v, slip.taken, atol=1e-12)
+    np.testing.assert_allclose(last + impulse - slip.v, slip.impulse, atol=1e-12)
     share = last / (last - slip.v)
-    assert np.abs(slip.taken + kinetic * (1.0 - 2.0 * share)).max() < 0.1 * kinetic.max()
+    assert np.abs(slip.impulse + kinetic * (1.0 - 2.0 * share)).max() < 0.1 * kinetic.max()
     plainly = last + impulse + kinetic  # had it rubbed the new way all along
-    exact = slip.taken * 0.5 * (last + slip.v)
+    exact = slip.impulse * 0.5 * (last + slip.v)
     naive = -kinetic * 0.5 * (last + plainly)
     assert naive.min() < -1e-3  # which would have fed energy in
     assert exact.min() > 0.1 * naive.min()

@@ -13,7 +13,7 @@ from exoid.cli import main
 from exoid.control import ControlModel, simulate
 from exoid.control.track import SENSORS
 from exoid.errors import ExoidError
-from exoid.experiments import cuhk, healthy_gait, on_leg
+from exoid.experiments import cuhk, gait_for_leg, healthy_gait
 from exoid.experiments.excitation import MotionLimits, Scales
 from exoid.study import (
     Driver,
@@ -37,7 +37,7 @@ MODEL = TorqueModel(LEG, DEFAULT_TERMS)
 TRUTH = plausible_truth(MODEL, Scales.of(MODEL, MotionLimits.of(LEG)).typical)
 KNOWN = ControlModel.of_parameters(MODEL, np.array(TRUTH))
 PERIOD = 1.6
-GAIT = on_leg(LEG, healthy_gait(0.5, PERIOD))
+GAIT = gait_for_leg(LEG, healthy_gait(0.5, PERIOD))
 RMS, PEAK, TORQUE = range(3)
 
 
@@ -199,7 +199,7 @@ def test_a_study_without_laws_is_described_as_before():
         (lambda: study(course=course("pd", kp=(-1.0,))), "gains"),
         (lambda: replace(course("pd"), periods=1), "1 periods"),
         (lambda: study(course=replace(course("pd"), kp=(1.0,))), "1 Kp and 2 Kd"),
-        (lambda: study(course=replace(course("pd"), motion=on_leg(LEG, healthy_gait(5.0)))), "the motion asks"),
+        (lambda: study(course=replace(course("pd"), motion=gait_for_leg(LEG, healthy_gait(5.0)))), "the motion asks"),
         (lambda: study(estimators=("wls", "wls")), "name each once"),
     ],
 )
