@@ -88,10 +88,10 @@ def study(
     found, chosen = find_leg(leg, side, inertias, split_names(joints), None), parse_terms(terms)
     model = TorqueModel(found, chosen)
     scales = Scales.of(model, MotionLimits.of(found))
-    std = TorqueNoise.of(parse_numbers(noise, "--noise"), scales.typical).std
+    std = TorqueNoise.of(parse_numbers(noise, "--noise"), scales.typical_torque).std
     if laws is None:
         refuse({"--course": course, "--kp": kp, "--kd": kd}, "no --laws are tried")
-    truth = studies.plausible_truth(model, scales.typical)
+    truth = studies.plausible_truth(model, scales.typical_torque)
     who = studies.run_serially if workers == 1 else studies.processes(workers)
     who = who if scheduler is None else studies.dask_cluster(scheduler)
     noises = tuple(studies.Noise(name, std, _share(name), memory) for name in split_names(colours) or ())

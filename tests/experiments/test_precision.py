@@ -95,10 +95,10 @@ def test_noise_of_a_narrow_band_does_as_much_harm_as_its_density(multisine):
         np.testing.assert_allclose(one / two, gain, rtol=0.02)
 
 
-def test_long_logs_are_judged_stretch_by_stretch(multisine, monkeypatch):
+def test_long_logs_are_judged_block_by_block(multisine, monkeypatch):
     recording = log(multisine, 60.0)
     whole = predict(MODEL, [recording], NOISE, SCALES).std
-    monkeypatch.setattr("exoid.experiments.excitation.precision.STRETCH", 2000)
+    monkeypatch.setattr("exoid.experiments.excitation.precision.BLOCK", 2000)
     np.testing.assert_allclose(predict(MODEL, [recording], NOISE, SCALES).std, whole, rtol=0.1)
 
 
@@ -145,7 +145,7 @@ def test_scales_do_not_depend_on_speed_limits():
     slow = Scales.of(MODEL, MotionLimits.of(LEG, velocity=0.5, acceleration=1.0))
     np.testing.assert_array_equal(slow.scale, SCALES.scale)
     assert SCALES.scale[0] == LEG.parameters[0]
-    assert SCALES.scale[MODEL.names.index("offset_hip")] == pytest.approx(0.1 * SCALES.typical[0], rel=0.02)
+    assert SCALES.scale[MODEL.names.index("offset_hip")] == pytest.approx(0.1 * SCALES.typical_torque[0], rel=0.02)
 
 
 def test_nothing_to_assess_is_refused():

@@ -34,7 +34,7 @@ from exoid.torques import DEFAULT_TERMS, TorqueModel, term_by_name
 
 LEG = exoid.load_leg("cuhk")
 MODEL = TorqueModel(LEG, DEFAULT_TERMS)
-TRUTH = plausible_truth(MODEL, Scales.of(MODEL, MotionLimits.of(LEG)).typical)
+TRUTH = plausible_truth(MODEL, Scales.of(MODEL, MotionLimits.of(LEG)).typical_torque)
 KNOWN = ControlModel.of_parameters(MODEL, np.array(TRUTH))
 PERIOD = 1.6
 GAIT = gait_for_leg(LEG, healthy_gait(0.5, PERIOD))
@@ -211,7 +211,7 @@ def test_courses_that_make_no_sense_are_refused(make, words):
 def test_terms_that_no_rig_has_are_refused():
     terms = (*DEFAULT_TERMS, term_by_name("stribeck"))
     model = TorqueModel(LEG, terms)
-    truth = plausible_truth(model, Scales.of(model, MotionLimits.of(LEG)).typical)
+    truth = plausible_truth(model, Scales.of(model, MotionLimits.of(LEG)).typical_torque)
     with pytest.raises(ExoidError, match="the rig has no such friction"):
         study(terms=terms, truth=truth)
 
