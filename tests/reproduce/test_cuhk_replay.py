@@ -54,8 +54,8 @@ def test_the_documents_validation_motion_is_blind_to_j2_and_another_is_not(repla
 
 def test_the_report_says_why(cuhk, replay):
     text = cuhk["text"]
-    for words in ("Tables II and III", "NRMSE in %", "at 0.05 Hz", "moving average is", "rotor", "blind to J2"):
-        assert words in text
+    for words in ("Tables II and III", "NRMSE in %", "at 0.05 Hz", "moving average", "rotor", "excite J2"):
+        assert words in " ".join(text.split())
     for name in replay["truth"]:
         assert f"\n {name} " in text
 
