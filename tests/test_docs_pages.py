@@ -12,7 +12,7 @@ import pytest
 from exoid.cli import main
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
-PAGES = ("any-robot", "large-data", "logs", "several-legs")
+PAGES = ("any-robot", "large-data", "logs", "plan", "several-legs")
 
 pytestmark = pytest.mark.skipif(not DOCS.is_dir(), reason="needs the source tree")
 
