@@ -86,7 +86,7 @@ def static_sets(rng: np.random.Generator, poses: int = 100) -> StaticSets:
         ExoidError: The number of random poses is below one.
     """
     if poses < 1:
-        raise ExoidError(f"{poses} random poses", remedy="ask for at least one")
+        raise ExoidError(f"{poses} random poses", remedy="request at least one")
     ankle, ankle_set = _ankle_sets()
     knee, knee_set = _knee_sets()
     lower, upper = np.deg2rad([-1.0, -112.0, -36.0]), np.deg2rad([112.0, -9.0, 36.0])

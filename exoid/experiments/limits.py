@@ -71,13 +71,13 @@ def refuse_motion_beyond_limits(leg: Leg, reference: Reference, duration: float,
 
 
 def _refuse(
-    leg: Leg, time: FloatArray, what: str, unit: str, values: FloatArray, lowest: FloatArray, highest: FloatArray
+    leg: Leg, time: FloatArray, quantity: str, unit: str, values: FloatArray, lowest: FloatArray, highest: FloatArray
 ) -> None:
     beyond = np.argwhere(~((values >= lowest - TOLERANCE) & (values <= highest + TOLERANCE)))  # NaN counts as beyond
     if len(beyond):
         k, joint, rig = beyond[0]
         raise ExoidError(
-            f"the motion asks {leg.joint_names[joint]} for {what} of {np.rad2deg(values[k, joint, rig]):.1f}{unit} "
+            f"the motion asks {leg.joint_names[joint]} for {quantity} of {np.rad2deg(values[k, joint, rig]):.1f}{unit} "
             f"at {time[k]:.2f} s",
             where=leg.description.name,
             remedy=f"stay between {np.rad2deg(lowest[joint, 0]):.1f} and {np.rad2deg(highest[joint, 0]):.1f}{unit} "

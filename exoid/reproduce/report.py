@@ -74,7 +74,7 @@ def cuhk_parameters(replay: CuhkReplay) -> DataTable:
         for name, true in replay.truth.items()
     ]
     headers = ("parameter", "truth", "Table II", "error", "no lag", "multisine", "± std", "error")
-    return DataTable("CUHK-EXO, Tables II and III: truth of the rig and what was identified", headers, rows)
+    return DataTable("CUHK-EXO, Tables II and III: truth of the rig and estimates", headers, rows)
 
 
 def cuhk_errors(replay: CuhkReplay) -> DataTable:

@@ -49,8 +49,8 @@ WINTER = {
 }
 """Winter's anthropometric table for the thigh (hip) and for shank and foot (knee).
 
-Each entry holds segment length over height, (mass over body mass, centre of mass over segment length) of each part, and
-radius of gyration over segment length. The foot is a point mass at the end of the shank.
+Each entry holds the segment length over height, the parts, and the radius of gyration over segment length. A part is
+(mass over body mass, centre of mass over segment length). The foot is a point mass at the end of the shank.
 """
 
 

@@ -59,7 +59,7 @@ def test_the_gradient_is_that_of_finite_differences(leg, terms, pitches, clearan
         assert gradient @ direction == pytest.approx(slope, rel=1e-4, abs=1e-6 * np.linalg.norm(gradient))
 
 
-def test_every_limit_is_felt():
+def test_every_limit_is_penalised():
     """A motion that is too large exceeds all five, and none when it stands still in a harmless pose."""
     limits = MotionLimits.of(BLEEX, velocity=1.0, acceleration=3.0, torque=30.0, clearance=FOOT)
     cost = objective(BLEEX, limits=limits)
@@ -78,7 +78,7 @@ def test_every_limit_is_felt():
     joints=st.integers(1, 4),
     cycles=st.integers(1, 4),
 )
-def test_whatever_the_coefficients_a_motion_starts_and_stops_at_rest(seed, period, harmonics, joints, cycles):
+def test_a_motion_of_any_coefficients_starts_and_stops_at_rest(seed, period, harmonics, joints, cycles):
     """No velocity, no acceleration and no jerk at both ends; velocity and acceleration are derivatives."""
     basis = Basis.make(period, harmonics, 24 * harmonics)
     x = np.random.default_rng(seed).standard_normal((basis.count, joints))

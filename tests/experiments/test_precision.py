@@ -1,4 +1,4 @@
-"""Predictions of precision are those of an identification, and logs are judged by what their motion can tell."""
+"""The predicted precision is that of an identification, and logs are assessed by their motion."""
 
 import os
 
@@ -40,7 +40,7 @@ def multisine():
 
 @pytest.mark.parametrize("preparation", [FiniteDifference(), ZeroPhase(8.0), ZeroPhase(3.0)])
 def test_predicted_covariance_is_that_of_identification(multisine, preparation):
-    """Of noiseless motion with white torque noise of the size that was said; correlations too."""
+    """Standard deviations and correlations, for noiseless motion with white torque noise."""
     recording = log(multisine, noise=np.random.default_rng(1))
     estimate = exoid.identify(LEG, recording, preparation=preparation, noise="white")
     predicted = predict(MODEL, [recording], NOISE, SCALES, preparation)
@@ -87,8 +87,8 @@ def test_poses_count_as_often_as_they_are_read():
     np.testing.assert_allclose(often[[0, 1, 3, 4, 6, 7]], np.sqrt(np.diag(np.linalg.inv(information))), rtol=1e-2)
 
 
-def test_noise_of_a_narrow_band_does_as_much_harm_as_its_density(multisine):
-    """At twice the rate white noise harms less; noise up to 20 Hz does not."""
+def test_narrow_band_noise_counts_by_its_spectral_density(multisine):
+    """Doubling the rate reduces the standard deviation under white noise, but not under noise up to 20 Hz."""
     slow, fast = log(multisine, 20.0, 100.0), log(multisine, 20.0, 200.0)
     for bandwidth, gain in ((np.inf, np.sqrt(2.0)), (20.0, 1.0)):
         one, two = (predict(MODEL, [x], TorqueNoise(STD, bandwidth), SCALES).std for x in (slow, fast))
@@ -127,7 +127,7 @@ def test_the_slow_motions_of_document_2_do_not_determine_inertia():
     assert any("quickly" in advice.what for advice in said.advice if "J1" in advice.parameters)
 
 
-def test_the_validation_motion_of_document_2_is_blind_to_the_shank():
+def test_the_validation_motion_of_document_2_does_not_excite_the_inertia_of_the_shank():
     """θh = θk keeps the shank from turning (claim 8)."""
     said = assess(LEG, log(cuhk.validation_motion(), 60.0), (exoid.Coulomb(),), noise=0.3)
     assert said.precision.std[said.precision.names.index("J2")] == np.inf

@@ -1,4 +1,4 @@
-"""The documents' experiments as data: what they print is there, what they do not is within the limits."""
+"""The documents' experiments as data: printed values are kept, assumed ones are within the limits."""
 
 import numpy as np
 import pytest
@@ -138,7 +138,7 @@ def test_velocity_is_the_derivative_of_every_reference():
     np.testing.assert_allclose(healthy_gait().acceleration(1.0), slope, atol=1e-5)
 
 
-def test_motions_side_by_side_stay_what_they_are():
+def test_concatenated_motions_are_unchanged():
     both = Harmonics.concatenate([healthy_gait().tile(2), cuhk.swing(1)])
     np.testing.assert_allclose(
         both.at(1.3).q, np.hstack([np.tile(healthy_gait().at(1.3).q, 2), cuhk.swing(1).at(1.3).q])

@@ -123,7 +123,7 @@ def test_a_static_log_reads_back_into_the_same_approaches(measured, tmp_path):
     assert len(read.below.source.sha256) == 64
 
 
-def test_the_torso_of_a_static_log_is_told_by_the_caller(measured, tmp_path):
+def test_the_torso_of_a_static_log_is_given_by_the_caller(measured, tmp_path):
     write_static_log(tmp_path / "log.csv", measured[1])
     torso = exoid.TorsoMotion(pitch=0.2)
     assert read_static_log(tmp_path / "log.csv", LEG.joint_names, torso).averaged.torso is torso

@@ -215,7 +215,7 @@ def test_an_unknown_name_is_refused_with_what_exists(ask, offered):
         ask()
 
 
-def test_nobody_can_change_a_published_number():
+def test_published_numbers_are_read_only():
     document = published.bleex()
     with pytest.raises(TypeError):
         document.table("V").values["X1"] = published.Quantity(0.0, "kg·m", "0")

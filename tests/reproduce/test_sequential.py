@@ -1,4 +1,4 @@
-"""Each step of the documents' procedures finds what it should, alone, and knows how uncertain it is."""
+"""Each step of the documents' procedures identifies its parameters and their uncertainty."""
 
 import dataclasses
 

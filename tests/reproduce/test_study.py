@@ -1,4 +1,4 @@
-"""Both replays many times over: 95th percentiles of what one seed could have hit by luck.
+"""Both replays for many seeds: 95th percentiles of the errors.
 
 CI runs few replicates; ``EXOID_FULL_STUDIES=1 pytest -s -m slow tests/reproduce`` runs sixteen and prints the figures.
 """

@@ -1,4 +1,4 @@
-"""What is strapped to a leg adds its weight and inertia, and nothing else."""
+"""Payloads add their weight and inertia to a leg, and nothing else."""
 
 import numpy as np
 import pinocchio as pin

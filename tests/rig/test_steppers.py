@@ -25,7 +25,7 @@ def final_state(plant, dt, duration):
 
 @pytest.mark.parametrize("end_stops", [True, False])
 @pytest.mark.parametrize("pitch", [0.0, 0.3])
-def test_both_steppers_go_the_same_way(end_stops, pitch):
+def test_both_steppers_agree(end_stops, pitch):
     plant = Plant.build(BLEEX, EVERYTHING, pitch=pitch, end_stops=end_stops)
     rigs = [stepper(plant, POSE, zeros(plant), 5e-4) for stepper in (PlanarStepper, PinocchioStepper)]
     damping, seen = np.full((3, 1), 0.05), set()
@@ -47,7 +47,7 @@ def test_both_steppers_go_the_same_way(end_stops, pitch):
 
 
 @pytest.mark.parametrize("n", [1, 2, 4, 5])
-def test_both_steppers_go_the_same_way_with_any_planar_chain(n):
+def test_both_steppers_agree_on_any_planar_chain(n):
     rng = np.random.default_rng(n)
     leg = random_chain(rng, n, continuous=True).leg()
     values = {f"c0_{label}": 0.5 for label in leg.joint_labels}
@@ -84,7 +84,7 @@ def test_with_stick_and_slip_half_the_step_has_half_the_error_or_less():
 
 
 @STEPPERS
-def test_left_alone_a_rig_with_friction_never_gains_energy(stepper):
+def test_a_free_rig_with_friction_never_gains_energy(stepper):
     plant = Plant.build(BLEEX, {**FRICTION, "b1_knee": 2.0, "cs_hip": 2.5})
     rng = np.random.default_rng(1)
     for _ in range(3):
@@ -196,7 +196,7 @@ def test_mujoco_swings_alike_without_friction():
     assert np.ptp(ours, axis=0).min() > 0.5
 
 
-def test_mujoco_sticks_and_slips_alike_the_more_so_the_stiffer_its_friction():
+def test_mujoco_agrees_on_stick_slip_better_the_stiffer_its_friction():
     """MuJoCo's friction is viscous below a speed of about c · solref / 2M, ours is not: they differ in proportion."""
     plant = Plant.build(BLEEX, {**SMOOTH, **FRICTION}, end_stops=False)
     ours = our_angles(plant, 2.5e-4, 2.0)

@@ -58,8 +58,8 @@ def test_coulombs_law_holds(n, static, stops):
 
 
 @SIZES
-def test_coulombs_law_holds_whatever_moved_before(n):
-    """Velocities before are a guess of the pattern only, unless a joint turns round."""
+def test_coulombs_law_holds_for_any_previous_velocity(n):
+    """The previous velocities only give a guess of the pattern, unless a joint reverses."""
     M, impulse, friction, last = problems(n, seed=10 + n, stops=True)
     slip = solve_stick_slip(M, impulse, friction, last)
     b = (M * last).sum(axis=1) + impulse
@@ -119,7 +119,7 @@ def test_the_solver_in_plain_floats_agrees_with_the_batched_one(n, static):
         np.testing.assert_allclose(one, slip.v[:, k], rtol=0, atol=1e-9 * (1 + np.abs(one).max()))
 
 
-def test_a_joint_that_turns_round_rubs_both_ways():
+def test_a_joint_that_reverses_has_friction_in_both_directions():
     """For one joint the share of the step before it turns solves a fixed-point equation; friction takes energy."""
     rng = np.random.default_rng(50)
     last, kinetic = rng.uniform(0.0, 1.0, (1, B)), rng.uniform(0.0, 0.3, (1, B))

@@ -132,11 +132,11 @@ def _stated(limit: FloatArray) -> FloatArray:
     return np.where(limit > 0.0, limit, np.inf)
 
 
-def _each(value: ArrayLike | None, n: int, what: str) -> FloatArray:
+def _each(value: ArrayLike | None, n: int, name: str) -> FloatArray:
     try:
         return np.broadcast_to(np.inf if value is None else np.asarray(value, dtype=np.float64), (n,))
     except ValueError as error:
         raise ExoidError(
-            f"{what} limits of {np.size(np.asarray(value))} joints for a leg of {n}",
+            f"{name} limits of {np.size(np.asarray(value))} joints for a leg of {n}",
             remedy="give one number, or one for each joint",
         ) from error

@@ -60,6 +60,6 @@ def refuse_plan_name(path: str | os.PathLike[str]) -> Path:
     return path
 
 
-def _named(path: Path, what: str, pitch: float, count: int) -> Path:
+def _named(path: Path, kind: str, pitch: float, count: int) -> Path:
     tilt = f"_tilt{np.rad2deg(pitch):+g}" if count > 1 else ""
-    return path.with_name(f"{path.stem}{what}{tilt}.csv")
+    return path.with_name(f"{path.stem}{kind}{tilt}.csv")

@@ -130,12 +130,12 @@ class Information(NamedTuple):
         Returns:
             Predicted precision.
         """
-        inverse, condition, unseen = _inverse(self.r_factor)
+        inverse, condition, not_determined = _inverse(self.r_factor)
         covariance = inverse @ self.score_covariance @ inverse
         rounding = np.sqrt(np.maximum(np.diag(covariance), 0.0)) > ROUNDING * scales.scale
-        unseen = np.flatnonzero(rounding | np.isin(np.arange(len(rounding)), unseen))
-        covariance[unseen] = covariance[:, unseen] = 0.0
-        covariance[unseen, unseen] = np.inf
+        not_determined = np.flatnonzero(rounding | np.isin(np.arange(len(rounding)), not_determined))
+        covariance[not_determined] = covariance[:, not_determined] = 0.0
+        covariance[not_determined, not_determined] = np.inf
         return Precision(model.names, model.units, covariance, condition, scales, self.duration)
 
 
@@ -236,8 +236,8 @@ def _inverse(R: FloatArray) -> tuple[FloatArray, float, NDArray[np.intp]]:
     scale = np.linalg.norm(R, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     _, sigma, Vt = np.linalg.svd(np.vstack([R / scale, np.zeros((R.shape[1], R.shape[1]))]), full_matrices=False)
-    seen = sigma > UNDETERMINED * sigma[0]
-    V = (Vt[seen].T / sigma[seen]) / scale[:, None]
-    reach = np.linalg.norm(Vt[~seen], axis=0) if not seen.all() else np.zeros(len(sigma))
-    condition = float(sigma[0] / sigma[-1]) if seen.all() else np.inf
-    return np.asarray(V @ V.T), condition, np.flatnonzero(reach > INVOLVED)
+    determined = sigma > UNDETERMINED * sigma[0]
+    V = (Vt[determined].T / sigma[determined]) / scale[:, None]
+    part = np.linalg.norm(Vt[~determined], axis=0) if not determined.all() else np.zeros(len(sigma))
+    condition = float(sigma[0] / sigma[-1]) if determined.all() else np.inf
+    return np.asarray(V @ V.T), condition, np.flatnonzero(part > INVOLVED)
