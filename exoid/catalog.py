@@ -1,4 +1,4 @@
-"""Built-in legs and their URDFs."""
+"""Built-in legs and the folder of their URDFs."""
 
 from __future__ import annotations
 
@@ -8,23 +8,24 @@ from .errors import ExoidError
 from .leg import Leg
 
 SEGMENTS = {"bleex": ("hip", "knee", "ankle"), "cuhk": ("hip", "knee")}
+"""Joint labels of each leg."""
 
 URDFS = {
     ("bleex", "cad"): "bleex.urdf",
     ("bleex", "identified"): "bleex_identified.urdf",
     ("cuhk", "nominal"): "cuhk.urdf",
 }
-"""File of each leg and inertia set."""
+"""URDF of each leg and inertia set."""
 
 
 def urdf_folder() -> Path:
-    """Find the folder of the built-in URDFs: inside the package when installed, beside it in a source tree.
+    """Find the folder of the built-in URDFs, inside an installed package or beside it in a source tree.
 
     Returns:
-        The folder.
+        Path of the folder.
 
     Raises:
-        ExoidError: It is in neither place: the installation is incomplete.
+        ExoidError: The folder is missing: the installation is incomplete.
     """
     package = Path(__file__).resolve().parent
     for folder in (package / "urdf", package.parent / "urdf"):
@@ -37,16 +38,16 @@ def load_leg(name: str, side: str = "left", inertias: str | None = None) -> Leg:
     """Load a built-in leg.
 
     Args:
-        name: "bleex" (document 1, hip, knee and ankle) or "cuhk" (document 2, hip and knee).
+        name: Name: "bleex" (document 1, hip, knee and ankle) or "cuhk" (document 2, hip and knee).
         side: "left" or "right".
-        inertias: For "bleex": "cad" (Table V, default) or "identified" (Tables II-III of that side). For "cuhk":
-            "nominal", an anthropometric plant, as the document's Table III is not a physical leg.
+        inertias: Inertia set. For "bleex": "cad" (Table V, default) or "identified" (Tables II and III of that side).
+            For "cuhk": "nominal", an anthropometric plant, as the document's Table III is not a physical leg.
 
     Returns:
-        The leg; its J are cumulative for "bleex" and not for "cuhk", as the documents define them.
+        The leg, with cumulative J for "bleex" and J of single segments for "cuhk", as in the documents.
 
     Raises:
-        ExoidError: There is no such leg, side or inertia set.
+        ExoidError: There is no leg, side or inertia set of that name.
 
     Example:
         >>> load_leg("bleex", side="right", inertias="identified").joint_names

@@ -1,4 +1,4 @@
-"""Reading an exported leg back: the URDF, and the file beside it with what a URDF has no place for."""
+"""Reader of exported legs: the URDF, and its sidecar with the parameters that a URDF cannot hold."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .leg import Leg
 SCHEMA = "exoid-sidecar-1"
 
 IN_URDF = {"c0": "friction", "d": "damping"}
-"""Terms that a URDF has a place for: attributes of ``<dynamics>``."""
+"""Attributes of ``<dynamics>`` by symbol of the term."""
 
 OFFSET = "offset"
 """Symbol and term of what is not of the leg but of its torque sensors."""
@@ -26,11 +26,11 @@ OFFSET = "offset"
 ROTOR, ROTOR_TERM = "Ia", "armature"
 """Symbol and term of rotor inertia."""
 
-REMEDY = "export the estimate again, or remove the file to have what the URDF says alone"
+REMEDY = "export the estimate again, or remove the file to use the URDF alone"
 
 
 class Exported(NamedTuple):
-    """What a URDF and its sidecar say.
+    """Content of a URDF and its sidecar.
 
     Attributes:
         leg: The rigid bodies.
@@ -46,7 +46,7 @@ class Exported(NamedTuple):
 
 
 def sidecar_of(urdf: Path) -> Path:
-    """Name the file beside a URDF: ``leg.urdf`` has ``leg.exoid.json``."""
+    """Return the path of the sidecar of a URDF: ``leg.exoid.json`` for ``leg.urdf``."""
     return urdf.with_name(f"{urdf.name.removesuffix('.urdf')}.exoid.json")
 
 
@@ -54,14 +54,17 @@ def read_exported(path: str | Path, joints: Sequence[str] | None = None) -> Expo
     """Read a leg that :meth:`exoid.Estimate.to_urdf` wrote, or any URDF with ``<dynamics friction damping>``.
 
     Args:
-        path: The URDF. Its sidecar, where there is one, says which joints move, and where the others are locked.
-        joints: Joints that move, where there is no sidecar; None for all of one degree of freedom.
+        path: URDF. Its sidecar, if there is one, names the joints that move and the angles of locked joints.
+        joints: Joints that move, if there is no sidecar; None for all joints of one degree of freedom.
+
+    Returns:
+        Leg, resistances of the joints, and offsets of the torque sensors.
 
     Returns:
         The leg, what acts on its joints besides, and the zeros of its torque sensors.
 
     Raises:
-        ExoidError: The URDF or the sidecar cannot be read, the sidecar is of another URDF, or of other joints.
+        ExoidError: The URDF or the sidecar cannot be read, or the sidecar belongs to another URDF or other joints.
 
     Example:
         >>> leg, resistances, offsets = read_exported("leg.urdf")  # doctest: +SKIP
@@ -75,9 +78,9 @@ def read_exported(path: str | Path, joints: Sequence[str] | None = None) -> Expo
     data = _read(sidecar, description)
     if joints is not None and list(joints) != data["joints"]:
         raise ExoidError(
-            f"the sidecar is of {', '.join(data['joints'])}, not of {', '.join(joints)}",
+            f"the sidecar has joints {', '.join(data['joints'])}, not {', '.join(joints)}",
             where=str(sidecar),
-            remedy="leave joints out",
+            remedy="omit the argument joints",
         )
     leg = Leg.from_description(description, data["joints"], locked=data["locked"], cumulative=data["cumulative"])
     beside = {name: value for name, value in data["values"].items() if name not in leg.parameter_names}
@@ -109,7 +112,7 @@ def parameter_terms(path: str | Path) -> dict[str, str]:
 
 
 def _dynamics(description: Description, leg: Leg) -> dict[str, float]:
-    """Friction and damping of the moving joints, as the URDF has them."""
+    """Friction and damping of the moving joints in the URDF."""
     root = description.parse()
     found = {}
     for name, label in zip(leg.joint_names, leg.joint_labels, strict=True):
@@ -134,7 +137,7 @@ def _is_number(text: str) -> bool:
 
 
 def _read(sidecar: Path, description: Description) -> dict[str, Any]:
-    """Read a sidecar and check that it is what it claims to be."""
+    """Read and check a sidecar."""
     try:
         data = json.loads(sidecar.read_text(encoding="utf-8"))
     except OSError as error:
@@ -144,10 +147,10 @@ def _read(sidecar: Path, description: Description) -> dict[str, Any]:
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise ExoidError(f"not a sidecar of schema {SCHEMA!r}", where=str(sidecar), remedy=REMEDY)
     if not _is_complete(data):
-        raise ExoidError("lacks what a sidecar has, or has it in another form", where=str(sidecar), remedy=REMEDY)
+        raise ExoidError("a field of the sidecar is missing or of the wrong type", where=str(sidecar), remedy=REMEDY)
     if data["urdf"]["sha256"] != description.sha256:
         raise ExoidError(
-            f"is of another {description.name}: the URDF has changed since it was exported",
+            f"belongs to another {description.name}: the URDF has changed since the export",
             where=str(sidecar),
             remedy=REMEDY,
         )
@@ -155,7 +158,7 @@ def _read(sidecar: Path, description: Description) -> dict[str, Any]:
 
 
 def _is_complete(data: Mapping[str, Any]) -> bool:
-    """Tell whether everything that is read is there and of its kind."""
+    """Check that all fields exist and have the right type."""
     names, numbers = (data.get(key) for key in ("joints", "not_dissipative")), [data.get("locked"), data.get("values")]
     terms = data.get("term_of", {})  # older sidecars have none
     return (

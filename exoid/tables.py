@@ -140,3 +140,20 @@ def with_error(value: float, std: float, *bounds: float) -> tuple[str, ...]:
     if decimals > 8:  # as good as exact
         return f"{value:.6g}", f"{std:.1e}", *(f"{bound:.6g}" for bound in bounds)
     return tuple(f"{number:.{decimals}f}" for number in (value, std, *bounds))
+
+
+def value_range(values: Iterable[float]) -> str:
+    """Write the range of some values, or the value if all are equal.
+
+    Args:
+        values: At least one number.
+
+    Returns:
+        Smallest and largest value to three digits.
+
+    Example:
+        >>> value_range([2.0, 0.5, 1.0])
+        '0.5 to 2'
+    """
+    numbers = list(values)
+    return " to ".join(dict.fromkeys(f"{end:.3g}" for end in (min(numbers), max(numbers))))

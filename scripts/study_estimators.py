@@ -208,7 +208,7 @@ def stick_slip(replicates: int, seed: int) -> list[exoid.Recording]:
     """Log rigs whose joints stick, all at once."""
     friction = [f"{symbol}_{label}" for symbol in ("c0", "d") for label in leg().joint_labels]
     values = dict(zip(friction, np.concatenate([COULOMB, VISCOUS]), strict=True))
-    plant = Plant.build(leg(), values, end_stops=False).each(replicates)
+    plant = Plant.build(leg(), values, end_stops=False).repeat(replicates)
     sensors = Sensors(torque_noise=TORQUE_NOISE)
     rates = Rates(control=2000.0, log=RATE)
     run = simulate(

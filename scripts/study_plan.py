@@ -112,7 +112,7 @@ def measure(name: str, plan: Plan, replicates: int) -> None:
     )
     values = []
     for first in range(0, replicates, BATCH):
-        plant = Plant.build(leg, TRUTH[name]).each(min(BATCH, replicates - first))
+        plant = Plant.build(leg, TRUTH[name]).repeat(min(BATCH, replicates - first))
         run = run_motion(plant, plan.motions[0].reference, bench, plan.duration, rng)
         values += [exoid.identify(leg, run.recording(k)).values for k in range(plant.count)]
     std = np.std(values, axis=0, ddof=1)

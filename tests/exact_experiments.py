@@ -11,7 +11,7 @@ import numpy as np
 
 from exoid import Recording, published
 from exoid.experiments import bleex, cuhk
-from exoid.reproduce.sequential import Known
+from exoid.reproduce.sequential import SequentialEstimate
 from exoid.reproduce.sequential import bleex as bleex_steps
 from exoid.reproduce.sequential import cuhk as cuhk_steps
 from exoid.signals import Poses
@@ -71,7 +71,7 @@ def bleex_data(exact, seconds=10.0, poses=100):
     sets = bleex.static_sets(np.random.default_rng(1), poses)
     motions = bleex.dynamic_motions()
     swings = [
-        [exact.recording(motions, bleex.swing(joint, k), seconds, bleex.LOG_RATE) for k in range(5)]
+        [exact.recording(motions, bleex.swing_index(joint, k), seconds, bleex.LOG_RATE) for k in range(5)]
         for joint in range(3)
     ]
     return sets, exact.poses(sets.all), swings
@@ -99,10 +99,10 @@ def bleex_step(name, known, model, data):
     ankle, knee, pairs, random = sets.split(measured)
     steps = bleex_steps
     return {
-        "ankle stiffness": lambda: steps.stiffness_shape(model, known, ankle, sets.ankle_set, steps.ANKLE),
+        "ankle stiffness": lambda: steps.stiffness_coefficients(model, known, ankle, sets.ankle_set, steps.ANKLE),
         "ankle offset": lambda: steps.ankle_offset(model, known, pairs),
         "foot moments": lambda: steps.mass_moments(model, known, random, steps.ANKLE),
-        "knee stiffness": lambda: steps.stiffness_shape(model, known, knee, sets.knee_set, steps.KNEE),
+        "knee stiffness": lambda: steps.stiffness_coefficients(model, known, knee, sets.knee_set, steps.KNEE),
         "shank moments": lambda: steps.mass_moments(model, known, random, steps.KNEE),
         "thigh moments": lambda: steps.mass_moments(model, known, random, steps.HIP),
         "foot inertia": lambda: steps.inertia(model, known, swings[steps.KNEE], 3),
@@ -115,7 +115,7 @@ def bleex_step(name, known, model, data):
 
 def bleex_all(model, data):
     """Take all of them."""
-    known = Known()
+    known = SequentialEstimate()
     for name in BLEEX_STEPS:
         known = bleex_step(name, known, model, data)
     return known
@@ -152,7 +152,7 @@ def cuhk_data(leg, seconds=20.0, dry=True):
 def cuhk_all(leg, data, preparation=None):
     """Take document 2's five steps."""
     model, (row1, row2, row3, row4, row5) = cuhk_steps.document_model(leg), data
-    known = cuhk_steps.knee_stiffness(model, Known(), row1)
+    known = cuhk_steps.knee_stiffness(model, SequentialEstimate(), row1)
     known = cuhk_steps.mass_moments(model, known, row2)
     known = cuhk_steps.inertias(model, known, row3, preparation)
     known = cuhk_steps.damping(model, known, row4, cuhk.KNEE, preparation)

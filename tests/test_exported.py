@@ -137,12 +137,12 @@ def edited(path, **changes):
         (lambda export: export.sidecar.write_text("[" * 100_000), "not JSON"),
         (lambda export: export.sidecar.write_text("[]"), "not a sidecar"),
         (lambda export: edited(export.sidecar, schema="exoid-sidecar-99"), "not a sidecar"),
-        (lambda export: edited(export.sidecar, values={"d_hip": "1"}), "lacks"),
-        (lambda export: edited(export.sidecar, values={"d_hip": float("nan")}), "lacks"),
-        (lambda export: edited(export.sidecar, joints="left_hip"), "lacks"),
+        (lambda export: edited(export.sidecar, values={"d_hip": "1"}), "missing or of the wrong type"),
+        (lambda export: edited(export.sidecar, values={"d_hip": float("nan")}), "missing or of the wrong type"),
+        (lambda export: edited(export.sidecar, joints="left_hip"), "missing or of the wrong type"),
         (lambda export: edited(export.sidecar, joints=["left_wing"]), "left_wing"),
-        (lambda export: edited(export.sidecar, values={"wings": 1.0}), "knows no wings"),
-        (lambda export: edited(export.sidecar, not_dissipative=["wings"]), "knows no wings"),
+        (lambda export: edited(export.sidecar, values={"wings": 1.0}), "has no wings"),
+        (lambda export: edited(export.sidecar, not_dissipative=["wings"]), "has no wings"),
         (lambda export: export.urdf.write_text(export.urdf.read_text() + "\n<!-- mine -->"), "has changed"),
     ],
 )
@@ -155,7 +155,7 @@ def test_files_that_do_not_belong_together_or_are_damaged_are_refused(files, spo
 
 
 def test_other_joints_than_those_of_the_sidecar_are_refused(files):
-    with pytest.raises(ExoidError, match="the sidecar is of left_hip, left_knee, left_ankle"):
+    with pytest.raises(ExoidError, match="the sidecar has joints left_hip, left_knee, left_ankle"):
         read_exported(files[1].urdf, ("left_hip",))
 
 

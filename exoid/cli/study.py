@@ -16,7 +16,7 @@ from threadpoolctl import threadpool_limits
 from exoid import study as studies
 from exoid.control import ControlModel
 from exoid.errors import ExoidError
-from exoid.experiments import healthy_gait, on_leg
+from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.experiments.excitation import MotionLimits, Plan, Scales, TorqueNoise, plan_excitation
 from exoid.leg import Leg
 from exoid.study import Protocol, TrackingTask
@@ -88,10 +88,10 @@ def study(
     found, chosen = find_leg(leg, side, inertias, split_names(joints), None), parse_terms(terms)
     model = TorqueModel(found, chosen)
     scales = Scales.of(model, MotionLimits.of(found))
-    std = TorqueNoise.of(parse_numbers(noise, "--noise"), scales.typical).std
+    std = TorqueNoise.of(parse_numbers(noise, "--noise"), scales.typical_torque).std
     if laws is None:
         refuse({"--course": course, "--kp": kp, "--kd": kd}, "no --laws are tried")
-    truth = studies.plausible_truth(model, scales.typical)
+    truth = studies.plausible_truth(model, scales.typical_torque)
     who = studies.run_serially if workers == 1 else studies.processes(workers)
     who = who if scheduler is None else studies.dask_cluster(scheduler)
     noises = tuple(studies.Noise(name, std, _share(name), memory) for name in split_names(colours) or ())
@@ -141,7 +141,7 @@ def _course(
     names, known = split_names(laws) or (), ControlModel.of_parameters(model, np.array(truth))
     if motion == "gait":
         try:
-            gait = on_leg(model.leg, healthy_gait(SCALE, PERIOD))
+            gait = gait_for_leg(model.leg, healthy_gait(SCALE, PERIOD))
         except ExoidError as error:
             raise ExoidError(error.what, where=error.where, remedy=f"{error.remedy}, or --course planned") from None
         return TrackingTask.of(names, gait, PERIOD, known, kp, kd)

@@ -161,8 +161,8 @@ def _reference(leg: Leg, plan: Plan) -> tuple[Reference, float]:
         raise ExoidError(f"--period {period:g}", remedy="give seconds")
     scale = SCALE if plan.scale is None else plan.scale
     if plan.speed is None:
-        return experiments.on_leg(leg, experiments.healthy_gait(scale, period)), period
-    return experiments.on_leg(leg, experiments.norm_gait(plan.speed, scale, period)), period
+        return experiments.gait_for_leg(leg, experiments.healthy_gait(scale, period)), period
+    return experiments.gait_for_leg(leg, experiments.norm_gait(plan.speed, scale, period)), period
 
 
 def _below(leg: Leg, joint: str) -> tuple[float, float, float]:

@@ -54,7 +54,7 @@ def compare_laws(
         done, share = len(found) / len(laws), len(names) / len(laws)
         tell = None if progress is None else _part(progress, done, share)
         runs = simulate_many(
-            Plant.join([plants[name] for name in names]),
+            Plant.concatenate([plants[name] for name in names]),
             SideBySide(tuple(laws[name] for name in names)),
             reference,
             duration,

@@ -9,7 +9,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike
 from exoid.errors import ExoidError
-from exoid.rig import Payload, Plant, Reference, Sensors, load_plant
+from exoid.rig import Payload, Plant, Reference, Sensors, plant_with_payloads
 
 from .compare_laws import compare_laws
 from .law import RATE
@@ -71,7 +71,7 @@ def track(
         plant, coulomb=friction * plant.coulomb, static=friction * plant.static, viscous=friction * plant.viscous
     )
     return compare_laws(
-        load_plant(plant, payloads),
+        plant_with_payloads(plant, payloads),
         standard_laws(model, kp, kd, reference, period, rate=rate),
         reference,
         periods * period,

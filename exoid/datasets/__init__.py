@@ -1,4 +1,4 @@
-"""Recordings to learn from: one of a real machine, fetched once, and one of a virtual leg that comes along."""
+"""Example data: a real two-link arm (downloaded once), a virtual leg (part of the package), and gait norms."""
 
 from .bleex_swing import bleex_swing
 from .dataset import Dataset

@@ -1,4 +1,4 @@
-"""Two swings of a virtual BLEEX leg that come with the package; ``scripts/make_bleex_swing.py`` made them."""
+"""Two logs of a virtual BLEEX leg that are part of the package, written by ``scripts/make_bleex_swing.py``."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ CITATION = "simulated by exoid: BLEEX left leg, Tables II-IV of document 1, with
 
 
 def bleex_swing() -> Dataset:
-    """Load the example: encoder angles and noisy torques of the left leg at 100 Hz, 30 s and 15 s.
+    """Load encoder angles and noisy torques of the left leg at 100 Hz, 30 s and 15 s.
 
     Returns:
-        The CAD leg (not the one that was simulated), a recording to identify from and one to test on.
+        Leg with CAD inertias, which differ from the simulated ones, a recording for identification and one for
+        validation.
     """
     folder = Path(__file__).resolve().parent
     leg = load_leg("bleex", side="left", inertias="cad")

@@ -1,4 +1,4 @@
-"""A leg and what was recorded of it."""
+"""Example data of one leg."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from exoid.signals import Recording
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """A leg, recordings to identify it from, and others to test the result on.
+    """Leg with recordings for identification and validation.
 
     Attributes:
         leg: The leg.
-        train: For identification.
-        test: For validation.
-        citation: Where the data come from, and their licence.
+        train: Recording for identification.
+        test: Recording for validation.
+        citation: Source of the data, and their licence.
     """
 
     leg: Leg

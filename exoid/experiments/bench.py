@@ -1,4 +1,4 @@
-"""Everything of a rig but its legs."""
+"""Test bench: controller, actuator, sensors and rates of a rig."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ STIFF = 100.0
 """Bandwidth of a stiff servo [rad/s]."""
 
 POSES = 50
-"""At which it is looked how heavy a leg feels."""
+"""Number of poses over which the inertia at a joint is minimised."""
 
 
 @dataclass(frozen=True)
 class Bench:
-    """How rigs are driven, measured and timed.
+    """Controller, actuator, sensors and rates of an experiment.
 
     Attributes:
-        controller: Of the joints.
-        actuator: Behind each command.
-        sensors: In front of each log.
-        rates: Of controller, log and plant.
+        controller: Controller of the joints.
+        actuator: Actuator of each joint.
+        sensors: Sensors of each joint.
+        rates: Rates of controller and log, and step of the plant.
     """
 
     controller: Controller
@@ -33,12 +33,15 @@ class Bench:
 
 
 def stiff_servo(plant: Plant) -> ProportionalDerivative:
-    """Kp = ω² I and Kd = 2 ω I with ω = 100 rad/s: stiff, as for exercises on a jig; to be sampled at 500 Hz or more.
+    """Choose gains Kp = ω² I and Kd = 2 ω I with ω = 100 rad/s, for a controller of at least 500 Hz.
 
-    I is the least inertia that a joint feels when the others are free, 1/(M⁻¹)_ii, over poses within the limits.
+    I is the inertia at a joint while the others move freely, 1/(M⁻¹)_ii, at its minimum over poses within the limits.
 
     Args:
-        plant: Of whose first rig the bodies and rotors are.
+        plant: Plant, of which the first rig counts.
+
+    Returns:
+        PD controller with one gain a joint.
     """
     leg = plant.leg.with_parameters(plant.parameters[:, 0])
     lower, upper = (np.clip(limit, -np.pi, np.pi) for limit in (leg.limits.lower, leg.limits.upper))

@@ -1,4 +1,4 @@
-"""The experiments of document 2: Table II, its validation motion, and a motion that sees inertia."""
+"""Experiments of document 2: Table II, the validation motion, and a multisine that excites the inertias."""
 
 from __future__ import annotations
 
@@ -13,45 +13,69 @@ from .references import Harmonics
 
 HIP, KNEE = 0, 1
 LOG_RATE = 100.0
-"""Assumed; the document gives none for the log [Hz]."""
+"""Sampling rate of the log [Hz]; assumed, as the document does not print it."""
 
 TABLE_II_FREQUENCY = 0.1 * np.pi
-"""Of rows 3 to 5 [rad/s]: 0.05 Hz."""
+"""Angular frequency of rows 3 to 5 [rad/s]: 0.05 Hz."""
 
 LOWEST, HIGHEST = np.deg2rad([-10.0, 5.0]), np.deg2rad([60.0, 85.0])
-"""Angles of the multisine [rad], hip and knee: within the limits of a seated or standing wearer."""
+"""Range of angle of the multisine, hip and knee [rad]: within the limits of a seated or standing wearer."""
 
-FASTEST = 2.0
-"""Speed of the multisine [rad/s]."""
+MAX_SPEED = 2.0
+"""Largest speed of the multisine [rad/s]."""
 
 BASE_FREQUENCY, HARMONICS = 0.2, 5
-"""Of the multisine: 0.2, 0.4, … 1.0 Hz."""
+"""Base frequency [Hz] and number of harmonics of the multisine: 0.2, 0.4, … 1.0 Hz."""
 
 
 def stiffness_poses(difference: float = np.deg2rad(-10.0)) -> FloatArray:
-    """Row 1: knee every 5° from 10°, the hip such that Δ = θk − θh stays the same [rad], (K, 2).
+    """Make the poses of row 1: knee every 5° from 10°, hip at a constant difference Δ = θk − θh.
 
     Args:
-        difference: Δ [rad], not printed.
+        difference: Difference Δ [rad], which the document does not print.
+
+    Returns:
+        Angles of hip and knee [rad], (K, 2).
     """
     knee = np.deg2rad(np.arange(10.0, 71.0, 5.0))
     return np.column_stack([knee - difference, knee])
 
 
 def random_poses(rng: np.random.Generator, count: int = 40) -> FloatArray:
-    """Row 2: randomly selected pairs [rad], (count, 2)."""
+    """Draw the poses of row 2.
+
+    Args:
+        rng: Generator of the poses.
+        count: Number of poses K.
+
+    Returns:
+        Angles of hip and knee [rad], (K, 2).
+    """
     return rng.uniform(np.deg2rad([-10.0, 5.0]), np.deg2rad([80.0, 95.0]), (count, 2))
 
 
 def swing(joint: int) -> Harmonics:
-    """Rows 3 and 5 (the hip) or row 4 (the knee): 40° + 20° sin(0.1 π t), the other joint at 20°."""
+    """Make the motion of rows 3 and 5 (hip) or row 4 (knee): 40° + 20° sin(0.1 π t), the other joint at 20°.
+
+    Args:
+        joint: Joint that swings, HIP or KNEE.
+
+    Returns:
+        Motion of one leg.
+    """
     centre, amplitude = np.full((2, 1), np.deg2rad(20.0)), np.zeros((1, 2, 1))
     centre[joint], amplitude[0, joint] = np.deg2rad(40.0), np.deg2rad(20.0)
     return Harmonics(centre, amplitude, np.full((1, 1, 1), TABLE_II_FREQUENCY), np.zeros((1, 1, 1)))
 
 
 def validation_motion() -> Harmonics:
-    """Both joints alike, 40° + 20° sin(0.4 π t) (sec. III-B): Δ = 0 throughout, which hides J2."""
+    """Make the validation motion, 40° + 20° sin(0.4 π t) at both joints (doc. 2, sec. III-B).
+
+    Δ = 0 throughout, so that the torque does not depend on J2.
+
+    Returns:
+        Motion of one leg.
+    """
     return Harmonics(
         np.full((2, 1), np.deg2rad(40.0)),
         np.full((1, 2, 1), np.deg2rad(20.0)),
@@ -61,15 +85,18 @@ def validation_motion() -> Harmonics:
 
 
 def multisine(leg: Leg, rng: np.random.Generator, draws: int = 300) -> Harmonics:
-    """Five harmonics of 0.2 Hz within the limits of angle and speed: the best conditioned of random draws.
+    """Draw multisines of five harmonics of 0.2 Hz within limits of angle and speed; keep the best conditioned.
 
     Args:
-        leg: Whose regressor is to be well conditioned.
-        rng: For the draws.
-        draws: How many.
+        leg: Leg whose regressor is to be well conditioned.
+        rng: Generator of the draws.
+        draws: Number of draws.
+
+    Returns:
+        Motion of one leg with the smallest condition number.
 
     Raises:
-        ExoidError: There are no draws.
+        ExoidError: The number of draws is below one.
     """
     if draws < 1:
         raise ExoidError(f"the best of {draws} draws", remedy="draw at least one motion")
@@ -88,12 +115,12 @@ def multisine(leg: Leg, rng: np.random.Generator, draws: int = 300) -> Harmonics
 
 
 def _draw_multisine(rng: np.random.Generator) -> Harmonics:
-    """Draw shares and phases of the harmonics, as large as the limits allow."""
+    """Draw amplitude ratios and phases of the harmonics, and scale the motion to the limits."""
     frequency = 2.0 * np.pi * BASE_FREQUENCY * np.arange(1.0, HARMONICS + 1.0)[:, None, None]
     share = rng.dirichlet(np.ones(HARMONICS), 2).T[..., None]
     phase = rng.uniform(0.0, 2.0 * np.pi, (HARMONICS, 2))[..., None]
     shape, rate, _ = _period(Harmonics(np.zeros((2, 1)), share, frequency, phase))
-    scale = np.minimum((HIGHEST - LOWEST) / np.ptp(shape, axis=0), FASTEST / np.abs(rate).max(axis=0))
+    scale = np.minimum((HIGHEST - LOWEST) / np.ptp(shape, axis=0), MAX_SPEED / np.abs(rate).max(axis=0))
     centre = 0.5 * (LOWEST + HIGHEST) - 0.5 * scale * (shape.max(axis=0) + shape.min(axis=0))
     return Harmonics(centre[:, None], scale[:, None] * share, frequency, phase)
 
@@ -102,12 +129,12 @@ def _period(motion: Harmonics) -> tuple[FloatArray, FloatArray, FloatArray]:
     """One period of the multisine: angles, velocities and accelerations, (N, 2) each."""
     time = np.arange(0.0, 1.0 / BASE_FREQUENCY, 0.02)
     instants = Harmonics(motion.centre, motion.amplitude, motion.frequency, motion.phase + motion.frequency * time)
-    q, v, _ = instants.at(0.0)  # every instant as a rig of its own
+    q, v, _ = instants.at(0.0)  # every instant is one rig
     return q.T, v.T, instants.acceleration(0.0).T
 
 
 def _condition(model: TorqueModel, motion: Harmonics) -> float:
-    """Condition number of the regressor over one period, columns scaled to one."""
+    """Condition number of the regressor over one period, columns scaled to unit length."""
     q, v, a = _period(motion)
     W = model.regressor(q, v, a).reshape(2 * len(q), -1)
     return float(np.linalg.cond(W / np.linalg.norm(W, axis=0)))

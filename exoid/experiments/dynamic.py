@@ -1,4 +1,4 @@
-"""Dynamic experiments: follow a motion and log it (doc. 1, sec. III-B2; doc. 2, sec. III)."""
+"""Dynamic experiments: a rig follows a motion and logs it (doc. 1, sec. III-B2; doc. 2, sec. III)."""
 
 from __future__ import annotations
 
@@ -20,15 +20,18 @@ def run_motion(
     rng: np.random.Generator,
     progress: Callable[[float], None] | None = None,
 ) -> Run:
-    """Let B virtual rigs follow a motion, all at once.
+    """Let B virtual rigs follow a motion within the limits of the leg.
 
     Args:
         plant: B rigs.
-        motion: Of B rigs, or of one that all follow.
-        bench: Servo, sensors and rates.
-        duration: [s].
-        rng: Of the sensor noise.
-        progress: Told the share that is done.
+        motion: Motion of B rigs, or of one rig for all.
+        bench: Controller, actuator, sensors and rates.
+        duration: Duration [s].
+        rng: Generator of the sensor noise.
+        progress: Function that receives the completed share, 0 to 1.
+
+    Returns:
+        True and measured motion and torque.
 
     Raises:
         ExoidError: The motion is beyond the limits of a joint, rates do not fit, or the run diverges.

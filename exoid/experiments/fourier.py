@@ -1,4 +1,4 @@
-"""From measured angles to a sum of sinusoids, whose derivatives are exact."""
+"""Fourier series fitted to measured angles, with exact derivatives."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ def fit_harmonics(time: ArrayLike, q: ArrayLike, period: float, count: int = 6) 
     """Fit θ = a0 + Σ a_k cos 2πkt/T + b_k sin 2πkt/T to samples of a periodic motion by least squares.
 
     Args:
-        time: Of the samples, in any order and spacing [s], (N,).
+        time: Times of the samples, in any order and spacing [s], (N,).
         q: Angles [rad], (N, n).
-        period: T [s].
+        period: Period T [s].
         count: Number of harmonics K.
 
     Returns:
-        The motion of one leg.
+        Motion of one leg.
 
     Raises:
-        ExoidError: Samples are not finite or do not fit together, too few, or do not cover the period.
+        ExoidError: Samples are not finite, differ in number, are too few, or do not cover the period.
 
     Example:
         >>> t = np.linspace(0.0, 2.0, 40)
@@ -37,14 +37,14 @@ def fit_harmonics(time: ArrayLike, q: ArrayLike, period: float, count: int = 6) 
             f"no motion in times {t.shape} and angles {angles.shape}", remedy="give finite (N,) and (N, n) arrays"
         )
     if not 0.0 < period < np.inf or count < 1:
-        raise ExoidError(f"{count} harmonics of a period of {period:g} s", remedy="give a positive period, and ≥ 1")
+        raise ExoidError(f"{count} harmonics of a period of {period:g} s", remedy="give a positive period and count")
     frequency = 2.0 * np.pi / period * np.arange(1.0, count + 1.0)
     W = np.column_stack([np.ones_like(t), np.cos(np.outer(t, frequency)), np.sin(np.outer(t, frequency))])
     sigma = np.linalg.svd(W, compute_uv=False)
     if len(t) < W.shape[1] or sigma[-1] < 1e-3 * sigma[0]:
         raise ExoidError(
             f"{len(t)} samples do not determine {count} harmonics of {period:g} s",
-            remedy="give samples all over a period, or fit fewer harmonics",
+            remedy="give samples over a whole period, or fit fewer harmonics",
         )
     found = np.linalg.lstsq(W, angles)[0]
     return from_coefficients(found[0], found[1 : count + 1].T, found[count + 1 :].T, period)
@@ -54,10 +54,13 @@ def from_coefficients(mean: FloatArray, cosine: FloatArray, sine: FloatArray, pe
     """Make the motion of one leg from Fourier coefficients.
 
     Args:
-        mean: a0 [rad], (n,).
-        cosine: a1 … aK [rad], (n, K).
-        sine: b1 … bK [rad], (n, K).
-        period: [s].
+        mean: Mean a0 [rad], (n,).
+        cosine: Cosine coefficients a1 … aK [rad], (n, K).
+        sine: Sine coefficients b1 … bK [rad], (n, K).
+        period: Period [s].
+
+    Returns:
+        Motion of one leg.
     """
     frequency = 2.0 * np.pi / period * np.arange(1.0, cosine.shape[1] + 1.0)[:, None, None]
     phase = np.arctan2(cosine, sine)  # a cos x + b sin x = c sin(x + phase)

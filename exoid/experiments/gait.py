@@ -1,4 +1,4 @@
-"""Healthy strides: the one that document 2's swing leg follows (its Fig. 6), norms by speed, and any on a given leg."""
+"""Healthy gait: the stride of document 2's swing leg (Fig. 6), norms by walking speed, and gait for a given leg."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from .fourier import fit_harmonics, from_coefficients
 from .references import Harmonics
 
 NORM_HARMONICS = 6
-"""Of a norm: they leave 0.1° rms at hip and knee, 0.5° at the ankle."""
+"""Number of harmonics of a norm: the residual is 0.1° rms at hip and knee, 0.5° at the ankle."""
 
 MEAN_DEG = np.array([7.4377, 22.5942])
-"""a0 of hip and knee flexion [deg]."""
+"""Mean a0 of hip and knee flexion [deg]."""
 
 COSINE_DEG = np.array(
     [
@@ -26,7 +26,7 @@ COSINE_DEG = np.array(
         [-8.0762, -15.0416, 0.2818, -1.0307, -0.2604, 0.3631],
     ]
 )
-"""a1 … a6 of hip and knee [deg]."""
+"""Cosine coefficients a1 … a6 of hip and knee [deg]."""
 
 SINE_DEG = np.array(
     [
@@ -34,35 +34,39 @@ SINE_DEG = np.array(
         [-22.1204, 10.7759, 4.1605, 0.7560, 0.4598, 0.0265],
     ]
 )
-"""b1 … b6 of hip and knee [deg]; six harmonics fit a published stride to 0.2° rms."""
+"""Sine coefficients b1 … b6 of hip and knee [deg]; six harmonics fit a published stride to 0.2° rms."""
 
 
 def healthy_gait(scale: float = 1.2, period: float = 10.0) -> Harmonics:
-    """Hip and knee flexion of a stride, θ = a0 + Σ scale (a_k cos 2πkp + b_k sin 2πkp), p = t/period from heel contact.
+    """Make the hip and knee flexion of a stride, θ = a0 + Σ scale (a_k cos 2πkp + b_k sin 2πkp), p = t/period.
 
-    Document 2 enlarges the amplitudes by a factor it does not print and takes 10 s for a stride.
+    The stride begins at heel contact. Document 2 scales the amplitudes by a factor that it does not print; its stride
+    takes 10 s.
 
     Args:
-        scale: Of the amplitudes about the mean.
-        period: Of the stride [s].
+        scale: Factor of the amplitudes about the mean.
+        period: Period of the stride [s].
 
     Returns:
-        The motion of one CUHK-EXO leg; both angles positive in flexion.
+        Motion of one CUHK-EXO leg; both angles are positive in flexion.
     """
     mean, cosine, sine = (np.deg2rad(x) for x in (MEAN_DEG, COSINE_DEG, SINE_DEG))
     return from_coefficients(mean, scale * cosine, scale * sine, period)
 
 
 def norm_gait(speed: str = "Free", scale: float = 1.0, period: float = 10.0) -> Harmonics:
-    """Flexion of hip, knee and ankle in the norm of a walking speed; see :func:`exoid.datasets.gait_norm`.
+    """Make the flexion of hip, knee and ankle at a walking speed, see :func:`exoid.datasets.gait_norm`.
 
     Args:
-        speed: "VerySlow", "Slow", "Free" or "Fast": which shape; the period is independent of it.
-        scale: Of the amplitudes about the mean.
-        period: Of the stride [s].
+        speed: Norm: "VerySlow", "Slow", "Free" or "Fast". It does not determine the period.
+        scale: Factor of the amplitudes about the mean.
+        period: Period of the stride [s].
+
+    Returns:
+        Flexion of one leg.
 
     Raises:
-        ExoidError: There is no such norm, or its file is missing.
+        ExoidError: There is no norm of that name, or its file is missing.
     """
     norm = gait_norm(speed)
     whole = slice(0, -1)  # the last sample is the first of the next stride
@@ -70,15 +74,18 @@ def norm_gait(speed: str = "Free", scale: float = 1.0, period: float = 10.0) -> 
     return replace(motion, amplitude=scale * motion.amplitude)
 
 
-def on_leg(leg: Leg, flexion: Harmonics) -> Harmonics:
-    """Turn flexion of hip, knee (and ankle) into the angles of a leg, whose joints may count the other way.
+def gait_for_leg(leg: Leg, flexion: Harmonics) -> Harmonics:
+    """Convert flexion of hip, knee and ankle to joint angles of a leg.
 
-    In a planar leg the hip bends forwards and the knee backwards, whatever the axes of its URDF; an ankle that the
-    motion does not know stays at zero.
+    Hip flexion is forward and knee flexion backward, for any direction of the axes in the URDF. An ankle without
+    flexion data stays at zero.
 
     Args:
-        leg: With joints hip, knee and ankle, or some of them.
-        flexion: Of hip and knee, or of hip, knee and ankle.
+        leg: Planar leg with joints hip, knee and ankle, or some of them.
+        flexion: Flexion of hip and knee, or of hip, knee and ankle.
+
+    Returns:
+        Motion of the leg.
 
     Raises:
         ExoidError: The leg is not planar, or has other joints.
@@ -88,7 +95,7 @@ def on_leg(leg: Leg, flexion: Harmonics) -> Harmonics:
         raise ExoidError(
             f"no gait for the joints {', '.join(labels)}",
             where=leg.description.name,
-            remedy=f"it needs a planar leg with {', '.join(JOINTS)}: give a reference of your own",
+            remedy=f"use a planar leg with {', '.join(JOINTS)}, or another reference",
         )
     signs = [-sign if label == "knee" else sign for label, sign in zip(labels, chain.signs.tolist(), strict=True)]
     rows = [JOINTS.index(label) for label in labels]

@@ -1,4 +1,4 @@
-"""Refusing poses and motions that a leg cannot follow, before anything runs."""
+"""Checks of poses and motions against the limits of a leg, before an experiment runs."""
 
 from __future__ import annotations
 
@@ -10,17 +10,18 @@ from exoid.leg import Leg
 from exoid.rig import Reference
 
 TOLERANCE = 1e-9
+"""Tolerance of a limit [rad, rad/s]."""
 
 
 def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
     """Refuse poses that a joint cannot reach.
 
     Args:
-        leg: With its limits.
+        leg: Leg with the limits of its URDF.
         poses: Angles [rad], (K, n).
 
     Raises:
-        ExoidError: Names the pose, the joint and its limits; or there is no pose, or not one angle a joint.
+        ExoidError: A pose is beyond the limits of a joint, there is no pose, or the number of angles is not n.
     """
     angles = np.asarray(poses, dtype=np.float64)
     if angles.ndim != 2 or angles.shape[1] != len(leg.joint_names) or not len(angles):
@@ -30,7 +31,7 @@ def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
             remedy=f"pass one row a pose and one column for each of {', '.join(leg.joint_names)}",
         )
     lower, upper, *_ = leg.limits
-    beyond = np.argwhere(~((angles >= lower - TOLERANCE) & (angles <= upper + TOLERANCE)))  # NaN is beyond, too
+    beyond = np.argwhere(~((angles >= lower - TOLERANCE) & (angles <= upper + TOLERANCE)))  # NaN counts as beyond
     if len(beyond):
         pose, joint = beyond[0]
         raise ExoidError(
@@ -41,17 +42,17 @@ def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
 
 
 def refuse_motion_beyond_limits(leg: Leg, reference: Reference, duration: float, rate: float = 100.0) -> None:
-    """Refuse a motion that leaves the limits of angle or speed.
+    """Refuse a motion that exceeds the limits of angle or speed.
 
     Args:
-        leg: With its limits.
-        reference: The motion, of one rig or several.
-        duration: How long it is followed [s].
-        rate: How often it is checked [Hz].
+        leg: Leg with the limits of its URDF.
+        reference: Motion of one rig or several.
+        duration: Duration [s].
+        rate: Rate of the check [Hz].
 
     Raises:
-        ExoidError: Names the joint, the time, what is asked and what the limit is; or the duration is not positive, or
-            the motion has not one angle a joint.
+        ExoidError: The motion is beyond a limit of a joint, the duration is not positive, or the number of angles is
+            not n.
     """
     if not 0.0 < duration < np.inf:
         raise ExoidError(f"a motion of {duration:g} s", remedy="pass a positive duration in seconds")
@@ -70,15 +71,15 @@ def refuse_motion_beyond_limits(leg: Leg, reference: Reference, duration: float,
 
 
 def _refuse(
-    leg: Leg, time: FloatArray, what: str, unit: str, values: FloatArray, lowest: FloatArray, highest: FloatArray
+    leg: Leg, time: FloatArray, quantity: str, unit: str, values: FloatArray, lowest: FloatArray, highest: FloatArray
 ) -> None:
-    beyond = np.argwhere(~((values >= lowest - TOLERANCE) & (values <= highest + TOLERANCE)))  # NaN is beyond, too
+    beyond = np.argwhere(~((values >= lowest - TOLERANCE) & (values <= highest + TOLERANCE)))  # NaN counts as beyond
     if len(beyond):
         k, joint, rig = beyond[0]
         raise ExoidError(
-            f"the motion asks {leg.joint_names[joint]} for {what} of {np.rad2deg(values[k, joint, rig]):.1f}{unit} "
+            f"the motion asks {leg.joint_names[joint]} for {quantity} of {np.rad2deg(values[k, joint, rig]):.1f}{unit} "
             f"at {time[k]:.2f} s",
             where=leg.description.name,
-            remedy=f"it can do {np.rad2deg(lowest[joint, 0]):.1f}{unit} to {np.rad2deg(highest[joint, 0]):.1f}{unit}: "
-            "make the motion smaller or slower",
+            remedy=f"stay between {np.rad2deg(lowest[joint, 0]):.1f} and {np.rad2deg(highest[joint, 0]):.1f}{unit} "
+            "with a smaller or slower motion",
         )

@@ -1,8 +1,8 @@
-"""Protocols as CSV files for a real rig, and static logs read back from it.
+"""Protocols as CSV files for a real rig, and static logs of the rig.
 
-Motions are logged as :class:`exoid.Recording` reads them (``time, q_<joint>, tau_<joint>``). Static logs have one row a
-reading, ``pose, approach, q_<joint>, tau_<joint>`` with approach +1 where the joints moved upwards to the pose and −1
-where they moved down to it; several readings of one pose are averaged.
+Logs of motions have the columns of :class:`exoid.Recording` (``time, q_<joint>, tau_<joint>``). Static logs have one
+row a reading, ``pose, approach, q_<joint>, tau_<joint>``. The approach is +1 if the joints moved up to the pose and −1
+if they moved down to it. Readings of the same pose are averaged.
 """
 
 from __future__ import annotations
@@ -29,24 +29,24 @@ from .limits import refuse_motion_beyond_limits, refuse_poses_beyond_limits
 Name = str | os.PathLike[str]
 
 UP, DOWN = 1.0, -1.0
-"""Directions of approach: to the pose from below, and from above."""
+"""Directions of approach: from below, and from above."""
 
 
 def write_static_protocol(path: Name, leg: Leg, poses: ArrayLike, distance: float) -> None:
-    """Write poses to go to from both sides: ``pose, approach, start_<joint>, q_<joint>`` [rad].
+    """Write poses to approach from both sides: ``pose, approach, start_<joint>, q_<joint>`` [rad].
 
     Args:
         path: File to write, whole or not at all.
-        leg: Whose limits are checked; no joint starts beyond them.
+        leg: Leg with the limits that are checked; no joint starts beyond them.
         poses: Angles [rad], (K, n).
-        distance: How far off the pose each joint starts [rad].
+        distance: Distance of the start from the pose, at each joint [rad].
 
     Raises:
         ExoidError: A pose is beyond the limits, the distance is not positive, or the file cannot be written.
     """
     refuse_poses_beyond_limits(leg, poses)
     if not 0.0 < distance < np.inf:
-        raise ExoidError(f"a distance of {distance:g} rad", remedy="pass a positive one")
+        raise ExoidError(f"a distance of {distance:g} rad", remedy="pass a positive distance")
     angles = np.repeat(np.asarray(poses, dtype=np.float64), 2, axis=0)
     number = np.repeat(np.arange(len(angles) // 2), 2)
     side = np.tile([UP, DOWN], len(angles) // 2)
@@ -63,16 +63,16 @@ def write_motion(path: Name, leg: Leg, reference: Reference, rate: float, durati
 
     Args:
         path: File to write, whole or not at all.
-        leg: Whose limits are checked.
-        reference: The motion; of several rigs, the first one's.
-        rate: Of the controller [Hz].
-        duration: [s].
+        leg: Leg with the limits that are checked.
+        reference: Motion, of which the first rig is written.
+        rate: Rate of the controller [Hz].
+        duration: Duration [s].
 
     Raises:
         ExoidError: The motion is beyond the limits, rate or duration is not positive, or the file cannot be written.
     """
     if not 0.0 < rate < np.inf:
-        raise ExoidError(f"a rate of {rate:g} Hz", remedy="pass a positive one")
+        raise ExoidError(f"a rate of {rate:g} Hz", remedy="pass a positive rate")
     refuse_motion_beyond_limits(leg, reference, duration)
     time = np.arange(round(duration * rate) + 1) / rate
     targets = [reference.at(float(t)) for t in time]
@@ -82,11 +82,11 @@ def write_motion(path: Name, leg: Leg, reference: Reference, rate: float, durati
 
 
 def write_static_log(path: Name, approaches: Approaches) -> None:
-    """Write what was measured at poses reached from both sides, as :func:`read_static_log` reads it.
+    """Write measurements of poses approached from both sides, in the format of :func:`read_static_log`.
 
     Args:
         path: File to write, whole or not at all.
-        approaches: The poses.
+        approaches: Measured poses.
 
     Raises:
         ExoidError: The file cannot be written.
@@ -100,18 +100,19 @@ def write_static_log(path: Name, approaches: Approaches) -> None:
 
 
 def read_static_log(path: Name, joint_names: Sequence[str], torso: TorsoMotion | None = None) -> Approaches:
-    """Read what a rig measured at poses reached from both sides.
+    """Read measurements of poses approached from both sides.
 
     Args:
-        path: The log.
-        joint_names: Joints wanted.
-        torso: How the torso was held; None for upright.
+        path: CSV file.
+        joint_names: Requested joints.
+        torso: Pose of the torso; None for upright.
 
     Returns:
         Each pose from below and from above, in the order of the pose numbers.
 
     Raises:
-        ExoidError: A column is missing, a cell is no number, or a pose was not reached from both sides.
+        ExoidError: The file cannot be read, a column is missing, a cell is not a finite number, or a pose was not
+            approached from both sides.
     """
     try:
         content = Path(path).read_bytes()
@@ -125,7 +126,7 @@ def read_static_log(path: Name, joint_names: Sequence[str], torso: TorsoMotion |
         raise ExoidError(
             f"approach {side[wrong[0]]:g} of pose {number[wrong[0]]:g}",
             where=str(path),
-            remedy="write +1 where joints moved up to the pose, −1 where they moved down",
+            remedy="write +1 if joints moved up to the pose, −1 if they moved down",
         )
     source = Source(Path(path).name, hashlib.sha256(content).hexdigest())
     below, above = (_mean_of_readings(table, direction, str(path)) for direction in (UP, DOWN))
@@ -134,30 +135,30 @@ def read_static_log(path: Name, joint_names: Sequence[str], torso: TorsoMotion |
 
 
 def _mean_of_readings(table: FloatArray, direction: float, name: str) -> FloatArray:
-    """Average the readings of each pose reached in one direction, in the order of the pose numbers."""
+    """Average the readings of each pose in one direction, in the order of the pose numbers."""
     numbers, of_direction = np.unique(table[:, 0]), table[table[:, 1] == direction]
     absent = sorted(set(numbers.tolist()) - set(of_direction[:, 0].tolist()))
     if absent:
         raise ExoidError(
-            f"pose {absent[0]:g} was not reached with approach {direction:+g}",
+            f"pose {absent[0]:g} has no reading with approach {direction:+g}",
             where=name,
-            remedy="measure each pose from both sides, or leave it out",
+            remedy="measure each pose from both sides, or remove it",
         )
     return np.array([of_direction[of_direction[:, 0] == number].mean(axis=0) for number in numbers])
 
 
 def _table(lines: Sequence[Sequence[str]], columns: Sequence[str], name: str) -> FloatArray:
-    """Pick columns by their headers."""
+    """Read columns by their headers."""
     header = [cell.strip() for cell in lines[0]] if lines else []
     missing = [column for column in columns if header.count(column) != 1]
     if missing:
         raise ExoidError(
-            f"not one column {', '.join(missing)}", where=name, remedy=f"columns are {', '.join(columns)}, once each"
+            f"not one column {', '.join(missing)}", where=name, remedy=f"write each of {', '.join(columns)} once"
         )
     places = [header.index(column) for column in columns]
     rows = [(number, line) for number, line in enumerate(lines[1:], start=2) if any(cell.strip() for cell in line)]
     if not rows:
-        raise ExoidError("no readings below the header", where=name, remedy="give one row a reading")
+        raise ExoidError("no readings below the header", where=name, remedy="write one row a reading")
     return np.array(
         [[_number(line, place, f"{name}, line {k}, column {place + 1}") for place in places] for k, line in rows]
     )
@@ -170,7 +171,7 @@ def _number(line: Sequence[str], place: int, where: str) -> float:
     except ValueError:
         value = np.nan
     if not np.isfinite(value):
-        raise ExoidError(f"{cell[:40]!r} is no finite number", where=where, remedy="mend it, or leave the row out")
+        raise ExoidError(f"{cell[:40]!r} is not a finite number", where=where, remedy="correct it, or remove the row")
     return value
 
 

@@ -1,4 +1,4 @@
-"""Motions that rigs follow in the documents' experiments, of B rigs at once."""
+"""Reference motions of B rigs."""
 
 from __future__ import annotations
 
@@ -11,38 +11,60 @@ from exoid._typing import FloatArray
 from exoid.rig import Target
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Hold:
-    """Stay at a pose.
+    """Constant pose.
 
     Attributes:
-        pose: [rad], (n, B).
+        pose: Angles [rad], (n, B).
     """
 
     pose: FloatArray
 
+    def __repr__(self) -> str:
+        """Count joints and rigs."""
+        return f"Hold({_size(self.pose)})"
+
     def at(self, time: float) -> Target:
-        """See :class:`exoid.rig.Reference`."""
+        """Evaluate the motion.
+
+        Args:
+            time: Time [s].
+
+        Returns:
+            The pose, with zero velocity and acceleration.
+        """
         still = np.zeros_like(self.pose)
         return Target(self.pose, still, still)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Approach:
-    """Go smoothly from one pose to another and stay there: θ = a + (b − a)(10 s³ − 15 s⁴ + 6 s⁵), s = t/T.
+    """Smooth motion from pose a to pose b, then rest: θ = a + (b − a)(10 s³ − 15 s⁴ + 6 s⁵), s = min(t/T, 1).
 
     Attributes:
-        start: [rad], (n, B).
-        pose: [rad], (n, B).
-        duration: T [s].
+        start: Initial angles a [rad], (n, B).
+        pose: Final angles b [rad], (n, B).
+        duration: Time of travel T [s].
     """
 
     start: FloatArray
     pose: FloatArray
     duration: float
 
+    def __repr__(self) -> str:
+        """Count joints and rigs; name the time of travel."""
+        return f"Approach({_size(self.pose)} in {self.duration:g} s)"
+
     def at(self, time: float) -> Target:
-        """See :class:`exoid.rig.Reference`."""
+        """Evaluate the motion.
+
+        Args:
+            time: Time [s].
+
+        Returns:
+            Angles, velocities and accelerations.
+        """
         s = min(max(time / self.duration, 0.0), 1.0)
         way = self.pose - self.start
         share = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
@@ -51,15 +73,15 @@ class Approach:
         return Target(self.start + share * way, rate * way, change * way)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Harmonics:
-    """A sum of sinusoids, θ = centre + Σ_k amplitude_k sin(ω_k t + phase_k).
+    """Sum of sinusoids, θ = centre + Σ_k amplitude_k sin(ω_k t + phase_k).
 
     Attributes:
-        centre: [rad], (n, B).
-        amplitude: [rad], (K, n, B).
-        frequency: ω [rad/s], (K, n, B) or what spreads to it.
-        phase: [rad], (K, n, B).
+        centre: Mean angles [rad], (n, B).
+        amplitude: Amplitudes [rad], (K, n, B).
+        frequency: Angular frequencies ω [rad/s], broadcast to (K, n, B).
+        phase: Phases [rad], broadcast to (K, n, B).
     """
 
     centre: FloatArray
@@ -67,9 +89,21 @@ class Harmonics:
     frequency: FloatArray
     phase: FloatArray
 
+    def __repr__(self) -> str:
+        """Count joints, rigs and sinusoids; name the highest frequency."""
+        highest = np.max(self.frequency) / (2.0 * np.pi)
+        return f"Harmonics({_size(self.centre)}: {len(self.amplitude)} sinusoids up to {highest:.3g} Hz)"
+
     @staticmethod
-    def join(motions: Sequence[Harmonics]) -> Harmonics:
-        """Put motions side by side; those of fewer sinusoids get some of amplitude zero."""
+    def concatenate(motions: Sequence[Harmonics]) -> Harmonics:
+        """Combine the rigs of several motions; sinusoids of amplitude zero make their number equal.
+
+        Args:
+            motions: Motions of the same number of joints.
+
+        Returns:
+            Motion of all rigs in order.
+        """
         most = max(len(motion.amplitude) for motion in motions)
 
         def wide(x: FloatArray, motion: Harmonics) -> FloatArray:
@@ -83,8 +117,15 @@ class Harmonics:
             np.concatenate([wide(motion.phase, motion) for motion in motions], axis=-1),
         )
 
-    def each(self, count: int) -> Harmonics:
-        """Repeat all rigs: the whole row of them ``count`` times."""
+    def tile(self, count: int) -> Harmonics:
+        """Repeat the whole sequence of rigs.
+
+        Args:
+            count: Number of copies.
+
+        Returns:
+            Motion of ``count`` B rigs.
+        """
         shape = self.amplitude.shape
         return Harmonics(
             np.tile(self.centre, count),
@@ -94,7 +135,14 @@ class Harmonics:
         )
 
     def at(self, time: float) -> Target:
-        """See :class:`exoid.rig.Reference`."""
+        """Evaluate the motion.
+
+        Args:
+            time: Time [s].
+
+        Returns:
+            Angles, velocities and accelerations.
+        """
         argument = self.frequency * time + self.phase
         sine = self.amplitude * np.sin(argument)
         return Target(
@@ -104,6 +152,18 @@ class Harmonics:
         )
 
     def acceleration(self, time: float) -> FloatArray:
-        """Accelerations at a time [rad/s²], (n, B)."""
+        """Evaluate the accelerations.
+
+        Args:
+            time: Time [s].
+
+        Returns:
+            Accelerations [rad/s²], (n, B).
+        """
         argument = self.frequency * time + self.phase
         return np.asarray(-(self.amplitude * self.frequency**2 * np.sin(argument)).sum(axis=0))
+
+
+def _size(angles: FloatArray) -> str:
+    joints, rigs = angles.shape
+    return f"{joints} joints, {rigs} rig{'s' if rigs != 1 else ''}"

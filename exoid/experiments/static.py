@@ -1,4 +1,4 @@
-"""Static experiments: go to a pose from below and from above, wait, read the torque (doc. 1, sec. III-B1)."""
+"""Static experiments: approach a pose from below and from above, wait, read the torque (doc. 1, sec. III-B1)."""
 
 from __future__ import annotations
 
@@ -18,21 +18,24 @@ from .limits import refuse_poses_beyond_limits
 from .references import Approach
 
 TOP_SPEED = 1.875
-"""Of an :class:`Approach` over its mean speed."""
+"""Largest speed of an :class:`Approach` over its mean speed."""
 
-MOVED = 1e-4
-"""A joint that moves further than this while it is read [rad] has not come to rest."""
+REST = 1e-4
+"""Largest motion of a joint at rest during the readings [rad]."""
 
 
 @dataclass(frozen=True)
 class StaticProtocol:
-    """How poses are reached and read.
+    """Approach of a pose and reading of its torque.
 
     Attributes:
-        distance: How far below or above the pose each joint starts [rad].
-        travel: Time to get there [s].
-        wait: Time to settle [s].
-        readings: How many of the last samples are averaged.
+        distance: Distance of the start below or above the pose, at each joint [rad].
+        travel: Time of travel to the pose [s].
+        wait: Settling time at the pose [s].
+        readings: Number of final samples that are averaged.
+
+    Raises:
+        ExoidError: A number is not positive.
     """
 
     distance: float = np.deg2rad(8.0)
@@ -41,7 +44,7 @@ class StaticProtocol:
     readings: int = 10
 
     def __post_init__(self) -> None:
-        """Check that it can be carried out."""
+        """Check the numbers."""
         positive = (self.distance, self.travel, self.wait)
         if not (all(0.0 < value < np.inf for value in positive) and self.readings >= 1):
             raise ExoidError(f"{self}", remedy="distance, times and the number of readings are positive")
@@ -55,28 +58,28 @@ def run_static(
     protocol: StaticProtocol | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> list[Approaches]:
-    """Measure poses on B virtual rigs, all at once.
+    """Measure poses on B virtual rigs, approached from below and from above.
 
     Args:
         plant: B rigs.
-        poses: Angles [rad], (K, n), for each rig alike.
-        bench: Servo, sensors and rates.
-        rng: Of the sensor noise.
-        protocol: How poses are reached.
-        progress: Told the share that is done.
+        poses: Angles of all rigs [rad], (K, n).
+        bench: Controller, actuator, sensors and rates.
+        rng: Generator of the sensor noise.
+        protocol: Approach and readings; None for the default.
+        progress: Function that receives the completed share, 0 to 1.
 
     Returns:
-        One set of K poses, from below and from above, for each rig.
+        K poses from below and from above, for each rig.
 
     Raises:
-        ExoidError: Before anything runs, a pose is beyond the limits of a joint, the approach is faster than a joint,
-            or the readings begin before the joints stand; after it, that a joint did not come to rest.
+        ExoidError: A pose is beyond the limits of a joint, the approach exceeds the speed limit of a joint, or the
+            readings begin during the travel; or, after the run, a joint did not come to rest.
     """
     protocol = protocol or StaticProtocol()
     refuse_poses_beyond_limits(plant.leg, poses)
-    _refuse_hurry(plant, protocol, bench)
+    _refuse_fast_approach(plant, protocol, bench)
     count = len(poses)
-    wide = plant.each(2 * count)  # rig by rig: K poses from below, K from above
+    wide = plant.repeat(2 * count)  # rig by rig: K poses from below, K from above
     goal = np.tile(np.concatenate([poses, poses]), (plant.count, 1)).T
     side = np.tile(np.repeat([-1.0, 1.0], count), plant.count) * protocol.distance
     start = np.clip(goal + side, wide.lower, wide.upper)
@@ -93,23 +96,23 @@ def run_static(
         seed=rng,
         progress=progress,
     )
-    _refuse_restless(run, protocol.readings)
+    _refuse_unsettled(run, protocol.readings)
     return [
         Approaches(*(_read(run, slice(first, first + count), protocol.readings) for first in (a, a + count)))
         for a in range(0, wide.count, 2 * count)
     ]
 
 
-def _refuse_hurry(plant: Plant, protocol: StaticProtocol, bench: Bench) -> None:
-    """Refuse an approach that is too fast, and readings that begin on the way."""
+def _refuse_fast_approach(plant: Plant, protocol: StaticProtocol, bench: Bench) -> None:
+    """Refuse an approach that is too fast, and readings that begin during the travel."""
     fastest = TOP_SPEED * protocol.distance / protocol.travel
     slow = plant.leg.limits.velocity < fastest
     if slow.any():
         joint = int(slow.argmax())
         raise ExoidError(
             f"the approach asks {plant.leg.joint_names[joint]} for {np.rad2deg(fastest):.0f}°/s, "
-            f"it can do {np.rad2deg(plant.leg.limits.velocity[joint]):.0f}°/s",
-            remedy="travel longer, or start closer",
+            f"its limit is {np.rad2deg(plant.leg.limits.velocity[joint]):.0f}°/s",
+            remedy="increase the time of travel, or start closer",
         )
     if protocol.readings > protocol.wait * bench.rates.log:
         raise ExoidError(
@@ -118,15 +121,15 @@ def _refuse_hurry(plant: Plant, protocol: StaticProtocol, bench: Bench) -> None:
         )
 
 
-def _refuse_restless(run: Run, readings: int) -> None:
+def _refuse_unsettled(run: Run, readings: int) -> None:
     moved = np.ptp(run.q[-readings:], axis=0).max(axis=0)
-    restless = np.flatnonzero(moved > MOVED)
-    if len(restless):
+    unsettled = np.flatnonzero(moved > REST)
+    if len(unsettled):
         worst = int(moved.argmax())
         raise ExoidError(
-            f"{len(restless)} of {len(moved)} poses did not come to rest: rig {worst} moved by {moved[worst]:.2g} rad "
-            "while it was read",
-            remedy="wait longer, or damp the servo",
+            f"{len(unsettled)} of {len(moved)} poses did not come to rest: rig {worst} moved by {moved[worst]:.2g} rad "
+            "during the readings",
+            remedy="wait longer, or add damping to the servo",
         )
 
 

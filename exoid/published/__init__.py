@@ -1,4 +1,4 @@
-"""The documents' tables as data: as printed, the errata beside them, the assumptions apart.
+"""Tables of both documents as data: values as printed, errata, and assumptions.
 
 >>> from exoid import published
 >>> published.bleex().table("V").quantity("X1")
@@ -7,15 +7,15 @@ Quantity(value=3.783, unit='kg·m', printed='3.783')
 2.38
 """
 
-from .document import Assumption, Document, Erratum, Quantity, Table, bleex, cuhk
+from .document import Assumption, Document, Erratum, PublishedTable, Quantity, bleex, cuhk
 from .parameters import bleex_parameters, bleex_resistances, cuhk_parameters, cuhk_resistances
 
 __all__ = [
     "Assumption",
     "Document",
     "Erratum",
+    "PublishedTable",
     "Quantity",
-    "Table",
     "bleex",
     "bleex_parameters",
     "bleex_resistances",

@@ -1,4 +1,4 @@
-"""A document as data: its tables as printed, its errata, and the assumptions it leaves to the reader."""
+"""Documents as data: tables as printed, errata, and assumptions for values that are not printed."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any, NoReturn
 
 from exoid.errors import ExoidError
+from exoid.tables import DataTable, to_text
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -20,12 +21,12 @@ else:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A printed number.
+    """Printed number.
 
     Attributes:
-        value: The number.
-        unit: Its unit as printed, ``"1"`` for a count.
-        printed: Its digits as printed: trailing zeros tell the precision.
+        value: Value.
+        unit: Unit as printed, ``"1"`` for a count.
+        printed: Digits as printed; trailing zeros show the precision.
     """
 
     value: float
@@ -35,12 +36,12 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Assumption:
-    """A number that the document does not give.
+    """Assumed number that the document does not print.
 
     Attributes:
-        value: The number.
-        unit: Its unit, ``"1"`` for a ratio.
-        reason: Where it comes from, or why it was chosen.
+        value: Value.
+        unit: Unit, ``"1"`` for a ratio.
+        reason: Source of the number, or reason for the choice.
     """
 
     value: float
@@ -50,28 +51,28 @@ class Assumption:
 
 @dataclass(frozen=True)
 class Erratum:
-    """A misprint or a remark; it is never applied to a table.
+    """Misprint or remark; tables keep the printed values.
 
     Attributes:
-        where: The tables, equations or sections concerned, such as ``"Table I"``.
-        remark: What is wrong and how this library reads it.
+        where: Tables, equations or sections concerned, such as ``"Table I"``.
+        remark: Description of the error and the reading of this library.
     """
 
     where: tuple[str, ...]
     remark: str
 
 
-@dataclass(frozen=True)
-class Table:
-    """One table as printed.
+@dataclass(frozen=True, repr=False)
+class PublishedTable:
+    """Table as printed.
 
     Attributes:
         number: Roman number.
         caption: Printed caption.
-        equation: What the numbers are coefficients of; empty when the names say it.
-        values: The numbers; in a table of several columns or rows the name begins with theirs, ``"left.X1"``.
-        texts: Cells that hold words or formulas, named likewise.
-        errata: The document's errata that concern this table.
+        equation: Equation with the numbers as coefficients; empty if the names define them.
+        values: Numbers by name; in a table of several columns or rows the name has a prefix, ``"left.X1"``.
+        texts: Cells of words or formulas by name, with the same prefixes.
+        errata: Errata of the document that concern this table.
     """
 
     number: str
@@ -81,27 +82,48 @@ class Table:
     texts: Mapping[str, str]
     errata: tuple[Erratum, ...]
 
+    def __repr__(self) -> str:
+        """Name the table and count its numbers."""
+        return f"PublishedTable({self.number}: {self.caption}, {len(self.values)} numbers)"
+
+    def __str__(self) -> str:
+        """Print as a table, one line a number with its printed digits."""
+        rows = [(name, quantity.printed, quantity.unit) for name, quantity in self.values.items()]
+        return to_text(DataTable(f"Table {self.number}: {self.caption}", ("name", "value", "unit"), rows))
+
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the columns (or rows) such as ``("left", "right")``; empty when there is only one."""
+        """Names of the columns (or rows) such as ``("left", "right")``; empty if there is only one."""
         names = (*self.values, *self.texts)
         return tuple(dict.fromkeys(name.split(".")[0] for name in names if "." in name))
 
     def quantity(self, name: str) -> Quantity:
-        """Look up one number.
+        """Look up a number.
+
+        Args:
+            name: Name of the number, with the prefix of its column.
+
+        Returns:
+            Value, unit and printed digits.
 
         Raises:
-            ExoidError: There is none of that name.
+            ExoidError: The table does not have that number.
         """
         if name not in self.values:
             _unknown("quantity", name, self.values, where=f"Table {self.number}")
         return self.values[name]
 
     def column(self, column: str) -> Mapping[str, Quantity]:
-        """Return the numbers of one column, by their names without the column's.
+        """Return the numbers of one column.
+
+        Args:
+            column: Name of the column.
+
+        Returns:
+            Numbers by name, without the prefix of the column.
 
         Raises:
-            ExoidError: There is no such column.
+            ExoidError: The table does not have that column.
         """
         if column not in self.columns:
             _unknown("column", column, self.columns, where=f"Table {self.number}")
@@ -109,33 +131,44 @@ class Table:
         return MappingProxyType({name[-1]: quantity for name, quantity in cells if name[0] == column})
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Document:
-    """One document.
+    """Tables, errata and assumptions of one document.
 
     Attributes:
-        name: How this library cites it, ``"doc. 1"``.
-        title: Its title.
-        robot: The exoskeleton it is about.
-        signs: Its sign convention for torques.
-        tables: Its tables by Roman number.
+        name: Citation in this library, ``"doc. 1"``.
+        title: Title.
+        robot: Name of the exoskeleton.
+        signs: Sign convention of torques.
+        tables: Tables by Roman number.
         errata: Misprints and remarks.
-        assumptions: Numbers that it does not give and this library assumes.
+        assumptions: Assumed numbers by name, which the document does not print.
     """
 
     name: str
     title: str
     robot: str
     signs: str
-    tables: Mapping[str, Table]
+    tables: Mapping[str, PublishedTable]
     errata: tuple[Erratum, ...]
     assumptions: Mapping[str, Assumption]
 
-    def table(self, number: str) -> Table:
-        """Look up a table by its Roman number.
+    def __repr__(self) -> str:
+        """Name the document; list its tables."""
+        sizes = f"{len(self.errata)} errata, {len(self.assumptions)} assumptions"
+        return f"Document({self.name}, {self.robot}: tables {', '.join(self.tables)}; {sizes})"
+
+    def table(self, number: str) -> PublishedTable:
+        """Look up a table.
+
+        Args:
+            number: Roman number.
+
+        Returns:
+            The table as printed.
 
         Raises:
-            ExoidError: There is none of that number.
+            ExoidError: The document does not have that table.
         """
         if number not in self.tables:
             _unknown("table", number, self.tables, where=self.name)
@@ -144,8 +177,14 @@ class Document:
     def assumption(self, name: str) -> Assumption:
         """Look up an assumed number.
 
+        Args:
+            name: Name of the number.
+
+        Returns:
+            Value, unit and reason.
+
         Raises:
-            ExoidError: There is none of that name.
+            ExoidError: There is no assumption of that name.
         """
         if name not in self.assumptions:
             _unknown("assumption", name, self.assumptions, where=self.name)
@@ -153,19 +192,27 @@ class Document:
 
 
 def bleex() -> Document:
-    """Document 1, on the Berkeley Lower Extremity Exoskeleton (BLEEX)."""
+    """Read document 1, on the Berkeley Lower Extremity Exoskeleton (BLEEX).
+
+    Returns:
+        Tables, errata and assumptions.
+    """
     return _read("bleex.toml")
 
 
 def cuhk() -> Document:
-    """Document 2, on the CUHK-EXO."""
+    """Read document 2, on the CUHK-EXO.
+
+    Returns:
+        Tables, errata and assumptions.
+    """
     return _read("cuhk.toml")
 
 
 @cache
 def _read(file_name: str) -> Document:
     text = resources.files(__package__).joinpath(file_name).read_text(encoding="utf-8")
-    content = tomllib.loads(text, parse_float=str)  # as text, to keep the digits as printed
+    content = tomllib.loads(text, parse_float=str)  # as text, to keep the printed digits
     errata = tuple(Erratum(tuple(entry["where"]), entry["remark"]) for entry in content["errata"])
     assumptions = {
         name: Assumption(float(value), unit, reason) for name, (value, unit, reason) in content["assumptions"].items()
@@ -178,11 +225,11 @@ def _read(file_name: str) -> Document:
     )
 
 
-def _table(number: str, entry: dict[str, Any], errata: tuple[Erratum, ...]) -> Table:
+def _table(number: str, entry: dict[str, Any], errata: tuple[Erratum, ...]) -> PublishedTable:
     caption, equation = entry.pop("caption"), entry.pop("equation", "")
     cells = dict(_flat(entry))
     quantities = {n: Quantity(float(c[0]), c[1], str(c[0])) for n, c in cells.items() if isinstance(c, list)}
-    return Table(
+    return PublishedTable(
         number=number,
         caption=caption,
         equation=equation,

@@ -1,4 +1,4 @@
-"""The published numbers in this library's own order and signs: reduced parameters and joint resistances."""
+"""Published numbers in the order and signs of this library: reduced parameters and joint resistances."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ BLEEX_PARAMETERS = ("X1", "Y1", "J1", "X2", "Y2", "J2", "X3", "Y3", "J3")
 CUHK_PARAMETERS = ("X1", "Y1", "J1", "X2", "Y2", "J2")
 
 BLEEX_SETS = ("cad", "left", "right")
-"""The three parameter sets of document 1: Table V, and the two legs of Tables II-III."""
+"""Parameter sets of document 1: Table V, and the two legs of Tables II and III."""
 
 
 def bleex_parameters(which: str) -> dict[str, float]:
-    """Reduced parameters of a BLEEX leg, doc. 1, eqs. (1)-(9); J is cumulative.
+    """Return the reduced parameters of a BLEEX leg (doc. 1, eqs. (1)-(9)), with cumulative J.
 
     Args:
-        which: ``"cad"`` for Table V (the same for both legs), ``"left"`` or ``"right"`` for the leg
+        which: Parameter set: ``"cad"`` for Table V (the same for both legs), ``"left"`` or ``"right"`` for the leg
             identified in Tables II and III.
 
     Returns:
-        X1, Y1 [kg·m], J1 [kg·m²], X2, … J3, in this order: hip, knee, ankle.
+        X1, Y1 [kg·m], J1 [kg·m²], X2, … J3 by name, in the order hip, knee, ankle.
 
     Raises:
-        ExoidError: There is no such set.
+        ExoidError: There is no parameter set of that name.
     """
     _one_of(which, BLEEX_SETS, "parameter set")
     document = bleex()
@@ -36,35 +36,35 @@ def bleex_parameters(which: str) -> dict[str, float]:
 
 
 def cuhk_parameters() -> dict[str, float]:
-    """Reduced parameters of the assumed CUHK-EXO plant, doc. 2, Table I with J_t; J1 does not contain J2.
+    """Return the reduced parameters of the assumed CUHK-EXO plant (doc. 2, Table I with J_t); J1 does not contain J2.
 
-    They describe a wearer-sized payload with hardware (see the assumptions of :func:`exoid.published.cuhk`).
-    Table III of the document is no physical leg and stays in ``cuhk().table("III")``.
+    They describe the hardware with the payload of a wearer (see the assumptions of :func:`exoid.published.cuhk`).
+    Table III of the document is not a physical leg; its values are in ``cuhk().table("III")``.
 
     Returns:
-        X1, Y1 [kg·m], J1 [kg·m²], X2, Y2, J2, in this order: hip, knee.
+        X1, Y1 [kg·m], J1 [kg·m²], X2, Y2, J2 by name, in the order hip, knee.
     """
     return {name: cuhk().assumption(name).value for name in CUHK_PARAMETERS}
 
 
 def bleex_resistances(side: str) -> dict[str, float]:
-    """Stiffness and kinetic friction of Tables I and IV as torques that the actuator has to overcome.
+    """Return stiffness and kinetic friction of Tables I and IV (doc. 1) as resistances.
 
-    Document 1 lets them act on the joint, A + B + C = RNEA (13). Here τ = A = RNEA − B − C: every coefficient
-    changes its sign, so that with r(θ, θ̇) = b2 θ² + b1 θ + b0 + c0 sgn θ̇
+    In document 1 they act on the joint, A + B + C = RNEA (eq. (13)). Here τ = A = RNEA − B − C, so that every
+    coefficient changes its sign. With the resistance r(θ, θ̇) = b2 θ² + b1 θ + b0 + c0 sgn θ̇
 
         τ = RNEA(θ, θ̇, θ̈) + r(θ, θ̇),
 
-    and a dissipative friction c0 is positive. The hip was not identified: it has no entry.
+    and dissipative friction c0 is positive. The document did not identify the hip, which has no entry.
 
     Args:
         side: ``"left"`` or ``"right"``.
 
     Returns:
-        ``b2_knee`` [N·m/rad²], ``b1_knee`` [N·m/rad], ``b0_knee`` [N·m], ``c0_knee`` [N·m], then the ankle's.
+        ``b2_knee`` [N·m/rad²], ``b1_knee`` [N·m/rad], ``b0_knee``, ``c0_knee`` [N·m] by name, then those of the ankle.
 
     Raises:
-        ExoidError: There is no such side.
+        ExoidError: The side is neither left nor right.
     """
     _one_of(side, ("left", "right"), "side")
     stiffness, friction = bleex().table("I").column(side), bleex().table("IV").column(side)
@@ -77,13 +77,13 @@ def bleex_resistances(side: str) -> dict[str, float]:
 
 
 def cuhk_resistances() -> dict[str, float]:
-    """Stiffness and friction of the assumed CUHK-EXO plant as torques that the actuator has to overcome.
+    """Return stiffness and friction of the assumed CUHK-EXO plant as resistances.
 
-    τ = RNEA(θ, θ̇, θ̈) + b1 θ + c0 sgn θ̇ + d θ̇, with the magnitudes of Table III in the dissipative sign,
-    which is positive under doc. 2, eq. (6), and without the table's offsets.
+    τ = RNEA(θ, θ̇, θ̈) + b1 θ + c0 sgn θ̇ + d θ̇ (doc. 2, eq. (6)). The magnitudes are those of Table III, with the
+    dissipative, positive sign and without the offsets.
 
     Returns:
-        ``c0_hip`` [N·m], ``d_hip`` [N·m·s/rad], ``b1_knee`` [N·m/rad], ``c0_knee``, ``d_knee``.
+        ``c0_hip`` [N·m], ``d_hip`` [N·m·s/rad], ``b1_knee`` [N·m/rad], ``c0_knee``, ``d_knee`` by name.
     """
     sources = {
         "c0_hip": "hip_coulomb",

@@ -1,4 +1,4 @@
-"""Both documents replayed on virtual rigs: experiments, identification, tables and figures."""
+"""Replays of both documents on virtual rigs: experiments, identification, tables and figures."""
 
 from .bleex import BleexReplay, SideReplay, reproduce_bleex
 from .bleex_measurements import Extent

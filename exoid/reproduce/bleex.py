@@ -1,4 +1,4 @@
-"""Document 1 replayed: experiments on a virtual BLEEX, the document's identification, and what beats it."""
+"""Replay of document 1: experiments on a virtual BLEEX, the document's identification, and a joint estimate."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.catalog import load_leg
-from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.experiments import bleex
 from exoid.identification import identify
@@ -19,56 +18,62 @@ from exoid.published import bleex_parameters
 from exoid.signals import Poses, Recording, Smoothed
 from exoid.torques import Coulomb, Stiffness, TorqueModel
 
-from .bleex_measurements import Extent, Measurements, measure_bleex, truth_of
-from .sequential import Known
+from .bleex_measurements import Extent, Measurements, measure_bleex, truth_values
+from .replicates import refuse_no_replicates
+from .sequential import SequentialEstimate
 from .sequential import bleex as steps
-from .torque_error import by_name, torque_nrmse
+from .torque_error import by_name, nrmse_text, torque_nrmse
 
 SIDES = ("left", "right")
 
 JOINT_TERMS = (Stiffness(), Coulomb(smoothing=0.0, dead_band=0.15))
-"""Of the joint estimate; samples near a reversal are left out, never filtered across it."""
+"""Terms of the joint estimate; samples near a velocity reversal are left out, never filtered across it."""
 
 JOINT_PREPARATION = Smoothed(cutoff=8.0)
+"""Preparation of the joint estimate."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SideReplay:
-    """One leg, identified in several ways.
+    """One leg, identified by several methods.
 
     Attributes:
-        leg: With CAD inertias.
-        truth: What the rig was made of.
-        data: What was measured.
-        sequential: By the document's procedure.
-        one_sided: By the same from A⁺ alone, without averaging.
-        coarse: By the same with an encoder of 2^12 counts.
-        joint: All rows at once, torso tilts included.
-        upright_condition: Condition number of the same without the tilts.
-        cad: Table V, without friction and stiffness.
-        nrmse: Torque error on the validation motion of each of "sequential", "joint", "cad" and "truth", (3,).
+        leg: Leg with CAD inertias.
+        truth: True parameters of the rig by name.
+        data: Measurements.
+        sequential: Estimate by the document's procedure.
+        one_sided: Estimate by the same procedure from A⁺ alone, without averaging.
+        coarse: Estimate by the same procedure with an encoder of 2^12 counts.
+        joint: Estimate from all rows at once, torso tilts included.
+        upright_condition: Condition number of the joint estimate without the tilts.
+        cad: Parameters of Table V, without friction and stiffness.
+        nrmse: Torque error of "sequential", "joint", "cad" and "truth" on the validation motion, (3,) each.
     """
 
     leg: Leg
     truth: Mapping[str, float]
     data: Measurements
-    sequential: Known
-    one_sided: Known
-    coarse: Known
+    sequential: SequentialEstimate
+    one_sided: SequentialEstimate
+    coarse: SequentialEstimate
     joint: Estimate
     upright_condition: float
     cad: Mapping[str, float]
     nrmse: Mapping[str, FloatArray]
 
+    def __repr__(self) -> str:
+        """Name the leg; write the torque errors."""
+        return f"SideReplay({', '.join(self.leg.joint_names)}: NRMSE {nrmse_text(self.nrmse)})"
+
 
 @dataclass(frozen=True, eq=False)
 class BleexReplay:
-    """Both legs.
+    """Replay of document 1 for both legs.
 
     Attributes:
         left: Left leg.
         right: Right leg.
-        seed: Of poses and noise.
+        seed: Seed of poses and noise.
     """
 
     left: SideReplay
@@ -85,39 +90,38 @@ def reproduce_bleex(
     """Run all experiments of document 1 on virtual rigs and identify both legs.
 
     Args:
-        seed: Of random poses and sensor noise.
-        replicates: How often everything is repeated with other noise, all at once.
-        progress: Told the share that is done.
-        extent: How much is measured; None for what the document measured.
+        seed: Seed of random poses and sensor noise.
+        replicates: Number of replicates with independent noise.
+        progress: Function that receives the completed share, 0 to 1.
+        extent: Duration of the motions and number of poses; None for those of the document.
 
     Returns:
         One replay for each replicate.
 
     Raises:
-        ExoidError: There are no replicates, or too little is measured.
+        ExoidError: The number of replicates is below one, or the measurements are too few.
     """
-    if replicates < 1:
-        raise ExoidError(f"{replicates} replicates", remedy="ask for at least one")
-    told, extent = progress or (lambda _: None), extent or Extent()
+    refuse_no_replicates(replicates)
+    report, extent = progress or (lambda _: None), extent or Extent()
     rng = np.random.default_rng(seed)
     measured = {}
     for k, side in enumerate(SIDES):
-        told_side = partial(_tell_part, told, 0.48 * k, 0.48)
-        measured[side] = measure_bleex(side, rng, replicates, extent, told_side)
+        report_side = partial(_report_part, report, 0.48 * k, 0.48)
+        measured[side] = measure_bleex(side, rng, replicates, extent, report_side)
     replays = []
     for k in range(replicates):
         left, right = (_identify_side(side, measured[side][k]) for side in SIDES)
         replays.append(BleexReplay(left, right, seed))
-    told(1.0)
+    report(1.0)
     return replays
 
 
-def _tell_part(told: Callable[[float], None], done: float, part: float, share: float) -> None:
-    told(done + part * share)
+def _report_part(report: Callable[[float], None], done: float, part: float, share: float) -> None:
+    report(done + part * share)
 
 
 def _identify_side(side: str, data: Measurements) -> SideReplay:
-    """Identify one leg in all ways."""
+    """Identify one leg by all methods."""
     leg = load_leg("bleex", side=side)
     model = steps.document_model(leg)
     recordings = [recording for swings in data.swings for recording in swings]
@@ -125,7 +129,7 @@ def _identify_side(side: str, data: Measurements) -> SideReplay:
     joint = identify(leg, [upright, *data.tilted, *recordings], JOINT_TERMS, preparation=JOINT_PREPARATION)
     no_tilt = identify(leg, [upright, *recordings], JOINT_TERMS, preparation=JOINT_PREPARATION)
     sequential = sequential_bleex(model, data.sets, upright, data.swings)
-    truth, cad = truth_of(side), bleex_parameters("cad")
+    truth, cad = truth_values(side), bleex_parameters("cad")
     models = {"sequential": sequential.as_dict(), "joint": by_name(joint), "cad": cad, "truth": truth}
     return SideReplay(
         leg=leg,
@@ -143,20 +147,23 @@ def _identify_side(side: str, data: Measurements) -> SideReplay:
 
 def sequential_bleex(
     model: TorqueModel, sets: bleex.StaticSets, poses: Poses, swings: tuple[tuple[Recording, ...], ...]
-) -> Known:
-    """All steps of document 1 in its order: ankle, knee and hip statics, then inertias, then kinetic friction.
+) -> SequentialEstimate:
+    """Identify by all steps of document 1: statics of ankle, knee and hip, then inertias, then kinetic friction.
 
     Args:
-        model: Of :func:`exoid.reproduce.sequential.bleex.document_model`.
-        sets: The poses asked for.
-        poses: What was measured there, in the order of ``sets.all``.
+        model: Model of :func:`exoid.reproduce.sequential.bleex.document_model`.
+        sets: Commanded poses.
+        poses: Measured poses in the order of ``sets.all``.
         swings: Recordings of the swinging hip, knee and ankle.
+
+    Returns:
+        Estimate of all parameters of the document.
     """
     ankle, knee, pairs, random = sets.split(poses)
-    known = steps.stiffness_shape(model, Known(), ankle, sets.ankle_set, steps.ANKLE)
+    known = steps.stiffness_coefficients(model, SequentialEstimate(), ankle, sets.ankle_set, steps.ANKLE)
     known = steps.ankle_offset(model, known, pairs)
     known = steps.mass_moments(model, known, random, steps.ANKLE)
-    known = steps.stiffness_shape(model, known, knee, sets.knee_set, steps.KNEE)
+    known = steps.stiffness_coefficients(model, known, knee, sets.knee_set, steps.KNEE)
     known = steps.mass_moments(model, known, random, steps.KNEE)
     known = steps.mass_moments(model, known, random, steps.HIP)
     known = steps.inertia(model, known, swings[steps.KNEE], 3)

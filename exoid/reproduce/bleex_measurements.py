@@ -1,4 +1,4 @@
-"""What the virtual BLEEX is made of, and what the experiments of document 1 measure on it."""
+"""True parameters of the virtual BLEEX, and measurements by the experiments of document 1."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from exoid.published import bleex_parameters, bleex_resistances
 from exoid.rig import HydraulicServo, Plant, Proportional, Rates, Run, Sensors
 from exoid.signals import Approaches, Poses, Recording
 
-HIDDEN_HIP: Mapping[str, Mapping[str, float]] = {
+ASSUMED_HIP: Mapping[str, Mapping[str, float]] = {
     "left": {"b2_hip": -0.6, "b1_hip": -1.9, "b0_hip": -0.3, "c0_hip": 0.5},
     "right": {"b2_hip": -1.2, "b1_hip": -2.2, "b0_hip": 0.4, "c0_hip": 0.45},
 }
-"""Assumed: the document takes hip stiffness and friction as zero, but sees no reason why they should be."""
+"""Assumed stiffness and friction of the hip, which the document takes as zero without a reason."""
 
 BENCH = Bench(
     controller=Proportional(1.0),
@@ -26,49 +26,53 @@ BENCH = Bench(
     sensors=Sensors(encoder_counts=2.0**16, torque_noise=(0.3, 0.2, 0.1)),
     rates=Rates(control=500.0, log=bleex.LOG_RATE, step=1e-3),
 )
-"""Servo of 10 1/s bandwidth and 1000 N·m/rad static stiffness; sensors as assumed for the replay."""
+"""Servo of 10 1/s bandwidth and 1000 N·m/rad static stiffness, with assumed sensors."""
 
 STATIC = StaticProtocol(readings=25)
+"""Approach and readings of the static experiments."""
 
 COARSE_COUNTS = 2.0**12
-"""Of an encoder with which raw second differences fail."""
+"""Counts of an encoder for which raw second differences fail."""
 
 SETTLE = 2.0
-"""Start of a dynamic experiment that is left out [s]."""
+"""Initial part of a dynamic experiment that is left out [s]."""
 
 TILTS = (-30.0, 30.0)
-"""Of the torso [deg], which document 1 proposes for the hip's stiffness and did not do."""
+"""Torso tilts for the stiffness of the hip [deg], which document 1 proposes but does not use."""
 
 
 @dataclass(frozen=True)
 class Extent:
-    """How much is measured.
+    """Extent of the measurements.
 
     Attributes:
-        duration: Of every motion [s]; after :data:`SETTLE`, whole periods of all frequencies remain of 22 s.
-        poses: Random ones, upright and at each tilt (sec. III-E).
+        duration: Duration of every motion [s]; 22 s less :data:`SETTLE` contain whole periods of all frequencies.
+        poses: Number of random poses, upright and at each tilt (doc. 1, sec. III-E).
+
+    Raises:
+        ExoidError: The duration is not longer than :data:`SETTLE`, or there is no pose.
     """
 
     duration: float = 22.0
     poses: int = 100
 
     def __post_init__(self) -> None:
-        """Check that something is left."""
+        """Check the numbers."""
         if not (SETTLE < self.duration < np.inf and self.poses >= 1):
             raise ExoidError(f"{self}", remedy=f"measure longer than {SETTLE:g} s and at least one pose")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Measurements:
-    """What was measured on one leg.
+    """Measurements of one leg.
 
     Attributes:
-        sets: The poses that were asked for.
-        upright: Approached from both sides, torso upright, in the order of ``sets.all``.
+        sets: Commanded poses.
+        upright: Poses approached from both sides with the torso upright, in the order of ``sets.all``.
         tilted: Averaged poses at each torso tilt.
         swings: Recordings of the swinging hip, knee and ankle at five frequencies each.
-        validation: All joints in motion.
-        coarse: Swings as an encoder of 2^12 counts would have logged them.
+        validation: Recording with all joints in motion.
+        coarse: Swings as logged by an encoder of 2^12 counts.
     """
 
     sets: bleex.StaticSets
@@ -78,48 +82,53 @@ class Measurements:
     validation: Recording
     coarse: tuple[tuple[Recording, ...], ...]
 
+    def __repr__(self) -> str:
+        """Count poses and recordings."""
+        tilted, swings = sum(map(len, self.tilted)), sum(map(len, self.swings))
+        return f"Measurements({len(self.upright.below)} poses upright, {tilted} tilted, {swings} swings)"
 
-def truth_of(side: str) -> dict[str, float]:
-    """Tables I to IV of one side in exoid's signs, and the hidden hip."""
-    return {**bleex_parameters(side), **bleex_resistances(side), **HIDDEN_HIP[side]}
+
+def truth_values(side: str) -> dict[str, float]:
+    """Return the true parameters by name: Tables I to IV of one side in exoid's signs, and the assumed hip."""
+    return {**bleex_parameters(side), **bleex_resistances(side), **ASSUMED_HIP[side]}
 
 
 def measure_bleex(
-    side: str, rng: np.random.Generator, replicates: int, extent: Extent, told: Callable[[float], None]
+    side: str, rng: np.random.Generator, replicates: int, extent: Extent, report: Callable[[float], None]
 ) -> list[Measurements]:
     """Run the experiments of one leg.
 
     Args:
         side: "left" or "right".
-        rng: Of random poses and sensor noise.
-        replicates: Rigs that do the same side by side, with noise of their own.
-        extent: How much is measured.
-        told: Told the share that is done.
+        rng: Generator of random poses and sensor noise.
+        replicates: Number of rigs with independent noise.
+        extent: Duration of the motions and number of poses.
+        report: Function that receives the completed share, 0 to 1.
 
     Returns:
-        One set of measurements for each replicate.
+        Measurements of each replicate.
     """
-    leg, truth = load_leg("bleex", side=side), truth_of(side)
-    plant = Plant.build(leg, truth).each(replicates)
+    leg, truth = load_leg("bleex", side=side), truth_values(side)
+    plant = Plant.build(leg, truth).repeat(replicates)
     sets = bleex.static_sets(rng, extent.poses)
     upright = run_static(plant, sets.all, BENCH, rng, STATIC)
-    told(0.2)
+    report(0.2)
     tilted = []
     for tilt in TILTS:
         poses = bleex.static_sets(rng, extent.poses).random
-        leaning = Plant.build(leg, truth, pitch=np.deg2rad(tilt)).each(replicates)
-        tilted.append([both.averaged for both in run_static(leaning, poses, BENCH, rng, STATIC)])
-    told(0.4)
+        tilted_plant = Plant.build(leg, truth, pitch=np.deg2rad(tilt)).repeat(replicates)
+        tilted.append([both.averaged for both in run_static(tilted_plant, poses, BENCH, rng, STATIC)])
+    report(0.4)
     rigs = bleex.VALIDATION + 1
     run = run_motion(
-        plant.each(rigs),
-        bleex.dynamic_motions().each(replicates),
+        plant.repeat(rigs),
+        bleex.dynamic_motions().tile(replicates),
         BENCH,
         extent.duration,
         rng,
-        progress=lambda share: told(0.4 + 0.6 * share),
+        progress=lambda share: report(0.4 + 0.6 * share),
     )
-    coarse = _coarser(run, rng)
+    coarse = _with_coarse_encoders(run, rng)
     return [
         Measurements(
             sets,
@@ -139,10 +148,10 @@ def _log(run: Run, rig: int) -> Recording:
 
 def _swings(run: Run, first: int) -> tuple[tuple[Recording, ...], ...]:
     frequencies = range(len(bleex.FREQUENCIES))
-    return tuple(tuple(_log(run, first + bleex.swing(joint, k)) for k in frequencies) for joint in range(3))
+    return tuple(tuple(_log(run, first + bleex.swing_index(joint, k)) for k in frequencies) for joint in range(3))
 
 
-def _coarser(run: Run, rng: np.random.Generator) -> Run:
-    """Log the same run once more, with coarse encoders."""
+def _with_coarse_encoders(run: Run, rng: np.random.Generator) -> Run:
+    """Replace the angle readings by those of coarse encoders."""
     sensors = Sensors(encoder_counts=COARSE_COUNTS)
     return replace(run, q_measured=np.array([sensors.angle(sample, rng) for sample in run.q]))

@@ -1,4 +1,4 @@
-"""Document 2's comparison of controllers replayed, with the laws it lacks: same leg, same rate, same gains."""
+"""Replay of document 2's comparison of controllers, with further laws, on the same leg at the same rate and gains."""
 
 from __future__ import annotations
 
@@ -17,43 +17,57 @@ from exoid.experiments import cuhk, healthy_gait, refuse_motion_beyond_limits
 from exoid.identification import identify
 from exoid.published import cuhk as document
 from exoid.published import cuhk_parameters, cuhk_resistances
-from exoid.rig import IdealTorque, Payload, PinocchioStepper, Plant, ProportionalDerivative, load_plant, simulate
+from exoid.rig import (
+    IdealTorque,
+    Payload,
+    PinocchioStepper,
+    Plant,
+    ProportionalDerivative,
+    plant_with_payloads,
+    simulate,
+)
 
 from .cuhk import DURATION, MOTOR, PREPARATION, RATES, SENSORS, SERVOS, SETTLE, TERMS
 
 GAINS = {"kp": (22.0, 55.0), "kd": (2.2, 5.5)}
-"""Of hip and knee [N·m/rad, N·m·s/rad]. Document 2 prints none: with these its PD errs by its 15° and 12°, on the rig
-with rotors and without; kd is a tenth of kp."""
+"""Gains of hip and knee [N·m/rad, N·m·s/rad], which document 2 does not print.
+
+With these gains PD has the peak errors of the document, 15° and 12°, on the rig with and without rotors.
+"""
 
 PERIOD, PERIODS, AMPLITUDE = 10.0, 2, 1.2
-"""Stride of document 2 [s], how many are walked (the first is not counted), and the factor by which its amplitude is
-enlarged, which is not printed."""
+"""Period of document 2's stride [s], number of strides, and factor of the amplitude, which is not printed.
+
+The first stride is not evaluated.
+"""
 
 SLOW = 30.0
-"""Rate of document 2's PD controller [Hz]; everything else runs at its 100."""
+"""Rate of document 2's PD controller [Hz]; all other laws run at 100 Hz."""
 
 SHANK_WEIGHT = Payload("knee", 1.5, (0.0, 0.0, -0.3))
-"""That no law is told of."""
+"""Payload on the shank that the laws do not know."""
 
 PRINTED = "Table III"
+"""End of the name of the law that knows Table III as printed."""
+
 LOADED = "+1.5kg"
-"""End of the names of laws on the rig with that weight."""
+"""End of the names of laws on the rig with :data:`SHANK_WEIGHT`."""
 
 DOCUMENT_DEG = {"pd": (15.0, 12.0), "pd_gravity_friction": (10.0, 5.0)}
 """Peak errors that document 2 reports (sec. V)."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class TrackingReplay:
-    """Laws on the CUHK-EXO with payload.
+    """Control laws on the CUHK-EXO with payload.
 
     Attributes:
-        estimate: What the laws know of the leg, identified from noisy data of the same rig.
-        laws: pd_30hz, pd, pd_gravity_friction, pd_feedforward, computed_torque and lqr.
-        wrong: The same laws where they are told wrong: with friction times 0.5 or 1.5, a weight on the shank, or the
-            document's Table III as printed; empty if not asked for.
+        estimate: Model of the laws, identified from noisy data of the same rig.
+        laws: Runs of pd_30hz, pd, pd_gravity_friction, pd_feedforward, computed_torque and lqr.
+        wrong: Runs of the laws with a wrong model: friction times 0.5 or 1.5, an unknown weight on the shank, or the
+            document's Table III as printed; empty unless requested.
         rotor: Reflected inertia of each rotor [kg·m²].
-        seed: Of motion and noise.
+        seed: Seed of motion and noise.
     """
 
     estimate: Estimate
@@ -61,6 +75,11 @@ class TrackingReplay:
     wrong: Mapping[str, Tracking]
     rotor: float
     seed: int
+
+    def __repr__(self) -> str:
+        """Write the peak error of each law."""
+        peaks = (f"{name} {'/'.join(f'{peak:.2f}' for peak in run.peak_deg)}°" for name, run in self.laws.items())
+        return f"TrackingReplay(seed {self.seed}, rotors of {self.rotor:g} kg·m²: peak errors {', '.join(peaks)})"
 
 
 def reproduce_cuhk_tracking(
@@ -73,40 +92,49 @@ def reproduce_cuhk_tracking(
     """Identify the leg on the rig, then let every law follow the gait.
 
     Args:
-        seed: Of the multisine and the sensor noise.
+        seed: Seed of the multisine and the sensor noise.
         rotor: Reflected inertia of each rotor [kg·m²].
-        wrong: Whether laws that know the leg wrongly run too.
-        progress: Told the share that is done.
+        wrong: Whether laws with a wrong model of the leg run too.
+        progress: Function that receives the completed share, 0 to 1.
+
+    Returns:
+        Estimate, and runs of all laws.
 
     Raises:
-        ExoidError: The rotor's inertia is negative or not finite.
+        ExoidError: The rotor inertia is negative or not finite.
     """
-    told = progress or (lambda _: None)
+    report = progress or (lambda _: None)
     plant = tracking_plant(rotor)
-    estimate = identify_for_tracking(plant, seed, lambda share: told(0.4 * share))
+    estimate = identify_for_tracking(plant, seed, lambda share: report(0.4 * share))
     laws = document_laws(estimate)
-    ill = wrong_laws(estimate) if wrong else {}
-    heavy = load_plant(plant, [SHANK_WEIGHT])
+    misinformed = wrong_laws(estimate) if wrong else {}
+    heavy = plant_with_payloads(plant, [SHANK_WEIGHT])
     runs = compare_laws(
-        {name: heavy if name.endswith(LOADED) else plant for name in (*laws, *ill)},
-        laws | ill,
+        {name: heavy if name.endswith(LOADED) else plant for name in (*laws, *misinformed)},
+        laws | misinformed,
         healthy_gait(AMPLITUDE, PERIOD),
         PERIODS * PERIOD,
         sensors=SENSORS,
         settle=PERIOD,
         seed=seed,
-        progress=lambda share: told(0.4 + 0.6 * share),
+        progress=lambda share: report(0.4 + 0.6 * share),
     )
-    told(1.0)
-    right, doubtful = ({name: runs[name] for name in names} for names in (laws, ill))
-    return TrackingReplay(estimate, right, doubtful, float(rotor), seed)
+    report(1.0)
+    of_laws, of_misinformed = ({name: runs[name] for name in names} for names in (laws, misinformed))
+    return TrackingReplay(estimate, of_laws, of_misinformed, float(rotor), seed)
 
 
 def tracking_plant(rotor: float = MOTOR.armature) -> Plant:
-    """The CUHK-EXO with a wearer's payload, friction, and rotors of the given inertia at the joint [kg·m²].
+    """Build the CUHK-EXO with the payload of a wearer, friction and rotors.
+
+    Args:
+        rotor: Reflected inertia of each rotor [kg·m²].
+
+    Returns:
+        One rig.
 
     Raises:
-        ExoidError: The inertia is negative or not finite.
+        ExoidError: The rotor inertia is negative or not finite.
     """
     if not 0.0 <= rotor < np.inf:
         raise ExoidError(f"rotors of {rotor:g} kg·m²", remedy="give their inertia at the joint, zero or positive")
@@ -115,7 +143,7 @@ def tracking_plant(rotor: float = MOTOR.armature) -> Plant:
 
 
 def identify_for_tracking(plant: Plant, seed: int, progress: Callable[[float], None] | None = None) -> Estimate:
-    """Identify the leg of a rig from a multisine under a gentle servo, read by noisy sensors."""
+    """Identify the leg of a rig from a multisine under the servo "smooth", with noisy sensors."""
     rng = np.random.default_rng(seed)
     motion = cuhk.multisine(plant.leg, rng)
     refuse_motion_beyond_limits(plant.leg, motion, DURATION)
@@ -135,30 +163,33 @@ def identify_for_tracking(plant: Plant, seed: int, progress: Callable[[float], N
 
 
 def document_laws(source: Estimate | ControlModel) -> dict[str, Law]:
-    """Laws at document 2's gains, by name; its PD at its rate and at that of the others."""
+    """Make the laws at document 2's gains by name, with PD at 30 and at 100 Hz."""
     kp, kd = GAINS["kp"], GAINS["kd"]
     gait = healthy_gait(AMPLITUDE, PERIOD)
     return {"pd_30hz": pd(kp, kd, rate=SLOW), **standard_laws(source, kp, kd, gait, PERIOD)}
 
 
 def wrong_laws(source: Estimate | ControlModel) -> dict[str, Law]:
-    """The same laws on a wrong model, by name; those with a weight on the shank belong on a rig that has it."""
+    """Make the same laws with a wrong model, by name; those that end in :data:`LOADED` are for the rig with payload."""
     model = ControlModel.of(source)
     laws: dict[str, Law] = {}
     for factor in (0.5, 1.5):
-        told = document_laws(model.with_friction(factor))
-        laws |= {f"{name} F x{factor:g}": law for name, law in told.items() if name not in ("pd_30hz", "pd")}
+        scaled = document_laws(model.with_friction(factor))
+        laws |= {f"{name} F x{factor:g}": law for name, law in scaled.items() if name not in ("pd_30hz", "pd")}
     laws |= {f"{name} {LOADED}": law for name, law in document_laws(model).items() if name != "pd_30hz"}
-    with warnings.catch_warnings():  # that this is wrong is what it is to show
+    with warnings.catch_warnings():  # the warning is expected: the model is wrong
         warnings.simplefilter("ignore", UserWarning)
         laws[f"pd_gravity_friction {PRINTED}"] = gravity_friction_pd(table_iii_model(), GAINS["kp"], GAINS["kd"])
     return laws
 
 
 def table_iii_model() -> ControlModel:
-    """Document 2's Table III as printed: no physical leg, with friction that drives; a law on it must warn.
+    """Make the model of document 2's Table III as printed, with negative inertias and friction that adds energy.
 
     θ is taken in radians, and b_k0, which has no number, as zero.
+
+    Returns:
+        Model that is not physical; compensating its friction raises a warning.
     """
     table = document().table("III")
     hip, knee = table.column("hip"), table.column("knee")

@@ -1,4 +1,4 @@
-"""The documents' figures, drawn from the replay's data."""
+"""Figures of the documents, drawn from the data of the replays."""
 
 from __future__ import annotations
 
@@ -21,19 +21,27 @@ from exoid.view.style import COLUMN
 
 from .bleex import SideReplay
 from .cuhk import CuhkReplay
-from .sequential.bleex import FASTER_THAN, document_model
+from .sequential.bleex import MIN_SPEED, document_model
 from .sequential.rows import rows_in_motion
 from .torque_error import by_name, predicted_torque, validation_rows
 
 KNEE, ANKLE = 1, 2
 MIDDLE = 2
-"""Of the five frequencies: 0.6 Hz."""
+"""Index of the middle frequency, 0.6 Hz."""
+
 SHOWN = 8.0
-"""Of a motion [s], at most."""
+"""Longest part of a motion that is drawn [s]."""
 
 
 def bleex_figures(side: SideReplay) -> dict[str, Figure]:
-    """Draw figures 3 to 7 of document 1, by name."""
+    """Draw figures 3 to 7 of document 1.
+
+    Args:
+        side: Replay of one leg.
+
+    Returns:
+        Figures by name.
+    """
     with paper():
         return {
             "doc1_fig3_static_friction": _static_friction(side),
@@ -45,13 +53,20 @@ def bleex_figures(side: SideReplay) -> dict[str, Figure]:
 
 
 def cuhk_figures(replay: CuhkReplay) -> dict[str, Figure]:
-    """Draw figures 3 and 6 of document 2, by name."""
+    """Draw figures 3 and 6 of document 2.
+
+    Args:
+        replay: Replay of document 2.
+
+    Returns:
+        Figures by name.
+    """
     with paper():
         return {"doc2_fig3_validation": _cuhk_validation(replay), "doc2_fig6_reference": _gait()}
 
 
 def _static_friction(side: SideReplay) -> Figure:
-    """The first of the ankle's sets, where θ123 is the same throughout."""
+    """First set of ankle poses, with constant θ123."""
     count = int((side.data.sets.ankle_set == 0).sum())
     both = Approaches(*(poses.take(slice(count)) for poses in (side.data.upright.below, side.data.upright.above)))
     figure = _figure(0.7)
@@ -69,10 +84,10 @@ def _stiffness(side: SideReplay) -> Figure:
 
 
 def _inertia(side: SideReplay) -> Figure:
-    """Both sides of eq. (29): the ankle's torque in proportion to the knee's acceleration, and the rest."""
+    """Both sides of doc. 1, eq. (29): ankle torque proportional to the knee acceleration, and measured torque."""
     model, recording = document_model(side.leg), side.data.swings[KNEE][MIDDLE].resampled()
     values = np.array([side.sequential.as_dict().get(name, 0.0) for name in model.names])
-    values[model.names.index("c0_ankle")] = 0.0  # neglected, as in the step that found J3
+    values[model.names.index("c0_ankle")] = 0.0  # neglected as in the step for J3
     q, v, a, valid = FiniteDifference().kinematics(recording)
     still = (model.regressor(q, v, np.zeros_like(a)) @ values)[valid, ANKLE]
     inertial = (model.regressor(q, v, a) @ values)[valid, ANKLE] - still
@@ -85,11 +100,11 @@ def _inertia(side: SideReplay) -> Figure:
 
 
 def _kinetic_friction(side: SideReplay) -> Figure:
-    """Eq. (33) with the opposite sign, samples near the reversals left out."""
+    """Doc. 1, eq. (33) with the opposite sign, without samples near the reversals."""
     values = side.sequential.as_dict()
     recordings = [side.data.swings[ANKLE][MIDDLE]]
     rows = rows_in_motion(document_model(side.leg), recordings, ANKLE, FiniteDifference())
-    rows = rows.where(np.abs(rows.v) > FASTER_THAN)
+    rows = rows.where(np.abs(rows.v) > MIN_SPEED)
     figure = _figure(0.7)
     friction = rows.tau - rows.explained(values, without=("c0_ankle",))
     plot_friction(figure.add_subplot(), rows.v, friction, values["c0_ankle"], "ankle")

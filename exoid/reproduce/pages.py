@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 from matplotlib.figure import Figure
 
-from exoid._typing import FloatArray
 from exoid.control import Tracking
 from exoid.tables import DataTable
 from exoid.view.report import Page, Picture, Section, Text
@@ -15,6 +14,7 @@ from .bleex import BleexReplay
 from .cuhk import CuhkReplay
 from .figures import bleex_figures, cuhk_figures
 from .report import bleex_errors, bleex_notes, bleex_parameters, cuhk_errors, cuhk_notes, cuhk_parameters
+from .torque_error import percent
 from .tracking_report import tracking_figures
 
 CAPTIONS = {
@@ -28,52 +28,69 @@ CAPTIONS = {
     "doc2_fig8_errors": "Fig. 8: tracking errors under PD and with compensation",
     "doc2_fig9_torques": "Fig. 9: torques under PD and with compensation",
     "laws_errors": "Tracking errors of every law at the same rate and gains",
-    "laws_errors_close": "Those of the laws that err little, in which they can be told apart",
+    "laws_errors_close": "Tracking errors of the most accurate laws, on a finer scale",
     "laws_torques": "Torques of every law",
     "laws_peak_errors": "Largest tracking error of every law",
 }
-"""Of figures by name."""
+"""Captions of the figures by name."""
 
 
 def bleex_page(replay: BleexReplay) -> Page:
-    """Document 1 replayed: every table of both legs, the figures of the left one, and what they mean."""
+    """Make the page of a replay of document 1: tables of both legs, notes, and figures of the left leg.
+
+    Args:
+        replay: Replay of document 1.
+
+    Returns:
+        The page.
+    """
     sections = [
         Section(f"{name} leg", [bleex_parameters(name, side), bleex_errors(side), Text(bleex_notes(side))])
         for name, side in (("Left", replay.left), ("Right", replay.right))
     ]
     left, joint = replay.left.nrmse["sequential"], replay.left.nrmse["joint"]
-    verdict = [
-        "Document 1's experiments, run on a virtual rig whose parameters are known, identified in its way and in one "
+    summary = [
+        "The experiments of document 1 on a virtual rig with known parameters, identified by its procedure and by one "
         "joint estimate.",
-        f"On a motion that neither has seen, the left leg's torque error falls from {_percent(left)} % to "
-        f"{_percent(joint)} % (hip, knee, ankle).",
+        f"On the validation motion the torque error of the left leg decreases from {percent(left)} % to "
+        f"{percent(joint)} % (hip, knee, ankle).",
     ]
     figures = Section("Figures of document 1, left leg", _pictures(bleex_figures(replay.left)))
-    return Page(f"BLEEX, document 1 replayed (seed {replay.seed})", verdict, [*sections, figures])
+    return Page(f"BLEEX, document 1 replayed (seed {replay.seed})", summary, [*sections, figures])
 
 
 def cuhk_page(replay: CuhkReplay) -> Page:
-    """Document 2 replayed: its tables, its figures, and what they mean."""
+    """Make the page of a replay of document 2: tables, notes and figures.
+
+    Args:
+        replay: Replay of document 2.
+
+    Returns:
+        The page.
+    """
     notes = cuhk_notes(replay)
-    verdict = [
-        "Document 2's experiments, run on a virtual rig whose parameters are known, and a faster motion beside them.",
+    summary = [
+        "The experiments of document 2 and a faster motion on a virtual rig with known parameters.",
         notes[0],
     ]
     sections = [
         Section("Parameters", [cuhk_parameters(replay), cuhk_errors(replay), Text(notes)]),
         Section("Figures of document 2", _pictures(cuhk_figures(replay))),
     ]
-    return Page(f"CUHK-EXO, document 2 replayed (seed {replay.seed})", verdict, sections)
+    return Page(f"CUHK-EXO, document 2 replayed (seed {replay.seed})", summary, sections)
 
 
 def tracking_page(title: str, table: DataTable, notes: Sequence[str], runs: Mapping[str, Tracking]) -> Page:
-    """Control laws side by side.
+    """Make the page of a comparison of control laws.
 
     Args:
-        title: Of the page.
-        table: Of all laws.
-        notes: What the table means.
-        runs: By name of the law.
+        title: Title of the page.
+        table: Table of all laws.
+        notes: Notes on the table; may be empty.
+        runs: Runs by name of the law.
+
+    Returns:
+        The page.
     """
     sections = [
         Section("Laws side by side", [table, *([Text(notes)] if notes else [])]),
@@ -86,7 +103,3 @@ def tracking_page(title: str, table: DataTable, notes: Sequence[str], runs: Mapp
 
 def _pictures(figures: Mapping[str, Figure]) -> list[Picture]:
     return [Picture.of(figure, CAPTIONS[name], CAPTIONS[name]) for name, figure in figures.items()]
-
-
-def _percent(errors: FloatArray) -> str:
-    return "/".join(f"{100.0 * error:.1f}" for error in errors)

@@ -1,4 +1,4 @@
-"""Replays as tables for people and as JSON for programs."""
+"""Replays as tables and as JSON."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from exoid.estimate import Estimate
 from exoid.tables import DataTable, to_text, with_error
 
 from .bleex import BleexReplay, SideReplay
-from .cuhk import FIVEFOLD, CuhkReplay
-from .sequential import Known
+from .cuhk import J2_FACTOR, CuhkReplay
+from .sequential import SequentialEstimate
 from .torque_error import by_name
 
 BLEEX_JOINTS = ("hip", "knee", "ankle")
@@ -21,7 +21,14 @@ CUHK_JOINTS = ("hip", "knee")
 
 
 def bleex_text(replay: BleexReplay) -> str:
-    """Every table of document 1, side by side, and what the figures mean."""
+    """Print a replay of document 1: tables of both legs, and notes on the errors.
+
+    Args:
+        replay: Replay of document 1.
+
+    Returns:
+        Text of several lines.
+    """
     return "\n\n".join(
         to_text(bleex_parameters(name, side), bleex_errors(side), *bleex_notes(side))
         for name, side in (("Left", replay.left), ("Right", replay.right))
@@ -29,17 +36,31 @@ def bleex_text(replay: BleexReplay) -> str:
 
 
 def bleex_json(replay: BleexReplay) -> dict[str, Any]:
-    """Figures of a replay of document 1 by name."""
+    """Convert a replay of document 1 to JSON types.
+
+    Args:
+        replay: Replay of document 1.
+
+    Returns:
+        Parameters and torque errors of both legs by name.
+    """
     return {"left": _side_json(replay.left), "right": _side_json(replay.right), "seed": replay.seed}
 
 
 def cuhk_text(replay: CuhkReplay) -> str:
-    """Table III and the validation of document 2, and what the figures mean."""
+    """Print a replay of document 2: parameters, torque errors, and notes on them.
+
+    Args:
+        replay: Replay of document 2.
+
+    Returns:
+        Text of several lines.
+    """
     return to_text(cuhk_parameters(replay), cuhk_errors(replay), *cuhk_notes(replay))
 
 
 def cuhk_parameters(replay: CuhkReplay) -> DataTable:
-    """Table III of document 2 beside the rig's truth."""
+    """Make a table of the parameters of Table III (doc. 2): truth of the rig and estimates."""
     ema, plain = replay.table_ii.as_dict(), replay.table_ii_zero_phase.as_dict()
     rows = [
         (
@@ -48,52 +69,58 @@ def cuhk_parameters(replay: CuhkReplay) -> DataTable:
             _number(ema.get(name)),
             _error(ema.get(name), true),
             _number(plain.get(name)),
-            *_estimated(replay.multisine, name),
-            _error(_value(replay.multisine, name), true),
+            *_estimate_cells(replay.multisine, name, true),
         )
         for name, true in replay.truth.items()
     ]
     headers = ("parameter", "truth", "Table II", "error", "no lag", "multisine", "± std", "error")
-    return DataTable("CUHK-EXO, Tables II and III: truth of the rig and what was identified", headers, rows)
+    return DataTable("CUHK-EXO, Tables II and III: truth of the rig and estimates", headers, rows)
 
 
 def cuhk_errors(replay: CuhkReplay) -> DataTable:
-    """How well each model predicts the torque of a motion that document 2 does not have."""
+    """Make a table of the torque error of each model on an independent multisine."""
     return _errors("an independent motion", replay.nrmse, CUHK_JOINTS)
 
 
 def cuhk_notes(replay: CuhkReplay) -> list[str]:
-    """What the figures of document 2 mean."""
+    """Explain the errors of document 2's procedure."""
     ema = replay.table_ii.as_dict()
-    wrong = 100.0 * (ema["J1"] / replay.truth["J1"] - 1.0)
+    error = 100.0 * (ema["J1"] / replay.truth["J1"] - 1.0)
     return [
-        f"Table II's J1 is {wrong:+.0f} % off: at 0.05 Hz, J1 makes {_inertial_torque(replay):.2f} N·m beside "
-        f"{9.81 * replay.truth['X1']:.0f} N·m of gravity, and the moving average is late.",
-        f"Leaving the rotor out raises the knee's error from {100 * replay.nrmse['multisine'][1]:.1f} to "
-        f"{100 * replay.nrmse['no_rotor'][1]:.1f} %: the torque was the motor's, so Ia_knee belongs to the model.",
-        f"J2 × {FIVEFOLD:g} raises the residual of the document's validation motion (θh = θk) only "
-        f"{replay.blindness['document'].max():.2f} ×, that of an independent motion "
-        f"{replay.blindness['multisine'].min():.0f} ×: the former is blind to J2.",
-        "J1 contains the hip's rotor, which no motion can tell from it.",
+        f"J1 of Table II is {error:+.0f} % off: at 0.05 Hz its torque is {_inertial_torque(replay):.2f} N·m beside "
+        f"{9.81 * replay.truth['X1']:.0f} N·m of gravity, and the moving average adds delay.",
+        f"Without the rotor term the error of the knee rises from {100 * replay.nrmse['multisine'][1]:.1f} to "
+        f"{100 * replay.nrmse['no_rotor'][1]:.1f} %: motor torque needs Ia_knee in the model.",
+        f"With J2 × {J2_FACTOR:g} the residual of the document's validation motion (θh = θk) is "
+        f"{replay.residual_ratio['document'].max():.2f} times as large, that of an independent motion "
+        f"{replay.residual_ratio['multisine'].min():.0f} times: the validation motion does not excite J2.",
+        "J1 includes the rotor of the hip, as no motion separates the two.",
     ]
 
 
 def cuhk_json(replay: CuhkReplay) -> dict[str, Any]:
-    """Figures of a replay of document 2 by name."""
+    """Convert a replay of document 2 to JSON types.
+
+    Args:
+        replay: Replay of document 2.
+
+    Returns:
+        Parameters, torque errors and residual ratios ("blindness") by name.
+    """
     return {
         "truth": dict(replay.truth),
-        "table_ii": _known_json(replay.table_ii),
-        "table_ii_zero_phase": _known_json(replay.table_ii_zero_phase),
+        "table_ii": _sequential_json(replay.table_ii),
+        "table_ii_zero_phase": _sequential_json(replay.table_ii_zero_phase),
         "multisine": _estimate_json(replay.multisine),
         "no_rotor": _estimate_json(replay.no_rotor),
         "nrmse": _lists(replay.nrmse),
-        "blindness": _lists(replay.blindness),
+        "blindness": _lists(replay.residual_ratio),
         "seed": replay.seed,
     }
 
 
 def bleex_parameters(title: str, side: SideReplay) -> DataTable:
-    """Tables II to IV of document 1 beside the rig's truth."""
+    """Make a table of the parameters of Tables I to V (doc. 1): truth of the rig, estimates and CAD."""
     sequential, std = side.sequential.as_dict(), side.sequential.std_as_dict()
     rows = [
         (
@@ -101,8 +128,7 @@ def bleex_parameters(title: str, side: SideReplay) -> DataTable:
             f"{true:.4g}",
             *(with_error(sequential[name], std[name]) if name in sequential else ("0", "–")),
             _error(sequential.get(name, 0.0), true),
-            *_estimated(side.joint, name),
-            _error(_value(side.joint, name), true),
+            *_estimate_cells(side.joint, name, true),
             _number(side.cad.get(name)),
         )
         for name, true in side.truth.items()
@@ -113,25 +139,26 @@ def bleex_parameters(title: str, side: SideReplay) -> DataTable:
 
 
 def bleex_errors(side: SideReplay) -> DataTable:
-    """How well each model predicts the torque of document 1's validation motion."""
+    """Make a table of the torque error of each model on document 1's validation motion."""
     return _errors("the validation motion (Fig. 7)", side.nrmse, BLEEX_JOINTS)
 
 
 def bleex_notes(side: SideReplay) -> list[str]:
-    """Where the document's procedure goes wrong, and why."""
+    """Explain the errors of document 1's procedure."""
     truth, sequential = side.truth, side.sequential.as_dict()
     one_sided, coarse = side.one_sided.as_dict(), side.coarse.as_dict()
-    moved = {name: one_sided[name] - sequential[name] for name in ("b0_knee", "b0_ankle")}
+    change = {name: one_sided[name] - sequential[name] for name in ("b0_knee", "b0_ankle")}
 
-    def percent(values: Mapping[str, float], name: str) -> str:
+    def error(values: Mapping[str, float], name: str) -> str:
         return f"{100.0 * (values[name] / truth[name] - 1.0):+.0f} %"
 
     return [
-        f"J3 {percent(sequential, 'J3')}: the held ankle sticks, and its static friction carries what J3 should.",
-        f"X1 {percent(sequential, 'X1')}: the hip's stiffness is there, though the document takes it as zero.",
-        f"Without averaging A⁺ and A⁻, b0 of knee and ankle move by {moved['b0_knee']:+.2f} and "
-        f"{moved['b0_ankle']:+.2f} N·m: they absorb the friction.",
-        f"With 2¹² counts a turn, second differences drown J1 ({percent(coarse, 'J1')}), J2 ({percent(coarse, 'J2')}).",
+        f"J3 {error(sequential, 'J3')}: the held ankle sticks, and static friction balances the inertial torque.",
+        f"X1 {error(sequential, 'X1')}: the hip has stiffness, but the document takes it as zero.",
+        f"Without averaging A⁺ and A⁻, b0 of knee and ankle change by {change['b0_knee']:+.2f} and "
+        f"{change['b0_ankle']:+.2f} N·m: they absorb the friction.",
+        "With 2¹² counts a turn, the noise of second differences shrinks "
+        f"J1 ({error(coarse, 'J1')}) and J2 ({error(coarse, 'J2')}).",
         f"Hip stiffness is not identifiable upright: condition number {side.upright_condition:.0f}, "
         f"with torso tilts {side.joint.condition_number:.0f}.",
     ]
@@ -140,18 +167,18 @@ def bleex_notes(side: SideReplay) -> list[str]:
 def _side_json(side: SideReplay) -> dict[str, Any]:
     return {
         "truth": dict(side.truth),
-        "sequential": _known_json(side.sequential),
+        "sequential": _sequential_json(side.sequential),
         "joint": _estimate_json(side.joint),
         "cad": dict(side.cad),
         "nrmse": _lists(side.nrmse),
-        "one_sided": _known_json(side.one_sided),
-        "coarse_encoder": _known_json(side.coarse),
+        "one_sided": _sequential_json(side.one_sided),
+        "coarse_encoder": _sequential_json(side.coarse),
         "upright_condition_number": side.upright_condition,
     }
 
 
-def _known_json(known: Known) -> dict[str, Any]:
-    return {"values": known.as_dict(), "std": known.std_as_dict()}
+def _sequential_json(estimate: SequentialEstimate) -> dict[str, Any]:
+    return {"values": estimate.as_dict(), "std": estimate.std_as_dict()}
 
 
 def _estimate_json(estimate: Estimate) -> dict[str, Any]:
@@ -171,14 +198,12 @@ def _errors(motion: str, nrmse: Mapping[str, FloatArray], joints: Sequence[str])
     return DataTable(f"Torque error on {motion}, NRMSE in %", ("model", *joints), rows)
 
 
-def _value(estimate: Estimate, name: str) -> float | None:
-    return estimate.value(name) if name in estimate.names else None
-
-
-def _estimated(estimate: Estimate, name: str) -> tuple[str, ...]:
+def _estimate_cells(estimate: Estimate, name: str, true: float) -> tuple[str, ...]:
+    """Value, standard deviation and error of a parameter."""
     if name not in estimate.names:
-        return "–", "–"
-    return with_error(estimate.value(name), float(estimate.std[estimate.names.index(name)]))
+        return "–", "–", "–"
+    value = estimate.value(name)
+    return *with_error(value, float(estimate.std[estimate.names.index(name)])), _error(value, true)
 
 
 def _number(value: float | None) -> str:

@@ -1,4 +1,4 @@
-"""How far a model's torque is from the measured one."""
+"""Torque error of a model on a validation motion."""
 
 from __future__ import annotations
 
@@ -13,30 +13,40 @@ from exoid.signals import Recording, ZeroPhase
 from exoid.torques import TorqueModel
 
 VALIDATION_FILTER = ZeroPhase(cutoff=5.0)
-"""Of measured and predicted torque alike."""
+"""Filter of measured and predicted torque."""
 
 
 def by_name(estimate: Estimate) -> dict[str, float]:
-    """Values of an estimate by name."""
+    """Return the values of an estimate by name."""
     return dict(zip(estimate.names, estimate.values.tolist(), strict=True))
 
 
 def validation_rows(model: TorqueModel, recording: Recording) -> Rows:
-    """Regressor and measured torque of a validation motion, filtered alike."""
+    """Make the rows of a validation motion: regressor and measured torque behind the same filter."""
     return make_rows(model, recording, VALIDATION_FILTER)
 
 
 def predicted_torque(model: TorqueModel, values: Mapping[str, float], rows: Rows) -> FloatArray:
-    """Torque of parameters by name [N·m], (N, n); what is not named is zero."""
+    """Predict the torque of rows [N·m], (N, n), from parameters by name; the others are zero."""
     return np.asarray(rows.W @ np.array([values.get(name, 0.0) for name in model.names]))
 
 
 def torque_rmse(model: TorqueModel, values: Mapping[str, float], recording: Recording) -> FloatArray:
-    """RMS torque error of parameters by name [N·m], (n,)."""
+    """Compute the RMS torque error of parameters by name [N·m], (n,)."""
     rows = validation_rows(model, recording)
     return np.asarray(np.sqrt(np.mean((rows.tau - predicted_torque(model, values, rows)) ** 2, axis=0)))
 
 
 def torque_nrmse(model: TorqueModel, values: Mapping[str, float], recording: Recording) -> FloatArray:
-    """RMS torque error over the standard deviation of the measured torque, (n,)."""
+    """Compute the RMS torque error over the standard deviation of the measured torque, (n,)."""
     return np.asarray(torque_rmse(model, values, recording) / validation_rows(model, recording).tau.std(axis=0))
+
+
+def percent(errors: FloatArray) -> str:
+    """Write the relative errors of the joints in percent."""
+    return "/".join(f"{100.0 * error:.1f}" for error in errors)
+
+
+def nrmse_text(nrmse: Mapping[str, FloatArray]) -> str:
+    """Write the NRMSE of each model at the joints."""
+    return ", ".join(f"{model} {percent(errors)} %" for model, errors in nrmse.items())

@@ -1,4 +1,4 @@
-"""Comparisons of control laws as tables for people, as JSON for programs, and as figures."""
+"""Comparisons of control laws as tables, as JSON and as figures."""
 
 from __future__ import annotations
 
@@ -25,14 +25,21 @@ LABELS = {
     "computed_torque": "computed torque",
     "lqr": "LQR",
 }
-"""Of laws in figures."""
+"""Labels of the laws in figures."""
 
 CLOSE = 3.0
-"""Laws that err by less [deg] get a figure of their own, in which they can be told apart."""
+"""Peak error below which laws are also drawn in a separate figure [deg]."""
 
 
 def cuhk_tracking_text(replay: TrackingReplay) -> str:
-    """Every law beside the others and beside document 2's figures, and what they mean."""
+    """Print a comparison of all laws with each other and with document 2.
+
+    Args:
+        replay: Replay of document 2's comparison.
+
+    Returns:
+        Text of several lines.
+    """
     parts: list[DataTable | str] = [cuhk_tracking_table(replay), "", *cuhk_tracking_notes(replay)]
     if replay.wrong:
         parts += ["", wrong_table(replay), "", _table_iii(replay)]
@@ -40,7 +47,14 @@ def cuhk_tracking_text(replay: TrackingReplay) -> str:
 
 
 def cuhk_tracking_table(replay: TrackingReplay) -> DataTable:
-    """Every law beside the others."""
+    """Make a table of all laws.
+
+    Args:
+        replay: Replay of document 2's comparison.
+
+    Returns:
+        Table with one line a law and joint.
+    """
     title = (
         f"CUHK-EXO with payload, rotors of {replay.rotor:g} kg·m², gait of 10 s, gains {GAINS['kp']} N·m/rad and "
         f"{GAINS['kd']} N·m·s/rad; laws know an estimate from noisy data"
@@ -49,18 +63,35 @@ def cuhk_tracking_table(replay: TrackingReplay) -> DataTable:
 
 
 def wrong_table(replay: TrackingReplay) -> DataTable:
-    """Laws that know the leg wrongly."""
-    return tracking_table("The same where the laws know the leg wrongly", replay.wrong.values())
+    """Make a table of the laws with a wrong model of the leg."""
+    return tracking_table("The same with a wrong model of the leg", replay.wrong.values())
 
 
 def laws_json(runs: Mapping[str, Tracking], kp: Iterable[float], kd: Iterable[float], seed: int) -> dict[str, Any]:
-    """Figures of each law by its name."""
+    """Convert a comparison of laws to JSON types.
+
+    Args:
+        runs: Runs by name of the law.
+        kp: Gains of the joints [N·m/rad].
+        kd: Gains of the joints [N·m·s/rad].
+        seed: Seed of the sensor noise.
+
+    Returns:
+        Tracking errors and torques of each law by name, with gains and seed.
+    """
     laws = {name: run.to_json() for name, run in runs.items()}
     return {"laws": laws, "gains": {"kp": [float(k) for k in kp], "kd": [float(k) for k in kd]}, "seed": seed}
 
 
 def cuhk_tracking_json(replay: TrackingReplay) -> dict[str, Any]:
-    """Figures of a replay by the laws' names; those of wrong models under "wrong", where they were asked for."""
+    """Convert a replay of document 2's comparison to JSON types.
+
+    Args:
+        replay: Replay of document 2's comparison.
+
+    Returns:
+        Tracking errors and torques of each law by name; those of wrong models under "wrong", if requested.
+    """
     data = laws_json(replay.laws, GAINS["kp"], GAINS["kd"], replay.seed)
     if replay.wrong:
         data["wrong"] = {name: run.to_json() for name, run in replay.wrong.items()}
@@ -68,12 +99,12 @@ def cuhk_tracking_json(replay: TrackingReplay) -> dict[str, Any]:
 
 
 def tracking_figures(runs: Mapping[str, Tracking]) -> dict[str, Figure]:
-    """Draw document 2's figures 8 (errors) and 9 (torques), and all laws side by side at the same rate and gains.
+    """Draw document 2's figures 8 (errors) and 9 (torques), and all laws at the same rate and gains.
 
-    Figures 8 and 9 compare PD, at 30 Hz where it ran, with PD and compensation.
+    Figures 8 and 9 compare PD, at 30 Hz if it is among the runs, with PD and compensation.
 
     Args:
-        runs: By the names of :func:`exoid.control.standard_laws`, and "pd_30hz".
+        runs: Runs by the names of :func:`exoid.control.standard_laws`, and "pd_30hz".
 
     Returns:
         Figures by name.
@@ -97,7 +128,14 @@ def tracking_figures(runs: Mapping[str, Tracking]) -> dict[str, Figure]:
 
 
 def cuhk_tracking_notes(replay: TrackingReplay) -> Sequence[str]:
-    """What the comparison says beside document 2's."""
+    """Compare the results with those that document 2 reports.
+
+    Args:
+        replay: Replay of document 2's comparison.
+
+    Returns:
+        Sentences.
+    """
     laws = replay.laws
     slow, pd, compensated = (laws[name] for name in ("pd_30hz", "pd", "pd_gravity_friction"))
     printed = "; ".join(f"{LABELS[name]} {hip:g} / {knee:g}" for name, (hip, knee) in DOCUMENT_DEG.items())

@@ -1,8 +1,8 @@
-"""A virtual rig: the truth, actuators and sensors of exoskeleton legs on a jig, to try experiments on."""
+"""Virtual rig: simulated legs with friction, actuators, sampled controllers and sensors, one or many at once."""
 
 from .actuators import Actuator, DcMotor, Drive, HydraulicServo, IdealTorque
 from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
-from .payload import Payload, load_leg_with, load_plant, sandbags
+from .payload import Payload, leg_with_payloads, plant_with_payloads, sandbags
 from .pinocchio_stepper import PinocchioStepper
 from .plant import Plant
 from .sensors import Sensors
@@ -32,8 +32,8 @@ __all__ = [
     "Step",
     "Stepper",
     "Target",
-    "load_leg_with",
-    "load_plant",
+    "leg_with_payloads",
+    "plant_with_payloads",
     "sandbags",
     "simulate",
 ]

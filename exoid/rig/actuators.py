@@ -1,7 +1,8 @@
-"""Actuators: what a controller's command does to a joint."""
+"""Actuators: from the command of a controller to the torque at a joint."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -15,8 +16,8 @@ class Drive(NamedTuple):
     """Torque of an actuator during a step, τ₀ − damping · v̄, (n, B) each.
 
     Attributes:
-        torque: τ₀ [N·m].
-        damping: [N·m·s/rad].
+        torque: Torque τ₀ at zero velocity [N·m].
+        damping: Damping against the mean velocity v̄ of the step [N·m·s/rad].
     """
 
     torque: FloatArray
@@ -24,24 +25,67 @@ class Drive(NamedTuple):
 
 
 class Actuator(Protocol):
-    """From a command, constant over a step, to a torque; its inner state is an array (n, B)."""
+    """Actuators of B rigs: a command, constant during a step, becomes torque; the internal state is an array (n, B)."""
 
     def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
-        """Torque during the next step."""
+        """Compute the torque during the next step.
+
+        Args:
+            state: Internal state, (n, B).
+            command: Command, (n, B).
+            dt: Step [s].
+
+        Returns:
+            Torque as a linear function of the mean velocity.
+        """
         ...
 
     def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
-        """State after the step."""
+        """Compute the internal state after the step.
+
+        Args:
+            state: Internal state before, (n, B).
+            command: Command, (n, B).
+            mean_velocity: Mean velocity of the step [rad/s], (n, B).
+            dt: Step [s].
+
+        Returns:
+            Internal state after, (n, B).
+        """
         ...
 
     def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
-        """Torque at this moment [N·m], (n, B), as a sensor sees it."""
+        """Compute the torque at this instant, which a torque sensor measures.
+
+        Args:
+            state: Internal state, (n, B).
+            command: Command, (n, B).
+
+        Returns:
+            Torque [N·m], (n, B).
+        """
         ...
 
 
+class _Memoryless(ABC):
+    """Actuator without internal state and without damping."""
+
+    @abstractmethod
+    def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
+        """Compute the torque of a command, see :meth:`Actuator.torque`."""
+
+    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
+        """Return the torque of the command and no damping, see :meth:`Actuator.drive`."""
+        return Drive(self.torque(state, command), np.zeros_like(command))
+
+    def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
+        """Return the state unchanged, see :meth:`Actuator.advance`."""
+        return state
+
+
 @dataclass(frozen=True)
-class IdealTorque:
-    """Torque follows the command [N·m] at once.
+class IdealTorque(_Memoryless):
+    """Torque source: the torque is the command [N·m], limited.
 
     Attributes:
         limit: Largest torque [N·m].
@@ -57,32 +101,32 @@ class IdealTorque:
         _refuse_unless(self.limit > 0.0, self)
 
     def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
-        """The command, limited."""
+        """Limit the command.
+
+        Args:
+            state: Not used.
+            command: Requested torque [N·m], (n, B).
+
+        Returns:
+            Torque [N·m], (n, B).
+        """
         return np.clip(command, -self.limit, self.limit)
-
-    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
-        """The same throughout the step."""
-        return Drive(self.torque(state, command), np.zeros_like(command))
-
-    def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
-        """It has no state."""
-        return state
 
 
 @dataclass(frozen=True)
-class DcMotor:
-    """Motor behind a gear, commanded by current [A]: τ = ratio · kt · i, as document 2 computes its torque.
+class DcMotor(_Memoryless):
+    """Motor with a gear, commanded by current [A]: τ = ratio · kt · i, from which document 2 computes its torque.
 
-    The rotor belongs to the plant: add :attr:`armature` to the joint's ``Ia``.
+    The rotor belongs to the plant: add :attr:`armature` to ``Ia`` of the joint.
 
     Attributes:
-        torque_constant: kt [N·m/A], positive.
-        ratio: Of the gear.
-        rotor_inertia: [kg·m²].
-        current_limit: [A].
+        torque_constant: Torque constant kt [N·m/A], positive.
+        ratio: Gear ratio, positive.
+        rotor_inertia: Inertia of the rotor about its own axis [kg·m²].
+        current_limit: Largest current [A].
 
     Raises:
-        ExoidError: A constant is not positive (the rotor's inertia: negative) or not finite (but for the limit).
+        ExoidError: A constant is not positive or not finite; the rotor inertia may be zero, the current limit infinite.
     """
 
     torque_constant: float
@@ -97,37 +141,38 @@ class DcMotor:
 
     @property
     def armature(self) -> float:
-        """Rotor inertia seen at the joint, ratio² times the rotor's [kg·m²]."""
+        """Rotor inertia reflected to the joint, ratio² · rotor_inertia [kg·m²]."""
         return self.ratio**2 * self.rotor_inertia
 
     def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
-        """Torque of the limited current."""
+        """Compute the torque of the limited current.
+
+        Args:
+            state: Not used.
+            command: Requested current [A], (n, B).
+
+        Returns:
+            Torque at the joint [N·m], (n, B).
+        """
         return self.ratio * self.torque_constant * np.clip(command, -self.current_limit, self.current_limit)
-
-    def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
-        """The same throughout the step."""
-        return Drive(self.torque(state, command), np.zeros_like(command))
-
-    def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
-        """It has no state."""
-        return state
 
 
 @dataclass(frozen=True)
 class HydraulicServo:
-    """Linearised valve and piston, A' = kh (Kv u − cl A − v): flow by the valve less leakage and motion, compressed.
+    """Linearised valve and cylinder with the torque A as state: Ȧ = kh (Kv u − cl A − v).
 
-    Under P control u = Kp (θ_d − θ) the joint follows with bandwidth Kv Kp [1/s] and static stiffness Kv Kp / cl. It is
-    stable only if leakage is fast enough, kh cl > Kv Kp; without leakage it is unstable for every gain. Integrated by
-    the trapezoidal rule together with the joint.
+    Flow through the valve, less leakage and joint motion, compresses the oil. Under P control u = Kp (θ_d − θ) the
+    joint follows with bandwidth Kv Kp [1/s] and static stiffness Kv Kp / cl. The loop is stable only if
+    kh cl > Kv Kp, and without leakage it is unstable for every gain. The trapezoidal rule integrates the state
+    together with the joint.
 
     Attributes:
-        stiffness: kh, of the enclosed oil at the joint [N·m/rad], a number or (n, 1).
-        leakage: cl [rad/s/(N·m)], likewise.
-        valve_gain: Kv, joint velocity per command [rad/s/V], a number or (n, 1).
+        stiffness: Stiffness kh of the enclosed oil at the joint [N·m/rad], a number or (n, 1).
+        leakage: Leakage cl [rad/s/(N·m)], a number or (n, 1).
+        valve_gain: Joint velocity per command Kv [rad/s/V], a number or (n, 1).
 
     Raises:
-        ExoidError: A constant is not finite, stiffness or valve gain not positive, or leakage negative.
+        ExoidError: A constant is not finite, stiffness or valve gain is not positive, or leakage is negative.
     """
 
     stiffness: ArrayLike = 5000.0
@@ -141,22 +186,49 @@ class HydraulicServo:
         _refuse_unless(bool(finite and (kh > 0.0).all() and (cl >= 0.0).all() and (Kv > 0.0).all()), self)
 
     def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
-        """The state A."""
+        """Return the state, which is the torque.
+
+        Args:
+            state: Torque A [N·m], (n, B).
+            command: Not used.
+
+        Returns:
+            Torque A [N·m], (n, B).
+        """
         return state
 
     def drive(self, state: FloatArray, command: FloatArray, dt: float) -> Drive:
-        """Mean torque ½ (A + A⁺) as a function of the mean velocity."""
+        """Compute the mean torque ½ (A + A⁺) as a function of the mean velocity.
+
+        Args:
+            state: Torque A before the step [N·m], (n, B).
+            command: Valve command u [V], (n, B).
+            dt: Step [s].
+
+        Returns:
+            Mean torque of the step and its damping.
+        """
         half = 0.5 * dt * np.asarray(self.stiffness)
         scale = 1.0 / (1.0 + half * np.asarray(self.leakage))
         torque = scale * (state + half * np.asarray(self.valve_gain) * command)
         return Drive(torque, np.broadcast_to(scale * half, command.shape))
 
     def advance(self, state: FloatArray, command: FloatArray, mean_velocity: FloatArray, dt: float) -> FloatArray:
-        """Torque A at the end of the step."""
+        """Compute the torque A⁺ at the end of the step.
+
+        Args:
+            state: Torque A before the step [N·m], (n, B).
+            command: Valve command u [V], (n, B).
+            mean_velocity: Mean velocity of the step [rad/s], (n, B).
+            dt: Step [s].
+
+        Returns:
+            Torque A⁺ [N·m], (n, B).
+        """
         torque, damping = self.drive(state, command, dt)
         return 2.0 * (torque - damping * mean_velocity) - state
 
 
-def _refuse_unless(sound: bool, actuator: Actuator) -> None:
-    if not sound:
-        raise ExoidError(f"no such actuator: {actuator}", remedy="its constants are finite and positive")
+def _refuse_unless(valid: bool, actuator: object) -> None:
+    if not valid:
+        raise ExoidError(f"invalid actuator: {actuator}", remedy="give finite and positive constants")

@@ -1,4 +1,4 @@
-"""Loops without sampling: a controller so fast, or analogue, that its torque follows the motion at every moment."""
+"""Loops without sampling: an analogue controller, or one so fast that its torque follows the motion continuously."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from exoid.errors import ExoidError
 
 from .actuators import Actuator
 from .controllers import Controller, Reference
-from .simulate import FASTEST
+from .simulate import DIVERGED_SPEED
 from .stepper import Stepper
 
 
-class Followed(NamedTuple):
-    """What B rigs did, (K, n, B) each.
+class ContinuousRun(NamedTuple):
+    """True motion and torque of B rigs at K samples, (K, n, B) each.
 
     Attributes:
         q: Angles [rad].
@@ -31,28 +31,33 @@ class Followed(NamedTuple):
 
 def follow(
     rig: Stepper, reference: Reference, controller: Controller, actuator: Actuator, start: float, every: int, count: int
-) -> Followed:
-    """Let B rigs follow a motion, the command of each step being that of its middle, which makes it second order.
+) -> ContinuousRun:
+    """Let B rigs follow a motion under a continuous controller.
+
+    The command of each step is evaluated at the middle of the step, which makes the scheme of second order.
 
     Args:
-        rig: Where it is at the start.
-        reference: What to follow.
-        controller: Sees the true angles and velocities.
-        actuator: Between command and torque.
+        rig: State of the rigs at the start.
+        reference: Motion to follow.
+        controller: Controller, which receives the true angles and velocities.
+        actuator: Actuator of each joint.
         start: Time of the first sample [s].
-        every: Steps from one sample to the next.
-        count: Of samples K.
+        every: Number of steps from one sample to the next.
+        count: Number of samples K.
+
+    Returns:
+        True motion and torque at the samples.
 
     Raises:
         ExoidError: The run diverges.
     """
     dt, shape = rig.dt, (rig.plant.n, rig.plant.count)
     state, before, samples = np.zeros(shape), rig.v, []
-    with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges, which is refused below
+    with np.errstate(over="ignore", invalid="ignore"):  # overflow of a diverging run, which raises an error below
         for k in range(every * (count - 1) + 1):
             time = start + k * dt
             if k % every == 0:
-                if not (np.abs(rig.v) < FASTEST).all():
+                if not (np.abs(rig.v) < DIVERGED_SPEED).all():
                     raise ExoidError(
                         f"the loop diverged before {time:.3g} s", remedy="shorten the step, or check gains and model"
                     )
@@ -64,4 +69,4 @@ def follow(
             drive = actuator.drive(state, command, dt)
             step = rig.step(drive.torque, drive.damping)
             state = actuator.advance(state, command, step.mean_velocity, dt)
-    return Followed(*(np.array(x) for x in zip(*samples, strict=True)))
+    return ContinuousRun(*(np.array(x) for x in zip(*samples, strict=True)))

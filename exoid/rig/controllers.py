@@ -1,4 +1,4 @@
-"""Controllers of the experiments: what the rig is commanded to do about its tracking error."""
+"""Controllers of the experiments: from target and measured motion to a command."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from exoid._typing import ArrayLike, FloatArray
 
 
 class Target(NamedTuple):
-    """Where the joints should be, (n, B) each.
+    """Reference motion at one time, (n, B) each.
 
     Attributes:
         q: Angles [rad].
         v: Velocities [rad/s].
-        a: Accelerations [rad/s²]; None where they are not known.
+        a: Accelerations [rad/s²]; None if unknown.
     """
 
     q: FloatArray
@@ -25,54 +25,90 @@ class Target(NamedTuple):
 
 
 class Reference(Protocol):
-    """A motion to follow."""
+    """Reference motion of n joints of B rigs."""
 
     def at(self, time: float) -> Target:
-        """Target at a time [s]."""
+        """Evaluate the motion.
+
+        Args:
+            time: Time [s].
+
+        Returns:
+            Target angles, velocities and, where known, accelerations.
+        """
         ...
 
 
 class Controller(Protocol):
-    """From a target and what the sensors say to a command for the actuators."""
+    """Control law from target and measurement to the command of the actuators."""
 
     def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Command, (n, B), from measured angles [rad] and velocities [rad/s]."""
+        """Compute the command.
+
+        Args:
+            target: Reference motion at this time.
+            q: Measured angles [rad], (n, B).
+            v: Measured velocities [rad/s], (n, B).
+
+        Returns:
+            Command in the unit of the actuator, (n, B).
+        """
         ...
 
 
 @dataclass(frozen=True)
 class Proportional:
-    """u = K (θ_ref − θ), as both documents use it; document 2 prints the opposite sign, which is positive feedback.
+    """P control u = K (θ_ref − θ), used in both documents.
+
+    Document 2 prints the opposite sign, which is positive feedback.
 
     Attributes:
-        gain: K, in command per radian, a number, (n,) or (n, B).
+        gain: Gain K in command per radian, a number, (n,) or (n, B).
     """
 
     gain: ArrayLike
 
     def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
-        """See the class."""
+        """Compute u, see the class.
+
+        Args:
+            target: Reference motion at this time.
+            q: Measured angles [rad], (n, B).
+            v: Not used.
+
+        Returns:
+            Command u, (n, B).
+        """
         return _gains(self.gain) * (target.q - q)
 
 
 @dataclass(frozen=True)
 class ProportionalDerivative:
-    """u = Kp (θ_ref − θ) + Kd (θ̇_ref − θ̇) (doc. 2, eq. (24)).
+    """PD control u = Kp (θ_ref − θ) + Kd (θ̇_ref − θ̇) (doc. 2, eq. (24)).
 
     Attributes:
-        stiffness: Kp, in command per radian, a number, (n,) or (n, B).
-        damping: Kd, in command per radian a second, likewise.
+        stiffness: Gain Kp in command per radian, a number, (n,) or (n, B).
+        damping: Gain Kd in command per radian a second, a number, (n,) or (n, B).
     """
 
     stiffness: ArrayLike
     damping: ArrayLike
 
     def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
-        """See the class."""
+        """Compute u, see the class.
+
+        Args:
+            target: Reference motion at this time.
+            q: Measured angles [rad], (n, B).
+            v: Measured velocities [rad/s], (n, B).
+
+        Returns:
+            Command u, (n, B).
+        """
         return _gains(self.stiffness) * (target.q - q) + _gains(self.damping) * (target.v - v)
 
 
 def _gains(value: ArrayLike) -> FloatArray:
-    """Gains as an array that spreads over joints and rigs."""
+    """Shape gains so that they broadcast over joints and rigs."""
     gains = np.asarray(value, dtype=np.float64)
     return gains[:, None] if gains.ndim == 1 else gains

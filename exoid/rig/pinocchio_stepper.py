@@ -1,4 +1,4 @@
-"""One step of a single rig on Pinocchio's dynamics, for any leg: the reference for the planar rigs."""
+"""Integration step of a single rig with Pinocchio's dynamics, for any leg: the reference for planar rigs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from exoid.model import configuration
 
 from .plant import Plant
 from .stepper import Step, spring_energy
-from .stick_slip import CORRECTIONS, TURNS, Friction, descend
+from .stick_slip import CORRECTIONS, REVERSALS, Friction, descend
 
 Matrix = list[list[float]]
 
@@ -22,7 +22,7 @@ INFINITE = float("inf")
 
 
 class _Joint(NamedTuple):
-    """A joint of the plant in plain floats, see :class:`exoid.rig.Plant`."""
+    """Joint of the plant in plain floats, see :class:`exoid.rig.Plant`."""
 
     b2: float
     b1: float
@@ -36,11 +36,20 @@ class _Joint(NamedTuple):
 
 
 class PinocchioStepper:
-    """A single rig, of a planar leg or not; the same scheme as :class:`exoid.rig.PlanarStepper`.
+    """Single rig of any leg, with the scheme of :class:`exoid.rig.PlanarStepper`.
 
-    Arrays of three numbers cost more in NumPy than their arithmetic does, so that only Pinocchio sees arrays and the
-    rest is done in plain floats. While all joints slide on, friction is a known torque and the articulated-body
-    algorithm does the step; only a joint that rests, or is about to, needs the stick-slip problem solved.
+    NumPy's overhead on arrays of three numbers exceeds their arithmetic, so that only Pinocchio receives arrays and all
+    else is done in plain floats. While all joints keep sliding, friction is a known torque and the articulated-body
+    algorithm computes the step. The stick-slip problem is solved only if a joint rests or may come to rest.
+
+    Args:
+        plant: One rig.
+        q: Initial angles [rad], (n, 1).
+        v: Initial velocities [rad/s], (n, 1).
+        dt: Step [s].
+
+    Raises:
+        ExoidError: The plant has more than one rig.
     """
 
     def __init__(self, plant: Plant, q: FloatArray, v: FloatArray, dt: float) -> None:
@@ -56,7 +65,7 @@ class PinocchioStepper:
         self._data = self._model.createData()
         self._turns = self._model.nq != self._model.nv
         self._at, self._rate, self._force = np.zeros((3, plant.n))
-        self._inertia = self._model.armature  # a view: what is written here, Pinocchio adds to its mass matrix
+        self._inertia = self._model.armature  # a view of the armature that Pinocchio adds to its mass matrix
         self._joints = _joints(plant)
         self._kinetic = [dt * joint.kinetic for joint in self._joints]
 
@@ -71,17 +80,33 @@ class PinocchioStepper:
         return np.array([self._v]).T
 
     def step(self, torque: FloatArray, damping: FloatArray) -> Step:
-        """See :class:`exoid.rig.Stepper`."""
+        """Advance by dt under the actuator torque τ₀ − damping · v̄.
+
+        Args:
+            torque: Torque τ₀ [N·m], (n, 1).
+            damping: Damping of the actuators [N·m·s/rad], (n, 1).
+
+        Returns:
+            Mean velocity and impulse of friction and end stops.
+        """
         before = self._v
-        taken = self.advance(torque[:, 0].tolist(), damping[:, 0].tolist())
+        impulse = self.advance(torque[:, 0].tolist(), damping[:, 0].tolist())
         mean = [0.5 * (x + y) for x, y in zip(before, self._v, strict=True)]
-        return Step(np.array([mean]).T, np.array([taken]).T)
+        return Step(np.array([mean]).T, np.array([impulse]).T)
 
     def advance(self, torque: list[float], damping: list[float]) -> list[float]:
-        """Take one step in plain floats; return the impulses that friction and stops took."""
+        """Advance by dt in plain floats, faster than :meth:`step`.
+
+        Args:
+            torque: Torque τ₀ of each joint [N·m].
+            damping: Damping of each actuator [N·m·s/rad].
+
+        Returns:
+            Impulse of friction and end stops at each joint [N·m·s].
+        """
         dt, half, last, old = self.dt, 0.5 * self.dt, self._v, self._q
         at, rate, inertia, effort = self._at, self._rate, self._inertia, self._force
-        force, taken, slides = [], [], True
+        force, impulse, slides = [], [], True
         for i, (b2, b1, b0, viscous, armature, kinetic, _, low, high) in enumerate(self._joints):
             y = last[i]
             x = old[i] + half * y
@@ -89,26 +114,30 @@ class PinocchioStepper:
             inertia[i] = armature + half * resistance
             at[i], rate[i] = x, self._ahead[i]
             net = torque[i] - resistance * y - (b2 * x + b1) * x - b0
-            rub = kinetic if y > 0.0 else -kinetic
-            effort[i] = net - rub
+            friction = kinetic if y > 0.0 else -kinetic
+            effort[i] = net - friction
             force.append(net)
-            taken.append(dt * rub)
+            impulse.append(dt * friction)
             if y == 0.0 or x <= low or x >= high:
                 slides = False
         new = self._slide() if slides else None
         if new is None:
-            new, taken = self._stick_or_slip(force)
+            new, impulse = self._stick_or_slip(force)
         q, ahead = [], []
         for x, y, z in zip(old, last, new, strict=True):
             mean = 0.5 * (y + z)
             q.append(x + dt * mean)
             ahead.append(2.0 * z - mean)
         self._q, self._v, self._ahead = q, new, ahead
-        return taken
+        return impulse
 
     def energy(self) -> FloatArray:
-        """See :class:`exoid.rig.Stepper`."""
-        self._inertia[:] = 0.0  # whether Pinocchio counts rotors among the kinetic energy depends on its version
+        """Compute the mechanical energy, springs and rotors included.
+
+        Returns:
+            Energy [J], (1,).
+        """
+        self._inertia[:] = 0.0  # only some versions of Pinocchio include rotors in the kinetic energy
         q, v = configuration(self._model, self.q.T)[0], self.v[:, 0]
         moving = pin.computeKineticEnergy(self._model, self._data, q, v)
         raised = pin.computePotentialEnergy(self._model, self._data, q)
@@ -116,7 +145,7 @@ class PinocchioStepper:
         return np.asarray(moving + raised + rotors + spring_energy(self.plant, self.q))
 
     def _slide(self) -> list[float] | None:
-        """Velocities after the step if every joint goes on sliding as it does; None if one does not."""
+        """Velocities after the step if every joint keeps sliding in its direction; None otherwise."""
         dt, new = self.dt, []
         a = pin.aba(self._model, self._data, self._configuration(), self._rate, self._force).tolist()
         for x, y in zip(self._v, a, strict=True):
@@ -127,7 +156,7 @@ class PinocchioStepper:
         return new
 
     def _stick_or_slip(self, force: list[float]) -> tuple[list[float], list[float]]:
-        """Velocities after the step, and impulses taken, whatever the joints do."""
+        """Velocities after the step, and impulses of friction and end stops, in all other cases."""
         dt, at, last = self.dt, self._configuration(), self._v
         bias = pin.nonLinearEffects(self._model, self._data, at, self._rate).tolist()
         upper = pin.crba(self._model, self._data, at).tolist()
@@ -139,7 +168,7 @@ class PinocchioStepper:
         low = [-INFINITE if x <= joint.lower else -dt * joint.static for x, joint in joints]
         high = [INFINITE if x >= joint.upper else dt * joint.static for x, joint in joints]
         new = solve_scalar(upper, b, self._kinetic, low, high, last)
-        for _ in range(TURNS):
+        for _ in range(REVERSALS):
             if all(x * y >= 0.0 for x, y in zip(last, new, strict=True)):
                 break
             before = [
@@ -165,14 +194,14 @@ def solve_scalar(
 
     Args:
         M: Mass matrix, n lists of n.
-        b: Momenta.
-        kinetic: Impulse that a moving joint takes.
-        low: Least impulse that a resting joint takes.
-        high: Largest.
-        last: Velocities before.
+        b: Momenta after the step without friction [N·m·s].
+        kinetic: Impulse of friction at a moving joint [N·m·s].
+        low: Smallest impulse at a resting joint [N·m·s].
+        high: Largest impulse at a resting joint [N·m·s].
+        last: Velocities before the step [rad/s].
 
     Returns:
-        Velocities, zero where a joint rests.
+        Velocities after the step [rad/s], zero where a joint rests.
     """
     pattern = [
         0 if (x > 0.0 and most == INFINITE) or (x < 0.0 and least == -INFINITE) else (x > 0.0) - (x < 0.0)
@@ -183,12 +212,12 @@ def solve_scalar(
         right = True
         for i, p in enumerate(pattern):
             if p:
-                wanted = p if v[i] * p > 0.0 else 0
+                corrected = p if v[i] * p > 0.0 else 0
             else:
-                taken = b[i] - sum(map(mul, M[i], v))
-                wanted = (taken > high[i]) - (taken < low[i])
-            if wanted != p:
-                pattern[i], right = wanted, False
+                impulse = b[i] - sum(map(mul, M[i], v))
+                corrected = (impulse > high[i]) - (impulse < low[i])
+            if corrected != p:
+                pattern[i], right = corrected, False
         if right:
             return v
     columns = [np.array(x)[:, None] for x in (b, kinetic, low, high)]
@@ -198,7 +227,7 @@ def solve_scalar(
 
 
 def _eliminate(M: Matrix, v: list[float], pattern: list[int]) -> list[float]:
-    """Solve M v = v, in place, for the joints that move, by elimination without pivots; the others get zero."""
+    """Solve M x = v in place for the moving joints, by elimination without pivoting; resting joints get zero."""
     n = len(v)
     U = [row[:] for row in M]
     for k, row in enumerate(U):

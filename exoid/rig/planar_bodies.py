@@ -1,13 +1,13 @@
-"""Rigid-body dynamics of many planar legs at once: mass matrix and bias torque without a loop over rigs.
+"""Rigid-body dynamics of many planar legs at once: mass matrix and bias torque in array operations.
 
 With φ = S q + pitch the absolute angles, d_i the vector along segment i and h_j = Y_j − i X_j its mass moment at the
 zero pose (:mod:`exoid.reduction.planar`), the kinetic energy is ½ Σ M_ij φ̇_i φ̇_j and the potential g Σ Im H_j, where
 
     H_j = h_j e^{iφ_j},      M_jj = J_j,      M_ij = Re C_ij,      C_ij = conj(d_i) h_j e^{i(φ_j − φ_i)}  for i < j,
 
-so that the torque on segment i is g Re H_i less Σ Im C_ij φ̇_j² over the segments below it, plus Σ Im C_ji φ̇_j² over
-those above. Each H and C is a phasor: a length and a phase that is linear in q. Mass matrix and bias of the joints,
-Sᵀ M S and Sᵀ times the torque, are linear in them: one small matrix product does all the sums.
+so that the torque on segment i is g Re H_i − Σ Im C_ij φ̇_j² over the segments below, plus Σ Im C_ji φ̇_j² over the
+segments above. Each H and C is a phasor, whose phase is linear in q. Mass matrix and bias of the joints, Sᵀ M S and Sᵀ
+times the torque, are linear in the phasors: one small matrix product computes all sums.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ class PlanarBodies(NamedTuple):
     """Geometry and parameters of B planar legs of n joints, with the K = n + n(n−1)/2 phasors g H_j and C_ij.
 
     Attributes:
-        halves: From joint angles to half the phases, (K, n).
-        half_phases: At the zero pose, torso pitch included [rad], (K, B).
-        lengths: |g H_j| [N·m] and |C_ij| [kg·m²], (K, B).
-        rates: From joint velocities to φ̇_j, then φ̇_i, of each pair, (n(n−1), n).
-        sums: From Re H, Re C, Im C φ̇_j², Im C φ̇_i² to mass matrix and bias, (n² + n, n + 3 n(n−1)/2).
-        inertia: Part of the mass matrix that does not depend on the pose, (n², B).
+        halves: Matrix from joint angles to half the phases, (K, n).
+        half_phases: Half phases at the zero pose, torso pitch included [rad], (K, B).
+        lengths: Magnitudes |g H_j| [N·m] and |C_ij| [kg·m²], (K, B).
+        rates: Matrix from joint velocities to φ̇_j, then φ̇_i, of each pair, (n(n−1), n).
+        sums: Matrix from Re H, Re C, Im C φ̇_j², Im C φ̇_i² to mass matrix and bias, (n² + n, n + 3 n(n−1)/2).
+        inertia: Part of the mass matrix that does not depend on the pose [kg·m²], (n², B).
     """
 
     halves: FloatArray
@@ -44,7 +44,15 @@ class PlanarBodies(NamedTuple):
 
     @classmethod
     def from_parameters(cls, leg: Leg, parameters: FloatArray, pitch: FloatArray) -> PlanarBodies:
-        """Read (X1, Y1, J1, …), (3 n, B).
+        """Compute the phasors of B legs.
+
+        Args:
+            leg: Planar leg.
+            parameters: Parameters (X1, Y1, J1, …), (3 n, B).
+            pitch: Tilt of the torso [rad], (B,).
+
+        Returns:
+            Geometry and parameters.
 
         Raises:
             ExoidError: The leg is not a planar chain.
@@ -52,7 +60,7 @@ class PlanarBodies(NamedTuple):
         chain = leg.chain
         if chain is None:
             raise ExoidError(
-                "only planar legs can be simulated side by side",
+                "only planar legs can be simulated in a batch",
                 where=leg.description.name,
                 remedy="simulate one rig at a time with stepper=PinocchioStepper",
             )
@@ -76,7 +84,15 @@ class PlanarBodies(NamedTuple):
         )
 
     def dynamics(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Mass matrix M(q), (n, n, B), and bias C v + G [N·m], (n, B), from q and v, (n, B)."""
+        """Compute mass matrix and bias torque.
+
+        Args:
+            q: Angles [rad], (n, B).
+            v: Velocities [rad/s], (n, B).
+
+        Returns:
+            Mass matrix M(q) [kg·m²], (n, n, B), and bias C v + G [N·m], (n, B).
+        """
         n, kinds = len(q), len(self.lengths)
         half = self.halves @ q
         half += self.half_phases
@@ -98,7 +114,15 @@ class PlanarBodies(NamedTuple):
         return M.reshape(n, n, -1), result[n * n :]
 
     def energy(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Kinetic and potential energy [J], (B,)."""
+        """Compute kinetic plus potential energy.
+
+        Args:
+            q: Angles [rad], (n, B).
+            v: Velocities [rad/s], (n, B).
+
+        Returns:
+            Energy [J], (B,).
+        """
         n = len(q)
         M, _ = self.dynamics(q, v)
         height = self.lengths[:n] * np.sin(2.0 * (self.halves[:n] @ q + self.half_phases[:n]))
@@ -106,9 +130,9 @@ class PlanarBodies(NamedTuple):
 
 
 def _sums(S: FloatArray, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> FloatArray:
-    """See :attr:`PlanarBodies.sums`."""
+    """Build :attr:`PlanarBodies.sums`."""
     n, pairs = len(S), len(upper)
-    of_upper, of_lower = S[upper], S[lower]  # rows of S: how joints turn either segment of a pair
+    of_upper, of_lower = S[upper], S[lower]  # rows of S: how joints turn each segment of a pair
     sums = np.zeros((n * n + n, n + 3 * pairs))
     couplings = of_upper[:, :, None] * of_lower[:, None] + of_lower[:, :, None] * of_upper[:, None]
     sums[: n * n, n : n + pairs] = couplings.reshape(pairs, n * n).T

@@ -1,4 +1,4 @@
-"""The truth behind a virtual rig: bodies, springs, friction, rotors and end stops of one leg, or of many at once."""
+"""True parameters of virtual rigs: bodies, springs, friction, rotors and end stops of one leg or of many."""
 
 from __future__ import annotations
 
@@ -12,35 +12,39 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.exported import parameter_terms, read_exported
 from exoid.leg import Leg
+from exoid.tables import DataTable, to_text, value_range
 
 STIFFNESS_DEGREE = 2
-"""Of the polynomial spring at each joint."""
+"""Degree of the polynomial spring at each joint."""
 
 SYMBOLS = ("b2", "b1", "b0", "c0", "cs", "d", "Ia")
-"""Stiffness, kinetic and static friction, viscous friction, rotor inertia: ``symbol_joint`` in :meth:`Plant.build`."""
+"""Symbols of stiffness, kinetic, static and viscous friction, and rotor inertia in :meth:`Plant.build`."""
 
 SYMBOLS_OF_TERMS = {"armature": ("Ia",), "coulomb": ("c0",), "stiffness": ("b2", "b1", "b0"), "viscous": ("d",)}
 """Terms that a rig has, by their names, with the symbols of their parameters."""
 
 POSES = 200
-"""At which the mass matrix of a new plant is looked at."""
+"""Number of poses at which the mass matrix of a new plant is checked."""
+
+HEADERS = ("joint", "c0", "cs", "d", "Ia", "b2", "b1", "b0", "from [deg]", "to [deg]")
+"""Headers of a printed plant."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Plant:
-    """B legs of the same geometry with their own parameters, signs as in :class:`exoid.torques.Term`.
+    """B legs of the same geometry, each with its parameters; signs as in :class:`exoid.torques.Term`.
 
     Attributes:
-        leg: Geometry, and the rigid bodies where ``parameters`` do not say otherwise.
-        parameters: Of the rigid bodies, in the order of ``leg.parameter_names``, (p, B).
-        stiffness: b2, b1, b0 of each joint [N·m/rad², N·m/rad, N·m], (3, n, B).
+        leg: Geometry of the leg.
+        parameters: Rigid-body parameters in the order of ``leg.parameter_names``, (p, B).
+        stiffness: Spring coefficients b2, b1, b0 of each joint [N·m/rad², N·m/rad, N·m], (3, n, B).
         coulomb: Kinetic friction [N·m], (n, B).
-        static: Friction that must be overcome to break away [N·m], at least the kinetic one, (n, B).
-        viscous: [N·m·s/rad], (n, B).
+        static: Static (breakaway) friction [N·m], at least the kinetic one, (n, B).
+        viscous: Viscous friction [N·m·s/rad], (n, B).
         armature: Reflected rotor inertia [kg·m²], (n, B).
         pitch: Tilt of the torso [rad], see :class:`exoid.TorsoMotion`, (B,).
-        lower: End stops [rad], (n, B); −inf for none.
-        upper: End stops [rad], (n, B).
+        lower: Lower end stops [rad], (n, B); −inf for none.
+        upper: Upper end stops [rad], (n, B); inf for none.
 
     Raises:
         ExoidError: A shape is wrong, a value not finite, friction or rotor inertia negative, static friction below the
@@ -67,11 +71,11 @@ class Plant:
             if np.shape(values) != shape or count == 0:
                 raise ExoidError(f"{name} of the plant has shape {np.shape(values)}", remedy=f"it must be {shape}")
             if name not in ("lower", "upper") and not np.isfinite(values).all():
-                raise ExoidError(f"{name} of the plant is not finite everywhere", remedy="give numbers in SI units")
+                raise ExoidError(f"{name} of the plant contains a number that is not finite", remedy="give SI numbers")
         if min(self.coulomb.min(), self.viscous.min(), self.armature.min()) < 0.0:
             raise ExoidError(
-                "friction or rotor inertia is negative and would feed energy in",
-                remedy="torques of the documents count friction on the joint: change the sign",
+                "friction or rotor inertia is negative and would add energy",
+                remedy="change the sign: document 1 counts friction torque on the joint, exoid that of the actuator",
             )
         if not (self.static >= self.coulomb).all():
             raise ExoidError("static friction is below the kinetic one", remedy="leave cs out, or make it at least c0")
@@ -87,25 +91,28 @@ class Plant:
         pitch: ArrayLike = 0.0,
         end_stops: bool = True,
     ) -> Plant:
-        """Build the truth from parameter values by name, such as those of an estimate.
+        """Build a plant from parameter values by name, such as those of an estimate.
 
         Args:
             leg: The leg.
-            values: Its parameters (``X1``) and ``symbol_joint`` of :data:`SYMBOLS` (``c0_hip``); what is not named is
-                the leg's own, or zero. Static friction is the kinetic one unless named.
+            values: Rigid-body parameters (``X1``) and ``symbol_joint`` of :data:`SYMBOLS` (``c0_hip``). Rigid-body
+                parameters default to those of the leg, static friction to the kinetic one, all others to zero.
             pitch: Tilt of the torso [rad], one number or one for each of B rigs.
             end_stops: Whether joints stop at the limits of the URDF.
 
+        Returns:
+            B rigs, one for each pitch.
+
         Raises:
-            ExoidError: A name is unknown, a value is refused by the class, or no bodies have such parameters: the mass
-                matrix is not positive definite at some pose.
+            ExoidError: A name is unknown, a value violates a condition of the class, or the mass matrix is not
+                positive definite at some pose.
         """
         values = dict(values or {})
         labels = leg.joint_labels
         known = {*leg.parameter_names, *(f"{symbol}_{label}" for symbol in SYMBOLS for label in labels)}
         unknown = sorted(set(values) - known)
         if unknown:
-            raise ExoidError(f"the rig knows no {', '.join(unknown)}", remedy=f"names are {', '.join(sorted(known))}")
+            raise ExoidError(f"the rig has no {', '.join(unknown)}", remedy=f"names are {', '.join(sorted(known))}")
         pitches = np.atleast_1d(np.asarray(pitch, dtype=np.float64))
         if pitches.ndim != 1 or not len(pitches):
             raise ExoidError(f"pitch of the plant has shape {pitches.shape}", remedy="give one angle, or a row of them")
@@ -147,7 +154,7 @@ class Plant:
         end_stops: bool = True,
         without: Sequence[str] = (),
     ) -> Plant:
-        """Build the truth from an exported leg, or from any URDF with ``<dynamics friction damping>``.
+        """Build a plant from an exported leg, or from any URDF with ``<dynamics friction damping>``.
 
         Offsets are not of the plant but of its sensors: ``Sensors(torque_offset=read_exported(path).offsets)``. Terms
         that the rig does not have, such as those from outside exoid, are refused, or left out where that is asked for.
@@ -188,23 +195,63 @@ class Plant:
         """Number of joints."""
         return len(self.coulomb)
 
-    def each(self, count: int) -> Plant:
-        """Put ``count`` copies of the first rig side by side, then as many of the second, and so on."""
+    def __repr__(self) -> str:
+        """Name the leg, the joints and the number of rigs."""
+        return f"Plant({self.description})"
+
+    def __str__(self) -> str:
+        """Print as a table: the range of each quantity over the rigs, one line a joint."""
+        b2, b1, b0 = self.stiffness
+        ends = np.rad2deg([self.lower, self.upper])
+        columns = (self.coulomb, self.static, self.viscous, self.armature, b2, b1, b0, *ends)
+        rows = [
+            (name, *(value_range(column[joint]) for column in columns))
+            for joint, name in enumerate(self.leg.joint_names)
+        ]
+        return to_text(DataTable(f"Plant: {self.description}; SI units", HEADERS, rows))
+
+    @property
+    def description(self) -> str:
+        """Number of rigs, name of the leg and names of the joints."""
+        return f"{self.count} × {self.leg.description.name} ({', '.join(self.leg.joint_names)})"
+
+    def repeat(self, count: int) -> Plant:
+        """Repeat every rig: ``count`` copies of the first, then of the second, and so on.
+
+        Args:
+            count: Number of copies of each rig.
+
+        Returns:
+            ``count`` B rigs.
+        """
         return self._each(lambda x: np.repeat(x, count, axis=-1))
 
     def take(self, rigs: Sequence[int] | slice) -> Plant:
-        """Keep only some rigs."""
+        """Select some rigs.
+
+        Args:
+            rigs: Indices of the rigs.
+
+        Returns:
+            These rigs.
+        """
         return self._each(lambda x: x[..., rigs])
 
     @staticmethod
-    def join(plants: Sequence[Plant]) -> Plant:
-        """Put plants of the same leg side by side.
+    def concatenate(plants: Sequence[Plant]) -> Plant:
+        """Combine plants of the same leg into one.
+
+        Args:
+            plants: At least one plant; all share one :class:`exoid.Leg` object.
+
+        Returns:
+            All rigs in order.
 
         Raises:
-            ExoidError: There is none, or their legs are not the same.
+            ExoidError: There is no plant, or the legs differ.
         """
         if not plants or any(plant.leg is not plants[0].leg for plant in plants):
-            raise ExoidError("only plants of the same leg go side by side", remedy="build them all from one leg")
+            raise ExoidError("the plants do not have the same leg", remedy="build all of them from one Leg")
         first = plants[0]
         arrays = {name: np.concatenate([getattr(plant, name) for plant in plants], axis=-1) for name in _array_names()}
         return Plant(leg=first.leg, **arrays)
@@ -242,12 +289,12 @@ def _refuse_other_terms(leg: Leg, terms: Mapping[str, str], where: str) -> None:
 
 
 def _refuse_indefinite(leg: Leg, parameters: FloatArray, armature: FloatArray) -> None:
-    """Refuse bodies that no leg can have, at poses all over the workspace."""
+    """Refuse parameters for which the mass matrix is not positive definite at poses all over the workspace."""
     poses = np.random.default_rng(0).uniform(-np.pi, np.pi, (POSES, len(armature)))
     M = leg.with_parameters(parameters).mass_matrix(poses) + np.diag(armature)
     if not np.linalg.eigvalsh(M)[:, 0].min() > 0.0:
         raise ExoidError(
-            "the mass matrix is not positive definite: no bodies have such parameters",
+            "the mass matrix is not positive definite: no rigid bodies have these parameters",
             where=leg.description.name,
             remedy="check the moments of inertia, and whether J is cumulative",
         )

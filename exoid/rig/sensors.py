@@ -1,4 +1,4 @@
-"""Sensors: what a log shows of the truth."""
+"""Sensors: from the true motion and torque to readings."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from exoid.errors import ExoidError
 class Sensors:
     """Encoders or potentiometers, tachometers and torque sensors of a rig.
 
-    Noise, offset and resolution are a number each, or (n,).
+    Noise, offset and resolution are one number for all joints, or (n,).
 
     Attributes:
-        encoder_counts: Per turn of the joint; inf for an exact angle.
-        angle_noise: Standard deviation, as of a potentiometer [rad].
-        velocity_noise: Standard deviation [rad/s].
-        torque_noise: Standard deviation [N·m].
-        torque_offset: Zero of the torque sensor [N·m].
-        torque_resolution: Step of its converter [N·m]; 0 for none.
-        delay: Periods of the controller by which all readings are late.
-        alike: Blocks of rigs, as many in each: rig k has the same noise in all, for comparisons that chance does not
-            blur.
+        encoder_counts: Encoder counts per turn of the joint; inf for an exact angle.
+        angle_noise: Standard deviation of the angle, as of a potentiometer [rad].
+        velocity_noise: Standard deviation of the velocity [rad/s].
+        torque_noise: Standard deviation of the torque [N·m].
+        torque_offset: Zero offset of the torque sensor [N·m].
+        torque_resolution: Quantisation step of the torque [N·m]; 0 for none.
+        delay: Delay of all readings in periods of the controller.
+        noise_blocks: Number of equal blocks of rigs that receive the same noise: rig k of each block has the same
+            readings. A comparison of the blocks is then free of sampling noise.
 
     Raises:
-        ExoidError: A number is not finite (but for ``encoder_counts``) or of the wrong sign.
+        ExoidError: A number has the wrong sign, or is not finite (``encoder_counts`` may be infinite).
     """
 
     encoder_counts: float = 2.0**16
@@ -38,7 +38,7 @@ class Sensors:
     torque_offset: ArrayLike = 0.0
     torque_resolution: ArrayLike = 0.0
     delay: int = 0
-    alike: int = 1
+    noise_blocks: int = 1
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -51,11 +51,22 @@ class Sensors:
             raise ExoidError(f"an encoder of {self.encoder_counts:g} counts", remedy="give counts per turn, or inf")
         if self.delay != int(self.delay) or self.delay < 0:
             raise ExoidError(f"a delay of {self.delay} periods", remedy="give a whole number ≥ 0")
-        if self.alike != int(self.alike) or self.alike < 1:
-            raise ExoidError(f"{self.alike} blocks of rigs alike", remedy="give a whole number ≥ 1")
+        if self.noise_blocks != int(self.noise_blocks) or self.noise_blocks < 1:
+            raise ExoidError(f"{self.noise_blocks} blocks of rigs with the same noise", remedy="give an integer ≥ 1")
 
     def angle(self, q: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Read angles [rad], (n, B)."""
+        """Read angles.
+
+        Args:
+            q: True angles [rad], (n, B).
+            rng: Generator of the noise.
+
+        Returns:
+            Readings [rad], (n, B).
+
+        Raises:
+            ExoidError: The rigs cannot be divided into ``noise_blocks`` equal blocks.
+        """
         noisy = q + self._noise(self.angle_noise, q, rng) if np.any(self.angle_noise) else q
         if np.isinf(self.encoder_counts):
             return noisy
@@ -63,22 +74,48 @@ class Sensors:
         return np.asarray(np.rint(noisy / count) * count)
 
     def velocity(self, v: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Read velocities [rad/s], (n, B)."""
+        """Read velocities.
+
+        Args:
+            v: True velocities [rad/s], (n, B).
+            rng: Generator of the noise.
+
+        Returns:
+            Readings [rad/s], (n, B).
+
+        Raises:
+            ExoidError: The rigs cannot be divided into ``noise_blocks`` equal blocks.
+        """
         return v + self._noise(self.velocity_noise, v, rng) if np.any(self.velocity_noise) else v
 
     def torque(self, tau: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Read torques [N·m], (n, B)."""
+        """Read torques.
+
+        Args:
+            tau: True torques [N·m], (n, B).
+            rng: Generator of the noise.
+
+        Returns:
+            Readings [N·m], (n, B).
+
+        Raises:
+            ExoidError: The rigs cannot be divided into ``noise_blocks`` equal blocks.
+        """
         read = tau + _column(self.torque_offset) + self._noise(self.torque_noise, tau, rng)
         step = _column(self.torque_resolution)
         return np.asarray(np.where(step > 0.0, np.rint(read / np.where(step > 0.0, step, 1.0)) * step, read))
 
     def _noise(self, std: ArrayLike, like: FloatArray, rng: np.random.Generator) -> FloatArray:
         joints, rigs = like.shape
-        if rigs % self.alike:
-            raise ExoidError(f"{rigs} rigs in {self.alike} blocks alike", remedy="give as many rigs to each block")
-        return np.asarray(_column(std) * np.tile(rng.standard_normal((joints, rigs // self.alike)), self.alike))
+        if rigs % self.noise_blocks:
+            raise ExoidError(
+                f"{rigs} rigs in {self.noise_blocks} blocks with the same noise",
+                remedy="give the same number of rigs to each block",
+            )
+        drawn = rng.standard_normal((joints, rigs // self.noise_blocks))
+        return np.asarray(_column(std) * np.tile(drawn, self.noise_blocks))
 
 
 def _column(value: ArrayLike) -> FloatArray:
-    """One value a joint as a column, so that it spreads over rigs."""
+    """Shape one value, or one a joint, as a column that broadcasts over rigs."""
     return np.asarray(value, dtype=np.float64).reshape(-1, 1)

@@ -1,4 +1,4 @@
-"""Running a rig: plant in small steps, controller and log at rates of their own."""
+"""Simulation of a rig: the plant in small steps, controller and log at lower rates."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.signals import Recording
+from exoid.tables import DataTable, to_text, value_range
 from exoid.torso import TorsoMotion
 
 from .actuators import Actuator
@@ -21,22 +22,25 @@ from .sensors import Sensors
 from .stepper import PlanarStepper, Step, Stepper
 
 STEP = 5e-4
-"""Of the plant [s]."""
+"""Default step of the plant [s]."""
 
-FASTEST = 1e4
-"""A joint faster than this [rad/s] has diverged."""
+DIVERGED_SPEED = 1e4
+"""Speed from which a joint counts as diverged [rad/s]."""
 
 STOP_TOLERANCE = 1e-9
-"""Of a start at an end stop [rad]."""
+"""Tolerance of a start at an end stop [rad]."""
+
+HEADERS = ("joint", "angle [deg]", "max speed [rad/s]", "max error [deg]", "rms error [deg]", "max torque [N·m]")
+"""Headers of a printed run."""
 
 
 class Rates(NamedTuple):
-    """How often what happens; each period must be a multiple of the plant's step.
+    """Rates of controller and log; each period must be a multiple of the plant's step.
 
     Attributes:
-        control: Of the controller [Hz].
-        log: Of the log [Hz], which sees what the controller sees.
-        step: Of the plant [s].
+        control: Rate of the controller [Hz].
+        log: Rate of the log [Hz]; a sample of both has the same readings.
+        step: Step of the plant [s].
     """
 
     control: float = 500.0
@@ -44,7 +48,10 @@ class Rates(NamedTuple):
     step: float = STEP
 
     def steps(self) -> tuple[int, int]:
-        """Steps of the plant a period of the controller and of the log.
+        """Count the steps of the plant in each period.
+
+        Returns:
+            Steps in a period of the controller, and of the log.
 
         Raises:
             ExoidError: A rate or the step is not positive, or a period is not a multiple of the step.
@@ -62,13 +69,13 @@ class Rates(NamedTuple):
 
 
 class Energy(NamedTuple):
-    """Where energy went during a run [J], (B,) each: work = gain + dissipated, up to the scheme's error.
+    """Energy balance of a run [J], (B,) each: work = gain + dissipated, up to the integration error.
 
     Attributes:
-        work: Done by the actuators.
-        gain: Of mechanical energy, springs and rotors included.
-        dissipated: By friction and end stops.
-        turnover: ∫ |power| dt of the actuators and of friction, whichever is larger, to compare errors with.
+        work: Work of the actuators.
+        gain: Gain of mechanical energy, springs and rotors included.
+        dissipated: Energy that friction and end stops dissipate.
+        turnover: ∫ |power| dt of the actuators or of friction, the larger of the two; the scale of errors.
     """
 
     work: FloatArray
@@ -78,26 +85,32 @@ class Energy(NamedTuple):
 
     @property
     def relative_error(self) -> FloatArray:
-        """Energy that came from nowhere, over the turnover, (B,); zero where nothing moved."""
+        """Residual of the balance over the turnover, (B,); zero where nothing moved."""
         error = np.abs(self.work - self.gain - self.dissipated)
         return np.asarray(error / np.where(self.turnover > 0.0, self.turnover, np.inf))
 
+    def __repr__(self) -> str:
+        """Write the range of each part over the rigs."""
+        parts = zip(("work", "gain", "dissipated"), (self.work, self.gain, self.dissipated), strict=True)
+        text = ", ".join(f"{name} {value_range(values)} J" for name, values in parts)
+        return f"Energy({len(self.work)} rigs: {text}; relative error up to {self.relative_error.max():.1g})"
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Run:
-    """What B rigs did, and what their sensors said; K log samples.
+    """True motion and torque of B rigs, and the readings of their sensors; K log samples.
 
     Attributes:
-        plant: The truth.
-        time: [s], (K,).
+        plant: Simulated plant.
+        time: Time [s], (K,).
         q: True angles [rad], (K, n, B).
         v: True velocities [rad/s], (K, n, B).
-        tau: True actuator torques at that moment [N·m], (K, n, B).
-        q_measured: (K, n, B).
-        v_measured: (K, n, B).
-        tau_measured: (K, n, B).
-        target: Angles to be followed [rad], (K, n, B).
-        energy: The audit.
+        tau: True actuator torques at the sample [N·m], (K, n, B).
+        q_measured: Angle readings [rad], (K, n, B).
+        v_measured: Velocity readings [rad/s], (K, n, B).
+        tau_measured: Torque readings [N·m], (K, n, B).
+        target: Reference angles [rad], (K, n, B).
+        energy: Energy balance.
     """
 
     plant: Plant
@@ -111,13 +124,42 @@ class Run:
     target: FloatArray
     energy: Energy
 
+    def __repr__(self) -> str:
+        """Name the plant and the size of the log."""
+        return f"Run({self.plant.description}: {self._size})"
+
+    def __str__(self) -> str:
+        """Print as a table: range of motion, tracking error and torque over all rigs, one line a joint."""
+        degrees, error = np.rad2deg(self.q), np.rad2deg(self.target - self.q)
+        rows = [
+            (
+                name,
+                value_range((degrees[:, joint].min(), degrees[:, joint].max())),
+                f"{np.abs(self.v[:, joint]).max():.3g}",
+                f"{np.abs(error[:, joint]).max():.3g}",
+                f"{np.sqrt(np.mean(error[:, joint] ** 2)):.3g}",
+                f"{np.abs(self.tau[:, joint]).max():.3g}",
+            )
+            for joint, name in enumerate(self.plant.leg.joint_names)
+        ]
+        table = DataTable(f"Run of {self.plant.description}: {self._size}", HEADERS, rows)
+        return to_text(table, f"energy balance: relative error up to {self.energy.relative_error.max():.1g}")
+
+    @property
+    def _size(self) -> str:
+        rate = 1.0 / (self.time[1] - self.time[0]) if len(self.time) > 1 else 0.0
+        return f"{len(self.time)} samples at {rate:.4g} Hz, {self.time[-1]:.4g} s"
+
     def recording(self, rig: int = 0, *, velocity: bool = False, joint_names: Sequence[str] | None = None) -> Recording:
-        """Log of one rig, as its sensors saw it.
+        """Return the readings of one rig as a log.
 
         Args:
-            rig: Which.
+            rig: Index of the rig.
             velocity: Whether the log contains the measured velocity.
             joint_names: Names of the joints; None for those of the plant's leg.
+
+        Returns:
+            Log of the rig with its torso tilt.
 
         Raises:
             ExoidError: There is no such rig, or the run is too short for a recording.
@@ -151,23 +193,33 @@ def simulate(
     """Let B rigs follow a motion.
 
     Args:
-        plant: The truth.
-        reference: What to follow.
-        controller: Sampled at its own rate, its command held in between.
-        actuator: Between command and torque; starts from rest.
-        duration: [s].
-        start: Angles at the beginning [rad], (n, B) or (n, 1); None for the reference's.
-        sensors: None for exact ones.
-        rates: Of controller, log and plant.
-        seed: Of the sensor noise.
-        stepper: :class:`PlanarStepper`, or :class:`PinocchioStepper` for a single rig of any leg.
-        progress: Told the share that is done, now and then.
+        plant: B rigs.
+        reference: Motion to follow.
+        controller: Controller, whose command is held between its samples.
+        actuator: Actuator of each joint, initially in state zero.
+        duration: Duration [s].
+        start: Initial angles [rad], (n, B) or (n, 1); the rigs then start at rest. None for angles and velocities of
+            the reference.
+        sensors: Sensors; None for exact readings.
+        rates: Rates of controller and log, and step of the plant.
+        seed: Seed or generator of the sensor noise.
+        stepper: Integrator: :class:`PlanarStepper`, :class:`SmoothStepper`, or :class:`PinocchioStepper` for a single
+            rig of any leg.
+        progress: Function that receives the completed share of the run, 0 to 1.
 
     Returns:
         True and measured motion and torque at the rate of the log.
 
     Raises:
         ExoidError: Rates or shapes do not fit, the start is not finite or beyond an end stop, or the run diverges.
+
+    Example:
+        >>> import exoid
+        >>> from exoid.experiments import Hold
+        >>> from exoid.rig import IdealTorque, ProportionalDerivative
+        >>> plant, pose = Plant.build(exoid.load_leg("cuhk"), {"c0_hip": 1.5}), Hold(np.array([[0.5], [0.5]]))
+        >>> simulate(plant, pose, ProportionalDerivative(200.0, 20.0), IdealTorque(), 1.0)
+        Run(1 × cuhk.urdf (left_hip, left_knee): 51 samples at 50 Hz, 1 s)
     """
     rates, sensors, rng = rates or Rates(), sensors or Sensors(encoder_counts=np.inf), np.random.default_rng(seed)
     every_control, every_log = rates.steps()
@@ -175,8 +227,8 @@ def simulate(
     rig = stepper(plant, *_start(plant, reference, start), dt)
     state, command, torque = np.zeros((3, plant.n, plant.count))
     past: deque[tuple[FloatArray, FloatArray, FloatArray]] = deque(maxlen=sensors.delay * every_control + 1)
-    log, audit = _Log(), _Audit(plant, rig.energy())
-    with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges, which is refused below
+    log, balance = _Log(), _Balance(plant, rig.energy())
+    with np.errstate(over="ignore", invalid="ignore"):  # overflow of a diverging run, which raises an error below
         for k in range(count + 1):
             past.append((rig.q, rig.v, torque))
             controls, logs = k % every_control == 0, k % every_log == 0
@@ -185,20 +237,20 @@ def simulate(
                 target, (q, v, tau) = reference.at(k * dt), past[0]
                 reading = sensors.angle(q, rng), sensors.velocity(v, rng)
             if controls:
-                command = _spread(controller.command(target, *reading), plant, "command of the controller")
+                command = _broadcast(controller.command(target, *reading), plant, "command of the controller")
             if logs:
-                log.add(rig.q, rig.v, torque, *reading, sensors.torque(tau, rng), _spread(target.q, plant, "target"))
+                log.add(rig.q, rig.v, torque, *reading, sensors.torque(tau, rng), _broadcast(target.q, plant, "target"))
                 if progress is not None:
                     progress(k / count)
             if k < count:
                 drive = actuator.drive(state, command, dt)
                 step = rig.step(drive.torque, drive.damping)
                 state = actuator.advance(state, command, step.mean_velocity, dt)
-                audit.add(drive.torque - drive.damping * step.mean_velocity, step, dt)
+                balance.add(drive.torque - drive.damping * step.mean_velocity, step, dt)
                 torque = actuator.torque(state, command)
     time = every_log * dt * np.arange(len(log.samples), dtype=np.float64)
-    q, v, tau, q_measured, v_measured, tau_measured, aim = log.arrays()
-    return Run(plant, time, q, v, tau, q_measured, v_measured, tau_measured, aim, audit.energy(rig.energy()))
+    q, v, tau, q_measured, v_measured, tau_measured, targets = log.arrays()
+    return Run(plant, time, q, v, tau, q_measured, v_measured, tau_measured, targets, balance.energy(rig.energy()))
 
 
 def _step_count(duration: float, rates: Rates) -> int:
@@ -209,10 +261,10 @@ def _step_count(duration: float, rates: Rates) -> int:
 
 
 def _start(plant: Plant, reference: Reference, start: ArrayLike | None) -> tuple[FloatArray, FloatArray]:
-    """Angles and velocities to begin with."""
+    """Initial angles and velocities."""
     first = reference.at(0.0)
-    q = _spread(first.q if start is None else start, plant, "start")
-    v = _spread(first.v if start is None else 0.0, plant, "velocity of the reference")
+    q = _broadcast(first.q if start is None else start, plant, "start")
+    v = _broadcast(first.v if start is None else 0.0, plant, "velocity of the reference")
     if not (np.isfinite(q).all() and np.isfinite(v).all()):
         raise ExoidError("the start is not finite", remedy="give angles in rad")
     beyond = (q < plant.lower - STOP_TOLERANCE) | (q > plant.upper + STOP_TOLERANCE)
@@ -226,8 +278,8 @@ def _start(plant: Plant, reference: Reference, start: ArrayLike | None) -> tuple
     return q, v
 
 
-def _spread(values: ArrayLike, plant: Plant, name: str) -> FloatArray:
-    """Spread values over joints and rigs."""
+def _broadcast(values: ArrayLike, plant: Plant, name: str) -> FloatArray:
+    """Broadcast values over joints and rigs."""
     try:
         return np.broadcast_to(np.asarray(values, dtype=np.float64), (plant.n, plant.count))
     except (TypeError, ValueError) as error:
@@ -238,7 +290,7 @@ def _spread(values: ArrayLike, plant: Plant, name: str) -> FloatArray:
 
 
 class _Log:
-    """Samples of a run in the making."""
+    """Samples of a run so far."""
 
     def __init__(self) -> None:
         self.samples: list[tuple[FloatArray, ...]] = []
@@ -250,8 +302,8 @@ class _Log:
         return tuple(np.array(x) for x in zip(*self.samples, strict=True))
 
 
-class _Audit:
-    """Energy of a run in the making."""
+class _Balance:
+    """Energy balance of a run so far."""
 
     def __init__(self, plant: Plant, begin: FloatArray) -> None:
         self._plant, self._begin = plant, begin
@@ -262,7 +314,7 @@ class _Audit:
         work = torque * travelled
         self._work += work.sum(axis=0)
         self._turnover += np.abs(work).sum(axis=0)
-        self._dissipated += ((step.taken + self._plant.viscous * travelled) * step.mean_velocity).sum(axis=0)
+        self._dissipated += ((step.friction_impulse + self._plant.viscous * travelled) * step.mean_velocity).sum(axis=0)
 
     def energy(self, end: FloatArray) -> Energy:
         turnover = np.maximum(self._turnover, self._dissipated)
@@ -270,7 +322,7 @@ class _Audit:
 
 
 def _refuse_divergence(v: FloatArray, time: float) -> None:
-    if not (np.abs(v) < FASTEST).all():
+    if not (np.abs(v) < DIVERGED_SPEED).all():
         raise ExoidError(
             f"the rig diverged before {time:.3g} s",
             remedy="lower the gain, add damping or leakage, or shorten the step",

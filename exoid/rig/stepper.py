@@ -1,7 +1,8 @@
-"""One step of the rigs in time, many at once on the planar closed form.
+"""Integration step of planar rigs, many at once, with the closed-form dynamics.
 
-Second order in the step dt: bodies, springs and gravity are evaluated at the middle of the step, q + ½ dt v with the
-velocity extrapolated from the last one; viscous friction and actuator damping act on the mean velocity v̄ = ½ (v + v⁺):
+The scheme is of second order in the step dt. Rigid bodies and springs are evaluated at the middle of the step,
+q + ½ dt v, with the velocity extrapolated from the previous step. Viscous friction and actuator damping act on the mean
+velocity v̄ = ½ (v + v⁺):
 
     (M + Ia)(v⁺ − v) = dt [τ₀ − D v̄ − h − k(q)] − r,      q⁺ = q + dt v̄,
 
@@ -22,19 +23,24 @@ from .stick_slip import Friction, solve_stick_slip
 
 
 class Step(NamedTuple):
-    """What happened in one step, (n, B) each.
+    """Result of one step, (n, B) each.
 
     Attributes:
-        mean_velocity: v̄ [rad/s]; times dt it is the angle travelled.
-        taken: Impulse r taken by friction and end stops [N·m·s].
+        mean_velocity: Mean velocity v̄ [rad/s]; v̄ dt is the change of angle.
+        friction_impulse: Impulse r of friction and end stops [N·m·s].
     """
 
     mean_velocity: FloatArray
-    taken: FloatArray
+    friction_impulse: FloatArray
 
 
 class Stepper(Protocol):
-    """State of B rigs, and how it goes on."""
+    """Integrator with the state of B rigs.
+
+    Attributes:
+        plant: B rigs.
+        dt: Step [s].
+    """
 
     plant: Plant
     dt: float
@@ -50,16 +56,38 @@ class Stepper(Protocol):
         ...
 
     def step(self, torque: FloatArray, damping: FloatArray) -> Step:
-        """Go on by dt under the actuator torque τ₀ − damping · v̄ [N·m], (n, B)."""
+        """Advance by dt under the actuator torque τ₀ − damping · v̄.
+
+        Args:
+            torque: Torque τ₀ [N·m], (n, B).
+            damping: Damping of the actuators [N·m·s/rad], (n, B).
+
+        Returns:
+            Mean velocity and impulse of friction and end stops.
+        """
         ...
 
     def energy(self) -> FloatArray:
-        """Mechanical energy, springs and rotors included [J], (B,)."""
+        """Compute the mechanical energy, springs and rotors included.
+
+        Returns:
+            Energy [J], (B,).
+        """
         ...
 
 
 class PlanarStepper:
-    """B planar rigs side by side, without a loop over rigs."""
+    """B planar rigs in one batch of array operations.
+
+    Args:
+        plant: B rigs.
+        q: Initial angles [rad], (n, B).
+        v: Initial velocities [rad/s], (n, B).
+        dt: Step [s].
+
+    Raises:
+        ExoidError: The leg is not a planar chain.
+    """
 
     def __init__(self, plant: Plant, q: FloatArray, v: FloatArray, dt: float) -> None:
         self.plant, self.dt = plant, dt
@@ -70,27 +98,55 @@ class PlanarStepper:
         self._stops = bool(np.isfinite(plant.lower).any() or np.isfinite(plant.upper).any())
 
     def step(self, torque: FloatArray, damping: FloatArray) -> Step:
-        """See :class:`Stepper`."""
-        plant, dt, last = self.plant, self.dt, self.v
-        b2, b1, b0 = plant.stiffness
-        q = self.q + 0.5 * dt * last
-        M, force = self._bodies.dynamics(q, self._ahead)
-        damping = plant.viscous + damping
-        force += (b2 * q + b1) * q + b0
-        force += damping * last
-        np.subtract(torque, force, out=force)
-        diagonal = M.reshape(-1, plant.count)[:: plant.n + 1]
-        diagonal += plant.armature + 0.5 * dt * damping
-        self.v, taken = solve_stick_slip(M, dt * force, self._with_stops(q), last)
-        mean = 0.5 * (last + self.v)
-        self._ahead = 2.0 * self.v - mean
-        self.q = self.q + dt * mean
-        return Step(mean, taken)
+        """Advance by dt under the actuator torque τ₀ − damping · v̄, with stick-slip friction and end stops.
+
+        Args:
+            torque: Torque τ₀ [N·m], (n, B).
+            damping: Damping of the actuators [N·m·s/rad], (n, B).
+
+        Returns:
+            Mean velocity and impulse of friction and end stops.
+        """
+        last, q = self.v, self._middle()
+        M, force = self._equations(q, torque, self.plant.viscous + damping)
+        v, impulse = solve_stick_slip(M, self.dt * force, self._with_stops(q), last)
+        return Step(self._advance(v), impulse)
 
     def energy(self) -> FloatArray:
-        """See :class:`Stepper`."""
+        """Compute the mechanical energy, springs and rotors included.
+
+        Returns:
+            Energy [J], (B,).
+        """
         rotors = 0.5 * (self.plant.armature * self.v**2).sum(axis=0)
         return np.asarray(self._bodies.energy(self.q, self.v) + rotors + spring_energy(self.plant, self.q))
+
+    def _middle(self) -> FloatArray:
+        """Angles at the middle of the step [rad], (n, B)."""
+        return self.q + 0.5 * self.dt * self.v
+
+    def _equations(
+        self, q: FloatArray, torque: FloatArray, damping: FloatArray, friction: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Effective mass matrix, (n, n, B), and net torque without dry friction, (n, B), at the middle of the step."""
+        plant = self.plant
+        b2, b1, b0 = plant.stiffness
+        M, force = self._bodies.dynamics(q, self._ahead)
+        force += (b2 * q + b1) * q + b0
+        if friction is not None:
+            force += friction
+        force += damping * self.v
+        np.subtract(torque, force, out=force)
+        diagonal = M.reshape(-1, plant.count)[:: plant.n + 1]
+        diagonal += plant.armature + 0.5 * self.dt * damping
+        return M, force
+
+    def _advance(self, v: FloatArray) -> FloatArray:
+        """Take over the new velocities; return the mean velocities of the step."""
+        mean = 0.5 * (self.v + v)
+        self.v, self._ahead = v, 2.0 * v - mean
+        self.q = self.q + self.dt * mean
+        return mean
 
     def _with_stops(self, q: FloatArray) -> Friction:
         if not self._stops:
@@ -103,6 +159,14 @@ class PlanarStepper:
 
 
 def spring_energy(plant: Plant, q: FloatArray) -> FloatArray:
-    """Energy of the springs b2 q³/3 + b1 q²/2 + b0 q, summed over joints [J], (B,)."""
+    """Compute the energy of the springs, b2 q³/3 + b1 q²/2 + b0 q summed over joints.
+
+    Args:
+        plant: B rigs.
+        q: Angles [rad], (n, B).
+
+    Returns:
+        Energy [J], (B,).
+    """
     b2, b1, b0 = plant.stiffness
     return np.asarray((((b2 / 3.0 * q + b1 / 2.0) * q + b0) * q).sum(axis=0))

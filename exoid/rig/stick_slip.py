@@ -1,16 +1,16 @@
-"""Joints that truly stick and slip: friction solved together with the dynamics of each step.
+"""Stick-slip friction: Coulomb's law solved together with the dynamics of each step.
 
 The velocity after a step minimises the convex function
 
     ½ vᵀ M v − bᵀ v + Σ c_i |v_i|,      b = momentum after the step without friction, c the largest friction impulse,
 
-whose optimality conditions are Coulomb's law: the impulse r = b − M v that friction takes is c_i sgn(v_i) at a joint
-that moves and anything up to c_i at one that rests. An end stop widens the range of r on its side, static friction
-widens it at rest. For a given pattern of moving and resting joints this is a small linear system; the pattern is
-guessed from the last step, checked, and corrected. Resting joints come out with a velocity of exactly zero.
+whose optimality conditions are Coulomb's law. The friction impulse r = b − M v is c_i sgn(v_i) at a moving joint and at
+most c_i at a resting one. An end stop extends the range of r on its side, static friction extends it at rest. For a
+given pattern of moving and resting joints the problem is a small linear system. The pattern is guessed from the last
+step, checked and corrected. Resting joints have a velocity of exactly zero.
 
-A joint that turns round within a step, after the share s = |v| / (|v| + |v⁺|) of it, rubs one way before and the other
-way after: c (1 − 2 s) sgn(v⁺). So friction takes energy in that step too, r · ½ (v + v⁺) ≥ 0.
+A joint that reverses within a step does so after the fraction s = |v| / (|v| + |v⁺|). Its friction impulse is then
+c (1 − 2 s) sgn(v⁺), so that friction dissipates energy in that step too: r · ½ (v + v⁺) ≥ 0.
 """
 
 from __future__ import annotations
@@ -23,22 +23,23 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 
 CORRECTIONS = 12
-"""Patterns tried before falling back on coordinate descent, which always ends."""
+"""Largest number of patterns tried before coordinate descent, which always converges."""
 
 SWEEPS = 500
+"""Largest number of sweeps of the coordinate descent."""
 
-TURNS = 2
-"""Times that the share of the step before a joint turns round is worked out."""
+REVERSALS = 2
+"""Number of iterations for the time of a reversal within a step."""
 
 
 class Friction(NamedTuple):
-    """Impulses that friction and end stops can take in one step [N·m·s], (n, B) each.
+    """Admissible impulses of friction and end stops in one step [N·m·s], (n, B) each.
 
     Attributes:
-        kinetic: c, at a moving joint.
-        low: Least r at a resting joint: minus the static one, or −inf at a lower end stop.
-        high: Largest r at a resting joint: the static one, or inf at an upper end stop.
-        stops: Whether any joint may be at an end stop; where none is, saying so saves time.
+        kinetic: Impulse c at a moving joint.
+        low: Smallest r at a resting joint: minus the static impulse, or −inf at a lower end stop.
+        high: Largest r at a resting joint: the static impulse, or inf at an upper end stop.
+        stops: Whether any joint may be at an end stop; False saves time.
     """
 
     kinetic: FloatArray
@@ -47,7 +48,7 @@ class Friction(NamedTuple):
     stops: bool = True
 
     def of(self, rigs: NDArray[np.intp]) -> Friction:
-        """Those of some rigs."""
+        """Select the impulses of some rigs."""
         return Friction(self.kinetic[:, rigs], self.low[:, rigs], self.high[:, rigs], self.stops)
 
 
@@ -55,45 +56,57 @@ class Slip(NamedTuple):
     """Solution of the stick-slip problem, (n, B) each.
 
     Attributes:
-        v: Velocities after the step, exactly zero where a joint rests.
-        taken: Impulses r = b − M v that friction and end stops take.
+        v: Velocities after the step [rad/s], exactly zero where a joint rests.
+        impulse: Impulses r = b − M v of friction and end stops [N·m·s].
     """
 
     v: FloatArray
-    taken: FloatArray
+    impulse: FloatArray
 
 
 def solve_stick_slip(M: FloatArray, impulse: FloatArray, friction: Friction, last: FloatArray) -> Slip:
     """Find the velocities of B rigs after a step.
 
     Args:
-        M: Mass matrices, with whatever acts implicitly on their diagonals, (n, n, B).
-        impulse: What all but friction and stops give, so that b = M v + impulse [N·m·s], (n, B).
-        friction: What friction and stops can take.
-        last: Velocities v before the step: what is zero is guessed to rest, (n, B).
+        M: Mass matrices with the implicit damping on their diagonals [kg·m²], (n, n, B).
+        impulse: Impulse of all other torques, so that b = M v + impulse [N·m·s], (n, B).
+        friction: Admissible impulses of friction and end stops.
+        last: Velocities v before the step [rad/s], (n, B); a joint at zero is first assumed to rest.
+
+    Returns:
+        Velocities after the step, and impulses of friction and end stops.
     """
     pattern = np.sign(last)
     if friction.stops:
         pattern[((pattern > 0.0) & (friction.high == np.inf)) | ((pattern < 0.0) & (friction.low == -np.inf))] = 0.0
     resting = pattern == 0.0
     if resting.any():
-        slip, right = _go_on(M, impulse, friction, last, pattern, resting)
+        slip, right = _solve_change(M, impulse, friction, last, pattern, resting)
     else:
-        taken = friction.kinetic * pattern
-        slip = Slip(last + eliminate(M, impulse - taken), taken)
+        r = friction.kinetic * pattern
+        slip = Slip(last + eliminate(M, impulse - r), r)
         right = slip.v * pattern > 0.0
     if not right.all():
         rigs = np.flatnonzero(~right.all(axis=0))
         part = M[..., rigs]
         b = (part * last[:, rigs]).sum(axis=1) + impulse[:, rigs]
-        wrong = Slip(slip.v[:, rigs], slip.taken[:, rigs])
+        wrong = Slip(slip.v[:, rigs], slip.impulse[:, rigs])
         corrected = _correct(part, b, friction.of(rigs), pattern[:, rigs], wrong)
-        slip.v[:, rigs], slip.taken[:, rigs] = _turn(part, b, friction.of(rigs), last[:, rigs], corrected)
+        slip.v[:, rigs], slip.impulse[:, rigs] = _reverse(part, b, friction.of(rigs), last[:, rigs], corrected)
     return slip
 
 
 def descend(M: FloatArray, b: FloatArray, friction: Friction) -> FloatArray:
-    """Minimise one joint at a time, from rest, until nothing changes: slow and sure."""
+    """Minimise by coordinate descent from rest, one joint at a time.
+
+    Args:
+        M: Mass matrices [kg·m²], (n, n, B).
+        b: Momenta after the step without friction [N·m·s], (n, B).
+        friction: Admissible impulses of friction and end stops.
+
+    Returns:
+        Velocities after the step [rad/s], (n, B).
+    """
     v = np.zeros_like(b)
     for _ in range(SWEEPS):
         before = v.copy()
@@ -107,7 +120,7 @@ def descend(M: FloatArray, b: FloatArray, friction: Friction) -> FloatArray:
     return v
 
 
-def _go_on(
+def _solve_change(
     M: FloatArray,
     impulse: FloatArray,
     friction: Friction,
@@ -115,39 +128,39 @@ def _go_on(
     pattern: FloatArray,
     resting: NDArray[np.bool_],
 ) -> tuple[Slip, NDArray[np.bool_]]:
-    """Solve for a pattern with some joints at rest, and tell which joints it is right for."""
-    stopped = last * resting  # not zero where a joint runs into its stop
+    """Solve for the change of velocity under a pattern; return also the joints for which the pattern is right."""
+    stopped = last * resting  # not zero where a joint reaches its stop
     b = impulse + (M * stopped).sum(axis=1) if stopped.any() else impulse
     change = eliminate(M, b - friction.kinetic * pattern, np.abs(pattern))
-    taken = b - (M * change).sum(axis=1)  # M is symmetric: sums over rows and over columns are alike
+    r = b - (M * change).sum(axis=1)  # M is symmetric: sums over rows and over columns are alike
     v = last - stopped
     v += change
-    right = resting & (taken <= friction.high)
-    right &= taken >= friction.low
+    right = resting & (r <= friction.high)
+    right &= r >= friction.low
     right |= v * pattern > 0.0
-    return Slip(v, taken), right
+    return Slip(v, r), right
 
 
 def _correct(M: FloatArray, b: FloatArray, friction: Friction, pattern: FloatArray, slip: Slip) -> Slip:
-    """Go on from a pattern to the one that its solution calls for, until they agree."""
+    """Correct the pattern until it agrees with its solution."""
     for _ in range(CORRECTIONS):
-        called_for = _called_for(friction, pattern, slip)
-        if (called_for == pattern).all():
+        corrected = _corrected_pattern(friction, pattern, slip)
+        if (corrected == pattern).all():
             return slip
-        pattern = called_for
+        pattern = corrected
         slip = _solve(M, b, friction, pattern)
-    circling = np.flatnonzero((_called_for(friction, pattern, slip) != pattern).any(axis=0))
-    slip.v[:, circling] = descend(M[..., circling], b[:, circling], friction.of(circling))
+    cycling = np.flatnonzero((_corrected_pattern(friction, pattern, slip) != pattern).any(axis=0))
+    slip.v[:, cycling] = descend(M[..., cycling], b[:, cycling], friction.of(cycling))
     return Slip(slip.v, b - (M * slip.v).sum(axis=1))
 
 
-def _turn(M: FloatArray, b: FloatArray, friction: Friction, last: FloatArray, slip: Slip) -> Slip:
-    """Let joints that turn round rub the old way before they do."""
-    for _ in range(TURNS):
-        turned = slip.v * last < 0.0
-        if not turned.any():
+def _reverse(M: FloatArray, b: FloatArray, friction: Friction, last: FloatArray, slip: Slip) -> Slip:
+    """Apply friction in the old direction until the joint reverses."""
+    for _ in range(REVERSALS):
+        reversed_ = slip.v * last < 0.0
+        if not reversed_.any():
             break
-        share = np.divide(last, last - slip.v, out=np.zeros_like(last), where=turned)
+        share = np.divide(last, last - slip.v, out=np.zeros_like(last), where=reversed_)
         before = b - 2.0 * share * np.sign(last) * friction.kinetic
         v = _correct(M, before, friction, np.sign(slip.v), _solve(M, before, friction, np.sign(slip.v))).v
         slip = Slip(v, b - (M * v).sum(axis=1))
@@ -155,25 +168,32 @@ def _turn(M: FloatArray, b: FloatArray, friction: Friction, last: FloatArray, sl
 
 
 def _solve(M: FloatArray, b: FloatArray, friction: Friction, pattern: FloatArray) -> Slip:
-    """Solution for a pattern, right or not."""
+    """Solve the linear system of a pattern."""
     v = eliminate(M, b - friction.kinetic * pattern, np.abs(pattern))
     return Slip(v, b - (M * v).sum(axis=1))
 
 
-def _called_for(friction: Friction, pattern: FloatArray, slip: Slip) -> FloatArray:
-    """Pattern that a solution suggests: what would turn back comes to rest, what is overpowered moves."""
-    started = np.subtract(slip.taken > friction.high, slip.taken < friction.low, dtype=np.float64)
+def _corrected_pattern(friction: Friction, pattern: FloatArray, slip: Slip) -> FloatArray:
+    """Pattern after a solution: joints that would reverse come to rest, joints beyond static friction start to move."""
+    started = np.subtract(slip.impulse > friction.high, slip.impulse < friction.low, dtype=np.float64)
     started *= pattern == 0.0
     started += pattern * (slip.v * pattern > 0.0)
     return started
 
 
 def eliminate(M: FloatArray, rhs: FloatArray, moving: FloatArray | None = None) -> FloatArray:
-    """Solve M v = rhs for joints with ``moving`` = 1 (None: for all), v = 0 for the others.
+    """Solve M v = rhs by Gaussian elimination for B systems at once, with v = 0 for resting joints.
 
-    M is definite, so no pivots are sought. Only the upper triangle is kept up, with the right-hand side as a further
-    column.
-    A resting joint needs no row and column taken out: the inverse of its pivot is set to zero.
+    M is positive definite, so pivoting is not needed. Only the upper triangle is updated, with the right-hand side as
+    an additional column. The inverse pivot of a resting joint is set to zero.
+
+    Args:
+        M: Symmetric positive definite matrices, (n, n, B).
+        rhs: Right-hand sides, (n, B).
+        moving: 1 for moving and 0 for resting joints, (n, B); None if all move.
+
+    Returns:
+        Solutions v, (n, B).
     """
     n = len(rhs)
     U = np.concatenate([M, rhs[:, None]], axis=1)

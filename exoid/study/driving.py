@@ -95,9 +95,9 @@ def _alone(plant: Plant, course: TrackingTask, law: Law | None, seed: tuple[int,
 def _simulate(
     plant: Plant, course: TrackingTask, laws: tuple[Law, ...], alike: int, seed: tuple[int, ...]
 ) -> tuple[Tracking, ...]:
-    noise = Sensors(SENSORS.encoder_counts, SENSORS.angle_noise, SENSORS.velocity_noise, alike=alike)
+    noise = Sensors(SENSORS.encoder_counts, SENSORS.angle_noise, SENSORS.velocity_noise, noise_blocks=alike)
     return simulate_many(
-        plant.each(len(laws)),
+        plant.repeat(len(laws)),
         SideBySide(laws),
         course.motion,
         course.seconds,

@@ -114,7 +114,7 @@ def _by_rig(study: Study, chunk: Chunk) -> list[list[Recording]]:
     )
     rng = np.random.default_rng([study.seed, chunk.protocol, chunk.noise, chunk.first, 1])
     for k, motion in enumerate(protocol.motions):
-        plant = Plant.build(model.leg, named, pitch=protocol.pitches[k]).each(chunk.replicates)
+        plant = Plant.build(model.leg, named, pitch=protocol.pitches[k]).repeat(chunk.replicates)
         run = run_motion(plant, motion, bench, protocol.seconds, rng)
         clean.append([run.recording(rig) for rig in range(chunk.replicates)])
     return clean

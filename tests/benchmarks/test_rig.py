@@ -62,7 +62,7 @@ class Batch:
 
     def __init__(self) -> None:
         self.share = np.random.default_rng(0).uniform(0.7, 1.3, (3, RIGS))
-        self.rig = PlanarStepper(PLANT.each(RIGS), np.tile(POSE, RIGS), np.zeros((3, RIGS)), DT)
+        self.rig = PlanarStepper(PLANT.repeat(RIGS), np.tile(POSE, RIGS), np.zeros((3, RIGS)), DT)
 
     def run(self, first: int) -> int:
         step, damping = self.rig.step, np.zeros((3, RIGS))

@@ -33,7 +33,7 @@ TORQUE = SWING[:, :, None] * np.random.default_rng(0).uniform(0.7, 1.3, (3, RIGS
 def ours() -> np.ndarray:
     """Angles and velocities, (steps, 6, rigs)."""
     path = np.empty((STEPS, 6, RIGS))
-    rig = PlanarStepper(PLANT.each(RIGS), np.tile(POSE[:, None], RIGS), np.zeros((3, RIGS)), DT)
+    rig = PlanarStepper(PLANT.repeat(RIGS), np.tile(POSE[:, None], RIGS), np.zeros((3, RIGS)), DT)
     undamped = np.zeros((3, RIGS))
     for torque, state in zip(TORQUE, path, strict=True):
         rig.step(torque, undamped)

@@ -133,7 +133,7 @@ def test_document_2s_comparison_is_printed(track, monkeypatch):
         (("bleex", "--speed", "VeryFast"), "VeryFast"),
         (("bleex", "--reference", "absent.csv"), "absent.csv"),
         (("bleex", "--reference", "absent.csv", "--scale", "1"), "--scale has no effect"),
-        (("bleex", "--payload", "-1"), "no such payload"),
+        (("bleex", "--payload", "-1"), "invalid payload"),
         (("bleex", "--friction", "-1"), "times the friction"),
         (("bleex", "--rate", "0"), "0 Hz"),
         (("est.json", "--figures", "est.json"), "cannot write figures"),

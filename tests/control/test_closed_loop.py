@@ -111,7 +111,7 @@ def test_many_rigs_at_once_do_what_each_does_alone():
     leg = plants[0].leg
     assert all(plant.leg is leg for plant in plants)
     together = simulate_many(
-        Plant.join(plants), pd(KP, KD), healthy_gait(period=4.0), 2.0, names=("rotor", "none", "stiff")
+        Plant.concatenate(plants), pd(KP, KD), healthy_gait(period=4.0), 2.0, names=("rotor", "none", "stiff")
     )
     assert [one.law for one in together] == ["rotor", "none", "stiff"]
     for one, plant in zip(together, plants, strict=True):
@@ -153,9 +153,9 @@ def test_rates_without_a_common_step_are_refused(rates):
 def test_bad_runs_are_refused():
     plant, law, gait = cuhk_plant(), pd(KP, KD), healthy_gait()
     with pytest.raises(ExoidError, match="plant of 2 rigs"):
-        simulate(plant.each(2), law, gait, 1.0)
+        simulate(plant.repeat(2), law, gait, 1.0)
     with pytest.raises(ExoidError, match="1 names for 2 rigs"):
-        simulate_many(plant.each(2), law, gait, 1.0, names=("one",))
+        simulate_many(plant.repeat(2), law, gait, 1.0, names=("one",))
     with pytest.raises(ExoidError, match="settle"):
         simulate(plant, law, gait, 1.0, settle=1.0)
     with pytest.raises(ExoidError, match="the motion asks left_knee"):

@@ -124,12 +124,12 @@ def test_friction_can_be_made_wrong_on_purpose():
     np.testing.assert_array_equal(model.with_friction(0.5).statics(q), model.statics(q))
 
 
-@pytest.mark.parametrize("source", [None, "est.json", cuhk_plant().each(2)])
+@pytest.mark.parametrize("source", [None, "est.json", cuhk_plant().repeat(2)])
 def test_what_is_no_model_is_refused(source):
     with pytest.raises(ExoidError, match="no control model"):
         ControlModel.of(source)
 
 
 def test_a_plant_of_one_rig_among_several_is_taken():
-    several = Plant.join([cuhk_plant(), cuhk_plant()])
+    several = Plant.concatenate([cuhk_plant(), cuhk_plant()])
     assert ControlModel.of(several.take([1])).n == 2

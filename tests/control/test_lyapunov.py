@@ -185,7 +185,7 @@ def test_a_smooth_sign_ends_the_cycle_only_where_it_is_smooth_enough():
         for width, scale in sizes
     )
     start = (TARGET + AWAY)[:, None]
-    runs = simulate_many(plant.each(len(laws)), SideBySide(laws), Hold(TARGET[:, None]), 15.0, start=start)
+    runs = simulate_many(plant.repeat(len(laws)), SideBySide(laws), Hold(TARGET[:, None]), 15.0, start=start)
     for run, cycles in zip(runs, sizes.values(), strict=True):
         found = find_limit_cycle(run, 0.25)
         assert found.exists == cycles

@@ -24,7 +24,7 @@ STAGES = [Stage(1.0, 30.0), Stage(16.0, 1e3), Stage(0.0, 30.0)]
 def objective(leg, terms=DEFAULT_TERMS, pitches=(0.0,), limits=None, harmonics=5):
     model, limits = TorqueModel(leg, terms), limits or MotionLimits.of(leg)
     scales = Scales.of(model, limits)
-    noise = TorqueNoise.of(0.3, scales.typical)
+    noise = TorqueNoise.of(0.3, scales.typical_torque)
     known = np.zeros((len(model.names),) * 2)
     basis = Basis.make(6.0, harmonics, 24 * harmonics)
     return Objective(model, basis, np.array(pitches), limits, noise, scales, 30.0, 100.0, known)
@@ -59,7 +59,7 @@ def test_the_gradient_is_that_of_finite_differences(leg, terms, pitches, clearan
         assert gradient @ direction == pytest.approx(slope, rel=1e-4, abs=1e-6 * np.linalg.norm(gradient))
 
 
-def test_every_limit_is_felt():
+def test_every_limit_is_penalised():
     """A motion that is too large exceeds all five, and none when it stands still in a harmless pose."""
     limits = MotionLimits.of(BLEEX, velocity=1.0, acceleration=3.0, torque=30.0, clearance=FOOT)
     cost = objective(BLEEX, limits=limits)
@@ -78,7 +78,7 @@ def test_every_limit_is_felt():
     joints=st.integers(1, 4),
     cycles=st.integers(1, 4),
 )
-def test_whatever_the_coefficients_a_motion_starts_and_stops_at_rest(seed, period, harmonics, joints, cycles):
+def test_a_motion_of_any_coefficients_starts_and_stops_at_rest(seed, period, harmonics, joints, cycles):
     """No velocity, no acceleration and no jerk at both ends; velocity and acceleration are derivatives."""
     basis = Basis.make(period, harmonics, 24 * harmonics)
     x = np.random.default_rng(seed).standard_normal((basis.count, joints))
@@ -150,7 +150,7 @@ def test_clearance_of_a_planar_leg_is_that_of_any_leg():
     """Closed form against Pinocchio's forward kinematics."""
     general = replace(BLEEX, chain=None)
     q = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 3))
-    np.testing.assert_allclose(FOOT.room(general, q), FOOT.room(BLEEX, q), atol=1e-12)
+    np.testing.assert_allclose(FOOT.margin(general, q), FOOT.margin(BLEEX, q), atol=1e-12)
 
 
 def test_tilting_the_torso_makes_hip_stiffness_known():
@@ -210,11 +210,11 @@ def test_each_tilt_and_each_set_of_poses_has_a_file(tmp_path):
         ({"values": {"c0_elbow": 1.0}}, "no parameter c0_elbow"),
         (
             {"limits": lambda: MotionLimits.of(CUHK, torque=5.0, angles_deg={"hip": (40, 50)})},
-            "the torque limit is in the",
+            "the torque limit is exceeded",
         ),
-        ({"limits": lambda: MotionLimits.of(CUHK, torque=0.5), "poses": 3}, "of 400 poses keep the limits"),
+        ({"limits": lambda: MotionLimits.of(CUHK, torque=0.5), "poses": 3}, "of 400 poses are within the limits"),
         ({"limits": lambda: MotionLimits.of(CUHK, angles_deg={"elbow": (0, 1)})}, "no joint 'elbow'"),
-        ({"limits": lambda: MotionLimits.of(CUHK, angles_deg={"knee": (90, 20)})}, "no room between the limits"),
+        ({"limits": lambda: MotionLimits.of(CUHK, angles_deg={"knee": (90, 20)})}, "no range between the limits"),
         ({"limits": lambda: MotionLimits.of(CUHK, velocity=-1.0)}, "velocity limit is not positive"),
         ({"limits": lambda: MotionLimits.of(CUHK, velocity=(1.0, 2.0, 3.0))}, "velocity limits of 3 joints"),
         ({"limits": lambda: MotionLimits.of(CUHK, clearance=Clearance(np.zeros((1, 3))))}, r"give \(forward, up\)"),

@@ -13,9 +13,9 @@ from exoid.experiments import (
     Harmonics,
     Hold,
     fit_harmonics,
+    gait_for_leg,
     healthy_gait,
     norm_gait,
-    on_leg,
     refuse_motion_beyond_limits,
 )
 from exoid.experiments.gait import COSINE_DEG, MEAN_DEG, SINE_DEG
@@ -92,20 +92,20 @@ def test_a_stride_bends_the_hip_forwards_and_the_knee_backwards_on_every_leg():
         flexion = healthy_gait(1.0, 10.0).at(time).q[:, 0]
         for name in ("bleex", "cuhk"):
             leg = exoid.load_leg(name)
-            q = on_leg(leg, healthy_gait(1.0, 10.0)).at(time).q[:, 0]
+            q = gait_for_leg(leg, healthy_gait(1.0, 10.0)).at(time).q[:, 0]
             shank = leg.forward_kinematics(q).rotation[0, 1] @ np.array([0.0, 0.0, -1.0])
             tilt = flexion[0] - flexion[1]
             np.testing.assert_allclose(shank[[0, 2]], [np.sin(tilt), -np.cos(tilt)], atol=1e-12)
 
 
 def test_on_document_2s_leg_the_gait_is_as_it_was():
-    np.testing.assert_array_equal(on_leg(exoid.load_leg("cuhk"), GAIT).at(0.3).q, GAIT.at(0.3).q)
+    np.testing.assert_array_equal(gait_for_leg(exoid.load_leg("cuhk"), GAIT).at(0.3).q, GAIT.at(0.3).q)
 
 
 def test_a_gait_needs_hip_knee_and_ankle():
     arm = exoid.Leg.from_urdf(exoid.catalog.urdf_folder() / "dfki_double_pendulum.urdf", ("shoulder", "elbow"))
     with pytest.raises(ExoidError, match="shoulder"):
-        on_leg(arm, GAIT)
+        gait_for_leg(arm, GAIT)
 
 
 def write_norms(folder, monkeypatch, *, known=True):
@@ -154,4 +154,4 @@ def test_the_published_norms_fit_six_harmonics_and_bleex():
     motion = norm_gait("Free", 1.0, 1.0)
     fitted = np.rad2deg([motion.at(float(p)).q[:, 0] for p in norm.phase])
     assert (np.sqrt(np.mean((fitted - norm.mean_deg) ** 2, axis=0)) < [0.15, 0.15, 0.7]).all()
-    refuse_motion_beyond_limits(exoid.load_leg("bleex"), on_leg(exoid.load_leg("bleex"), norm_gait("Free")), 10.0)
+    refuse_motion_beyond_limits(exoid.load_leg("bleex"), gait_for_leg(exoid.load_leg("bleex"), norm_gait("Free")), 10.0)

@@ -1,4 +1,4 @@
-"""Predictions of precision are those of an identification, and logs are judged by what their motion can tell."""
+"""The predicted precision is that of an identification, and logs are assessed by their motion."""
 
 import os
 
@@ -40,7 +40,7 @@ def multisine():
 
 @pytest.mark.parametrize("preparation", [FiniteDifference(), ZeroPhase(8.0), ZeroPhase(3.0)])
 def test_predicted_covariance_is_that_of_identification(multisine, preparation):
-    """Of noiseless motion with white torque noise of the size that was said; correlations too."""
+    """Standard deviations and correlations, for noiseless motion with white torque noise."""
     recording = log(multisine, noise=np.random.default_rng(1))
     estimate = exoid.identify(LEG, recording, preparation=preparation, noise="white")
     predicted = predict(MODEL, [recording], NOISE, SCALES, preparation)
@@ -87,18 +87,18 @@ def test_poses_count_as_often_as_they_are_read():
     np.testing.assert_allclose(often[[0, 1, 3, 4, 6, 7]], np.sqrt(np.diag(np.linalg.inv(information))), rtol=1e-2)
 
 
-def test_noise_of_a_narrow_band_does_as_much_harm_as_its_density(multisine):
-    """At twice the rate white noise harms less; noise up to 20 Hz does not."""
+def test_narrow_band_noise_counts_by_its_spectral_density(multisine):
+    """Doubling the rate reduces the standard deviation under white noise, but not under noise up to 20 Hz."""
     slow, fast = log(multisine, 20.0, 100.0), log(multisine, 20.0, 200.0)
     for bandwidth, gain in ((np.inf, np.sqrt(2.0)), (20.0, 1.0)):
         one, two = (predict(MODEL, [x], TorqueNoise(STD, bandwidth), SCALES).std for x in (slow, fast))
         np.testing.assert_allclose(one / two, gain, rtol=0.02)
 
 
-def test_long_logs_are_judged_stretch_by_stretch(multisine, monkeypatch):
+def test_long_logs_are_judged_block_by_block(multisine, monkeypatch):
     recording = log(multisine, 60.0)
     whole = predict(MODEL, [recording], NOISE, SCALES).std
-    monkeypatch.setattr("exoid.experiments.excitation.precision.STRETCH", 2000)
+    monkeypatch.setattr("exoid.experiments.excitation.precision.BLOCK", 2000)
     np.testing.assert_allclose(predict(MODEL, [recording], NOISE, SCALES).std, whole, rtol=0.1)
 
 
@@ -127,7 +127,7 @@ def test_the_slow_motions_of_document_2_do_not_determine_inertia():
     assert any("quickly" in advice.what for advice in said.advice if "J1" in advice.parameters)
 
 
-def test_the_validation_motion_of_document_2_is_blind_to_the_shank():
+def test_the_validation_motion_of_document_2_does_not_excite_the_inertia_of_the_shank():
     """θh = θk keeps the shank from turning (claim 8)."""
     said = assess(LEG, log(cuhk.validation_motion(), 60.0), (exoid.Coulomb(),), noise=0.3)
     assert said.precision.std[said.precision.names.index("J2")] == np.inf
@@ -145,7 +145,7 @@ def test_scales_do_not_depend_on_speed_limits():
     slow = Scales.of(MODEL, MotionLimits.of(LEG, velocity=0.5, acceleration=1.0))
     np.testing.assert_array_equal(slow.scale, SCALES.scale)
     assert SCALES.scale[0] == LEG.parameters[0]
-    assert SCALES.scale[MODEL.names.index("offset_hip")] == pytest.approx(0.1 * SCALES.typical[0], rel=0.02)
+    assert SCALES.scale[MODEL.names.index("offset_hip")] == pytest.approx(0.1 * SCALES.typical_torque[0], rel=0.02)
 
 
 def test_nothing_to_assess_is_refused():
@@ -166,7 +166,7 @@ def test_a_rig_that_carries_a_plan_out_scatters_as_predicted():
     truth = {"c0_hip": 1.445, "c0_knee": 0.593, "d_hip": 0.038, "d_knee": 0.192, "Ia_hip": 0.8, "Ia_knee": 0.8}
     rng, values = np.random.default_rng(5), []
     for _ in range(0, replicates, 50 if FULL else 60):
-        plant = Plant.build(LEG, truth).each(50 if FULL else 60)
+        plant = Plant.build(LEG, truth).repeat(50 if FULL else 60)
         run = run_motion(plant, plan.motions[0].reference, bench, plan.duration, rng)
         values += [exoid.identify(LEG, run.recording(k)).values for k in range(plant.count)]
     ratio = np.std(values, axis=0, ddof=1) / plan.precision.std

@@ -123,7 +123,7 @@ def test_a_static_log_reads_back_into_the_same_approaches(measured, tmp_path):
     assert len(read.below.source.sha256) == 64
 
 
-def test_the_torso_of_a_static_log_is_told_by_the_caller(measured, tmp_path):
+def test_the_torso_of_a_static_log_is_given_by_the_caller(measured, tmp_path):
     write_static_log(tmp_path / "log.csv", measured[1])
     torso = exoid.TorsoMotion(pitch=0.2)
     assert read_static_log(tmp_path / "log.csv", LEG.joint_names, torso).averaged.torso is torso
@@ -144,9 +144,9 @@ def test_several_readings_of_a_pose_are_averaged_in_any_order(tmp_path):
         ("pose,approach,q_hip,tau_hip\n", "no readings"),
         ("pose,approach,q_hip\n0,1,1\n", "not one column tau_hip"),
         ("pose,approach,q_hip,q_hip,tau_hip\n0,1,1,1,1\n", "not one column q_hip"),
-        ("pose,approach,q_hip,tau_hip\n0,1,x,1\n", "'x' is no finite number"),
+        ("pose,approach,q_hip,tau_hip\n0,1,x,1\n", "'x' is not a finite number"),
         ("pose,approach,q_hip,tau_hip\n0,1,1\n", "line 2, column 4"),
-        ("pose,approach,q_hip,tau_hip\n0,1,1,nan\n", "no finite number"),
+        ("pose,approach,q_hip,tau_hip\n0,1,1,nan\n", "not a finite number"),
         ("pose,approach,q_hip,tau_hip\n0,1,1,1\n", "approach -1"),
         ("pose,approach,q_hip,tau_hip\n0,up,1,1\n", "'up'"),
         ("pose,approach,q_hip,tau_hip\n0,2,1,1\n", "approach 2 of pose 0"),

@@ -165,7 +165,7 @@ def held_ankle_j3(stiction):
     """J3 from the held ankle (eq. (29)) while the knee swings, with a static friction torque that it neglects."""
     leg = exoid.load_leg("bleex")
     motion = bleex.dynamic_motions()
-    rig = bleex.swing(1, 2)
+    rig = bleex.swing_index(1, 2)
     time = np.arange(500) / 50.0
     q, v = (np.array([motion.at(t)[k][:, rig] for t in time]) for k in (0, 1))
     a = np.array([motion.acceleration(t)[:, rig] for t in time])

@@ -215,7 +215,7 @@ def test_an_unknown_name_is_refused_with_what_exists(ask, offered):
         ask()
 
 
-def test_nobody_can_change_a_published_number():
+def test_published_numbers_are_read_only():
     document = published.bleex()
     with pytest.raises(TypeError):
         document.table("V").values["X1"] = published.Quantity(0.0, "kg·m", "0")
@@ -225,3 +225,10 @@ def test_nobody_can_change_a_published_number():
         document.table("V").quantity("X1").value = 0.0
     published.bleex_parameters("cad")["X1"] = 0.0
     assert published.bleex_parameters("cad")["X1"] == 3.783
+
+
+def test_a_document_lists_its_tables_and_a_table_prints_its_digits():
+    assert repr(published.bleex()).startswith("Document(doc. 1, BLEEX: tables I, II, III, IV, V; ")
+    table = published.bleex().table("II")
+    assert repr(table) == "PublishedTable(II: Mass moment parameters, 12 numbers)"
+    assert ["right.Y1", "-0.4990", "kg·m"] in [line.split() for line in str(table).splitlines()]

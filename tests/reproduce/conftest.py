@@ -57,6 +57,7 @@ def bleex(shared_folder):
         return {
             "json": reproduce.bleex_json(replay),
             "text": reproduce.bleex_text(replay),
+            "repr": [repr(thing) for thing in (replay, replay.left, replay.right, replay.left.data)],
             "page": reproduce.bleex_page(replay).html(),
             "figures": [str(path) for path in figures],
             "band": band,
@@ -75,6 +76,7 @@ def cuhk(shared_folder):
         return {
             "json": reproduce.cuhk_json(replay),
             "text": reproduce.cuhk_text(replay),
+            "repr": [repr(replay)],
             "page": reproduce.cuhk_page(replay).html(),
             "figures": [str(path) for path in figures],
             "range": np.ptp(replay.measured, axis=0).tolist(),
@@ -91,6 +93,10 @@ def tracking(request, shared_folder):
 
     def make(_):
         replay = reproduce.reproduce_cuhk_tracking(0, request.param, wrong=True)
-        return {"json": reproduce.cuhk_tracking_json(replay), "text": reproduce.cuhk_tracking_text(replay)}
+        return {
+            "json": reproduce.cuhk_tracking_json(replay),
+            "text": reproduce.cuhk_tracking_text(replay),
+            "repr": [repr(replay)],
+        }
 
     return once(shared_folder, f"tracking {request.param}", make)

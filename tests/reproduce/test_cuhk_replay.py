@@ -1,4 +1,4 @@
-"""Document 2 replayed: 0.05 Hz cannot see inertia, a richer motion can."""
+"""Document 2 replayed: 0.05 Hz does not excite the inertias, a multisine does."""
 
 import numpy as np
 import pytest
@@ -47,15 +47,15 @@ def test_a_rotor_that_was_left_out_is_noticed(replay):
     assert replay["nrmse"]["no_rotor"][1] > 5.0 * replay["nrmse"]["multisine"][1]
 
 
-def test_the_documents_validation_motion_is_blind_to_j2_and_another_is_not(replay):
+def test_the_documents_validation_motion_does_not_excite_j2_and_another_does(replay):
     assert max(replay["blindness"]["document"]) < 1.3
     assert min(replay["blindness"]["multisine"]) > 20.0
 
 
 def test_the_report_says_why(cuhk, replay):
     text = cuhk["text"]
-    for words in ("Tables II and III", "NRMSE in %", "at 0.05 Hz", "moving average is", "rotor", "blind to J2"):
-        assert words in text
+    for words in ("Tables II and III", "NRMSE in %", "at 0.05 Hz", "moving average", "rotor", "excite J2"):
+        assert words in " ".join(text.split())
     for name in replay["truth"]:
         assert f"\n {name} " in text
 

@@ -134,7 +134,7 @@ def test_proportional_control_with_the_printed_sign_runs_away():
         lambda: HydraulicServo(valve_gain=np.nan),
     ],
 )
-def test_absurd_constants_are_refused(make):
+def test_invalid_constants_are_refused(make):
     with pytest.raises(ExoidError, match="positive"):
         make()
 

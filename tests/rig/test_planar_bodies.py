@@ -68,7 +68,7 @@ def test_energy_is_pinocchios_up_to_a_constant(leg, motion):
     np.testing.assert_allclose(kinetic, expected[1], rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
-def test_legs_side_by_side_may_differ():
+def test_legs_in_a_batch_may_differ():
     leg = LEGS[0]
     rng = np.random.default_rng(3)
     parameters = leg.parameters[:, None] * rng.uniform(0.9, 1.1, (9, B))

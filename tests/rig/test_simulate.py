@@ -61,8 +61,10 @@ def test_torque_converters_have_steps():
     np.testing.assert_allclose(read, [[0.0], [0.5], [-1.3]])
 
 
-def test_blocks_of_rigs_that_are_alike_have_the_same_noise():
-    sensors = Sensors(encoder_counts=np.inf, angle_noise=1.0, velocity_noise=1.0, torque_noise=(1.0, 2.0), alike=3)
+def test_blocks_of_rigs_have_the_same_noise():
+    sensors = Sensors(
+        encoder_counts=np.inf, angle_noise=1.0, velocity_noise=1.0, torque_noise=(1.0, 2.0), noise_blocks=3
+    )
     rng, zero = np.random.default_rng(0), np.zeros((2, 6))
     for read in (sensors.angle(zero, rng), sensors.velocity(zero, rng), sensors.torque(zero, rng)):
         np.testing.assert_array_equal(read[:, :2], read[:, 2:4])
@@ -71,8 +73,8 @@ def test_blocks_of_rigs_that_are_alike_have_the_same_noise():
     with pytest.raises(ExoidError, match="4 rigs in 3 blocks"):
         sensors.angle(np.zeros((2, 4)), rng)
     for wrong in (0, 1.5):
-        with pytest.raises(ExoidError, match="blocks of rigs alike"):
-            Sensors(alike=wrong)
+        with pytest.raises(ExoidError, match="blocks of rigs with the same noise"):
+            Sensors(noise_blocks=wrong)
 
 
 @pytest.mark.parametrize("delay", [1, 4])
@@ -118,9 +120,9 @@ def test_the_same_seed_gives_the_same_bytes_and_another_one_does_not():
     assert (one.tau_measured != other.tau_measured).mean() > 0.99
 
 
-def test_rigs_side_by_side_do_what_they_do_alone():
+def test_rigs_in_a_batch_behave_like_single_rigs():
     plants = [Plant.build(BLEEX, {**FRICTION, "b1_knee": x, "Ia_hip": 0.1 * x}, pitch=0.1 * x) for x in range(5)]
-    together = run(Plant.join(plants))
+    together = run(Plant.concatenate(plants))
     for k, plant in enumerate(plants):
         alone = run(plant)
         np.testing.assert_allclose(together.q[..., k], alone.q[..., 0], rtol=0, atol=1e-10)
@@ -212,7 +214,7 @@ def test_rates_that_do_not_fit_the_step_are_refused_before_anything_runs(rates):
 
 
 @pytest.mark.parametrize("duration", [0.0, -1.0, np.nan, np.inf])
-def test_a_run_of_no_sensible_duration_is_refused(duration):
+def test_an_invalid_duration_is_refused(duration):
     with pytest.raises(ExoidError, match="duration"):
         run(duration=duration)
 
@@ -226,7 +228,7 @@ def test_a_run_of_no_sensible_duration_is_refused(duration):
         (np.array([[0.3], [0.5], [0.1]]), "left_knee starts at 0.5 rad .* end stops"),
     ],
 )
-def test_a_start_that_cannot_be_is_refused(start, said):
+def test_an_invalid_start_is_refused(start, said):
     with pytest.raises(ExoidError, match=said):
         run(start=start)
 
@@ -236,12 +238,12 @@ def test_a_controller_of_the_wrong_shape_is_refused():
         simulate(PLANT, Swing(), Proportional(np.ones(2).repeat(2)[:3, None].repeat(4, axis=1)), SERVO, 1.0)
 
 
-def test_nothing_that_moves_turns_nothing_over():
+def test_the_energy_error_of_a_rig_at_rest_is_zero():
     held = run(Plant.build(BLEEX, {f"c0_{x}": 500.0 for x in ("hip", "knee", "ankle")}), reference=Hold(POSE))
     np.testing.assert_array_equal(held.energy.relative_error, 0.0)
 
 
-def test_progress_is_told_up_to_the_end():
+def test_progress_is_reported_from_zero_to_one():
     told = []
     run(progress=told.append)
     assert told == sorted(told)
@@ -254,7 +256,7 @@ def test_progress_is_told_up_to_the_end():
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"c0_toe": 1.0}, "knows no c0_toe"),
+        ({"c0_toe": 1.0}, "has no c0_toe"),
         ({"c0_hip": np.nan}, "not finite"),
         ({"X1": np.inf}, "finite"),
         ({"c0_hip": -1.0}, "negative"),
@@ -264,26 +266,26 @@ def test_progress_is_told_up_to_the_end():
         ({"J2": 0.01}, "positive definite"),
     ],
 )
-def test_plants_that_cannot_be_are_refused(values, said):
+def test_invalid_plants_are_refused(values, said):
     with pytest.raises(ExoidError, match=said):
         Plant.build(BLEEX, values)
 
 
 @pytest.mark.parametrize("pitch", [np.nan, [[0.1, 0.2]], []])
-def test_a_pitch_that_is_no_row_of_angles_is_refused(pitch):
+def test_a_pitch_of_the_wrong_shape_is_refused(pitch):
     with pytest.raises(ExoidError, match="plant"):
         Plant.build(BLEEX, pitch=pitch)
 
 
-def test_plants_of_several_legs_do_not_go_side_by_side():
+def test_plants_of_different_legs_cannot_be_concatenated():
     with pytest.raises(ExoidError, match="same leg"):
-        Plant.join([Plant.build(BLEEX), Plant.build(exoid.load_leg("cuhk"))])
+        Plant.concatenate([Plant.build(BLEEX), Plant.build(exoid.load_leg("cuhk"))])
     with pytest.raises(ExoidError, match="same leg"):
-        Plant.join([])
+        Plant.concatenate([])
 
 
-def test_plants_are_copied_rig_by_rig_and_taken_out_again():
+def test_repeat_copies_rig_by_rig_and_take_selects():
     two = Plant.build(BLEEX, pitch=[0.1, 0.2])
-    np.testing.assert_array_equal(two.each(3).pitch, [0.1, 0.1, 0.1, 0.2, 0.2, 0.2])
-    np.testing.assert_array_equal(two.each(3).take([1, 4]).pitch, [0.1, 0.2])
-    assert two.each(3).take(slice(3, None)).count == 3
+    np.testing.assert_array_equal(two.repeat(3).pitch, [0.1, 0.1, 0.1, 0.2, 0.2, 0.2])
+    np.testing.assert_array_equal(two.repeat(3).take([1, 4]).pitch, [0.1, 0.2])
+    assert two.repeat(3).take(slice(3, None)).count == 3

@@ -68,8 +68,8 @@ def test_the_torque_is_that_of_the_controller_at_the_sample(plant):
         np.testing.assert_allclose(ran.tau[k], PD.command(target, ran.q[k], ran.v[k]), rtol=1e-12)
 
 
-def test_many_rigs_do_what_each_does_alone(plant):
-    np.testing.assert_allclose(followed(plant.each(3), 2e-3).q[..., 2:], followed(plant, 2e-3).q, atol=1e-13)
+def test_many_rigs_behave_like_single_rigs(plant):
+    np.testing.assert_allclose(followed(plant.repeat(3), 2e-3).q[..., 2:], followed(plant, 2e-3).q, atol=1e-13)
 
 
 def test_energy_is_balanced_in_a_sampled_run(plant):

@@ -25,7 +25,7 @@ def final_state(plant, dt, duration):
 
 @pytest.mark.parametrize("end_stops", [True, False])
 @pytest.mark.parametrize("pitch", [0.0, 0.3])
-def test_both_steppers_go_the_same_way(end_stops, pitch):
+def test_both_steppers_agree(end_stops, pitch):
     plant = Plant.build(BLEEX, EVERYTHING, pitch=pitch, end_stops=end_stops)
     rigs = [stepper(plant, POSE, zeros(plant), 5e-4) for stepper in (PlanarStepper, PinocchioStepper)]
     damping, seen = np.full((3, 1), 0.05), set()
@@ -33,9 +33,9 @@ def test_both_steppers_go_the_same_way(end_stops, pitch):
         one, other = (rig.step(torque(k * 5e-4), damping) for rig in rigs)
         np.testing.assert_allclose(rigs[0].q, rigs[1].q, rtol=0, atol=1e-10)
         np.testing.assert_allclose(rigs[0].v, rigs[1].v, rtol=0, atol=1e-9)
-        np.testing.assert_allclose(one.taken, other.taken, rtol=0, atol=1e-10)
+        np.testing.assert_allclose(one.friction_impulse, other.friction_impulse, rtol=0, atol=1e-10)
         seen |= set(np.sign(rigs[0].v).ravel())
-        if (np.abs(one.taken) > 5e-4 * plant.static + 1e-12).any():
+        if (np.abs(one.friction_impulse) > 5e-4 * plant.static + 1e-12).any():
             seen.add("stop")
     assert seen == ({-1.0, 0.0, 1.0, "stop"} if end_stops else {-1.0, 0.0, 1.0})
     constant = rigs[0].energy() - rigs[1].energy()
@@ -47,7 +47,7 @@ def test_both_steppers_go_the_same_way(end_stops, pitch):
 
 
 @pytest.mark.parametrize("n", [1, 2, 4, 5])
-def test_both_steppers_go_the_same_way_with_any_planar_chain(n):
+def test_both_steppers_agree_on_any_planar_chain(n):
     rng = np.random.default_rng(n)
     leg = random_chain(rng, n, continuous=True).leg()
     values = {f"c0_{label}": 0.5 for label in leg.joint_labels}
@@ -74,7 +74,7 @@ def test_with_stick_and_slip_half_the_step_has_half_the_error_or_less():
     """Root mean square over rigs that stop, rest and turn at other times each."""
     B = 16
     parts = [Plant.build(BLEEX, {**FRICTION, "b1_hip": x}, end_stops=False) for x in np.linspace(0.0, 6.0, B)]
-    plant = Plant.join(parts)
+    plant = Plant.concatenate(parts)
     runs = [final_state(plant, dt, 1.5) for dt in (1e-3 / 16, 1e-3, 5e-4, 2.5e-4)]
     assert runs[0][1] > 500  # joints rested
     errors = [np.sqrt(np.mean((run[0][:3] - runs[0][0][:3]) ** 2)) for run in runs[1:]]
@@ -84,7 +84,7 @@ def test_with_stick_and_slip_half_the_step_has_half_the_error_or_less():
 
 
 @STEPPERS
-def test_left_alone_a_rig_with_friction_never_gains_energy(stepper):
+def test_a_free_rig_with_friction_never_gains_energy(stepper):
     plant = Plant.build(BLEEX, {**FRICTION, "b1_knee": 2.0, "cs_hip": 2.5})
     rng = np.random.default_rng(1)
     for _ in range(3):
@@ -196,7 +196,7 @@ def test_mujoco_swings_alike_without_friction():
     assert np.ptp(ours, axis=0).min() > 0.5
 
 
-def test_mujoco_sticks_and_slips_alike_the_more_so_the_stiffer_its_friction():
+def test_mujoco_agrees_on_stick_slip_better_the_stiffer_its_friction():
     """MuJoCo's friction is viscous below a speed of about c · solref / 2M, ours is not: they differ in proportion."""
     plant = Plant.build(BLEEX, {**SMOOTH, **FRICTION}, end_stops=False)
     ours = our_angles(plant, 2.5e-4, 2.0)
@@ -227,6 +227,6 @@ def test_mujocos_friction_creeps_where_ours_holds():
 
 
 def test_pinocchio_steps_one_rig_only():
-    plant = Plant.build(BLEEX).each(2)
+    plant = Plant.build(BLEEX).repeat(2)
     with pytest.raises(ExoidError, match=r"plant\.take"):
         PinocchioStepper(plant, zeros(plant), zeros(plant), 1e-3)

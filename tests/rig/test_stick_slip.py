@@ -44,7 +44,7 @@ def assert_coulomb(M, b, friction, slip):
     assert ((taken <= friction.high + scale) & (taken >= friction.low - scale))[~moving].all()
     into_stop = ((slip.v > 0.0) & (friction.high == np.inf)) | ((slip.v < 0.0) & (friction.low == -np.inf))
     assert not into_stop.any()
-    np.testing.assert_allclose(slip.taken, taken, rtol=0, atol=1e-9 * np.abs(b).max())
+    np.testing.assert_allclose(slip.impulse, taken, rtol=0, atol=1e-9 * np.abs(b).max())
 
 
 @SIZES
@@ -58,8 +58,8 @@ def test_coulombs_law_holds(n, static, stops):
 
 
 @SIZES
-def test_coulombs_law_holds_whatever_moved_before(n):
-    """Velocities before are a guess of the pattern only, unless a joint turns round."""
+def test_coulombs_law_holds_for_any_previous_velocity(n):
+    """The previous velocities only give a guess of the pattern, unless a joint reverses."""
     M, impulse, friction, last = problems(n, seed=10 + n, stops=True)
     slip = solve_stick_slip(M, impulse, friction, last)
     b = (M * last).sum(axis=1) + impulse
@@ -119,18 +119,18 @@ def test_the_solver_in_plain_floats_agrees_with_the_batched_one(n, static):
         np.testing.assert_allclose(one, slip.v[:, k], rtol=0, atol=1e-9 * (1 + np.abs(one).max()))
 
 
-def test_a_joint_that_turns_round_rubs_both_ways():
+def test_a_joint_that_reverses_has_friction_in_both_directions():
     """For one joint the share of the step before it turns solves a fixed-point equation; friction takes energy."""
     rng = np.random.default_rng(50)
     last, kinetic = rng.uniform(0.0, 1.0, (1, B)), rng.uniform(0.0, 0.3, (1, B))
     impulse = -last - 2.0 * kinetic - rng.uniform(0.0, 3.0, (1, B))  # strong enough to turn it
     slip = solve_stick_slip(np.ones((1, 1, B)), impulse, Friction(kinetic, -kinetic, kinetic), last)
     assert (slip.v < 0.0).all()
-    np.testing.assert_allclose(last + impulse - slip.v, slip.taken, atol=1e-12)
+    np.testing.assert_allclose(last + impulse - slip.v, slip.impulse, atol=1e-12)
     share = last / (last - slip.v)
-    assert np.abs(slip.taken + kinetic * (1.0 - 2.0 * share)).max() < 0.1 * kinetic.max()
+    assert np.abs(slip.impulse + kinetic * (1.0 - 2.0 * share)).max() < 0.1 * kinetic.max()
     plainly = last + impulse + kinetic  # had it rubbed the new way all along
-    exact = slip.taken * 0.5 * (last + slip.v)
+    exact = slip.impulse * 0.5 * (last + slip.v)
     naive = -kinetic * 0.5 * (last + plainly)
     assert naive.min() < -1e-3  # which would have fed energy in
     assert exact.min() > 0.1 * naive.min()

@@ -12,7 +12,7 @@ import exoid
 from exoid.control import ControlModel, simulate
 from exoid.control.track import SENSORS
 from exoid.errors import ExoidError
-from exoid.experiments import cuhk, healthy_gait, on_leg
+from exoid.experiments import cuhk, gait_for_leg, healthy_gait
 from exoid.experiments.excitation import MotionLimits, Scales
 from exoid.study import (
     Driver,
@@ -33,10 +33,10 @@ from exoid.torques import DEFAULT_TERMS, TorqueModel, term_by_name
 
 LEG = exoid.load_leg("cuhk")
 MODEL = TorqueModel(LEG, DEFAULT_TERMS)
-TRUTH = plausible_truth(MODEL, Scales.of(MODEL, MotionLimits.of(LEG)).typical)
+TRUTH = plausible_truth(MODEL, Scales.of(MODEL, MotionLimits.of(LEG)).typical_torque)
 KNOWN = ControlModel.of_parameters(MODEL, np.array(TRUTH))
 PERIOD = 1.6
-GAIT = on_leg(LEG, healthy_gait(0.5, PERIOD))
+GAIT = gait_for_leg(LEG, healthy_gait(0.5, PERIOD))
 RMS, PEAK, TORQUE = range(3)
 
 
@@ -201,7 +201,7 @@ def test_a_study_without_laws_says_nothing_of_laws():
         (lambda: study(course=course("pd", kp=(-1.0,))), "gains"),
         (lambda: replace(course("pd"), periods=1), "1 periods"),
         (lambda: study(course=replace(course("pd"), kp=(1.0,))), "1 Kp and 2 Kd"),
-        (lambda: study(course=replace(course("pd"), motion=on_leg(LEG, healthy_gait(5.0)))), "the motion asks"),
+        (lambda: study(course=replace(course("pd"), motion=gait_for_leg(LEG, healthy_gait(5.0)))), "the motion asks"),
         (lambda: study(estimators=("wls", "wls")), "name each once"),
     ],
 )
@@ -213,7 +213,7 @@ def test_courses_that_make_no_sense_are_refused(make, words):
 def test_terms_that_no_rig_has_are_refused():
     terms = (*DEFAULT_TERMS, term_by_name("stribeck"))
     model = TorqueModel(LEG, terms)
-    truth = plausible_truth(model, Scales.of(model, MotionLimits.of(LEG)).typical)
+    truth = plausible_truth(model, Scales.of(model, MotionLimits.of(LEG)).typical_torque)
     with pytest.raises(ExoidError, match="the rig has no such friction"):
         study(terms=terms, truth=truth)
 

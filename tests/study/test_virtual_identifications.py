@@ -37,7 +37,7 @@ from exoid.torques import DEFAULT_TERMS, TorqueModel
 FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
 LEG = exoid.load_leg("cuhk")
 MODEL = TorqueModel(LEG, DEFAULT_TERMS)
-TRUTH = plausible_truth(MODEL, Scales.of(MODEL, MotionLimits.of(LEG)).typical)
+TRUTH = plausible_truth(MODEL, Scales.of(MODEL, MotionLimits.of(LEG)).typical_torque)
 STD = (0.3, 0.3)
 MIXED = Noise("mixed", STD, share=0.8)
 

@@ -249,7 +249,7 @@ def _simulate(
     """Planar legs all at once, others one by one."""
     reference = Hold(target[:, None])
     if plants[0].leg.chain is not None:
-        together, side_by_side = Plant.join(plants), SideBySide(tuple(laws))
+        together, side_by_side = Plant.concatenate(plants), SideBySide(tuple(laws))
         return simulate_many(
             together,
             side_by_side,

@@ -1,4 +1,4 @@
-"""Optimal excitation: the motion after which the parameters of a leg will be known best, within given limits."""
+"""Optimal excitation: motions that minimise the standard deviations of the parameters within given limits."""
 
 from .advice import Advice
 from .assess import Assessment, assess

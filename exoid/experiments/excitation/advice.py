@@ -1,4 +1,4 @@
-"""What to add to recordings: simple experiments, tried out one by one."""
+"""Experiments to add to recordings: simple motions, each evaluated by its predicted precision."""
 
 from __future__ import annotations
 
@@ -14,33 +14,36 @@ from exoid.torso import TorsoMotion
 
 from .limits import MotionLimits
 from .noise import TorqueNoise
-from .precision import Evidence, Precision, evidence
+from .precision import Information, Precision, information_of
 from .scales import Scales
 
-SECONDS, RATE = 20.0, 100.0
-"""Of each experiment that is tried [s, Hz]."""
+DURATION, RATE = 20.0, 100.0
+"""Duration [s] and rate [Hz] of each experiment."""
 
 SLOW, FAST = 0.1, 0.8
-"""Frequencies of a sweep and of a swing [Hz]."""
+"""Frequencies of a slow sweep and of a fast swing [Hz]."""
 
 SWING = np.deg2rad(15.0)
 """Amplitude of a swing [rad]."""
 
 TILT = np.deg2rad(25.0)
-"""Of the torso [rad]."""
+"""Tilt of the torso [rad]."""
 
-AS_GOOD = 1.5
-"""A simpler experiment is preferred if it leaves at most this many times the standard deviation."""
+NEARLY_BEST = 1.5
+"""Largest ratio to the best standard deviation at which a simpler experiment is preferred."""
+
+UNKNOWN = 10.0
+"""Relative standard deviation from which a parameter counts as unknown."""
 
 
 class Advice(NamedTuple):
-    """One experiment that helps.
+    """Experiment that improves the precision of some parameters.
 
     Attributes:
-        what: The experiment.
-        parameters: Which it helps.
-        before: Their relative standard deviations without it.
-        after: And with it.
+        what: Description of the experiment.
+        parameters: Names of the parameters.
+        before: Relative standard deviations without the experiment.
+        after: Relative standard deviations with the experiment.
     """
 
     what: str
@@ -49,42 +52,45 @@ class Advice(NamedTuple):
     after: tuple[float, ...]
 
     def __str__(self) -> str:
-        """Say it in words."""
+        """Write the experiment and the change of each standard deviation."""
         gains = zip(self.parameters, self.before, self.after, strict=True)
-        words = ", ".join(f"{name} from {_percent(before)} to {_percent(after)}" for name, before, after in gains)
-        return f"add {SECONDS:g} s: {self.what} — brings {words}"
+        changes = ", ".join(f"{name} from {_percent(before)} to {_percent(after)}" for name, before, after in gains)
+        return f"add {DURATION:g} s: {self.what} — brings {changes}"
 
 
 def advise(
-    model: TorqueModel, limits: MotionLimits, noise: TorqueNoise, scales: Scales, known: Evidence
+    model: TorqueModel, limits: MotionLimits, noise: TorqueNoise, scales: Scales, recorded: Information
 ) -> tuple[Advice, ...]:
     """Find the simplest experiment for each parameter that is not determined well.
 
     Args:
         model: Leg and terms.
-        limits: Of the leg.
-        noise: Of the torque.
-        scales: What standard deviations are compared with.
-        known: What the recordings tell.
+        limits: Motion limits of the leg.
+        noise: Torque noise.
+        scales: Scales of the standard deviations.
+        recorded: Information of the recordings.
+
+    Returns:
+        Experiments, the simplest first; parameters that none improves are left out.
     """
-    now = known.precision(model, scales)
+    now = recorded.precision(model, scales)
     poor = [k for k, grade in enumerate(now.identifiability) if grade != "well"]
     if not poor:
         return ()
     tried: dict[str, Precision] = {
-        what: known.with_more(evidence(model, [recording], noise)).precision(model, scales)
+        what: recorded.plus(information_of(model, [recording], noise)).precision(model, scales)
         for what, recording in _experiments(model, limits)
     }
     after = np.array([precision.relative for precision in tried.values()])
     chosen: dict[int, list[int]] = {}
     for k in poor:
         best = after[:, k].min()
-        if best < now.relative[k] / AS_GOOD:
-            chosen.setdefault(int(np.argmax(after[:, k] <= AS_GOOD * best)), []).append(k)
-    whats = list(tried)
+        if best < now.relative[k] / NEARLY_BEST:
+            chosen.setdefault(int(np.argmax(after[:, k] <= NEARLY_BEST * best)), []).append(k)
+    descriptions = list(tried)
     return tuple(
         Advice(
-            whats[row],
+            descriptions[row],
             tuple(model.names[k] for k in columns),
             tuple(float(now.relative[k]) for k in columns),
             tuple(float(after[row, k]) for k in columns),
@@ -94,9 +100,9 @@ def advise(
 
 
 def _experiments(model: TorqueModel, limits: MotionLimits) -> Iterator[tuple[str, Recording]]:
-    """Experiments to try, the simplest first."""
+    """Candidate experiments, the simplest first."""
     leg, n = model.leg, len(model.leg.joint_names)
-    time = np.arange(round(SECONDS * RATE) + 1) / RATE
+    time = np.arange(round(DURATION * RATE) + 1) / RATE
     middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * limits.span
 
     def recording(amplitude: FloatArray, frequency: FloatArray, torso: TorsoMotion | None = None) -> Recording:
@@ -107,7 +113,7 @@ def _experiments(model: TorqueModel, limits: MotionLimits) -> Iterator[tuple[str
         return Recording(time, *motion, joint_names=leg.joint_names, torso=torso)
 
     ones: FloatArray = np.ones(n)
-    shift: FloatArray = 1.0 + 0.23 * np.arange(n, dtype=np.float64)  # frequencies that repeat no pattern
+    shift: FloatArray = 1.0 + 0.23 * np.arange(n, dtype=np.float64)  # frequencies without a common period
     for j, name in enumerate(leg.joint_names):
         only = np.eye(n)[j]
         yield (
@@ -128,6 +134,6 @@ def _experiments(model: TorqueModel, limits: MotionLimits) -> Iterator[tuple[str
 
 
 def _percent(x: float) -> str:
-    if x < 10.0:
+    if x < UNKNOWN:
         return f"{100.0 * x:.2g} %" if x < 0.995 else f"{100.0 * x:.0f} %"
-    return "nothing known" if np.isinf(x) else "unknown"
+    return "not identifiable" if np.isinf(x) else "unknown"

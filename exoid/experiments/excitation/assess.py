@@ -1,4 +1,4 @@
-"""What recordings that exist can tell, and what to add."""
+"""Assessment of recordings: parameters that they determine, and experiments to add."""
 
 from __future__ import annotations
 
@@ -17,32 +17,36 @@ from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 from .advice import Advice, advise
 from .limits import MotionLimits
 from .noise import TorqueNoise
-from .precision import Precision, StaticRows, evidence
+from .precision import Precision, StaticRows, information_of
 from .scales import Scales
-from .text import doubts, precision_table
+from .text import identifiability_lines, precision_table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Assessment:
-    """Verdict on recordings; prints itself.
+    """Predicted precision of the parameters after some recordings; prints itself as a table.
 
     Attributes:
-        precision: What their motion can tell.
-        advice: What to add, for the parameters that they do not determine well.
-        noise: What was reckoned with.
+        precision: Predicted precision of each parameter.
+        advice: Experiments to add for the parameters that are not determined well.
+        noise: Torque noise of the prediction.
     """
 
     precision: Precision
     advice: tuple[Advice, ...]
     noise: TorqueNoise
 
+    def __repr__(self) -> str:
+        """Write the precision, and count the experiments to add."""
+        return f"Assessment({self.precision!r}, {len(self.advice)} experiments to add)"
+
     def __str__(self) -> str:
-        """Say what can be determined, what cannot, and what to add."""
+        """Print the predicted precision, the parameters that are not determined, and experiments to add."""
         p = self.precision
         head = f"{p.duration:.4g} s of motion, torque noise {self.noise}"
-        closing = [f"condition number {p.condition_number:.0f}", *doubts(p), *map(str, self.advice)]
+        closing = [f"condition number {p.condition_number:.0f}", *identifiability_lines(p), *map(str, self.advice)]
         if not set(p.identifiability) <= {"well"}:
-            closing.append("Better still: exoid plan without --assess, which finds the best motion within your limits.")
+            closing.append("exoid plan without --assess finds the best motion within your limits.")
         return to_text(head, precision_table(p)) + "\n\n" + "\n".join(closing)
 
 
@@ -57,17 +61,20 @@ def assess(
     values: Mapping[str, float] | None = None,
     preparation: Preparation | None = None,
 ) -> Assessment:
-    """Say which parameters the motion in some recordings can determine, whatever their torques.
+    """Predict which parameters the motion in some recordings determines; torques are not used.
 
     Args:
         leg: The leg.
-        data: Recordings and poses; of a pose each joint's torque counts as one reading.
-        terms: As for :func:`exoid.identify`.
-        noise: As for :func:`plan_excitation`.
-        noise_bandwidth: Likewise.
-        limits: Within which more may be added; None for those of the URDF.
-        values: Parameters to expect by name.
-        preparation: With which will be identified; None for that of :func:`exoid.identify`.
+        data: Recordings and poses; each joint torque of a pose counts as one reading.
+        terms: Terms as for :func:`exoid.identify`.
+        noise: Standard deviation of the torque noise [N·m], a number or (n,); None for 2 % of typical torques.
+        noise_bandwidth: Bandwidth of the torque noise [Hz]; inf for white noise.
+        limits: Limits of experiments to add; None for those of the URDF.
+        values: Expected parameters by name; None for those of the URDF, and zero for terms.
+        preparation: Preparation of the later identification; None for the default of :func:`exoid.identify`.
+
+    Returns:
+        Predicted precision, and experiments to add.
 
     Raises:
         ExoidError: There is no recording, a joint is missing, or a recording is too short for the filter.
@@ -77,7 +84,8 @@ def assess(
         raise ExoidError("no recordings to assess", remedy="pass at least one")
     model, limits = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms)), limits or MotionLimits.of(leg)
     scales = Scales.of(model, limits, values)
-    assumed = TorqueNoise.of(noise, scales.typical, noise_bandwidth)
+    torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
     rows = [StaticRows(item, 1) if isinstance(item, Poses) else item for item in items]
-    known = evidence(model, rows, assumed, preparation)
-    return Assessment(known.precision(model, scales), advise(model, limits, assumed, scales, known), assumed)
+    recorded = information_of(model, rows, torque_noise, preparation)
+    advice = advise(model, limits, torque_noise, scales, recorded)
+    return Assessment(recorded.precision(model, scales), advice, torque_noise)

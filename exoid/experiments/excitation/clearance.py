@@ -1,4 +1,4 @@
-"""Keeping the foot off the ground and off the leg itself."""
+"""Clearance of the foot from the ground and from the other segments."""
 
 from __future__ import annotations
 
@@ -12,17 +12,21 @@ from exoid.leg import Leg
 from exoid.torso import TorsoMotion
 
 STEP = 1e-6
-"""Of the central difference of a distance [rad]."""
+"""Step of the central difference of a distance [rad]."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Clearance:
-    """Points of the last segment that must not come near the ground or the leg's own segments.
+    """Points of the last segment that keep a distance from the ground and from the other segments.
 
     Attributes:
-        points: Forward and upward of the last joint in the zero pose [m], (k, 2): heel, toe …
+        points: Points such as heel and toe: forward and upward distance from the last joint at the zero pose [m],
+            (k, 2).
         ground: Height of the ground above the first joint [m], negative; −inf for none.
-        distance: Kept to the ground, and to the lines between joints further up the leg [m].
+        distance: Smallest distance to the ground and to the lines between other joints [m].
+
+    Raises:
+        ExoidError: The points are not a finite (k, 2) array, the ground is not negative, or the distance is negative.
     """
 
     points: FloatArray
@@ -39,13 +43,20 @@ class Clearance:
                 remedy="the ground is below the first joint (negative), the distance not negative",
             )
 
-    def room(self, leg: Leg, q: FloatArray, pitch: float = 0.0) -> FloatArray:
-        """Distances beyond what must be kept [m], (N, c); negative where a point is too near.
+    def __repr__(self) -> str:
+        """Count the points; name ground and distance."""
+        return f"Clearance({len(self.points)} points, ground {self.ground:g} m, distance {self.distance:g} m)"
+
+    def margin(self, leg: Leg, q: FloatArray, pitch: float = 0.0) -> FloatArray:
+        """Compute each distance less the smallest distance allowed.
 
         Args:
-            leg: The leg; the ground is there for a leg that is not planar, too.
+            leg: The leg, planar or not.
             q: Angles [rad], (N, n).
             pitch: Tilt of the torso [rad].
+
+        Returns:
+            Margins [m], (N, c), negative where a point is too near.
         """
         joints, points = _positions(leg, q, pitch, self.points)
         parts = []
@@ -55,16 +66,25 @@ class Clearance:
             parts.append(_distance(points, joints[:, k, None], joints[:, k + 1, None]))
         return np.hstack(parts) - self.distance if parts else np.empty((len(q), 0))
 
-    def room_derivative(self, leg: Leg, q: FloatArray, pitch: float = 0.0) -> FloatArray:
-        """∂ room / ∂q by central differences, (n, N, c)."""
+    def margin_derivative(self, leg: Leg, q: FloatArray, pitch: float = 0.0) -> FloatArray:
+        """Compute the derivative of the margins by each angle, with central differences.
+
+        Args:
+            leg: The leg, planar or not.
+            q: Angles [rad], (N, n).
+            pitch: Tilt of the torso [rad].
+
+        Returns:
+            Derivatives ∂ margin / ∂q_j [m/rad], (n, N, c).
+        """
         steps = STEP * np.eye(q.shape[1])
         moved = np.concatenate([q + sign * step for sign in (1.0, -1.0) for step in steps])
-        forward, backward = self.room(leg, moved, pitch).reshape(2, q.shape[1], len(q), -1)
+        forward, backward = self.margin(leg, moved, pitch).reshape(2, q.shape[1], len(q), -1)
         return (forward - backward) / (2.0 * STEP)
 
 
 def _positions(leg: Leg, q: FloatArray, pitch: float, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Joints, (N, n, 2), and points of the last segment, (N, k, 2), forward and up of the first joint [m]."""
+    """Joints, (N, n, 2), and points of the last segment, (N, k, 2), forward and upward of the first joint [m]."""
     if leg.chain is not None:
         turn = np.exp(1j * (np.cumsum(leg.chain.signs * q, axis=1) + pitch))
         steps = turn[:, :-1] * (leg.chain.offsets @ [1.0, 1j])
@@ -84,7 +104,7 @@ def _plane(x: FloatArray) -> FloatArray:
 
 
 def _distance(points: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
-    """From points to the line between two joints [m], (N, k)."""
+    """Distances of points from the line between two joints [m], (N, k)."""
     along, way = end - start, points - start
     length = np.maximum((along**2).sum(axis=-1), 1e-12)
     share = np.clip((along * way).sum(axis=-1) / length, 0.0, 1.0)

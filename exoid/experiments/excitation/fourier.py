@@ -1,4 +1,4 @@
-"""Finite Fourier series that start and stop at rest: the motions that are planned."""
+"""Finite Fourier series that start and stop at rest."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from exoid._typing import FloatArray
 from exoid.experiments.references import Harmonics
 
 AT_REST = 3
-"""Conditions at t = 0 on each joint: no velocity, no acceleration, no jerk."""
+"""Number of conditions at t = 0 on each joint: zero velocity, acceleration and jerk."""
 
 
 class States(NamedTuple):
@@ -29,17 +29,17 @@ class States(NamedTuple):
     a: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FourierMotion:
-    """θ_j(t) = centre_j + Σ_k sine_kj sin kωt + cosine_kj cos kωt, ω = 2π / period, repeated for ``duration``.
+    """Periodic motion θ_j(t) = centre_j + Σ_k sine_kj sin kωt + cosine_kj cos kωt, ω = 2π / period.
 
     Attributes:
-        centre: [rad], (n,).
-        sine: [rad], (K, n).
-        cosine: [rad], (K, n).
-        period: [s].
-        duration: [s], whole periods, so that it stops as it starts.
-        pitch: Tilt of the torso meanwhile [rad].
+        centre: Constant term [rad], (n,).
+        sine: Sine coefficients [rad], (K, n).
+        cosine: Cosine coefficients [rad], (K, n).
+        period: Period [s].
+        duration: Duration [s], a whole number of periods.
+        pitch: Tilt of the torso [rad].
     """
 
     centre: FloatArray
@@ -49,8 +49,22 @@ class FourierMotion:
     duration: float
     pitch: float = 0.0
 
+    def __repr__(self) -> str:
+        """Count joints and harmonics; name frequency and duration."""
+        count, joints = self.sine.shape
+        series = f"{joints} joints, {count} harmonics of {1.0 / self.period:.3g} Hz"
+        tilt = f", torso {np.rad2deg(self.pitch):+.3g}°" if self.pitch else ""
+        return f"FourierMotion({series}, {self.duration:g} s{tilt})"
+
     def at(self, time: FloatArray) -> States:
-        """Angles, velocities and accelerations at some times [s], (N,)."""
+        """Evaluate the motion.
+
+        Args:
+            time: Times [s], (N,).
+
+        Returns:
+            Angles, velocities and accelerations.
+        """
         k = 2.0 * np.pi / self.period * np.arange(1.0, len(self.sine) + 1.0)
         s, c = np.sin(np.multiply.outer(time, k)), np.cos(np.multiply.outer(time, k))
         return States(
@@ -60,23 +74,31 @@ class FourierMotion:
         )
 
     def sampled(self, rate: float) -> tuple[FloatArray, States]:
-        """Times [s] at a rate [Hz], both ends included, and the motion then."""
+        """Sample the whole motion, both ends included.
+
+        Args:
+            rate: Sampling rate [Hz].
+
+        Returns:
+            Times [s], (N,), and the motion at these times.
+        """
         time = np.arange(round(self.duration * rate) + 1) / rate
         return time, self.at(time)
 
     def period_samples(self, count: int) -> States:
-        """One period in ``count`` even samples."""
-        return self.at(np.arange(count) * self.period / count)
+        """Sample one period.
 
-    def smaller(self, factor: float) -> FourierMotion:
-        """Shrink about the centre."""
-        return FourierMotion(
-            self.centre, factor * self.sine, factor * self.cosine, self.period, self.duration, self.pitch
-        )
+        Args:
+            count: Number of samples N, evenly spaced.
+
+        Returns:
+            Angles, velocities and accelerations.
+        """
+        return self.at(np.arange(count) * self.period / count)
 
     @property
     def reference(self) -> Harmonics:
-        """The motion as one rig follows it; c sin(x + φ) = c cos φ sin x + c sin φ cos x."""
+        """Motion as a reference of one rig, by c sin(x + φ) = c cos φ sin x + c sin φ cos x."""
         frequency = 2.0 * np.pi / self.period * np.arange(1.0, len(self.sine) + 1.0)
         return Harmonics(
             self.centre[:, None],
@@ -88,14 +110,14 @@ class FourierMotion:
 
 @dataclass(frozen=True, eq=False)
 class Basis:
-    """All series of K harmonics that are at rest at t = 0, as linear combinations of m functions, the first a constant.
+    """Basis of all series of K harmonics that are at rest at t = 0: m functions, of which the first is constant.
 
     Attributes:
-        period: [s].
+        period: Period [s].
         coefficients: Sine and cosine coefficients of each function but the first, (2 K, m − 1).
-        position: One period of the functions, (N, m).
-        velocity: Their first derivative [1/s].
-        acceleration: Their second [1/s²].
+        position: Samples of one period of the functions, (N, m).
+        velocity: First derivative of the functions [1/s], (N, m).
+        acceleration: Second derivative of the functions [1/s²], (N, m).
     """
 
     period: float
@@ -106,7 +128,16 @@ class Basis:
 
     @classmethod
     def make(cls, period: float, harmonics: int, samples: int) -> Basis:
-        """Make the functions; higher harmonics are scaled down so that all are about equally fast."""
+        """Compute the functions, scaled so that all reach about the same velocity.
+
+        Args:
+            period: Period [s].
+            harmonics: Number of harmonics K, at least two.
+            samples: Number of samples N of one period.
+
+        Returns:
+            Basis of m = 2 K − 2 functions.
+        """
         k = np.arange(1.0, harmonics + 1.0)
         zero = np.zeros(harmonics)
         # in coefficients times k: velocity Σ s_k, acceleration Σ k c_k, jerk Σ k² s_k
@@ -129,17 +160,40 @@ class Basis:
         return int(self.position.shape[1])
 
     def states(self, x: FloatArray) -> States:
-        """One period of the motion of coefficients x, (m, n)."""
+        """Evaluate one period.
+
+        Args:
+            x: Coefficients of the functions [rad], (m, n).
+
+        Returns:
+            Angles, velocities and accelerations at N samples.
+        """
         return States(self.position @ x, self.velocity @ x, self.acceleration @ x)
 
-    def pulled_back(self, gradient: States) -> FloatArray:
-        """Gradient by coefficients, (m, n), from that by samples."""
+    def coefficient_gradient(self, gradient: States) -> FloatArray:
+        """Convert a gradient by samples into one by coefficients.
+
+        Args:
+            gradient: Gradient by angles, velocities and accelerations of the samples.
+
+        Returns:
+            Gradient by coefficients, (m, n).
+        """
         return np.asarray(
             self.position.T @ gradient.q + self.velocity.T @ gradient.v + self.acceleration.T @ gradient.a
         )
 
     def motion(self, x: FloatArray, duration: float, pitch: float) -> FourierMotion:
-        """Motion of coefficients x, (m, n)."""
+        """Make the motion of some coefficients.
+
+        Args:
+            x: Coefficients of the functions [rad], (m, n).
+            duration: Duration [s].
+            pitch: Tilt of the torso [rad].
+
+        Returns:
+            The motion.
+        """
         both = self.coefficients @ x[1:]
         half = len(both) // 2
         return FourierMotion(x[0].copy(), both[:half], both[half:], self.period, duration, pitch)

@@ -1,4 +1,4 @@
-"""What a planned motion must not exceed."""
+"""Limits of a planned motion."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from exoid.leg import Leg
 from .clearance import Clearance
 
 MARGIN = np.deg2rad(3.0)
-"""Angle kept to the URDF's joint limits [rad], as servos overshoot."""
+"""Margin to the joint limits of the URDF for overshoot of the servos [rad]."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class MotionLimits:
-    """Limits of each joint, (n,) each, and of the foot.
+    """Limits of each joint, (n,) each, and clearance of the foot.
 
     Attributes:
         lower: Smallest angle [rad].
@@ -27,10 +27,10 @@ class MotionLimits:
         velocity: Largest speed [rad/s].
         acceleration: Largest acceleration [rad/s²]; inf for none.
         torque: Largest torque [N·m]; inf for none.
-        clearance: Of the foot; None where nothing is in its way.
+        clearance: Clearance of the foot; None for none.
 
     Raises:
-        ExoidError: A limit is not positive, or a lower one not below the upper one.
+        ExoidError: A limit is not positive, or a lower limit is not below the upper one.
     """
 
     lower: FloatArray
@@ -41,17 +41,25 @@ class MotionLimits:
     clearance: Clearance | None = None
 
     def __post_init__(self) -> None:
-        """Check that a motion is possible."""
+        """Check the limits."""
         if not (self.lower < self.upper).all() or not np.isfinite([self.lower, self.upper]).all():
             joint = int(np.argmin(self.upper - self.lower))
             raise ExoidError(
-                f"no room between the limits of joint {joint}: {np.rad2deg(self.lower[joint]):.1f}° to "
+                f"no range between the limits of joint {joint}: {np.rad2deg(self.lower[joint]):.1f}° to "
                 f"{np.rad2deg(self.upper[joint]):.1f}°",
                 remedy="give a lower limit below the upper one, both finite, or a smaller margin",
             )
         for name in ("velocity", "acceleration", "torque"):
             if not (getattr(self, name) > 0.0).all():
                 raise ExoidError(f"a {name} limit is not positive", remedy="give positive limits, or inf for none")
+
+    def __repr__(self) -> str:
+        """Write the limits of all joints."""
+        lower, upper = np.rad2deg([self.lower, self.upper])
+        angles = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in zip(lower, upper, strict=True))
+        others = (("velocity", "rad/s"), ("acceleration", "rad/s²"), ("torque", "N·m"))
+        texts = [f"{name} {', '.join(f'{x:.3g}' for x in getattr(self, name))} {unit}" for name, unit in others]
+        return f"MotionLimits(angle {angles} deg; {'; '.join(texts)}; clearance {self.clearance})"
 
     @classmethod
     def of(
@@ -65,19 +73,22 @@ class MotionLimits:
         torque: ArrayLike | None = None,
         clearance: Clearance | None = None,
     ) -> MotionLimits:
-        """Take what the URDF says, sharpened by what is given.
+        """Take the limits of the URDF, narrowed by given ones.
 
         Args:
-            leg: With the limits of its URDF; joints that turn without end get ±180°.
-            margin: Angle kept to those limits [rad].
+            leg: Leg with the limits of its URDF; continuous joints get ±180°.
+            margin: Margin to these limits [rad].
             angles_deg: Narrower ranges of angle by joint name or label [deg].
             velocity: Largest speed [rad/s], a number or (n,).
-            acceleration: Largest acceleration [rad/s²], likewise.
-            torque: Largest torque [N·m], likewise.
-            clearance: Of the foot.
+            acceleration: Largest acceleration [rad/s²], a number or (n,).
+            torque: Largest torque [N·m], a number or (n,).
+            clearance: Clearance of the foot; None for none.
+
+        Returns:
+            Limits of a planned motion.
 
         Raises:
-            ExoidError: A joint is unknown, or nothing is left between the limits.
+            ExoidError: A joint is unknown, no range of angle remains, or a limit has the wrong size or sign.
         """
         own, n = leg.limits, len(leg.joint_names)
         lower = np.where(np.isfinite(own.lower), own.lower, -np.pi) + margin
@@ -100,8 +111,15 @@ class MotionLimits:
 def joint_index(leg: Leg, name: str) -> int:
     """Find a joint by its name or label.
 
+    Args:
+        leg: The leg.
+        name: Name or label of the joint.
+
+    Returns:
+        Index of the joint.
+
     Raises:
-        ExoidError: The leg has none of that name.
+        ExoidError: The leg does not have that joint.
     """
     for names in (leg.joint_names, leg.joint_labels):
         if name in names:
@@ -110,15 +128,15 @@ def joint_index(leg: Leg, name: str) -> int:
 
 
 def _stated(limit: FloatArray) -> FloatArray:
-    """Limits of a URDF, of which zero means that none is stated."""
+    """Limits of a URDF, in which zero means no limit."""
     return np.where(limit > 0.0, limit, np.inf)
 
 
-def _each(value: ArrayLike | None, n: int, what: str) -> FloatArray:
+def _each(value: ArrayLike | None, n: int, name: str) -> FloatArray:
     try:
         return np.broadcast_to(np.inf if value is None else np.asarray(value, dtype=np.float64), (n,))
     except ValueError as error:
         raise ExoidError(
-            f"{what} limits of {np.size(np.asarray(value))} joints for a leg of {n}",
+            f"{name} limits of {np.size(np.asarray(value))} joints for a leg of {n}",
             remedy="give one number, or one for each joint",
         ) from error

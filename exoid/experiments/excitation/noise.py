@@ -1,4 +1,4 @@
-"""The torque noise that a plan reckons with."""
+"""Torque noise for predictions of precision."""
 
 from __future__ import annotations
 
@@ -10,18 +10,21 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 
 SHARE = 0.02
-"""Of a joint's typical torque: the noise that is assumed where none is given."""
+"""Default standard deviation over the typical torque of a joint."""
 
 
 @dataclass(frozen=True)
 class TorqueNoise:
-    """Noise of the torque signals as they are logged.
+    """Noise of the logged torque signals.
 
     Attributes:
         std: Standard deviation at each joint [N·m].
-        bandwidth: Up to where its spectrum is flat [Hz]; inf for white noise. Noise of bandwidth b has 2 b independent
-            samples a second, however fast the log is.
-        assumed: Whether nobody gave it.
+        bandwidth: Frequency up to which the spectrum is flat [Hz]; inf for white noise. Noise of bandwidth b has 2 b
+            independent samples a second at any rate of the log.
+        assumed: Whether the standard deviations are default values.
+
+    Raises:
+        ExoidError: A standard deviation or the bandwidth is not positive.
     """
 
     std: tuple[float, ...]
@@ -29,7 +32,7 @@ class TorqueNoise:
     assumed: bool = False
 
     def __post_init__(self) -> None:
-        """Check that there is noise."""
+        """Check the numbers."""
         if not (all(0.0 < std < np.inf for std in self.std) and self.bandwidth > 0.0):
             raise ExoidError(
                 f"torque noise of {self.std} N·m, bandwidth {self.bandwidth:g} Hz",
@@ -38,15 +41,18 @@ class TorqueNoise:
 
     @classmethod
     def of(cls, std: ArrayLike | None, typical: FloatArray, bandwidth: float = np.inf) -> TorqueNoise:
-        """Take what is given, or 2 % of the typical torque of each joint.
+        """Take given standard deviations, or 2 % of the typical torque of each joint.
 
         Args:
-            std: A number or one for each joint [N·m]; None if unknown.
+            std: Standard deviation [N·m], a number or (n,); None if unknown.
             typical: Typical torque of each joint [N·m], (n,).
-            bandwidth: See the class.
+            bandwidth: Frequency up to which the spectrum is flat [Hz].
+
+        Returns:
+            Noise of n joints.
 
         Raises:
-            ExoidError: There is not one number, or one for each joint.
+            ExoidError: The number of standard deviations is neither one nor n, or a value is not positive.
         """
         if std is None:
             return cls(tuple((SHARE * typical).tolist()), bandwidth, assumed=True)
@@ -60,14 +66,20 @@ class TorqueNoise:
         return cls(tuple(each.tolist()), bandwidth)
 
     def per_sample(self, rate: float) -> FloatArray:
-        """Standard deviation of white noise that does the same harm in a log at ``rate`` [Hz], (n,) [N·m].
+        """Compute the standard deviation of white noise with the same spectral density in the band of the motion.
 
-        In the band of the motion noise of bandwidth b has the density of white noise √(rate / 2b) times as large.
+        Noise of bandwidth b has the spectral density of white noise that is √(rate / 2b) times as large.
+
+        Args:
+            rate: Sampling rate of the log [Hz].
+
+        Returns:
+            Standard deviations [N·m], (n,).
         """
         return np.asarray(np.array(self.std) * np.sqrt(max(1.0, rate / (2.0 * self.bandwidth))))
 
     def __str__(self) -> str:
-        """Say it in words."""
+        """Write standard deviations and bandwidth."""
         stds = ", ".join(f"{std:.2g}" for std in self.std)
         band = "white" if np.isinf(self.bandwidth) else f"up to {self.bandwidth:g} Hz"
         return f"{stds} N·m ({band}{', assumed' if self.assumed else ''})"

@@ -1,4 +1,4 @@
-"""What the search minimises: how badly parameters will be known, plus a penalty beyond the limits; with gradient."""
+"""Objective of the search: criterion of the predicted covariance plus a penalty for exceeded limits, with gradient."""
 
 from __future__ import annotations
 
@@ -19,26 +19,25 @@ from .scales import Scales
 Criterion = Literal["worst", "a", "d"]
 
 STEPS = (1e-5, 1e-5, 1e-3)
-"""Of the central differences of the regressor by q, v and a."""
+"""Steps of the central differences of the regressor by q, v and a."""
 
 RIDGE = 1e-12
-"""Added to the information about scaled parameters, so that motions that miss some can be compared."""
-
+"""Smallest eigenvalue of the information over the largest, so that the criterion is always finite."""
 
 EXCESSES = ("angle", "velocity", "acceleration", "torque", "clearance")
-"""What can be beyond a limit."""
+"""Names of the limits."""
 
 NEAR = 0.1
-"""Distance [m] that counts like a limit."""
+"""Unit of clearance in the penalty [m]."""
 
 
 class Stage(NamedTuple):
-    """How a stage of the search sees the criterion.
+    """Settings of one stage of the search.
 
     Attributes:
-        power: Of the mean over the parameters' relative variances r_i: (Σ r_i^p)^(1/p); 1 is A-optimality, large powers
-            see only the worst; 0 for D-optimality, the mean of the logarithms of the eigenvalues.
-        penalty: Weight of what is beyond the limits.
+        power: Power p of the mean (Σ r_i^p)^(1/p) of the relative variances r_i: 1 for A-optimality, large for the
+            worst parameter alone, 0 for D-optimality (the mean of the logarithms of the eigenvalues).
+        penalty: Weight of the penalty.
     """
 
     power: float
@@ -49,19 +48,19 @@ class Stage(NamedTuple):
 class Objective:
     """J(x) = ½ ln (Σ_i (cov_ii / scale_i²)^p)^(1/p) + penalty · mean of squared excesses.
 
-    ½ ln, so that a change of J is the relative change of standard deviations. x are the coefficients of one motion for
+    With ½ ln a change of J is the relative change of the standard deviations. x are the coefficients of one motion for
     each torso tilt, (T, m, n).
 
     Attributes:
         model: Leg and terms.
-        basis: Functions that the motions are made of.
+        basis: Basis functions of the motions.
         pitches: Tilt of the torso in each motion [rad], (T,).
-        limits: What must not be exceeded.
-        noise: Of the torque.
-        scales: What standard deviations are compared with.
-        seconds: Of each motion [s].
-        rate: Of the log [Hz].
-        known: Information from elsewhere (poses) about scaled parameters, (P, P).
+        limits: Motion limits.
+        noise: Torque noise.
+        scales: Scales of the standard deviations.
+        seconds: Duration of each motion [s].
+        rate: Rate of the log [Hz].
+        prior_information: Information of other data (poses) about scaled parameters, (P, P).
     """
 
     model: TorqueModel
@@ -72,11 +71,11 @@ class Objective:
     scales: Scales
     seconds: float
     rate: float
-    known: FloatArray
+    prior_information: FloatArray
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """Of x."""
+        """Shape of x, (T, m, n)."""
         return len(self.pitches), self.basis.count, len(self.limits.lower)
 
     def __call__(self, x: FloatArray, stage: Stage) -> tuple[float, FloatArray]:
@@ -85,7 +84,9 @@ class Objective:
         motions = [self.basis.states(each) for each in coefficients]
         columns = [self._columns(states, pitch) for states, pitch in zip(motions, self.pitches, strict=True)]
         weight = self._row_weight()
-        information = self.known + sum(np.einsum("pjt,qjt->pq", W * weight[:, None], W, optimize=True) for W in columns)
+        information = self.prior_information + sum(
+            np.einsum("pjt,qjt->pq", W * weight[:, None], W, optimize=True) for W in columns
+        )
         value, by_information = _criterion(information, stage.power)
         gradient = np.empty(self.shape)
         for k, (states, W, pitch) in enumerate(zip(motions, columns, self.pitches, strict=True)):
@@ -94,7 +95,7 @@ class Objective:
             value += stage.penalty * excess
             slopes = self._through_regressor(states, adjoint + stage.penalty * by_columns, float(pitch))
             whole = States(*(s + stage.penalty * e for s, e in zip(slopes, by_states, strict=True)))
-            gradient[k] = self.basis.pulled_back(whole)
+            gradient[k] = self.basis.coefficient_gradient(whole)
         return value, gradient.ravel()
 
     def _row_weight(self) -> FloatArray:
@@ -102,7 +103,7 @@ class Objective:
         return self.rate * self.seconds / len(self.basis.position) / self.noise.per_sample(self.rate) ** 2
 
     def _columns(self, states: States, pitch: float) -> FloatArray:
-        """Regressor of scaled parameters, (P, n, N); rows that cannot be used are zero."""
+        """Regressor of scaled parameters, (P, n, N); rows in a dead band are zero."""
         W = self._regressor(states, pitch)
         W *= self.scales.scale[:, None, None]
         return np.asarray(W * self.model.usable(states.v).T)
@@ -113,7 +114,7 @@ class Objective:
     def _through_regressor(self, states: States, adjoint: FloatArray, pitch: float) -> States:
         """Gradient by samples, given that by columns: Σ_pj adjoint_pjt ∂W_pjt / ∂(q, v, a)_t, in one batch."""
         count, n = states.q.shape
-        shape = (len(STEPS), n, 2, count, n)  # what is moved, at which joint, up or down
+        shape = (len(STEPS), n, 2, count, n)  # quantity, joint, direction, sample, joint
         moved = States(*(np.broadcast_to(x, shape).copy() for x in states))
         for part, step in enumerate(STEPS):
             for joint in range(n):
@@ -124,18 +125,34 @@ class Objective:
         return States(*((up - down) / (2.0 * step) for (up, down), step in zip(slopes, STEPS, strict=True)))
 
     def excesses(self, states: States, pitch: float) -> FloatArray:
-        """Mean squared excess over each of the limits :data:`EXCESSES`, (5,)."""
+        """Compute the mean squared excess over each of the limits :data:`EXCESSES`.
+
+        Args:
+            states: Samples of a motion.
+            pitch: Tilt of the torso [rad].
+
+        Returns:
+            Mean squares of the relative excesses, (5,).
+        """
         tau = np.einsum("pjt,p->tj", self._columns(states, pitch), self._beta)
         return np.array([part.mean for part in self._parts(states, tau, pitch)])
 
     def excess(self, states: States, pitch: float) -> float:
-        """Mean squared excess over all limits; zero where they are kept."""
+        """Compute the mean squared excess over all limits.
+
+        Args:
+            states: Samples of a motion.
+            pitch: Tilt of the torso [rad].
+
+        Returns:
+            Sum of :meth:`excesses`, zero if all limits are kept.
+        """
         return float(self.excesses(states, pitch).sum())
 
     @property
     def _beta(self) -> FloatArray:
-        """Expected parameters, scaled like the columns."""
-        return self.scales.values / self.scales.scale
+        """Expected parameters over their scales."""
+        return self.scales.expected / self.scales.scale
 
     def _penalty(self, states: States, W: FloatArray, pitch: float) -> tuple[float, States, FloatArray]:
         """Mean squared excess, and its gradient by samples and by columns of the regressor."""
@@ -156,19 +173,19 @@ class Objective:
         )
 
     def _too_near(self, q: FloatArray, pitch: float) -> _Excess:
-        """How far points of the foot are too near to something, in units of :data:`NEAR`."""
+        """Missing clearance of the points of the foot, in units of :data:`NEAR`."""
         clearance, leg, slope = self.limits.clearance, self.model.leg, np.zeros_like(q)
         if clearance is None:
             return _Excess(0.0, slope)
-        short = np.minimum(clearance.room(leg, q, pitch), 0.0) / NEAR
+        short = np.minimum(clearance.margin(leg, q, pitch), 0.0) / NEAR
         if short.any():
-            by_angle = clearance.room_derivative(leg, q, pitch) / NEAR
+            by_angle = clearance.margin_derivative(leg, q, pitch) / NEAR
             slope = 2.0 * np.einsum("tc,jtc->tj", short, by_angle) / len(q)
         return _Excess(float((short**2).sum() / len(q)), slope)
 
 
 class _Excess(NamedTuple):
-    """Mean squared excess over a limit, and its derivative by what is limited, (N, n)."""
+    """Mean squared excess over a limit, and its derivative by the limited quantity, (N, n)."""
 
     mean: float
     slope: FloatArray
@@ -180,13 +197,13 @@ def _beyond(x: FloatArray, limit: FloatArray) -> _Excess:
 
 
 def _criterion(information: FloatArray, power: float) -> tuple[float, FloatArray]:
-    """Value, and gradient by the information matrix."""
+    """Value of the criterion, and gradient by the information matrix."""
     count = len(information)
-    sizes, vectors = np.linalg.eigh(information)
-    sizes = np.maximum(sizes, RIDGE * sizes[-1])
-    covariance = (vectors / sizes) @ vectors.T
+    eigenvalues, vectors = np.linalg.eigh(information)
+    eigenvalues = np.maximum(eigenvalues, RIDGE * eigenvalues[-1])
+    covariance = (vectors / eigenvalues) @ vectors.T
     if power == 0.0:
-        return float(-0.5 * np.log(sizes).sum() / count), -0.5 * covariance / count
+        return float(-0.5 * np.log(eigenvalues).sum() / count), -0.5 * covariance / count
     r = np.diag(covariance)
     largest = r.max()
     total = ((r / largest) ** power).sum()

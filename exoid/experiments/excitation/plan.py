@@ -1,4 +1,4 @@
-"""Planning an experiment: the motion that will tell most about a leg, and how much that is."""
+"""Plans of experiments: motions of optimal excitation and the precision that they will give."""
 
 from __future__ import annotations
 
@@ -21,30 +21,30 @@ from .limits import MotionLimits
 from .noise import TorqueNoise
 from .objective import Criterion, Objective
 from .poses import choose_poses
-from .precision import Precision, StaticRows, evidence
+from .precision import Precision, StaticRows, information_of
 from .scales import Scales
 from .search import search
-from .text import doubts, precision_table
+from .text import identifiability_lines, precision_table
 
 PERIOD = 10.0
-"""Of the Fourier series, about [s]."""
+"""Approximate period of the Fourier series [s]."""
 
 SAMPLES = 24
-"""Of the search for each period of the highest harmonic."""
+"""Samples of the search in each period of the highest harmonic."""
 
 FEWEST, MOST = 3, 20
-"""Harmonics."""
+"""Smallest and largest number of harmonics."""
 
 
 class Peaks(NamedTuple):
-    """Largest absolute values that a plan asks of each joint, (n,) each, and its range of angle.
+    """Range of angle and largest absolute values at each joint, (n,) each.
 
     Attributes:
-        lowest: [rad].
-        highest: [rad].
-        velocity: [rad/s].
-        acceleration: [rad/s²].
-        torque: Expected, friction not counted where it is unknown [N·m].
+        lowest: Smallest angle [rad].
+        highest: Largest angle [rad].
+        velocity: Largest speed [rad/s].
+        acceleration: Largest acceleration [rad/s²].
+        torque: Largest expected torque [N·m]; friction of unknown size is not included.
     """
 
     lowest: FloatArray
@@ -56,19 +56,20 @@ class Peaks(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plan:
-    """An experiment that was planned; prints itself.
+    """Planned experiment; prints itself as a table.
 
     Attributes:
-        model: Leg and terms it is for.
-        motions: One for each torso tilt, starting and stopping at rest.
-        poses: To be held besides, reached from both sides, for each torso tilt; or none.
-        precision: What it will tell.
-        limits: What it keeps.
-        noise: What it reckons with.
-        rate: At which it is commanded and logged [Hz].
-        criterion: What was minimised.
-        seed: Of the search.
-        costs: Of the motions that the better starts ended at, the best first: relative standard deviations for "worst".
+        model: Leg and terms.
+        motions: Motion at each torso tilt, from rest to rest.
+        poses: Static poses at each torso tilt, to be approached from both sides; may be empty.
+        precision: Predicted precision of each parameter.
+        limits: Motion limits.
+        noise: Torque noise of the prediction.
+        rate: Rate of command and log [Hz].
+        criterion: Criterion that was minimised.
+        seed: Seed of the search.
+        costs: Criterion of the motions that the better starts led to, the best first: a relative standard deviation for
+            "worst".
     """
 
     model: TorqueModel
@@ -84,24 +85,29 @@ class Plan:
 
     @property
     def duration(self) -> float:
-        """Of all motions [s]."""
+        """Total duration of the motions [s]."""
         return sum(motion.duration for motion in self.motions)
 
     @property
     def recordings(self) -> tuple[Recording, ...]:
-        """Motions as a rig would log them that follows perfectly, with the torques expected."""
-        return tuple(as_recording(self.model, self.precision.scales, motion, self.rate) for motion in self.motions)
+        """Motions as logs of a rig that follows exactly, with the expected torques."""
+        return tuple(planned_recording(self.model, self.precision.scales, motion, self.rate) for motion in self.motions)
 
     @property
     def peaks(self) -> Peaks:
-        """What it asks of the joints."""
+        """Range of angle and largest values at each joint."""
         q, v, a, tau = (
             np.vstack([getattr(recording, name) for recording in self.recordings]) for name in ("q", "v", "a", "tau")
         )
         return Peaks(q.min(axis=0), q.max(axis=0), *(np.abs(x).max(axis=0) for x in (v, a, tau)))
 
+    def __repr__(self) -> str:
+        """Name the leg, and write duration and precision."""
+        poses = f" and {sum(map(len, self.poses))} poses" if self.poses else ""
+        return f"Plan({self.model.leg.description.name}: {self.duration:g} s of motion{poses}; {self.precision!r})"
+
     def __str__(self) -> str:
-        """Say what will be known, what is asked of the leg, and what will not be known."""
+        """Print the motion, its demands on each joint, and the predicted precision."""
         names = self.model.leg.joint_names
         parts = [f"{self.duration:g} s of motion at {self.rate:g} Hz, starting and stopping at rest"]
         tilts = ", ".join(f"{np.rad2deg(motion.pitch):+.0f}°" for motion in self.motions)
@@ -117,7 +123,7 @@ class Plan:
                 f"up to {p.velocity[k]:.1f} rad/s, {p.acceleration[k]:.0f} rad/s², {p.torque[k]:.0f} N·m"
             )
         text = to_text("\n".join(parts), precision_table(self.precision))
-        closing = [f"condition number {self.precision.condition_number:.0f}", *doubts(self.precision)]
+        closing = [f"condition number {self.precision.condition_number:.0f}", *identifiability_lines(self.precision)]
         return text + "\n\n" + "\n".join(closing)
 
 
@@ -140,32 +146,32 @@ def plan_excitation(
     preparation: Preparation | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Plan:
-    """Find the motion after which the parameters of a leg will be known best.
+    """Find the motion that minimises the standard deviations of the parameters of a leg.
 
     Args:
-        leg: The leg; its inertias say what torques to expect.
-        terms: As for :func:`exoid.identify`.
-        duration: Of all motions together [s], shared evenly among the torso tilts.
-        rate: At which the motion is commanded and logged [Hz].
-        limits: What must not be exceeded; None for those of the URDF.
+        leg: The leg; its inertias give the expected torques.
+        terms: Terms as for :func:`exoid.identify`.
+        duration: Total duration of the motions [s], divided evenly among the torso tilts.
+        rate: Rate of command and log [Hz].
+        limits: Motion limits; None for those of the URDF.
         noise: Standard deviation of the torque noise [N·m], a number or (n,); None for 2 % of typical torques.
-        noise_bandwidth: Up to where its spectrum is flat [Hz]; inf for white noise.
-        values: Parameters to expect by name; None for the URDF's, and zero for terms.
-        tilts_deg: Torso tilts at which a motion is made [deg].
-        poses: Held besides at each tilt.
+        noise_bandwidth: Frequency up to which the noise spectrum is flat [Hz]; inf for white noise.
+        values: Expected parameters by name; None for those of the URDF, and zero for terms.
+        tilts_deg: Torso tilts, one for each motion [deg].
+        poses: Number of additional static poses at each tilt.
         highest: Highest frequency of the motion [Hz].
-        criterion: "worst" (smallest largest relative standard deviation), "a" (of their squares' sum) or "d" (smallest
-            volume of the confidence ellipsoid).
-        starts: Motions that the search starts from.
-        seed: Of the search.
-        preparation: With which will be identified; None for that of :func:`exoid.identify`.
-        progress: Told the share that is done.
+        criterion: Criterion to minimise: "worst" (largest relative standard deviation), "a" (sum of their squares) or
+            "d" (volume of the confidence ellipsoid).
+        starts: Number of starts of the search.
+        seed: Seed of the search.
+        preparation: Preparation of the later identification; None for the default of :func:`exoid.identify`.
+        progress: Function that receives the completed share, 0 to 1.
 
     Returns:
-        The plan, with the predicted precision of every parameter.
+        Plan with the predicted precision of every parameter.
 
     Raises:
-        ExoidError: Limits admit no motion, the duration is too short, or an option makes no sense.
+        ExoidError: No motion was found within the limits, the duration is too short, or an argument is invalid.
 
     Example:
         >>> plan = plan_excitation(leg, duration=60.0, noise=0.3)  # doctest: +SKIP
@@ -179,30 +185,41 @@ def plan_excitation(
         )
     model, limits = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms)), limits or MotionLimits.of(leg)
     scales = Scales.of(model, limits, values)
-    assumed = TorqueNoise.of(noise, scales.typical, noise_bandwidth)
+    torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
     seconds, basis = _series(duration / len(tilts_deg), rate, highest)
     tilts, rng = np.deg2rad(np.asarray(tilts_deg, dtype=np.float64)), np.random.default_rng(seed)
-    held = choose_poses(model, limits, assumed, scales, tilts, poses, rng) if poses else ()
-    known = evidence(model, map(StaticRows, held), assumed)
-    scaled = known.R * scales.scale
-    objective = Objective(model, basis, tilts, limits, assumed, scales, seconds, rate, scaled.T @ scaled)
+    static = choose_poses(model, limits, torque_noise, scales, tilts, poses, rng) if poses else ()
+    of_poses = information_of(model, map(StaticRows, static), torque_noise)
+    scaled = of_poses.r_factor * scales.scale
+    objective = Objective(model, basis, tilts, limits, torque_noise, scales, seconds, rate, scaled.T @ scaled)
     found = search(objective, criterion, starts, rng, progress)
-    recordings = [as_recording(model, scales, motion, rate) for motion in found.motions]
-    precision = known.with_more(evidence(model, recordings, assumed, preparation)).precision(model, scales)
+    recordings = [planned_recording(model, scales, motion, rate) for motion in found.motions]
+    of_motions = information_of(model, recordings, torque_noise, preparation)
+    precision = of_poses.plus(of_motions).precision(model, scales)
     costs = tuple(float(np.exp(cost)) for cost in found.costs)
-    return Plan(model, found.motions, held, precision, limits, assumed, rate, criterion, seed, costs)
+    return Plan(model, found.motions, static, precision, limits, torque_noise, rate, criterion, seed, costs)
 
 
-def as_recording(model: TorqueModel, scales: Scales, motion: FourierMotion, rate: float) -> Recording:
-    """Log a motion that is followed perfectly, with the torque expected."""
+def planned_recording(model: TorqueModel, scales: Scales, motion: FourierMotion, rate: float) -> Recording:
+    """Make the log of a rig that follows a motion exactly, with the expected torque.
+
+    Args:
+        model: Leg and terms.
+        scales: Expected parameters.
+        motion: The motion.
+        rate: Sampling rate [Hz].
+
+    Returns:
+        Log with angles, velocities, accelerations and torques.
+    """
     time, (q, v, a) = motion.sampled(rate)
     torso = TorsoMotion(pitch=motion.pitch) if motion.pitch else None
-    tau = model.regressor(q, v, a, torso) @ scales.values
+    tau = model.regressor(q, v, a, torso) @ scales.expected
     return Recording(time, q, v, a, tau, joint_names=model.leg.joint_names, torso=torso)
 
 
 def _series(duration: float, rate: float, highest: float) -> tuple[float, Basis]:
-    """Duration of each motion in whole samples, and the functions it is made of."""
+    """Duration of each motion in whole samples, and its basis functions."""
     if not (0.0 < duration < np.inf and 0.0 < rate < np.inf and 0.0 < highest < np.inf):
         raise ExoidError(
             f"{duration:g} s at {rate:g} Hz, up to {highest:g} Hz", remedy="give positive numbers in s and Hz"
@@ -210,7 +227,7 @@ def _series(duration: float, rate: float, highest: float) -> tuple[float, Basis]
     if rate < SAMPLES * highest:
         raise ExoidError(
             f"a motion of up to {highest:g} Hz at {rate:g} Hz",
-            remedy=f"sample it at {SAMPLES * highest:g} Hz at least, or move more slowly",
+            remedy=f"sample it at {SAMPLES * highest:g} Hz at least, or lower the highest frequency",
         )
     seconds = round(duration * rate) / rate
     period = seconds / max(1, round(seconds / PERIOD))
@@ -218,6 +235,6 @@ def _series(duration: float, rate: float, highest: float) -> tuple[float, Basis]
     if harmonics < FEWEST:
         raise ExoidError(
             f"{duration:g} s are too short for {FEWEST} harmonics up to {highest:g} Hz",
-            remedy=f"move for at least {FEWEST / highest:g} s at each torso tilt, or allow higher frequencies",
+            remedy=f"plan at least {FEWEST / highest:g} s at each torso tilt, or allow higher frequencies",
         )
     return seconds, Basis.make(period, harmonics, SAMPLES * harmonics)

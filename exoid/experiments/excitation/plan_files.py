@@ -1,4 +1,4 @@
-"""Plans as files: what a rig's controller replays, and poses to hold."""
+"""Plans as files: motions for the controller of a rig, and static poses."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from .plan import Plan
 
 
 def write_plan(path: str | os.PathLike[str], plan: Plan) -> tuple[Path, ...]:
-    """Write each motion as ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>`` at the plan's rate, and its poses.
+    """Write motions as ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>`` at the rate of the plan, and poses.
 
-    With several torso tilts each motion has a file of its own, ``plan_tilt+20.csv``; poses go to ``plan_poses.csv``
-    as :func:`exoid.experiments.write_static_protocol` writes them. tau is the torque to expect.
+    tau is the expected torque. With several torso tilts each motion has its own file, ``plan_tilt+20.csv``. Poses are
+    written to ``plan_poses.csv`` by :func:`exoid.experiments.write_static_protocol`.
 
     Args:
-        path: Name of the motion's file; each file is written whole or not at all.
+        path: Name of the file of the motion; each file is written whole or not at all.
         plan: The plan.
 
     Returns:
-        The files that were written.
+        Files that were written.
 
     Raises:
-        ExoidError: A file cannot be written.
+        ExoidError: The suffix is not .csv, the folder does not exist, or a file cannot be written.
     """
     path, written = refuse_plan_name(path), []
     for motion, recording in zip(plan.motions, plan.recordings, strict=True):
@@ -41,19 +41,25 @@ def write_plan(path: str | os.PathLike[str], plan: Plan) -> tuple[Path, ...]:
 
 
 def refuse_plan_name(path: str | os.PathLike[str]) -> Path:
-    """Refuse a name under which no plan can be written.
+    """Refuse a file name under which a plan cannot be written.
+
+    Args:
+        path: Name of the file.
+
+    Returns:
+        The name as a path.
 
     Raises:
-        ExoidError: The suffix is not .csv, or there is no such folder.
+        ExoidError: The suffix is not .csv, or the folder does not exist.
     """
     path = Path(path)
     if path.suffix != ".csv":
         raise ExoidError(f"a plan in {path.name}", remedy="name the file .csv")
     if not path.parent.is_dir():
-        raise ExoidError(f"there is no folder {path.parent}", where=str(path), remedy="make it, or name another")
+        raise ExoidError(f"there is no folder {path.parent}", where=str(path), remedy="create it, or use another")
     return path
 
 
-def _named(path: Path, what: str, pitch: float, count: int) -> Path:
+def _named(path: Path, kind: str, pitch: float, count: int) -> Path:
     tilt = f"_tilt{np.rad2deg(pitch):+g}" if count > 1 else ""
-    return path.with_name(f"{path.stem}{what}{tilt}.csv")
+    return path.with_name(f"{path.stem}{kind}{tilt}.csv")

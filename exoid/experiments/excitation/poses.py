@@ -1,4 +1,4 @@
-"""Choosing poses to hold: those that together say most about gravity, springs and offsets."""
+"""Choice of static poses that are most informative on gravity, springs and offsets."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from .precision import READINGS
 from .scales import Scales
 
 CANDIDATES = 400
-"""Poses that are drawn for each torso tilt, to choose from."""
+"""Number of poses drawn for each torso tilt."""
 
-DOUBT = 1.0
-"""Relative standard deviation of every parameter before anything is measured."""
+PRIOR_STD = 1.0
+"""Relative standard deviation of every parameter before the poses."""
 
 
 def choose_poses(
@@ -31,32 +31,32 @@ def choose_poses(
     count: int,
     rng: np.random.Generator,
 ) -> tuple[Poses, ...]:
-    """Choose poses one after the other, each the one that gains most information, ln det (D-optimality).
+    """Choose poses greedily: each maximises ln det of the information so far (D-optimality).
 
     Args:
         model: Leg and terms.
-        limits: Of angles, holding torques and the foot.
-        noise: Of the torque.
-        scales: What standard deviations are compared with.
-        tilts: Of the torso [rad], (T,).
-        count: How many poses at each tilt.
-        rng: For the candidates.
+        limits: Limits of angles, holding torques and clearance.
+        noise: Torque noise.
+        scales: Scales of the standard deviations.
+        tilts: Tilts of the torso [rad], (T,).
+        count: Number of poses at each tilt.
+        rng: Generator of the candidates.
 
     Returns:
-        Poses with the torques expected there, of each tilt.
+        Poses with their expected torques, for each tilt.
 
     Raises:
-        ExoidError: There are not enough poses within the limits.
+        ExoidError: Too few of the drawn poses are within the limits.
     """
-    information = np.eye(len(model.names)) / DOUBT**2
+    information = np.eye(len(model.names)) / PRIOR_STD**2
     chosen = []
     for tilt in tilts:
         q, columns = _candidates(model, limits, scales, float(tilt), rng)
         if len(q) < count:
             raise ExoidError(
-                f"only {len(q)} of {CANDIDATES} poses keep the limits, {count} are asked for",
+                f"only {len(q)} of {CANDIDATES} poses are within the limits, {count} are requested",
                 where=model.leg.description.name,
-                remedy="widen the limits of angle and torque, or ask for fewer poses",
+                remedy="widen the limits of angle and torque, or request fewer poses",
             )
         rows = columns * np.sqrt(READINGS) / np.asarray(noise.std)[:, None]
         gains = np.einsum("kjp,kjq->kpq", rows, rows, optimize=True)
@@ -66,8 +66,8 @@ def choose_poses(
             gain[picked] = -np.inf
             picked.append(int(np.argmax(gain)))
             information = information + gains[picked[-1]]
-        order = sorted(picked, key=lambda k: tuple(q[k]))  # neighbours after one another
-        beta = scales.values / scales.scale
+        order = sorted(picked, key=lambda k: tuple(q[k]))  # neighbours in sequence
+        beta = scales.expected / scales.scale
         torso = TorsoMotion(pitch=float(tilt)) if tilt else None
         chosen.append(Poses(q[order], columns[order] @ beta, model.leg.joint_names, torso))
     return tuple(chosen)
@@ -76,11 +76,11 @@ def choose_poses(
 def _candidates(
     model: TorqueModel, limits: MotionLimits, scales: Scales, tilt: float, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray]:
-    """Draw poses within the limits, and the columns of scaled parameters there, (K, n, P)."""
+    """Draw poses within the limits; return them and the regressor of scaled parameters, (K, n, P)."""
     q = rng.uniform(limits.lower, limits.upper, (CANDIDATES, len(limits.lower)))
     still = np.zeros_like(q)
     W = model.regressor(q, still, still, TorsoMotion(pitch=tilt) if tilt else None)
-    fit = (np.abs(W @ scales.values) <= limits.torque).all(axis=1)
+    fit = (np.abs(W @ scales.expected) <= limits.torque).all(axis=1)
     if limits.clearance is not None:
-        fit &= (limits.clearance.room(model.leg, q, tilt) >= 0.0).all(axis=1)
+        fit &= (limits.clearance.margin(model.leg, q, tilt) >= 0.0).all(axis=1)
     return q[fit], W[fit] * scales.scale

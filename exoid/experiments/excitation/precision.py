@@ -1,4 +1,4 @@
-"""How well parameters will be known: the covariance that identification will have, from motion and noise alone."""
+"""Predicted precision: the covariance of the parameters from motion and torque noise, without measured torques."""
 
 from __future__ import annotations
 
@@ -20,39 +20,39 @@ from exoid.torques import TorqueModel
 from .noise import TorqueNoise
 from .scales import Scales
 
-STRETCH = 2**15
-"""Long logs are looked at in stretches of so many samples."""
+BLOCK = 2**15
+"""Number of samples in a block of a long log."""
 
-NOTHING = 1e6
-"""A relative standard deviation beyond this comes from rounding: nothing of the parameter was seen."""
+ROUNDING = 1e6
+"""Relative standard deviation from which a parameter counts as not identifiable: its information is rounding."""
 
 READINGS = 50
-"""Independent readings that a pose is the mean of, both directions together."""
+"""Default number of independent readings of a pose, both directions of approach together."""
 
 
 class StaticRows(NamedTuple):
-    """Poses and how often each is read.
+    """Static poses and the number of readings of each.
 
     Attributes:
-        poses: The poses; their torque does not matter.
-        readings: Independent readings that each is the mean of.
+        poses: Poses; their torques are not used.
+        readings: Number of independent readings that are averaged.
     """
 
     poses: Poses
     readings: int = READINGS
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Precision:
-    """What a motion will tell about each parameter.
+    """Predicted precision of each parameter.
 
     Attributes:
-        names: Parameters, (P,).
-        units: Theirs.
-        covariance: Predicted; infinite variance where the motion does not determine a parameter, (P, P).
-        condition_number: Of the weighted regressor with columns scaled to unit length; inf where something is unseen.
-        scales: What standard deviations are compared with.
-        duration: Of the motions [s].
+        names: Names of the parameters, (P,).
+        units: Units of the parameters, (P,).
+        covariance: Predicted covariance, with infinite variance of parameters that are not identifiable, (P, P).
+        condition_number: Condition number of the weighted regressor with columns of unit length; inf if rank-deficient.
+        scales: Scales of the standard deviations.
+        duration: Total duration of the motions [s].
     """
 
     names: tuple[str, ...]
@@ -61,6 +61,12 @@ class Precision:
     condition_number: float
     scales: Scales
     duration: float
+
+    def __repr__(self) -> str:
+        """Write the number of parameters and the worst of them."""
+        worst = f"{100.0 * self.worst:.2g} % ({self.names[int(np.argmax(self.relative))]})"
+        size = f"{len(self.names)} parameters after {self.duration:g} s"
+        return f"Precision({size}: worst relative std {worst}, condition number {self.condition_number:.0f})"
 
     @property
     def std(self) -> FloatArray:
@@ -81,65 +87,88 @@ class Precision:
     def identifiability(self) -> tuple[str, ...]:
         """Predicted class of each parameter: "well", "weakly" or "not", see :attr:`exoid.Estimate.identifiability`."""
         return tuple(
-            identifiability_class(*each) for each in zip(self.scales.values, self.std, self.scales.sizes, strict=True)
+            identifiability_class(*each)
+            for each in zip(self.scales.expected, self.std, self.scales.parameter_scale, strict=True)
         )
 
 
-class Evidence(NamedTuple):
-    """All that covariances need of some rows.
+class Information(NamedTuple):
+    """Information of rows on the parameters: the two parts of the sandwich covariance.
 
     Attributes:
-        R: R factor of the weighted rows W̃, (P, P).
-        meat: What noise does to them, Σ_j W̃ᵀ F Fᵀ W̃, (P, P).
-        duration: Of the motions [s].
+        r_factor: R factor of the weighted rows W̃, (P, P).
+        score_covariance: Covariance of the score W̃ᵀε under the noise, Σ_j W̃ᵀ F Fᵀ W̃, (P, P).
+        duration: Total duration of the motions [s].
     """
 
-    R: FloatArray
-    meat: FloatArray
+    r_factor: FloatArray
+    score_covariance: FloatArray
     duration: float
 
-    def with_more(self, other: Evidence) -> Evidence:
-        """Evidence of both."""
-        return Evidence(_triangle(self.R, other.R), self.meat + other.meat, self.duration + other.duration)
+    def plus(self, other: Information) -> Information:
+        """Combine the information of independent rows.
+
+        Args:
+            other: Information of other rows on the same parameters.
+
+        Returns:
+            Information of all rows.
+        """
+        return Information(
+            _r_factor(self.r_factor, other.r_factor),
+            self.score_covariance + other.score_covariance,
+            self.duration + other.duration,
+        )
 
     def precision(self, model: TorqueModel, scales: Scales) -> Precision:
-        """Covariance (Σ W̃ᵀW̃)⁻¹ (Σ_j W̃ᵀ F Fᵀ W̃) (Σ W̃ᵀW̃)⁻¹ of the parameters."""
-        bread, condition, unseen = _inverse(self.R)
-        covariance = bread @ self.meat @ bread
-        rounding = np.sqrt(np.maximum(np.diag(covariance), 0.0)) > NOTHING * scales.scale
-        unseen = np.flatnonzero(rounding | np.isin(np.arange(len(rounding)), unseen))
-        covariance[unseen] = covariance[:, unseen] = 0.0
-        covariance[unseen, unseen] = np.inf
+        """Compute the covariance (Σ W̃ᵀW̃)⁻¹ (Σ_j W̃ᵀ F Fᵀ W̃) (Σ W̃ᵀW̃)⁻¹ of the parameters.
+
+        Args:
+            model: Leg and terms.
+            scales: Scales of the standard deviations.
+
+        Returns:
+            Predicted precision.
+        """
+        inverse, condition, not_determined = _inverse(self.r_factor)
+        covariance = inverse @ self.score_covariance @ inverse
+        rounding = np.sqrt(np.maximum(np.diag(covariance), 0.0)) > ROUNDING * scales.scale
+        not_determined = np.flatnonzero(rounding | np.isin(np.arange(len(rounding)), not_determined))
+        covariance[not_determined] = covariance[:, not_determined] = 0.0
+        covariance[not_determined, not_determined] = np.inf
         return Precision(model.names, model.units, covariance, condition, scales, self.duration)
 
 
-def evidence(
+def information_of(
     model: TorqueModel,
     data: Iterable[Recording | StaticRows],
     noise: TorqueNoise,
     preparation: Preparation | None = None,
-) -> Evidence:
-    """Reduce motions and poses to what predictions need: W̃ = F W / σ with F a preparation's filter.
+) -> Information:
+    """Compute the information of motions and poses, with rows W̃ = F W / σ and F the filter of a preparation.
 
     Args:
         model: Leg and terms.
-        data: Motions, whose torques do not enter (of logs that are long, stretch by stretch: each loses its ends to the
-            filter), and poses.
-        noise: Of the torques, white in front of the filter.
-        preparation: As for :func:`exoid.identify`; None for its default.
+        data: Motions and poses, whose torques are not used. Long motions are filtered in blocks, each of which loses
+            its ends to the filter.
+        noise: Torque noise, white before the filter.
+        preparation: Preparation as for :func:`exoid.identify`; None for its default.
+
+    Returns:
+        Information of all rows.
 
     Raises:
         ExoidError: A joint is missing, or a motion is too short for the filter.
     """
     preparation, count = preparation or ZeroPhase(), len(model.names)
-    R, meat, duration = np.zeros((0, count)), np.zeros((count, count)), 0.0
+    R, score_covariance, duration = np.zeros((0, count)), np.zeros((count, count)), 0.0
     for item in data:
         if isinstance(item, Recording):
             duration += item.duration
-        for W, spread in _rows(model, item, noise, preparation):
-            R = _triangle(R, W)
-            meat += spread.T @ spread
-    return Evidence(R, meat, duration)
+        for W, filtered in _rows(model, item, noise, preparation):
+            R = _r_factor(R, W)
+            score_covariance += filtered.T @ filtered
+    return Information(R, score_covariance, duration)
 
 
 def predict(
@@ -149,18 +178,32 @@ def predict(
     scales: Scales,
     preparation: Preparation | None = None,
 ) -> Precision:
-    """Predict the covariance that weighted least squares will have; see :func:`evidence`."""
-    return evidence(model, data, noise, preparation).precision(model, scales)
+    """Predict the covariance of weighted least squares.
+
+    Args:
+        model: Leg and terms.
+        data: Motions and poses, whose torques are not used.
+        noise: Torque noise, white before the filter.
+        scales: Scales of the standard deviations.
+        preparation: Preparation as for :func:`exoid.identify`; None for its default.
+
+    Returns:
+        Predicted precision.
+
+    Raises:
+        ExoidError: A joint is missing, or a motion is too short for the filter.
+    """
+    return information_of(model, data, noise, preparation).precision(model, scales)
 
 
-def _triangle(*blocks: FloatArray) -> FloatArray:
+def _r_factor(*blocks: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.qr(np.vstack(blocks), mode="r"))
 
 
 def _rows(
     model: TorqueModel, item: Recording | StaticRows, noise: TorqueNoise, preparation: Preparation
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Weighted rows of each joint, and what the noise of independent samples does to them."""
+    """Weighted rows W̃ of each joint, and Fᵀ W̃."""
     if isinstance(item, StaticRows):
         poses = for_leg(model, item.poses)
         still = np.zeros_like(poses.q)
@@ -170,31 +213,31 @@ def _rows(
             yield W[:, joint], W[:, joint]
         return
     recording = for_leg(model, item).resampled()
-    rate, size = recording.sample_rate, noise.per_sample(recording.sample_rate)
-    for stretch in _stretches(recording):
-        q, v, a, valid = preparation.kinematics(stretch)
-        W = preparation.filter_columns(model.regressor(q, v, a, stretch.torso), rate)
+    rate, std = recording.sample_rate, noise.per_sample(recording.sample_rate)
+    for block in _blocks(recording):
+        q, v, a, valid = preparation.kinematics(block)
+        W = preparation.filter_columns(model.regressor(q, v, a, block.torso), rate)
         use = np.zeros(q.shape, dtype=np.bool_)
         use[valid] = model.usable(v)[valid]
         for joint in range(q.shape[1]):
-            weighted = W[:, joint] * use[:, joint, None] / size[joint]
-            spread = np.flip(preparation.filter(np.flip(weighted, axis=0), rate), axis=0)  # Fᵀ, backwards in time
-            yield weighted[use[:, joint]], np.asarray(spread)
+            weighted = W[:, joint] * use[:, joint, None] / std[joint]
+            transposed = np.flip(preparation.filter(np.flip(weighted, axis=0), rate), axis=0)  # Fᵀ, backwards in time
+            yield weighted[use[:, joint]], np.asarray(transposed)
 
 
-def _stretches(recording: Recording) -> Iterator[Recording]:
-    count = max(1, round(len(recording) / STRETCH))
+def _blocks(recording: Recording) -> Iterator[Recording]:
+    count = max(1, round(len(recording) / BLOCK))
     edges = np.linspace(0, len(recording), count + 1).astype(int)
     return (recording.slice(int(b), int(e)) for b, e in pairwise(edges))
 
 
 def _inverse(R: FloatArray) -> tuple[FloatArray, float, NDArray[np.intp]]:
-    """(RᵀR)⁻¹ in the directions that the rows see, the condition number, and which parameters are not seen."""
+    """Pseudo-inverse (RᵀR)⁺, condition number, and indices of the parameters that are not identifiable."""
     scale = np.linalg.norm(R, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     _, sigma, Vt = np.linalg.svd(np.vstack([R / scale, np.zeros((R.shape[1], R.shape[1]))]), full_matrices=False)
-    seen = sigma > UNDETERMINED * sigma[0]
-    V = (Vt[seen].T / sigma[seen]) / scale[:, None]
-    reach = np.linalg.norm(Vt[~seen], axis=0) if not seen.all() else np.zeros(len(sigma))
-    condition = float(sigma[0] / sigma[-1]) if seen.all() else np.inf
-    return np.asarray(V @ V.T), condition, np.flatnonzero(reach > INVOLVED)
+    determined = sigma > UNDETERMINED * sigma[0]
+    V = (Vt[determined].T / sigma[determined]) / scale[:, None]
+    part = np.linalg.norm(Vt[~determined], axis=0) if not determined.all() else np.zeros(len(sigma))
+    condition = float(sigma[0] / sigma[-1]) if determined.all() else np.inf
+    return np.asarray(V @ V.T), condition, np.flatnonzero(part > INVOLVED)

@@ -1,4 +1,4 @@
-"""What the standard deviation of each parameter is compared with."""
+"""Scales for the standard deviations of the parameters."""
 
 from __future__ import annotations
 
@@ -16,44 +16,51 @@ from exoid.torques import TorqueModel
 from .limits import MotionLimits
 
 STATES = 4000
-"""Drawn to see what torques are typical."""
+"""Number of reference states."""
 
 SPEED, ACCELERATION = 1.0, 2.0 * np.pi
-"""Up to which joints are moved there [rad/s, rad/s²], as in calm exercises: 1 Hz, ±9°."""
+"""Largest velocity [rad/s] and acceleration [rad/s²] of the reference states: those of a swing of ±9° at 1 Hz."""
 
 
 class Scales(NamedTuple):
-    """Expected parameters, and the scale of each, whatever the motion.
+    """Expected parameters and their scales, which do not depend on the motion.
 
-    A relative standard deviation is std / scale with scale = max(|expected value|, size / 10). The size of a parameter
-    is the value that would explain, alone, all torque of a joint it acts on, as in
-    :attr:`exoid.Estimate.identifiability`; but
-    over calm states at all angles, so that two motions are judged alike. The floor keeps parameters near zero (Y, an
-    offset, friction nobody knows yet) from being called badly known however precise they are.
+    A relative standard deviation is std / scale with scale = max(|expected value|, parameter_scale / 10). The parameter
+    scale is the value that alone would explain all torque of a joint, as in :attr:`exoid.Estimate.identifiability`.
+    Here it is computed over fixed reference states at all angles, so that all motions are compared on the same scale.
+    Because of the second term a precise parameter near zero (Y, an offset, unknown friction) counts as well determined.
 
     Attributes:
-        values: Expected parameters, (P,).
-        sizes: (P,).
-        typical: Root mean square of the torque at each joint over those states [N·m], (n,).
+        expected: Expected parameters, (P,).
+        parameter_scale: Value of each parameter that alone would explain all torque of a joint, (P,).
+        typical_torque: Root mean square of the torque over the reference states [N·m], (n,).
     """
 
-    values: FloatArray
-    sizes: FloatArray
-    typical: FloatArray
+    expected: FloatArray
+    parameter_scale: FloatArray
+    typical_torque: FloatArray
+
+    def __repr__(self) -> str:
+        """Count the parameters; write the typical torques."""
+        torques = ", ".join(f"{torque:.3g}" for torque in self.typical_torque)
+        return f"Scales({len(self.expected)} parameters, typical torque {torques} N·m)"
 
     @property
     def scale(self) -> FloatArray:
         """Scale of each parameter, (P,)."""
-        return np.maximum(np.abs(self.values), SIZE * self.sizes)
+        return np.maximum(np.abs(self.expected), SIZE * self.parameter_scale)
 
     @classmethod
     def of(cls, model: TorqueModel, limits: MotionLimits, values: Mapping[str, float] | None = None) -> Scales:
-        """Draw states from all over the limits of angle and look at their torques.
+        """Compute the scales over random states within the limits of angle.
 
         Args:
             model: Leg and terms.
-            limits: Of angles.
-            values: Expected parameters by name; those of the leg otherwise, and zero for terms.
+            limits: Limits of angle.
+            values: Expected parameters by name; None for those of the leg, and zero for terms.
+
+        Returns:
+            Scales of all parameters of the model.
 
         Raises:
             ExoidError: A name is unknown.

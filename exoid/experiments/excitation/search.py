@@ -1,4 +1,4 @@
-"""Searching for the best motion from several starts."""
+"""Search for the best motion from several starts."""
 
 from __future__ import annotations
 
@@ -16,55 +16,55 @@ from .fourier import FourierMotion, States
 from .objective import EXCESSES, Objective, Stage
 
 FINER = 10
-"""Times as fine as the search's grid, on which limits are checked."""
+"""Refinement of the time grid of the search for the check of the limits."""
 
 SHRINK = 0.998
-"""Factor by which a motion is made smaller about its centre until it keeps the limits."""
+"""Factor by which a motion is scaled about its centre, again and again, until it is within the limits."""
 
 SMALLEST = 0.5
-"""A motion that must be shrunk to less than this keeps no limits."""
+"""Smallest total factor; a motion that needs a smaller one is rejected."""
 
 MARGIN = 0.004
-"""Part of each limit that the search leaves for what is between its samples."""
+"""Fraction of each limit that the search reserves for values between its samples."""
 
 GAP = 0.003
-"""Distance of the foot that it leaves besides [m]."""
+"""Additional clearance of the foot in the search [m]."""
 
 FIRST = {"worst": Stage(1.0, 30.0), "a": Stage(1.0, 30.0), "d": Stage(0.0, 30.0)}
-"""First stage for each criterion, smooth and soft; all starts go through it."""
+"""First stage of each criterion, with a low penalty; all starts pass through it."""
 
 LAST = {
     "worst": (Stage(4.0, 300.0), Stage(16.0, 3e3), Stage(40.0, 3e4)),
     "a": (Stage(1.0, 3e3), Stage(1.0, 3e4)),
     "d": (Stage(0.0, 3e3), Stage(0.0, 3e4)),
 }
-"""Later ones, for the better half of the starts."""
+"""Later stages of each criterion, for the better half of the starts."""
 
 ITERATIONS = 60
-"""Of each stage but the last,"""
+"""Largest number of iterations of each stage but the last."""
 
 LAST_ITERATIONS = 150
-"""and of the last."""
+"""Largest number of iterations of the last stage."""
 
 
-class Candidate(NamedTuple):
-    """Motions on their way.
+class Iterate(NamedTuple):
+    """Point of the search: motions after some stages.
 
     Attributes:
-        cost: What is minimised.
-        x: Coefficients, (T, m, n).
+        cost: Value of the objective.
+        x: Coefficients of the motions, (T, m, n).
     """
 
     cost: float
     x: FloatArray
 
 
-class Found(NamedTuple):
+class SearchResult(NamedTuple):
     """Result of a search.
 
     Attributes:
-        motions: One for each torso tilt.
-        costs: What was minimised, of all starts that went through all stages, the best first.
+        motions: Best motion at each torso tilt.
+        costs: Value of the objective without penalty, for all starts that passed all stages, the best first.
     """
 
     motions: tuple[FourierMotion, ...]
@@ -77,73 +77,76 @@ def search(
     starts: int,
     seed: int | np.random.Generator,
     progress: Callable[[float], None] | None = None,
-) -> Found:
-    """Draw motions, improve all of them roughly and the better half as far as possible, and keep the best.
+) -> SearchResult:
+    """Draw motions, optimise all in a first stage and the better half in all stages, and keep the best.
 
     Args:
-        objective: What is minimised.
+        objective: Objective to minimise.
         criterion: "worst", "a" or "d".
-        starts: How many motions are drawn.
-        seed: Of the draws.
-        progress: Told the share that is done.
+        starts: Number of motions drawn.
+        seed: Seed or generator of the draws.
+        progress: Function that receives the completed share, 0 to 1.
+
+    Returns:
+        Best motions, and costs of all that were finished.
 
     Raises:
-        ExoidError: No motion that was found keeps the limits.
+        ExoidError: No motion was found within the limits.
     """
-    told, last = progress or (lambda _: None), LAST[criterion]
-    inner = _inner(objective)
+    report, last = progress or (lambda _: None), LAST[criterion]
+    inner = _narrowed(objective)
     better = max(1, (starts + 1) // 2)
     total, done = starts + better * (len(last) + 1.5), 0.0
-    drawn: list[Candidate] = []
+    drawn: list[Iterate] = []
     for generator in np.random.default_rng(seed).spawn(starts):
-        drawn.append(_improved(inner, _draw(objective, generator), FIRST[criterion], ITERATIONS))
+        drawn.append(_minimise(inner, _draw(objective, generator), FIRST[criterion], ITERATIONS))
         done += 1.0
-        told(done / total)
-    drawn.sort(key=lambda candidate: candidate.cost)
-    finished: list[Candidate] = []
-    for number, candidate in enumerate(drawn):
+        report(done / total)
+    drawn.sort(key=lambda iterate: iterate.cost)
+    finished: list[Iterate] = []
+    for number, iterate in enumerate(drawn):
         if number >= better and finished:
             break
         for stage in last:
             final = stage is last[-1]
-            candidate = _improved(inner, candidate.x, stage, LAST_ITERATIONS if final else ITERATIONS)  # noqa: PLW2901
+            iterate = _minimise(inner, iterate.x, stage, LAST_ITERATIONS if final else ITERATIONS)  # noqa: PLW2901
             done += 2.5 if final else 1.0
-            told(min(done / total, 1.0))
-        x = _within(objective, candidate.x)
+            report(min(done / total, 1.0))
+        x = _within_limits(objective, iterate.x)
         if x is not None:
-            finished.append(Candidate(objective(x.ravel(), Stage(last[-1].power, 0.0))[0], x))
+            finished.append(Iterate(objective(x.ravel(), Stage(last[-1].power, 0.0))[0], x))
     if not finished:
-        raise _impossible(objective, candidate.x)
-    finished.sort(key=lambda candidate: candidate.cost)
+        raise _no_motion(objective, iterate.x)
+    finished.sort(key=lambda iterate: iterate.cost)
     motions = zip(finished[0].x, objective.pitches, strict=True)
-    return Found(
+    return SearchResult(
         tuple(objective.basis.motion(x, objective.seconds, float(pitch)) for x, pitch in motions),
-        tuple(candidate.cost for candidate in finished),
+        tuple(iterate.cost for iterate in finished),
     )
 
 
-def _improved(objective: Objective, x: FloatArray, stage: Stage, iterations: int) -> Candidate:
-    """Descend by L-BFGS."""
+def _minimise(objective: Objective, x: FloatArray, stage: Stage, iterations: int) -> Iterate:
+    """Minimise by L-BFGS."""
     result = scipy.optimize.minimize(
         objective, x.ravel(), args=(stage,), jac=True, method="L-BFGS-B", options={"maxiter": iterations, "maxcor": 20}
     )
-    return Candidate(float(result.fun), np.asarray(result.x).reshape(objective.shape))
+    return Iterate(float(result.fun), np.asarray(result.x).reshape(objective.shape))
 
 
 def _draw(objective: Objective, rng: np.random.Generator) -> FloatArray:
-    """Draw coefficients, and scale each joint's to most of what angle, speed and acceleration allow."""
+    """Draw coefficients, and scale those of each joint to 50 to 95 % of its limits."""
     limits, basis = objective.limits, objective.basis
     x = rng.standard_normal(objective.shape)
     for each in x:
         q, v, a = (part[:, 1:] @ each[1:] for part in (basis.position, basis.velocity, basis.acceleration))
-        room = np.array(
+        factors = np.array(
             [
                 limits.span / np.ptp(q, axis=0),
                 limits.velocity / np.abs(v).max(axis=0),
                 limits.acceleration / np.abs(a).max(axis=0),
             ]
         )
-        scale = rng.uniform(0.5, 0.95) * room.min(axis=0)
+        scale = rng.uniform(0.5, 0.95) * factors.min(axis=0)
         each[1:] *= scale
         middle = 0.5 * scale * (q.max(axis=0) + q.min(axis=0))
         left = limits.span - scale * np.ptp(q, axis=0)
@@ -151,8 +154,8 @@ def _draw(objective: Objective, rng: np.random.Generator) -> FloatArray:
     return x
 
 
-def _inner(objective: Objective) -> Objective:
-    """Narrow the limits a little."""
+def _narrowed(objective: Objective) -> Objective:
+    """Narrow the limits by the reserve of the search."""
     limits, less = objective.limits, 1.0 - MARGIN
     gap = MARGIN * limits.span
     narrow = replace(
@@ -167,17 +170,17 @@ def _inner(objective: Objective) -> Objective:
     return replace(objective, limits=narrow)
 
 
-def _within(objective: Objective, x: FloatArray) -> FloatArray | None:
-    """Shrink motions until they keep the limits on a fine grid; None where that leaves too little."""
-    kept = x.copy()
-    for each, pitch in zip(kept, objective.pitches, strict=True):
+def _within_limits(objective: Objective, x: FloatArray) -> FloatArray | None:
+    """Scale motions until they are within the limits on a fine grid; None if the factor is too small."""
+    scaled = x.copy()
+    for each, pitch in zip(scaled, objective.pitches, strict=True):
         factor = 1.0
         while objective.excess(_fine(objective, each), float(pitch)) > 0.0:
             factor *= SHRINK
             each[1:] *= SHRINK
             if factor < SMALLEST:
                 return None
-    return kept
+    return scaled
 
 
 def _fine(objective: Objective, x: FloatArray) -> States:
@@ -185,13 +188,13 @@ def _fine(objective: Objective, x: FloatArray) -> States:
     return objective.basis.motion(x, objective.seconds, 0.0).period_samples(samples)
 
 
-def _impossible(objective: Objective, x: FloatArray) -> ExoidError:
-    """Say which limit was in the way of the best motion."""
+def _no_motion(objective: Objective, x: FloatArray) -> ExoidError:
+    """Error that names the limit which the motion exceeds most."""
     tilted = zip(x, objective.pitches, strict=True)
     excess = np.sum([objective.excesses(_fine(objective, each), float(pitch)) for each, pitch in tilted], axis=0)
     worst = EXCESSES[int(np.argmax(excess))]
     return ExoidError(
-        f"no motion was found within the limits; the {worst} limit is in the way most",
+        f"no motion was found within the limits; the {worst} limit is exceeded most",
         where=objective.model.leg.description.name,
-        remedy=f"widen the {worst} limit, the angles, or allow more starts",
+        remedy=f"widen the {worst} limit or the angles, or use more starts",
     )

@@ -1,4 +1,4 @@
-"""What predictions look like in print and as JSON."""
+"""Predicted precision as a table, as text and as JSON."""
 
 from __future__ import annotations
 
@@ -11,11 +11,18 @@ from .precision import Precision
 
 
 def precision_table(precision: Precision) -> DataTable:
-    """Make a table: expected value, predicted standard deviation, and that over the scale, for each parameter."""
+    """Make a table of expected value, predicted and relative standard deviation of each parameter.
+
+    Args:
+        precision: Predicted precision.
+
+    Returns:
+        Table with one line a parameter.
+    """
     scales = precision.scales
     rows = zip(
         precision.names,
-        scales.values,
+        scales.expected,
         precision.std,
         precision.relative,
         precision.identifiability,
@@ -31,10 +38,17 @@ def precision_table(precision: Precision) -> DataTable:
     )
 
 
-def doubts(precision: Precision) -> list[str]:
-    """Name what will not be determined well."""
+def identifiability_lines(precision: Precision) -> list[str]:
+    """Name the parameters that will not be determined well.
+
+    Args:
+        precision: Predicted precision.
+
+    Returns:
+        One line for each class but "well"; or one line that all parameters are well determined.
+    """
     lines = []
-    for word, phrase in (("not", "cannot be determined"), ("weakly", "will be known only roughly")):
+    for word, phrase in (("not", "cannot be determined"), ("weakly", "will be determined weakly")):
         names = [n for n, grade in zip(precision.names, precision.identifiability, strict=True) if grade == word]
         if names:
             lines.append(f"{', '.join(names)} {phrase}")
@@ -44,7 +58,14 @@ def doubts(precision: Precision) -> list[str]:
 
 
 def precision_to_json(precision: Precision) -> dict[str, Any]:
-    """Predicted standard deviations by name, and what belongs to them; null for infinity."""
+    """Convert a prediction to JSON types.
+
+    Args:
+        precision: Predicted precision.
+
+    Returns:
+        Standard deviations, classes and scales by name, condition number and duration; None for infinity.
+    """
     names = precision.names
     return {
         "predicted_std": dict(zip(names, map(_finite, precision.std), strict=True)),

@@ -1,6 +1,6 @@
-"""The documents' sequential identification: one function a step, uncertainty carried from each into the next."""
+"""Sequential identification of both documents: one function a step, with propagation of the uncertainty."""
 
 from . import bleex, cuhk
-from .known import Known
+from .estimate import SequentialEstimate
 
-__all__ = ["Known", "bleex", "cuhk"]
+__all__ = ["SequentialEstimate", "bleex", "cuhk"]

@@ -1,6 +1,6 @@
 """Document 2's identification of a two-segment leg, one function for each row of its Table II.
 
-Every step takes what is known and returns what is known after it. Here the document's own sign is exoid's: dissipative
+Every step extends the estimate that it receives. The sign of the document's equations is that of exoid: dissipative
 friction is positive (its Table III prints the opposite).
 """
 
@@ -8,42 +8,44 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.signals import MovingAverage, Poses, Preparation, Recording
 from exoid.torques import Coulomb, Stiffness, TorqueModel, Viscous
 
-from .known import Known
-from .rows import rows_at_rest, rows_in_motion
+from .estimate import SequentialEstimate
+from .rows import planar_model, rows_at_rest, rows_in_motion
 
 HIP, KNEE = 0, 1
 
 
 def document_model(leg: Leg) -> TorqueModel:
-    """Linear stiffness, Coulomb and viscous friction at both joints (eq. (6), Table III).
+    """Make the model with linear stiffness, Coulomb and viscous friction at both joints (doc. 2, eq. (6), Table III).
+
+    Args:
+        leg: Planar leg with hip and knee.
+
+    Returns:
+        Leg and terms.
 
     Raises:
         ExoidError: The leg is not a planar chain of two segments.
     """
-    if leg.chain is None or leg.chain.n != 2:
-        raise ExoidError(
-            "document 2's procedure needs a planar leg of hip and knee",
-            where=leg.description.name,
-            remedy="use exoid.identify, which works for any leg",
-        )
-    return TorqueModel(leg, (Stiffness(degree=1), Coulomb(smoothing=0.0), Viscous()))
+    return planar_model(leg, ("hip", "knee"), 2, (Stiffness(degree=1), Coulomb(smoothing=0.0), Viscous()))
 
 
-def knee_stiffness(model: TorqueModel, known: Known, poses: Poses) -> Known:
-    """Row 1: slope b1 of the knee over poses of constant Δ, at which the knee's gravity torque is the same (eq. (21)).
+def knee_stiffness(model: TorqueModel, known: SequentialEstimate, poses: Poses) -> SequentialEstimate:
+    """Row 1: identify b1 of the knee from poses of constant Δ, which have the same gravity torque (doc. 2, eq. (21)).
 
-    The hip's stiffness cannot be found like that: its gravity torque changes with θh (eq. (20)). The document sets it
-    to zero.
+    The stiffness of the hip cannot be identified in this way, as its gravity torque changes with θh (doc. 2, eq. (20)).
+    The document sets it to zero.
 
     Args:
-        model: Of :func:`document_model`.
-        known: What was found before.
-        poses: Of constant Δ.
+        model: Model of :func:`document_model`.
+        known: Estimate so far.
+        poses: Poses of constant Δ.
+
+    Returns:
+        Estimate with b1 of the knee.
 
     Raises:
         ExoidError: The poses do not determine the slope.
@@ -54,27 +56,40 @@ def knee_stiffness(model: TorqueModel, known: Known, poses: Poses) -> Known:
     return known.fit(own, [name], nuisance=np.ones((len(rows.tau), 1)))
 
 
-def mass_moments(model: TorqueModel, known: Known, poses: Poses) -> Known:
-    """Row 2: X2, Y2 and the knee's constant from the knee's torque, then X1 and Y1 from the hip's (eqs. (20)-(21)).
+def mass_moments(model: TorqueModel, known: SequentialEstimate, poses: Poses) -> SequentialEstimate:
+    """Row 2: identify X2, Y2 and b0 from the knee torque, then X1 and Y1 from the hip torque (doc. 2, eqs. (20)-(21)).
+
+    Args:
+        model: Model of :func:`document_model`.
+        known: Estimate with b1 of the knee.
+        poses: Random poses.
+
+    Returns:
+        Estimate with mass moments and b0 of the knee.
 
     Raises:
-        ExoidError: The poses do not determine them.
+        ExoidError: The poses do not determine the parameters.
     """
     label = model.leg.joint_labels[KNEE]
     known = known.fit(rows_at_rest(model, poses, KNEE), ["X2", "Y2", f"b0_{label}"])
     return known.fit(rows_at_rest(model, poses, HIP), ["X1", "Y1"])
 
 
-def inertias(model: TorqueModel, known: Known, recording: Recording, preparation: Preparation | None = None) -> Known:
-    """Row 3: J2 from the held knee and J1 from the hip, while the hip swings (eqs. (14)-(16)).
+def inertias(
+    model: TorqueModel, known: SequentialEstimate, recording: Recording, preparation: Preparation | None = None
+) -> SequentialEstimate:
+    """Row 3: identify J2 from the held knee and J1 from the hip while the hip swings (doc. 2, eqs. (14)-(16)).
 
-    Friction is not known yet and taken as zero.
+    Friction is unknown at this step and taken as zero.
 
     Args:
-        model: Of :func:`document_model`.
-        known: With the mass moments and the knee's stiffness.
-        recording: Of the swinging hip.
-        preparation: The document's exponential moving average unless given.
+        model: Model of :func:`document_model`.
+        known: Estimate with mass moments and stiffness of the knee.
+        recording: Recording of the swinging hip.
+        preparation: Preparation; None for the document's exponential moving average.
+
+    Returns:
+        Estimate with J2 and J1.
 
     Raises:
         ExoidError: The recording has no torque, or is too short.
@@ -85,16 +100,24 @@ def inertias(model: TorqueModel, known: Known, recording: Recording, preparation
 
 
 def damping(
-    model: TorqueModel, known: Known, recording: Recording, joint: int, preparation: Preparation | None = None
-) -> Known:
-    """Rows 4 and 5: Coulomb, viscous and constant part of a joint's friction while it swings alone.
+    model: TorqueModel,
+    known: SequentialEstimate,
+    recording: Recording,
+    joint: int,
+    preparation: Preparation | None = None,
+) -> SequentialEstimate:
+    """Rows 4 and 5: identify Coulomb friction, viscous friction and constant torque of a joint while it swings alone.
 
     Args:
-        model: Of :func:`document_model`.
-        known: With everything but this friction; a constant b0 known already is not found again.
-        recording: Of the swinging joint, another than row 3's: the same noise twice would not be the same uncertainty.
-        joint: HIP or KNEE.
-        preparation: The document's exponential moving average unless given.
+        model: Model of :func:`document_model`.
+        known: Estimate with all other parameters; a known b0 stays fixed.
+        recording: Recording of the swinging joint. It must differ from that of row 3, as the steps need independent
+            noise.
+        joint: Joint, HIP or KNEE.
+        preparation: Preparation; None for the document's exponential moving average.
+
+    Returns:
+        Estimate with c0, d and, unless it was known, b0 of the joint.
 
     Raises:
         ExoidError: The recording has no torque, or is too short.

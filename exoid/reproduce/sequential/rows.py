@@ -1,4 +1,4 @@
-"""Rows of one joint for the sequential procedures: columns by name, and the torque they explain."""
+"""Rows of one joint for the sequential procedures: regressor columns by name, and measured torque."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.leg import Leg
 from exoid.regression.rows import for_leg, make_rows
 from exoid.signals import FiniteDifference, Poses, Preparation, Recording
-from exoid.torques import TorqueModel
+from exoid.torques import Term, TorqueModel
 
 
 class JointRows(NamedTuple):
-    """Both sides of one joint's equation.
+    """Rows of the torque equation of one joint.
 
     Attributes:
         columns: Regressor column of every parameter, (M,) each.
@@ -31,28 +32,36 @@ class JointRows(NamedTuple):
     independent_fraction: float = 1.0
 
     def where(self, mask: NDArray[np.bool_]) -> JointRows:
-        """Keep only some rows."""
+        """Select the rows of a mask, (M,)."""
         columns = {name: column[mask] for name, column in self.columns.items()}
         return JointRows(columns, self.tau[mask], self.v[mask], self.independent_fraction)
 
     def neglecting(self, prefix: str) -> JointRows:
-        """Take the parameters whose names begin like this as zero."""
+        """Set the parameters whose names have this prefix to zero."""
         columns = {name: column for name, column in self.columns.items() if not name.startswith(prefix)}
         return self._replace(columns=columns)
 
     def mean_of_pairs(self) -> JointRows:
-        """Average the first row with the second, the third with the fourth, and so on."""
+        """Average rows in consecutive pairs."""
         columns = {name: 0.5 * (column[0::2] + column[1::2]) for name, column in self.columns.items()}
         return self._replace(columns=columns, tau=0.5 * (self.tau[0::2] + self.tau[1::2]), v=self.v[0::2])
 
     def explained(self, values: Mapping[str, float], without: Sequence[str] = ()) -> FloatArray:
-        """Torque that parameters explain, some of them left out [N·m], (M,)."""
+        """Compute the torque of some parameters [N·m], (M,), except those of ``without``."""
         named = [name for name in values if name in self.columns and name not in without]
         return np.asarray(sum((values[name] * self.columns[name] for name in named), np.zeros_like(self.tau)))
 
 
 def rows_at_rest(model: TorqueModel, poses: Poses, joint: int) -> JointRows:
-    """Rows of a joint in poses.
+    """Make the rows of a joint in static poses.
+
+    Args:
+        model: Leg and terms.
+        poses: Measured poses.
+        joint: Index of the joint.
+
+    Returns:
+        One row a pose.
 
     Raises:
         ExoidError: A joint of the leg is missing.
@@ -64,7 +73,16 @@ def rows_at_rest(model: TorqueModel, poses: Poses, joint: int) -> JointRows:
 def rows_in_motion(
     model: TorqueModel, recordings: Sequence[Recording], joint: int, preparation: Preparation
 ) -> JointRows:
-    """Rows of a joint in several recordings, one after the other.
+    """Make the rows of a joint in several recordings, in sequence.
+
+    Args:
+        model: Leg and terms.
+        recordings: Recordings with torque.
+        joint: Index of the joint.
+        preparation: Preparation of each recording.
+
+    Returns:
+        Rows of all recordings.
 
     Raises:
         ExoidError: There is no recording, or one has no torque, lacks a joint or is too short.
@@ -80,6 +98,30 @@ def rows_in_motion(
         np.concatenate([motion.v[motion.valid, joint] for motion in motions]),
         min(rows.independent_fraction for rows in each),
     )
+
+
+def planar_model(leg: Leg, joints: Sequence[str], document: int, terms: Sequence[Term]) -> TorqueModel:
+    """Make the torque model of a document's procedure.
+
+    Args:
+        leg: The leg.
+        joints: Joints that the procedure needs.
+        document: Number of the document.
+        terms: Terms of the model.
+
+    Returns:
+        Leg and terms.
+
+    Raises:
+        ExoidError: The leg is not a planar chain of that many segments.
+    """
+    if leg.chain is None or leg.chain.n != len(joints):
+        raise ExoidError(
+            f"document {document}'s procedure needs a planar leg of {', '.join(joints[:-1])} and {joints[-1]}",
+            where=leg.description.name,
+            remedy="use exoid.identify, which works for any leg",
+        )
+    return TorqueModel(leg, tuple(terms))
 
 
 def _of_joint(

@@ -1,11 +1,11 @@
-"""What is known after some steps of a sequential identification, and how one more step adds to it.
+"""Estimate of a sequential identification, and the least-squares step that extends it.
 
-Each step of both documents explains the torque of one joint by parameters found before, which are taken as known, and a
-few new ones: τ − W_k β_k = W_n β_n. What is uncertain about β_k is carried along:
+Each step of both documents explains the torque of one joint by known parameters β_k of earlier steps and a few new ones
+β_n: τ − W_k β_k = W_n β_n. The uncertainty of β_k is propagated:
 
     cov β_n = s² (W_nᵀ W_n)⁻¹ + G cov(β_k) Gᵀ,    cov(β_n, β_k) = −G cov(β_k),    G = (W_nᵀ W_n)⁻¹ W_nᵀ W_k.
 
-This holds where no two steps look at the same torque samples, which is so in both documents.
+This holds if no two steps use the same torque samples, which is true in both documents.
 """
 
 from __future__ import annotations
@@ -17,26 +17,39 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.tables import DataTable, to_text, with_error
 
 from .rows import JointRows
 
 DEPENDENT = 1e-9
-"""Singular values below this fraction of the largest count as zero."""
+"""Fraction of the largest singular value below which a singular value counts as zero."""
+
+HEADERS = ("parameter", "value", "± std")
+"""Headers of a printed estimate."""
 
 
-@dataclass(frozen=True, eq=False)
-class Known:
-    """Parameters found so far.
+@dataclass(frozen=True, eq=False, repr=False)
+class SequentialEstimate:
+    """Parameters identified so far.
 
     Attributes:
-        names: In the order they were found.
-        values: (p,).
-        covariance: (p, p).
+        names: Names in the order of identification.
+        values: Values, (p,).
+        covariance: Covariance, (p, p).
     """
 
     names: tuple[str, ...] = ()
     values: FloatArray = field(default_factory=lambda: np.zeros(0))
     covariance: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+
+    def __repr__(self) -> str:
+        """Count the parameters."""
+        return f"SequentialEstimate({len(self.names)} parameters: {', '.join(self.names) or 'none'})"
+
+    def __str__(self) -> str:
+        """Print as a table, one line a parameter."""
+        rows = [(name, *with_error(*each)) for name, *each in zip(self.names, self.values, self.std, strict=True)]
+        return to_text(DataTable(f"Sequential estimate of {len(rows)} parameters", HEADERS, rows))
 
     @property
     def std(self) -> FloatArray:
@@ -44,30 +57,38 @@ class Known:
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     def as_dict(self) -> dict[str, float]:
-        """Values by name."""
+        """Return the values by name.
+
+        Returns:
+            Values in SI units.
+        """
         return dict(zip(self.names, self.values.tolist(), strict=True))
 
     def std_as_dict(self) -> dict[str, float]:
-        """Standard deviations by name."""
-        return dict(zip(self.names, self.std.tolist(), strict=True))
-
-    def fit(self, rows: JointRows, names: Sequence[str], nuisance: FloatArray | None = None) -> Known:
-        """Find ``names`` from the torque of one joint, everything known held fixed and everything else taken as zero.
-
-        Args:
-            rows: Of the joint; columns that are neither known nor to be found do not act.
-            names: Parameters to find.
-            nuisance: Columns of constants that are fitted and forgotten, (M, r).
+        """Return the standard deviations by name.
 
         Returns:
-            What is known now.
+            Standard deviations in SI units.
+        """
+        return dict(zip(self.names, self.std.tolist(), strict=True))
+
+    def fit(self, rows: JointRows, names: Sequence[str], nuisance: FloatArray | None = None) -> SequentialEstimate:
+        """Identify parameters from the torque of one joint, with known parameters fixed and all others zero.
+
+        Args:
+            rows: Rows of the joint; columns that are neither known nor named have no effect.
+            names: Parameters to identify.
+            nuisance: Columns of nuisance parameters, which are fitted and discarded, (M, r).
+
+        Returns:
+            Estimate with the new parameters.
 
         Raises:
-            ExoidError: A parameter is known already, or the rows do not determine it, or there are too few.
+            ExoidError: A parameter is already known, the rows do not determine it, or the rows are too few.
         """
         again = [name for name in names if name in self.names]
         if again:
-            raise ExoidError(f"{', '.join(again)} is known already", remedy="start from what was known before")
+            raise ExoidError(f"{', '.join(again)} is known already", remedy="start from an earlier estimate")
         W_new = np.column_stack([rows.columns[name] for name in names])
         W = W_new if nuisance is None else np.column_stack([W_new, nuisance])
         dof = len(rows.tau) * rows.independent_fraction - W.shape[1]
@@ -78,13 +99,13 @@ class Known:
         inverse = _pseudo_inverse(W, names)
         rest = rows.tau - rows.explained(self.as_dict())
         fitted = inverse @ rest
-        variance = float(np.sum((rest - W @ fitted) ** 2)) / dof  # of an independent row, per row
+        variance = float(np.sum((rest - W @ fitted) ** 2)) / dof  # per independent row
         return self._extended(rows, names, fitted, inverse, variance)
 
     def _extended(
         self, rows: JointRows, names: Sequence[str], fitted: FloatArray, inverse: FloatArray, variance: float
-    ) -> Known:
-        """Add the first of the fitted values, and carry what is uncertain about those known before."""
+    ) -> SequentialEstimate:
+        """Append the fitted parameters without nuisance, and propagate the uncertainty of the known ones."""
         index = [k for k, name in enumerate(self.names) if name in rows.columns]
         acting = [rows.columns[self.names[k]] for k in index]
         W_known = np.column_stack(acting) if acting else np.zeros((len(rows.tau), 0))
@@ -92,7 +113,7 @@ class Known:
         gain = (inverse @ W_known)[:p]
         cross = -gain @ self.covariance[index]
         own = variance * (inverse @ inverse.T)[:p, :p] + gain @ self.covariance[np.ix_(index, index)] @ gain.T
-        return Known(
+        return SequentialEstimate(
             (*self.names, *names),
             np.concatenate([self.values, fitted[:p]]),
             np.block([[self.covariance, cross.T], [cross, own]]),
