@@ -15,9 +15,7 @@ VERBS = {
     "select": "Select terms, filter and estimator for LEG by blocked cross-validation inside the LOGs.",
     "validate": "Predict the torque of the LOGs from their motion and compare it with the measured one.",
     "compare": "Test whether B differs from A: left and right, one day and another, with and without a wearer.",
-    "export": (
-        "Write what was identified into the URDF, and what that has no place for into LEG.exoid.json; or write it as C."
-    ),
+    "export": "Write an identified leg as a URDF, with LEG.exoid.json for parameters that a URDF cannot hold; or as C.",
     "plan": (
         "Find the motion after which the parameters of LEG will be known best, and say how well; or --assess a log."
     ),
