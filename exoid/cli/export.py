@@ -14,7 +14,7 @@ from .inputs import AsJson
 
 
 def export(
-    estimate: Annotated[str, typer.Argument(metavar="EST.JSON", help="What exoid identify -o wrote.")],
+    estimate: Annotated[str, typer.Argument(metavar="EST.JSON", help="Estimate of exoid identify -o.")],
     output: Annotated[
         str | None, typer.Option("--output", "-o", metavar="LEG.URDF", help="Write the URDF there.")
     ] = None,
