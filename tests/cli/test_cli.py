@@ -355,7 +355,6 @@ def test_bad_input_of_validate_ends_in_one_line(exoid_, estimate_file, log, word
         ("identify", "bleex", TRAIN, "--magic"),
         ("identify", "bleex", TRAIN, "--cutoff", "high"),
         ("validate", "leg.json"),
-        ("validate", "leg.json", TEST, TEST),
     ],
     ids=" ".join,
 )
