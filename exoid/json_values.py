@@ -1,4 +1,4 @@
-"""Results as JSON can hold them."""
+"""Conversion of results to JSON types."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ import numpy as np
 
 
 def json_value(value: object) -> Any:  # noqa: ANN401 - of many types
-    """Turn a value into what JSON can hold.
+    """Convert a value to JSON types.
 
     Args:
-        value: Text, a number, None, an array of any shape; or a sequence, mapping, dataclass or named tuple of such,
-            nested in any way.
+        value: Text, a number, None, an array of any shape; or a sequence, mapping, dataclass or named tuple of
+            these, nested in any way.
 
     Returns:
-        Lists for arrays and sequences, dictionaries for mappings and for records by field. A number that is not finite,
-        which JSON does not know, becomes None.
+        Lists for arrays and sequences, dictionaries for mappings and for records by field. None for a number that is
+        not finite.
 
     Raises:
-        TypeError: The value is of another kind.
+        TypeError: The value has another type.
     """
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
@@ -39,11 +39,11 @@ def json_value(value: object) -> Any:  # noqa: ANN401 - of many types
 
 
 def attributes(record: object, *names: str) -> dict[str, Any]:
-    """Take some attributes of a record, each as :func:`json_value` has it.
+    """Convert some attributes of a record with :func:`json_value`.
 
     Args:
         record: Any object.
-        names: Attributes, in the order of the result.
+        *names: Attributes, in the order of the result.
 
     Returns:
         Values by name.
@@ -52,23 +52,23 @@ def attributes(record: object, *names: str) -> dict[str, Any]:
 
 
 def named(names: Sequence[str], values: object) -> dict[str, Any]:
-    """Give each entry along the first axis its name, as for parameters and joints.
+    """Name the entries along the first axis, such as those of parameters or joints.
 
     Args:
-        names: One an entry.
+        names: One name for each entry.
         values: An array or a sequence.
 
     Returns:
-        Entries by name, each as :func:`json_value` has it.
+        Entries by name, converted with :func:`json_value`.
 
     Raises:
-        ValueError: There are more names than entries, or fewer.
+        ValueError: The numbers of names and entries differ.
     """
     return dict(zip(names, json_value(values), strict=True))
 
 
 def _fields(value: object) -> Sequence[str] | None:
-    """Names of a record's fields; None for what is no record."""
+    """Names of a record's fields; None for a value that is no record."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return [field.name for field in dataclasses.fields(value)]
     return getattr(value, "_fields", None) if isinstance(value, tuple) else None

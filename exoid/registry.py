@@ -1,4 +1,4 @@
-"""Names that other packages can add to: of terms, estimators, preparations and log formats."""
+"""Registries of terms, estimators, preparations and log formats, to which other packages can add."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ T = TypeVar("T")
 
 
 class EntryPoint(NamedTuple):
-    """What an installed distribution offers under a name.
+    """Entry point of an installed distribution.
 
     Attributes:
         target: Module and object, such as ``exoid_springs:EndStop``.
         distribution: Name and version of the distribution.
-        load: Imports the module and returns the object.
+        load: Function that imports the module and returns the object.
     """
 
     target: str
@@ -35,17 +35,16 @@ class EntryPoint(NamedTuple):
 
 
 class Registry(Mapping[str, T], Generic[T]):
-    """Things by name: those of exoid, those registered by a call, and those that installed distributions offer.
+    """Objects by name: those of exoid, those registered by a call, and the entry points of installed distributions.
 
-    Distributions offer things as entry points. Their metadata are read once, when a name is unknown or all names are
-    needed. A module is imported only when one of its things is asked for. A registered name comes before an entry point
-    of the same name.
+    Metadata of distributions are read once, when a name is unknown or all names are needed. A module is imported only
+    when one of its objects is requested. A registered name has precedence over an entry point of the same name.
 
     Args:
-        what: Noun for one thing, such as "term".
+        what: Noun for one object, such as "term".
         group: Group of the entry points, such as "exoid.terms".
-        call: Function that registers a thing, such as "exoid.torques.register_term".
-        check: Raises an ExoidError for a thing that cannot have a name here.
+        call: Function that registers an object, such as "exoid.torques.register_term".
+        check: Function that raises an ExoidError for an object that cannot be registered.
 
     Example:
         >>> shapes = Registry("shape", "exoid.doctest", "register_shape", lambda shape: None)
@@ -63,18 +62,18 @@ class Registry(Mapping[str, T], Generic[T]):
         self._registered: dict[str, T] = {}
 
     def register(self, name: str, thing: T) -> T:
-        """Give a thing a name.
+        """Register an object under a name.
 
         Args:
             name: Letters, digits, ".", "_" and "-".
-            thing: The thing. A class or function that is defined anew in the same place replaces the old one, as in a
-                cell of a notebook that runs again.
+            thing: The object. A class or function that is redefined in the same place replaces the old one, as in a
+                notebook cell that runs again.
 
         Returns:
-            The thing.
+            The object.
 
         Raises:
-            ExoidError: The name is taken or has another form, or the thing cannot have a name here.
+            ExoidError: The name is taken or has another form, or the object cannot be registered.
         """
         if not isinstance(name, str) or not NAME.fullmatch(name):
             raise ExoidError(
@@ -92,17 +91,17 @@ class Registry(Mapping[str, T], Generic[T]):
         return thing
 
     def find(self, name: str, origin: str = "") -> T:
-        """Look a thing up.
+        """Look up an object.
 
         Args:
-            name: Name of the thing.
-            origin: Module that a file says it comes from, for the message; "" for none.
+            name: Name of the object.
+            origin: Module of the object according to a file, for the message; "" if unknown.
 
         Returns:
-            The thing.
+            The object.
 
         Raises:
-            ExoidError: There is none of that name, or the distribution that offers it is broken.
+            ExoidError: There is no object of that name, or its distribution is broken.
         """
         if isinstance(name, str) and name in self._registered:
             return self._registered[name]
@@ -116,16 +115,16 @@ class Registry(Mapping[str, T], Generic[T]):
         )
 
     def name_of(self, thing: T) -> str | None:
-        """Find the name of a thing.
+        """Find the name of an object.
 
         Args:
-            thing: The thing. Its package may offer it as an entry point that was not asked for yet.
+            thing: The object. Its package may have an entry point for it that is not loaded yet.
 
         Returns:
-            Its name; None for a thing without one.
+            Its name; None for an object that is not registered.
 
         Raises:
-            ExoidError: The distribution that may offer it is broken.
+            ExoidError: The distribution of the entry point is broken.
         """
         registered = self._name_of_registered(thing)
         if registered is None:
@@ -137,7 +136,7 @@ class Registry(Mapping[str, T], Generic[T]):
 
     @property
     def registered(self) -> tuple[str, ...]:
-        """Names that need no look at installed distributions, in order."""
+        """Registered names without those of entry points, sorted."""
         return tuple(sorted(self._registered))
 
     def __getitem__(self, name: str) -> T:
@@ -160,7 +159,7 @@ class Registry(Mapping[str, T], Generic[T]):
     @cached_property
     def _offers(self) -> dict[str, list[EntryPoint]]:
         """Entry points of installed distributions, by name."""
-        from importlib.metadata import entry_points  # noqa: PLC0415 - takes 25 ms, and few need it
+        from importlib.metadata import entry_points  # noqa: PLC0415 - takes 25 ms and is rarely needed
 
         offers: dict[str, list[EntryPoint]] = {}
         for found in entry_points(group=self.group):
@@ -170,7 +169,7 @@ class Registry(Mapping[str, T], Generic[T]):
         return offers
 
     def _load(self, name: str) -> T:
-        """Import what a distribution offers, and register it."""
+        """Load an entry point, and register its object."""
         offer, *others = self._offers[name]
         rivals = [other.distribution for other in others if other.target != offer.target]
         if rivals:
@@ -180,7 +179,7 @@ class Registry(Mapping[str, T], Generic[T]):
             )
         try:
             return self.register(name, offer.load())
-        except (Exception, SystemExit) as error:  # whatever the package's own code throws
+        except (Exception, SystemExit) as error:  # any error of the package's code
             why = error.what if isinstance(error, ExoidError) else f"{type(error).__name__}: {error}"
             raise ExoidError(
                 f"the {self.what} {name!r} of {offer.distribution} ({offer.target}) cannot be loaded: {why}",
@@ -197,12 +196,12 @@ def _package(path: str) -> str:
 
 
 def _redefined(known: object, thing: object) -> bool:
-    """Tell whether a class or function is defined anew in the place of another one."""
+    """Tell whether a class or function is a new definition of another one."""
     places = [(getattr(x, "__module__", None), getattr(x, "__qualname__", "<none>")) for x in (known, thing)]
     return places[0] == places[1] and "<" not in places[0][1]
 
 
 def _described(thing: object) -> str:
-    """Name a class or function with its module, and anything else by what it prints."""
+    """Name a class or function with its module; any other object by its representation."""
     name = getattr(thing, "__qualname__", None)
     return repr(thing) if name is None else f"{thing.__module__}.{name}"

@@ -1,4 +1,4 @@
-"""The ``exoid`` command and what all its verbs share."""
+"""The ``exoid`` command, with the options of all verbs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BAD_INPUT = 2
 app = typer.Typer(
     name="exoid",
     cls=LazyVerbs,
-    help="Identify exoskeleton legs: a URDF and a log go in, a leg you can trust comes out.",
+    help="Identify exoskeleton legs from a URDF and logs, with uncertainties, and use the result.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

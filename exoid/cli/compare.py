@@ -1,4 +1,4 @@
-"""``exoid compare``: whether two estimates differ by more than their errors."""
+"""``exoid compare``: test whether two estimates differ by more than their errors."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from .inputs import AsJson
 
 
 def compare(
-    first: Annotated[str, typer.Argument(metavar="A.JSON", help="What exoid identify -o wrote.")],
-    second: Annotated[str, typer.Argument(metavar="B.JSON", help="Another, from other logs.")],
+    first: Annotated[str, typer.Argument(metavar="A.JSON", help="Estimate of exoid identify -o.")],
+    second: Annotated[str, typer.Argument(metavar="B.JSON", help="Another estimate, from other logs.")],
     as_json: AsJson = False,
 ) -> None:
     """Test whether B differs from A: left and right, one day and another, with and without a wearer."""

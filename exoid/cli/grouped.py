@@ -1,4 +1,4 @@
-"""``exoid identify --own``: several logs, each with some parameters of its own."""
+"""``exoid identify --own``: several logs with shared and per-recording parameters."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from exoid.torques import Term
 
 
 class Settings(TypedDict):
-    """How to identify, one leg or several."""
+    """Settings of an identification, of one leg or several."""
 
     terms: tuple[Term, ...]
     estimator: str
@@ -30,12 +30,12 @@ class Settings(TypedDict):
 
 
 class GroupedLogs(NamedTuple):
-    """Logs that share parameters, and have some of their own.
+    """Logs with shared and per-recording parameters.
 
     Attributes:
-        names: Of the logs.
-        own: Parameters that each has of its own.
-        paths: Where the estimate of each is written, by its name; empty for nowhere.
+        names: Names of the logs.
+        own: Per-recording parameters.
+        paths: File of the estimate of each log, by its name; empty to write none.
     """
 
     names: Sequence[str]
@@ -44,10 +44,18 @@ class GroupedLogs(NamedTuple):
 
     @staticmethod
     def of(names: Sequence[str], own: Sequence[str], output: str | None) -> GroupedLogs:
-        """Name the file of each log's estimate after it, such as est-monday.json.
+        """Name the file of each log's estimate after the log, such as est-monday.json.
+
+        Args:
+            names: Names of the logs.
+            own: Per-recording parameters.
+            output: File name to which the name of the log is added; None to write none.
+
+        Returns:
+            The logs with their files.
 
         Raises:
-            ExoidError: One cannot be written.
+            ExoidError: A file cannot be written.
         """
         path = Path(output or "")
         files = {} if output is None else {n: path.with_name(f"{path.stem}-{_plain(n)}{path.suffix}") for n in names}
@@ -63,13 +71,16 @@ class GroupedLogs(NamedTuple):
         *,
         as_json: bool,
     ) -> str:
-        """Identify, write all estimates or none, and say what was found.
+        """Identify, write all estimates or none, and describe the result.
 
         Args:
-            recordings: One for each name.
-            find: Finds the leg of the joints that were logged.
-            settings: How to identify.
-            as_json: Whether to say it in JSON.
+            recordings: One recording for each name.
+            find: Function that finds the leg of the logged joints.
+            settings: Settings of the identification.
+            as_json: Whether the text is JSON.
+
+        Returns:
+            Text of the result.
         """
         known = {each.joint_names: find(each.joint_names) for each in recordings}
         legs = {name: known[each.joint_names] for name, each in zip(self.names, recordings, strict=True)}
@@ -85,19 +96,25 @@ class GroupedLogs(NamedTuple):
 
 
 def log_names(logs: Sequence[str]) -> list[str]:
-    """Name each log: its file's name without folder and ending where that tells all apart, else as it was given.
+    """Name each log by its file name without folder and ending if these names differ, else by the argument.
+
+    Args:
+        logs: Arguments.
+
+    Returns:
+        Names.
 
     Raises:
-        ExoidError: There is one log only, or one was given twice.
+        ExoidError: There is only one log, or one was given twice.
     """
     stems = [Path(log).stem for log in logs]
     names = stems if len(set(stems)) == len(stems) else list(logs)
     if len(set(names)) != len(names) or len(names) < 2:
-        what = "one log was given twice" if len(names) > 1 else "there is one log only"
-        raise ExoidError(f"--own says what differs from log to log, but {what}", remedy="give several, or no --own")
+        what = "one log was given twice" if len(names) > 1 else "there is only one log"
+        raise ExoidError(f"--own names per-recording parameters, but {what}", remedy="give several logs, or no --own")
     return names
 
 
 def _plain(name: str) -> str:
-    """What of a name can stand in that of a file."""
+    """Replace characters that a file name should not have."""
     return "".join(letter if letter.isalnum() or letter in "._" else "-" for letter in name)

@@ -1,4 +1,4 @@
-"""``exoid identify``: from a leg and logs to an estimate."""
+"""``exoid identify``: an estimate from a leg and logs."""
 
 from __future__ import annotations
 
@@ -55,36 +55,33 @@ def identify(
     estimator: Annotated[str, typer.Option(help="wls, huber, gls, ml or ols.")] = "wls",
     cutoff: Annotated[
         float | None,
-        typer.Option(metavar="HZ", help="Of the zero-phase low-pass; by default 8, or lower where angles are noisy."),
+        typer.Option(metavar="HZ", help="Cut-off of the zero-phase low-pass; by default 8, or lower for noisy angles."),
     ] = None,
     preparation: Annotated[
         str | None,
         typer.Option(metavar="NAME", help="finite-difference (document 1), moving-average (document 2) or smoothed."),
     ] = None,
-    noise: Annotated[
-        str, typer.Option(help="correlated, or white: intervals for noise without memory.")
-    ] = "correlated",
+    noise: Annotated[str, typer.Option(help="correlated, or white (noise without autocorrelation).")] = "correlated",
     own: Annotated[
         str | None,
-        typer.Option(
-            metavar="A,B", help="Parameters that each log has of its own (offset, c0_hip); others are shared."
-        ),
+        typer.Option(metavar="A,B", help="Per-recording parameters (offset, c0_hip); all others are shared."),
     ] = None,
     known: Annotated[
         list[str] | None, typer.Option(metavar="NAME=VALUE", help="Hold a parameter fixed. Repeatable.")
     ] = None,
     prior: Annotated[
-        list[str] | None, typer.Option(metavar="NAME=VALUE:STD", help="A value believed, with its error. Repeatable.")
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE:STD", help="Prior and its standard deviation. Repeatable."),
     ] = None,
     nonnegative: Annotated[
-        bool, typer.Option("--nonnegative", help="Keep friction and rotor inertia from 0 up.")
+        bool, typer.Option("--nonnegative", help="Keep friction and rotor inertia at 0 or above.")
     ] = False,
     test: Annotated[
         list[str] | None, typer.Option(metavar="LOG", help="Predict a log that is not fitted. Repeatable.")
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar="TCP://HOST:PORT", help="Let a Dask cluster read the logs, on a disk its workers see."),
+        typer.Option(metavar="TCP://HOST:PORT", help="Let a Dask cluster read the logs from a shared disk."),
     ] = None,
     report: Report = None,
     column: Column = None,
@@ -99,10 +96,10 @@ def identify(
     if report is not None:
         refuse_unwritable(report)
     options = LogOptions(column, degrees, start, stop, topic, received)
-    far = scheduler is not None or (own is None and any(map(is_folder_of_logs, logs)))
+    remote = scheduler is not None or (own is None and any(map(is_folder_of_logs, logs)))
     logs = each_log(logs)
     grouped = None if own is None else _grouped(logs, own, output, test, report, scheduler)
-    recordings = logs_on_disk(logs, options) if far else read_logs(logs, options)
+    recordings = logs_on_disk(logs, options) if remote else read_logs(logs, options)
     held_out = read_logs(test or [], options)
     find = partial(find_leg, leg, side, inertias, split_names(joints))
     settings = Settings(
@@ -144,9 +141,9 @@ def _grouped(
     report: str | None,
     scheduler: str | None,
 ) -> GroupedLogs:
-    """Prepare to identify logs each with parameters of its own."""
-    refuse({"--test": test, "--report": report}, "with --own there is an estimate of each log")
-    refuse({"--scheduler": scheduler}, "logs with parameters of their own are read here")
+    """Prepare the identification of logs with per-recording parameters."""
+    refuse({"--test": test, "--report": report}, "with --own each log has an estimate")
+    refuse({"--scheduler": scheduler}, "with --own this process reads the logs")
     return GroupedLogs.of(log_names(logs), split_names(own) or (), output)
 
 

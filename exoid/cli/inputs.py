@@ -1,4 +1,4 @@
-"""What the words on the command line stand for: legs, logs, terms."""
+"""Arguments of the command line: legs, logs and terms."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from exoid.signals import Recording
 from exoid.torques import DEFAULT_TERMS, Term, term_by_name
 
 DATASETS = {"bleex_swing": datasets.bleex_swing, "dfki_double_pendulum": datasets.dfki_double_pendulum}
-"""Data that come with exoid, as LEG ``name`` and LOG ``name:train`` or ``name:test``."""
+"""Datasets of exoid, as LEG ``name`` and LOG ``name:train`` or ``name:test``."""
 
 Column = Annotated[
     list[str] | None,
@@ -29,12 +29,11 @@ Column = Annotated[
 Degrees = Annotated[bool, typer.Option("--degrees", help="Angles in the logs are degrees.")]
 Start = Annotated[float | None, typer.Option(metavar="S", help="Use each log from this time stamp on [s].")]
 Stop = Annotated[float | None, typer.Option(metavar="S", help="Use each log up to before this time stamp [s].")]
-Report = Annotated[
-    str | None, typer.Option(metavar="FILE.HTML", help="Write a report: one HTML page that needs nothing beside it.")
-]
-Topic = Annotated[str | None, typer.Option(metavar="NAME", help="Topic of joint states in a bag of ROS.")]
+Report = Annotated[str | None, typer.Option(metavar="FILE.HTML", help="Write a report: one self-contained HTML page.")]
+Topic = Annotated[str | None, typer.Option(metavar="NAME", help="Topic of joint states in a ROS bag.")]
 Received = Annotated[
-    bool, typer.Option("--received", help="Time at which a bag received its messages, not that in their headers.")
+    bool,
+    typer.Option("--received", help="Use the times of arrival in a bag, not those in the headers."),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 
@@ -47,8 +46,8 @@ class LogOptions(NamedTuple):
         degrees: Whether angles are degrees.
         start: First time stamp to use [s].
         stop: First time stamp not to use [s].
-        topic: Of joint states in bags; None for the only one.
-        received: Whether bags count time by when they received messages.
+        topic: Topic of joint states in bags; None for the only one.
+        received: Whether the time in bags is that at which they received the messages.
     """
 
     columns: Sequence[str] | None = None
@@ -65,7 +64,10 @@ def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] |
     Args:
         names: Paths, or ``dataset:train`` and ``dataset:test``.
         options: How to read files.
-        joints: Joints wanted; None for all in the file.
+        joints: Requested joints; None for all in the file.
+
+    Returns:
+        One recording for each name.
     """
     return [read_log(name, options, joints) for name in names]
 
@@ -73,14 +75,20 @@ def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] |
 def find_leg(
     name: str, side: str | None, inertias: str | None, joints: Sequence[str] | None, logged: Sequence[str] | None
 ) -> Leg:
-    """Find the leg that a word means: a built-in one, that of a dataset, or a URDF file.
+    """Load a leg: a built-in one, that of a dataset, or that of a URDF file.
 
     Args:
-        name: The word.
+        name: Name of a leg or dataset, or path of a URDF.
         side: "left" or "right" for a built-in leg; None for the side whose joints were logged.
         inertias: Inertia set of a built-in leg.
         joints: Joints of a URDF that move; None for those that were logged.
-        logged: Joints in the log; None if there is none: all joints of a URDF move.
+        logged: Joints in the log; None without a log: all joints of a URDF move.
+
+    Returns:
+        The leg.
+
+    Raises:
+        ExoidError: There is no such leg or file, or an option has no effect on it.
     """
     if name in SEGMENTS:
         refuse({"--joints": joints}, f"the joints of {name} are known")
@@ -98,14 +106,22 @@ def find_leg(
 
 
 def refuse(options: Mapping[str, object], why: str) -> None:
-    """Refuse options that would have no effect."""
+    """Refuse options that have no effect.
+
+    Args:
+        options: Values by option; None for an option that was not given.
+        why: Reason, for the message.
+
+    Raises:
+        ExoidError: An option was given.
+    """
     for option, value in options.items():
         if value is not None:
             raise ExoidError(f"{option} has no effect: {why}", remedy=f"leave out {option}")
 
 
 def _side(logged: Sequence[str]) -> str:
-    """Side of the joints that were logged; left where they say none."""
+    """Side of the logged joints; left if their names have none."""
     sides = [side for side in ("left", "right") if any(joint.startswith(f"{side}_") for joint in logged)]
     if len(sides) > 1:
         raise ExoidError("the log has joints of both sides", remedy="choose with --side left or --side right")
@@ -113,7 +129,7 @@ def _side(logged: Sequence[str]) -> str:
 
 
 def _moving_joints(urdf: Path, logged: Sequence[str]) -> tuple[str, ...]:
-    """Joints of a URDF that were logged, from the base outwards."""
+    """Logged joints of a URDF, from the base outwards."""
     joints = _joint_order(urdf)
     moving = tuple(joint for joint in joints if joint in logged)
     if not moving:
@@ -126,15 +142,15 @@ def _moving_joints(urdf: Path, logged: Sequence[str]) -> tuple[str, ...]:
 
 
 def _joint_order(urdf: Path) -> tuple[str, ...]:
-    """All joints of a URDF in Pinocchio's order, which is quick; reducing those of a humanoid takes seconds."""
+    """All joints of a URDF in Pinocchio's order, without the reduction, which takes seconds for a humanoid."""
     try:
         return tuple(pin.buildModelFromXML(read_description(urdf).text).names)[1:]
-    except Exception:  # whatever Pinocchio's parser throws: the leg says it better
+    except Exception:  # any error of Pinocchio's parser: the leg has a better message
         return Leg.from_urdf(urdf).joint_names
 
 
 def parse_terms(text: str | None) -> tuple[Term, ...]:
-    """Turn "coulomb,viscous" into terms; None is the default and "none" is nothing."""
+    """Turn "coulomb,viscous" into terms; None means the default, and "none" no terms."""
     if text is None:
         return DEFAULT_TERMS
     return () if text.strip() == "none" else tuple(term_by_name(name.strip()) for name in text.split(","))
@@ -146,7 +162,14 @@ def split_names(text: str | None) -> tuple[str, ...] | None:
 
 
 def parse_numbers(text: str | None, option: str) -> tuple[float, ...] | None:
-    """Turn "0.3,0.2" into numbers; one number alone stands for all joints.
+    """Turn "0.3,0.2" into numbers; one number stands for all joints.
+
+    Args:
+        text: Numbers, separated by commas; None if the option was not given.
+        option: Option, for the message.
+
+    Returns:
+        The numbers; None for None.
 
     Raises:
         ExoidError: A part is no number.

@@ -1,9 +1,12 @@
-"""Numbers by name on the command line: what is known of parameters beside the logs."""
+"""Numbers on the command line: by parameter, and by joint."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
+from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 
@@ -21,12 +24,39 @@ def parse_prior(pairs: Sequence[str] | None) -> dict[str, tuple[float, float]]:
     return found
 
 
+def joint_values(text: str, option: str, joints: Sequence[str], *, one_for_all: bool = False) -> FloatArray:
+    """Turn "22,55" into one number for each joint.
+
+    Args:
+        text: Numbers, separated by commas.
+        option: Option, for the message.
+        joints: Names of the joints, n of them.
+        one_for_all: Whether one number may stand for all joints.
+
+    Returns:
+        Numbers, (n,).
+
+    Raises:
+        ExoidError: A part is no finite number, or their count does not fit.
+    """
+    try:
+        values = np.array([float(part) for part in text.split(",")])
+    except ValueError:
+        values = np.array([])
+    if len(values) not in ((1, len(joints)) if one_for_all else (len(joints),)) or not np.isfinite(values).all():
+        alternative = ", or one for all" if one_for_all else ""
+        raise ExoidError(
+            f"{option} {text}", remedy=f"give one number for each of {', '.join(joints)}: A,B,…{alternative}"
+        )
+    return np.broadcast_to(values, (len(joints),)).copy()
+
+
 def _named(pairs: Sequence[str] | None, option: str) -> list[tuple[str, str, str]]:
     split = [(pair, *pair.partition("=")[::2]) for pair in pairs or ()]
     names = [name.strip() for _, name, _ in split]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
-        raise ExoidError(f"{option} says {', '.join(twice)} twice", remedy="say it once")
+        raise ExoidError(f"{option} gives {', '.join(twice)} twice", remedy="give each once")
     return [(pair, name.strip(), text) for pair, name, text in split]
 
 

@@ -1,4 +1,4 @@
-"""``exoid plan``: the motion to record, or what a recording can tell."""
+"""``exoid plan``: the motion to record, or the precision that a recording allows."""
 
 from __future__ import annotations
 
@@ -6,14 +6,11 @@ import io
 import json
 import math
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 import typer
-from rich.console import Console
-from rich.progress import Progress, TaskID
 
 from exoid import view
 from exoid.errors import ExoidError
@@ -34,6 +31,7 @@ from .inputs import (
     read_logs,
     split_names,
 )
+from .progress import progress_bar
 
 FIGURE_INCHES = (7.2, 4.6)
 
@@ -45,7 +43,7 @@ def plan(
     ] = None,
     assess: Annotated[
         list[str] | None,
-        typer.Option("--assess", metavar="LOG", help="Plan nothing; say what this log can tell. Repeatable."),
+        typer.Option("--assess", metavar="LOG", help="Instead, assess this log. Repeatable."),
     ] = None,
     side: Annotated[str | None, typer.Option(help="left or right, of a built-in leg.")] = None,
     inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
@@ -53,23 +51,25 @@ def plan(
     terms: Annotated[
         str | None, typer.Option(metavar="A,B", help="armature, coulomb, offset, stiffness, viscous; none for none.")
     ] = None,
-    duration: Annotated[float, typer.Option(metavar="S", help="Of all motions together.")] = 60.0,
-    rate: Annotated[float, typer.Option(metavar="HZ", help="Of controller and log.")] = 100.0,
+    duration: Annotated[float, typer.Option(metavar="S", help="Duration of all motions together.")] = 60.0,
+    rate: Annotated[float, typer.Option(metavar="HZ", help="Rate of controller and log.")] = 100.0,
     noise: Annotated[
         str | None,
-        typer.Option(metavar="N·M", help="Torque noise, one number or one a joint; default: 2 % of typical torques."),
+        typer.Option(
+            metavar="N·M", help="Torque noise, one number or one for each joint; default: 2 % of typical torques."
+        ),
     ] = None,
     noise_bandwidth: Annotated[
-        float, typer.Option(metavar="HZ", help="Up to where the noise reaches; default: white.")
+        float, typer.Option(metavar="HZ", help="Bandwidth of the noise; default: white.")
     ] = float("inf"),
     highest: Annotated[float, typer.Option(metavar="HZ", help="Highest frequency of the motion.")] = 1.0,
     angles: Annotated[
         list[str] | None, typer.Option(metavar="JOINT=LOW:HIGH", help="Narrower range [deg]. Repeatable.")
     ] = None,
-    margin: Annotated[float, typer.Option(metavar="DEG", help="Kept to the URDF's joint limits.")] = 3.0,
-    velocity: Annotated[str | None, typer.Option(metavar="RAD/S", help="Limits below the URDF's.")] = None,
-    acceleration: Annotated[str | None, typer.Option(metavar="RAD/S²", help="Limits.")] = None,
-    torque: Annotated[str | None, typer.Option(metavar="N·M", help="Limits below the URDF's.")] = None,
+    margin: Annotated[float, typer.Option(metavar="DEG", help="Distance to the URDF's joint limits.")] = 3.0,
+    velocity: Annotated[str | None, typer.Option(metavar="RAD/S", help="Velocity limits below the URDF's.")] = None,
+    acceleration: Annotated[str | None, typer.Option(metavar="RAD/S²", help="Acceleration limits.")] = None,
+    torque: Annotated[str | None, typer.Option(metavar="N·M", help="Torque limits below the URDF's.")] = None,
     ground: Annotated[
         float | None, typer.Option(metavar="M", help="Depth of the ground below the first joint; needs --foot.")
     ] = None,
@@ -77,12 +77,12 @@ def plan(
         list[str] | None,
         typer.Option(metavar="X,Z", help="Point of the foot, forward and up of the last joint [m]. Repeatable."),
     ] = None,
-    clearance: Annotated[float, typer.Option(metavar="M", help="Distance that --foot keeps.")] = 0.05,
-    tilts: Annotated[str, typer.Option(metavar="DEG,DEG", help="Torso tilts at which to move.")] = "0",
-    poses: Annotated[int, typer.Option(min=0, help="Static poses besides, at each tilt.")] = 0,
-    criterion: Annotated[Literal["worst", "a", "d"], typer.Option(help="What is made small.")] = "worst",
-    starts: Annotated[int, typer.Option(min=1, help="Of the search.")] = 16,
-    seed: Annotated[int, typer.Option(min=0, help="Of the search.")] = 0,
+    clearance: Annotated[float, typer.Option(metavar="M", help="Least distance of --foot from the ground.")] = 0.05,
+    tilts: Annotated[str, typer.Option(metavar="DEG,DEG", help="Torso tilts of the motions.")] = "0",
+    poses: Annotated[int, typer.Option(min=0, help="Number of additional static poses at each tilt.")] = 0,
+    criterion: Annotated[Literal["worst", "a", "d"], typer.Option(help="Criterion to minimise.")] = "worst",
+    starts: Annotated[int, typer.Option(min=1, help="Number of starts of the search.")] = 16,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the search.")] = 0,
     figure: Annotated[str | None, typer.Option(metavar="PNG", help="Draw motion and precision.")] = None,
     column: Column = None,
     degrees: Degrees = False,
@@ -90,7 +90,7 @@ def plan(
     stop: Stop = None,
     as_json: AsJson = False,
 ) -> None:
-    """Find the motion after which the parameters of LEG will be known best, and say how well; or --assess a log."""
+    """Find the motion that identifies LEG best, and predict the precision of its parameters; or --assess a log."""
     recordings = read_logs(assess, LogOptions(column, degrees, start, stop)) if assess else None
     found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names if recordings else None)
     limits = excitation.MotionLimits.of(
@@ -112,8 +112,7 @@ def plan(
     else:
         if output is not None:
             excitation.refuse_plan_name(output)  # before the minute that the search may take
-        console = Console(stderr=True)
-        with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        with progress_bar("searching") as progress:
             result = excitation.plan_excitation(
                 found,
                 parse_terms(terms),
@@ -128,14 +127,14 @@ def plan(
                 criterion=criterion,
                 starts=starts,
                 seed=seed,
-                progress=partial(_tell, bar, bar.add_task("searching", total=1.0)),
+                progress=progress,
             )
     _write(result, output, figure)
     typer.echo(json.dumps(_to_json(result), indent=1, ensure_ascii=False) if as_json else str(result))
 
 
 def _write(result: Assessment | Plan, output: str | None, figure: str | None) -> None:
-    """Write what was asked for."""
+    """Write the requested files."""
     if output is not None and isinstance(result, Plan):
         for path in excitation.write_plan(output, result):
             typer.echo(f"wrote {path}", err=True)
@@ -190,7 +189,3 @@ def _clearance(foot: Sequence[str] | None, ground: float | None, distance: float
     if any(len(point) != 2 for point in points):
         raise ExoidError(f"--foot {', '.join(foot)}", remedy="write X,Z in metres, e.g. --foot 0.18,-0.09")
     return Clearance(np.array(points), -math.inf if ground is None else -abs(ground), distance)
-
-
-def _tell(bar: Progress, task: TaskID, share: float) -> None:
-    bar.update(task, completed=share)

@@ -1,4 +1,4 @@
-"""Logs that are not all read at once: those of a folder, and those that the workers of a cluster read."""
+"""Logs that are read one by one: those of a folder, and those that the workers of a cluster read."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from exoid.signals.recordings import RecordingFile, logs_in
 from .inputs import LogOptions, read_log
 
 PASSES = 2
-"""Each log is read so often: once to look it through, and once for its rows."""
+"""Number of times that each log is read: once for its summary, and once for its rows."""
 
 
 def is_folder_of_logs(name: str) -> bool:
-    """Say whether a word means a folder of logs; a folder that is one bag is a log."""
+    """Tell whether a name is a folder of logs; a folder that is one bag is a log."""
     path = Path(name)
     return path.is_dir() and not (path / "metadata.yaml").is_file()
 
 
 def each_log(names: Sequence[str]) -> list[str]:
-    """Put the logs in a folder in the place of the folder."""
+    """Replace each folder by its logs."""
     return [str(log) for name in names for log in (logs_in(name) if is_folder_of_logs(name) else [name])]
 
 
 def logs_on_disk(names: Sequence[str], options: LogOptions) -> Recordings:
-    """Let logs stay on disk until each is looked at."""
+    """Keep logs on disk until each is read."""
     return Recordings(tuple(RecordingFile(Path(name), partial(_read, options)) for name in names))
 
 
@@ -39,7 +39,7 @@ def logs_on_disk(names: Sequence[str], options: LogOptions) -> Recordings:
 def at_hand(
     logs: Sequence[Recording | Poses], scheduler: str | None
 ) -> Iterator[Sequence[Recording | Poses] | Cluster]:
-    """Give logs to whoever reads them: the workers of a Dask cluster, or this process, with a progress bar."""
+    """Provide logs to the workers of a Dask cluster, or to this process with a progress bar."""
     if scheduler is not None and isinstance(logs, Recordings):
         cluster = Cluster.of_files(scheduler, logs)
         with cluster.client:
@@ -55,7 +55,7 @@ def at_hand(
 
 
 def all_at_once(logs: Sequence[Recording | Poses]) -> list[Recording]:
-    """Read what is not yet in memory."""
+    """Read all logs into memory."""
     return [log for log in logs if isinstance(log, Recording)]
 
 

@@ -7,18 +7,17 @@ from functools import partial
 from typing import Annotated, Literal
 
 import typer
-from rich.console import Console
-from rich.progress import Progress, TaskID
 
 from exoid.files import refuse_unwritable
 
 from .inputs import AsJson, Report
+from .progress import progress_bar
 
 
 def reproduce(
-    document: Annotated[Literal["bleex", "cuhk"], typer.Argument(help="Which exoskeleton's document.")],
-    seed: Annotated[int, typer.Option(min=0, help="Of random poses and sensor noise.")] = 0,
-    figures: Annotated[str | None, typer.Option(metavar="DIR", help="Write the document's figures there.")] = None,
+    document: Annotated[Literal["bleex", "cuhk"], typer.Argument(help="Exoskeleton of the document.")],
+    seed: Annotated[int, typer.Option(min=0, help="Seed of random poses and sensor noise.")] = 0,
+    figures: Annotated[str | None, typer.Option(metavar="DIR", help="Folder for the document's figures.")] = None,
     report: Report = None,
     as_json: AsJson = False,
 ) -> None:
@@ -30,14 +29,13 @@ def reproduce(
         make_folder(figures)  # before the minute that the replay takes
     if report is not None:
         refuse_unwritable(report)
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        told = partial(_tell, bar, bar.add_task(f"replaying {document}", total=1.0))
+    with progress_bar(f"replaying {document}") as progress:
         if document == "bleex":
-            bleex = replays.reproduce_bleex(seed, progress=told)[0]
+            bleex = replays.reproduce_bleex(seed, progress=progress)[0]
             text, data = replays.bleex_text(bleex), replays.bleex_json(bleex)
             draw, page = partial(replays.bleex_figures, bleex.left), partial(replays.bleex_page, bleex)
         else:
-            cuhk = replays.reproduce_cuhk(seed, progress=told)[0]
+            cuhk = replays.reproduce_cuhk(seed, progress=progress)[0]
             text, data = replays.cuhk_text(cuhk), replays.cuhk_json(cuhk)
             draw, page = partial(replays.cuhk_figures, cuhk), partial(replays.cuhk_page, cuhk)
     if figures is not None:
@@ -46,7 +44,3 @@ def reproduce(
     if report is not None:
         page().write(report)
     typer.echo(json.dumps(data, indent=1) if as_json else text)
-
-
-def _tell(bar: Progress, task: TaskID, share: float) -> None:
-    bar.update(task, completed=share)

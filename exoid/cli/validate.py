@@ -1,4 +1,4 @@
-"""``exoid validate``: how well an estimate predicts logs it has not seen."""
+"""``exoid validate``: prediction of logs that an estimate was not fitted to."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .inputs import AsJson, Column, Degrees, LogOptions, Received, Start, Stop, 
 
 
 def validate(
-    estimate: Annotated[str, typer.Argument(metavar="EST.JSON", help="What exoid identify -o wrote.")],
+    estimate: Annotated[str, typer.Argument(metavar="EST.JSON", help="Estimate of exoid identify -o.")],
     logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="Logs of any kind, or a dataset's name:test.")],
     column: Column = None,
     degrees: Degrees = False,

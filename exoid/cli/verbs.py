@@ -1,4 +1,4 @@
-"""The verbs of the command line: a name and a line of help each; a verb's file is imported when the verb is called."""
+"""Verbs of the command line: name and help line of each; the file of a verb is imported when the verb is called."""
 
 from __future__ import annotations
 
@@ -15,19 +15,15 @@ VERBS = {
     "select": "Select terms, filter and estimator for LEG by blocked cross-validation inside the LOGs.",
     "validate": "Predict the torque of the LOGs from their motion and compare it with the measured one.",
     "compare": "Test whether B differs from A: left and right, one day and another, with and without a wearer.",
-    "export": (
-        "Write what was identified into the URDF, and what that has no place for into LEG.exoid.json; or write it as C."
-    ),
-    "plan": (
-        "Find the motion after which the parameters of LEG will be known best, and say how well; or --assess a log."
-    ),
+    "export": "Write an identified leg as a URDF, with LEG.exoid.json for parameters that a URDF cannot hold; or as C.",
+    "plan": "Find the motion that identifies LEG best, and predict the precision of its parameters; or --assess a log.",
     "reproduce": "Run a document's experiments on virtual rigs, identify, and print every table side by side.",
     "view": "Show LEG in a browser until Ctrl-C, on 127.0.0.1 only; or write it as a page that needs no network.",
     "stability": (
-        "Check Properties 1 to 3, regulate with friction compensated in part or too much, and find the gain margins."
+        "Check Properties 1 to 3, regulate with partial and excessive friction compensation, and find the gain margins."
     ),
-    "study": "Identify virtual legs again and again: bias, scatter, coverage of intervals, and efficiency.",
-    "track": "Run control laws on a rig and compare: tracking error, torque, energy, chatter.",
+    "study": "Identify many virtual legs: bias, standard deviation, coverage of intervals, and efficiency.",
+    "track": "Run controllers on a rig and compare tracking error, torque, energy and chatter.",
 }
 """First paragraph of each verb's help. A verb is the function of that name in the file of that name."""
 
@@ -64,10 +60,14 @@ def load_verb(name: str) -> Any:  # noqa: ANN401 - Typer's or Click's Command, b
 
 
 def add_verbs(app: typer.Typer) -> None:
-    """Give an application whose class is :class:`LazyVerbs` all verbs, by name and help only."""
+    """Add all verbs to an application, by name and help only.
+
+    Args:
+        app: Application of the class :class:`LazyVerbs`.
+    """
 
     def not_yet_imported() -> None:
-        """Stand in for the verb in the list of all."""
+        """Stand for the verb in the list of verbs."""
 
     for name, text in VERBS.items():
         app.command(name, help=text)(not_yet_imported)

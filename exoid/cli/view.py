@@ -25,23 +25,21 @@ from .inputs import AsJson, Column, Degrees, LogOptions, Start, Stop, find_leg, 
 def view(
     leg: Annotated[str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset's name, a URDF, or EST.JSON.")],
     log: Annotated[str | None, typer.Option(metavar="LOG", help="Replay it: a CSV file, or name:test.")] = None,
-    reference: Annotated[
-        str | None, typer.Option(metavar="LOG", help="A second, translucent leg moves as this log does.")
-    ] = None,
+    reference: Annotated[str | None, typer.Option(metavar="LOG", help="Log of a second, translucent leg.")] = None,
     horizon: Annotated[
-        float, typer.Option(metavar="S", help="EST.JSON predicts the motion of LOG over this time, again and again.")
+        float, typer.Option(metavar="S", help="Horizon over which EST.JSON predicts the motion of LOG, repeatedly.")
     ] = 0.5,
     html: Annotated[str | None, typer.Option(metavar="FILE", help="Write one self-contained page instead.")] = None,
     side: Annotated[str | None, typer.Option(help="left, right or both, of a built-in leg.")] = None,
     inertias: Annotated[
-        str | None, typer.Option(help="Inertia set of a built-in leg, shown beside the one it has by default.")
+        str | None, typer.Option(help="Inertia set of a built-in leg, shown beside the default.")
     ] = None,
     joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF.")] = None,
     pose_deg: Annotated[
         list[str] | None, typer.Option("--pose", metavar="JOINT=DEG", help="Angle of a joint. Repeatable.")
     ] = None,
-    meshes: Annotated[str | None, typer.Option(metavar="DIR", help="Where the URDF's meshes are.")] = None,
-    port: Annotated[int | None, typer.Option(metavar="N", help="To listen on; 0 for any that is free.")] = None,
+    meshes: Annotated[str | None, typer.Option(metavar="DIR", help="Folder of the URDF's meshes.")] = None,
+    port: Annotated[int | None, typer.Option(metavar="N", help="Port to listen on; 0 for any free one.")] = None,
     browser: Annotated[bool, typer.Option("--open/--no-browser", help="Open a browser.")] = True,
     column: Column = None,
     degrees: Degrees = False,
@@ -82,7 +80,7 @@ def view(
 
 
 class _Shown(NamedTuple):
-    """Legs to draw, and others whose inertias stand beside theirs."""
+    """Legs to draw, and legs whose inertias are drawn beside theirs."""
 
     legs: Sequence[Leg | estimates.Estimate]
     identified: Sequence[Leg] = ()
@@ -92,7 +90,7 @@ def _shown(
     name: str, side: str | None, inertias: str | None, joints: Sequence[str] | None, logged: Sequence[str]
 ) -> _Shown:
     if name.endswith(".json"):
-        refuse({"--side": side, "--inertias": inertias, "--joints": joints}, "an estimate has its leg in it")
+        refuse({"--side": side, "--inertias": inertias, "--joints": joints}, "an estimate contains its leg")
         return _Shown([estimates.Estimate.load(name)])
     if name in SEGMENTS:
         sides = ("left", "right") if side == "both" else (side,)

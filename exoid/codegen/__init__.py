@@ -3,7 +3,7 @@
 from .dialect import PRECISIONS, Dialect
 from .forms import JointInC, Place, register_c_form
 from .planar_leg import c_source, write_c
-from .source import CSource, c_source_to_json
+from .source import CSource
 
 __all__ = [
     "PRECISIONS",
@@ -12,7 +12,6 @@ __all__ = [
     "JointInC",
     "Place",
     "c_source",
-    "c_source_to_json",
     "register_c_form",
     "write_c",
 ]

@@ -15,7 +15,7 @@ PRECISIONS = ("double", "float")
 """Types of number that a leg can be written in."""
 
 IN_C = str.maketrans({"·": " ", "²": "^2", "³": "^3", "±": "+-", "×": "x", "−": "-", "–": "-", "°": " deg"})
-"""What exoid's texts contain that is not ASCII."""
+"""Characters of exoid's texts that are not ASCII."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def identifier(path: str | Path) -> str:
 
 
 def comment(text: str) -> str:
-    """Make a text fit for a comment, whatever it contains: one line of ASCII that ends no comment and starts none.
+    """Make any text fit for a comment: one line of ASCII that neither ends nor starts a comment.
 
     Args:
         text: Any text.

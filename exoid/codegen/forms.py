@@ -1,4 +1,4 @@
-"""How a type of term looks in C: the open table that built-in terms and those from outside exoid register in."""
+"""Forms of terms in C: a table that built-in terms and those of other packages register in."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from exoid.torques import Term
 from .dialect import Dialect
 
 Place = Literal["friction", "stiffness", "rotor"]
-"""Where a term stands in the file: the function of v, the function of q, or the table of rotor inertias."""
+"""Place of a term in the file: the function of v, the function of q, or the table of rotor inertias."""
 
 
 @dataclass(frozen=True)
 class JointInC:
-    """What the form of a term may use at one joint.
+    """Variable and constants of one joint, for the form of a term.
 
     Attributes:
         variable: Variable of the joint in C: its velocity ``v[j]`` [rad/s] where the place is "friction", its angle
@@ -71,10 +71,10 @@ T = TypeVar("T", bound=Term)
 
 
 class CForm(NamedTuple):
-    """How a type of term is written.
+    """Form of a type of term in C.
 
     Attributes:
-        place: Where it stands.
+        place: Place in the file.
         write: Expression of a term at a joint.
     """
 
@@ -89,14 +89,14 @@ FORMS: dict[type[Term], CForm] = {}
 def register_c_form(
     kind: type[T], place: Place
 ) -> Callable[[Callable[[T, JointInC], str]], Callable[[T, JointInC], str]]:
-    """Register how a type of term is written in C: a decorator for the function that writes it.
+    """Register the form of a type of term in C: a decorator for the function that writes it.
 
     That function takes the term and a :class:`JointInC`. It returns one C99 expression: the torque of the term at the
     joint [N·m], or its inertia [kg·m²] where the place is "rotor". An inertia initialises a static table, so its
     expression calls no function.
 
     Args:
-        kind: Type of the term. Its subclasses need forms of their own, as they may compute something else.
+        kind: Type of the term. Subclasses need separate forms, as they may compute something else.
         place: "friction" for a torque that depends on velocity, "stiffness" for one that depends on the angle or on
             nothing, "rotor" for one that is an inertia times acceleration.
 
@@ -127,7 +127,7 @@ def register_c_form(
 
 
 def c_form(term: Term) -> CForm:
-    """Look up how a term is written in C.
+    """Look up the form of a term in C.
 
     Args:
         term: The term.
@@ -136,13 +136,11 @@ def c_form(term: Term) -> CForm:
         The form of its own type; that of a parent may compute something else.
 
     Raises:
-        ExoidError: None is registered, or the term depends on load or on what came before.
+        ExoidError: None is registered, or the term depends on load or has memory.
     """
     described = f"{type(term).__name__} ({', '.join(term.symbols)})"
     if term.internal_state is not None or term.loaded:
-        needs = (
-            "depends on the motion before" if term.internal_state is not None else "depends on the load of its joint"
-        )
+        needs = "has memory" if term.internal_state is not None else "depends on the load of its joint"
         raise ExoidError(
             f"{described} has no form in C: it {needs}, and the functions take one velocity or angle",
             remedy="identify with terms that depend on one of these alone, without presliding",

@@ -1,4 +1,4 @@
-"""From a torque model and its values to one C99 file: what fills the template ``planar_leg.c.jinja``."""
+"""One C99 file from a torque model and its values: fills the template ``planar_leg.c.jinja``."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ TEMPLATE = "planar_leg.c.jinja"
 
 
 def write_c(
+    path: str | os.PathLike[str],
     model: TorqueModel,
     values: ArrayLike,
-    path: str | os.PathLike[str],
     *,
     provenance: Sequence[str] = (),
     warnings: Sequence[str] = (),
@@ -40,16 +40,16 @@ def write_c(
     """Write the torques of a planar leg as one C99 file.
 
     Args:
+        path: File to write, whole or not at all.
         model: Leg and terms; see :func:`c_source`.
         values: Parameters in SI units, in the order of ``model.names``, (P,).
-        path: The file to write, whole or not at all.
-        provenance: Lines on where the values come from, for the comment at the top.
-        warnings: What makes the values doubtful, for the result.
+        provenance: Lines on the origin of the values, for the comment at the top.
+        warnings: Warnings about the values, for the result.
         precision: "double" or "float".
         name: Prefix of every name in C; None for the file's.
 
     Returns:
-        What was written, which prints itself.
+        The text that was written, with its file.
 
     Raises:
         ExoidError: As for :func:`c_source`, or the file cannot be written.
@@ -77,14 +77,14 @@ def c_source(
     Args:
         model: Leg, a planar chain, and terms that have a form in C (:func:`register_c_form`).
         values: Parameters β in SI units, in the order of ``model.names``, (P,).
-        provenance: Lines on where the values come from, for the comment at the top: an estimate's estimator, data,
-            warnings and standard deviations. Whatever they contain, they stay within the comment.
-        warnings: What makes the values doubtful. The result prints them; the file has only the provenance.
+        provenance: Lines on the origin of the values, for the comment at the top: an estimate's estimator, data,
+            warnings and standard deviations. No line can end the comment.
+        warnings: Warnings about the values. The result prints them; the file has only the provenance.
         precision: "double" or "float".
-        name: Prefix of every name in C; what no identifier can have is replaced.
+        name: Prefix of every name in C; characters that no identifier can have are replaced.
 
     Returns:
-        Text of the file with what it computes.
+        Text of the file, with model and values.
 
     Raises:
         ExoidError: The leg is not a planar chain, a term has no form in C, the values are not P finite numbers, or a
@@ -131,7 +131,7 @@ class _Table(NamedTuple):
 
 def _render(dialect: Dialect, **values: object) -> str:
     """Fill the template, in which numbers and functions have one precision."""
-    import jinja2  # noqa: PLC0415 - an estimate needs it only when it is written as C
+    import jinja2  # noqa: PLC0415 - an estimate needs it only to be written as C
 
     environment = jinja2.Environment(
         autoescape=False,  # it is no HTML: texts pass the filter "comment"
@@ -175,7 +175,7 @@ def _tables(
         names = model.names[offset : 3 * chain.n : 3]
         yield _Table(symbol, f"[{unit}]", [(name, number(known[name])) for name in names])
     rotors = [(f"rotor of {joint}", inertia) for joint, inertia in zip(joints, terms.rotor, strict=True)]
-    yield _Table("rotor", "where it is a parameter of its own [kg m^2]", rotors)
+    yield _Table("rotor", "where it is a separate parameter [kg m^2]", rotors)
     if terms.table:
         units = dict(zip(model.names, model.units, strict=True))
         rows = [(f"{name} [{units[name]}]", number(known[name])) for name in terms.table]

@@ -1,4 +1,4 @@
-"""A leg written in C: the text, and what it computes."""
+"""A leg written in C: text of the file, with the model and the values that it contains."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from exoid._typing import FloatArray
+from exoid.json_values import named
 from exoid.tables import to_text
 from exoid.torques import TorqueModel
 
@@ -17,7 +18,7 @@ from .dialect import Dialect
 SCHEMA = "exoid-c-1"
 
 FUNCTIONS = ("gravity", "friction", "stiffness", "mass_matrix", "rigid_bodies", "inverse_dynamics")
-"""What every file has, after the prefix."""
+"""Functions of every file, after the prefix."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -26,12 +27,12 @@ class CSource:
 
     Attributes:
         text: Text of the file.
-        prefix: Prefix of every name in it.
-        dialect: Precision of its numbers.
-        model: Leg and terms that it computes.
+        prefix: Prefix of every name in the file.
+        dialect: Precision of the numbers.
+        model: Leg and terms that the functions compute.
         values: Parameters in the order of ``model.names``, (P,).
-        warnings: What makes the values doubtful.
-        path: Where it was written; None where it was not.
+        warnings: Warnings about the values.
+        path: File that contains the text; None if none was written.
     """
 
     text: str
@@ -44,7 +45,7 @@ class CSource:
 
     @property
     def functions(self) -> tuple[str, ...]:
-        """Names of its functions."""
+        """Names of the functions in the file."""
         return tuple(f"{self.prefix}_{name}" for name in FUNCTIONS)
 
     @cached_property
@@ -52,12 +53,31 @@ class CSource:
         """Hash of the file."""
         return hashlib.sha256(self.text.encode()).hexdigest()
 
+    def to_json(self) -> dict[str, Any]:
+        """Describe the file as JSON data.
+
+        Returns:
+            Name, hash, precision, functions, joints, values (SI), units, regrouped parameters and warnings.
+        """
+        names = self.model.names
+        return {
+            "schema": SCHEMA,
+            "c": {"name": self.path.name if self.path else f"{self.prefix}.c", "sha256": self.sha256},
+            "precision": self.dialect.real,
+            "functions": list(self.functions),
+            "joints": list(self.model.leg.joint_names),
+            "values": named(names, self.values),
+            "units": named(names, self.model.units),
+            "merged": {regrouped.name: regrouped.into for regrouped in self.model.regrouped},
+            "warnings": list(self.warnings),
+        }
+
     def __repr__(self) -> str:
         """Name the file and the precision."""
         return f"CSource({str(self.path or self.prefix)!r}, {self.dialect.real!r})"
 
     def __str__(self) -> str:
-        """Say what is in it and how to use it."""
+        """Print file, functions and usage."""
         where = self.path or f"{self.prefix}.c"
         joints = ", ".join(self.model.leg.joint_names)
         return to_text(
@@ -67,26 +87,3 @@ class CSource:
             *(f"warning: {warning}" for warning in self.warnings),
             *(f"note: {regrouped}" for regrouped in self.model.regrouped),
         )
-
-
-def c_source_to_json(source: CSource) -> dict[str, Any]:
-    """Describe a C file as JSON data.
-
-    Args:
-        source: The file.
-
-    Returns:
-        Its name, hash, precision and functions, and joints, values (SI), units, regrouped parameters and warnings.
-    """
-    model, names = source.model, source.model.names
-    return {
-        "schema": SCHEMA,
-        "c": {"name": source.path.name if source.path else f"{source.prefix}.c", "sha256": source.sha256},
-        "precision": source.dialect.real,
-        "functions": list(source.functions),
-        "joints": list(model.leg.joint_names),
-        "values": dict(zip(names, source.values.tolist(), strict=True)),
-        "units": dict(zip(names, model.units, strict=True)),
-        "merged": {regrouped.name: regrouped.into for regrouped in model.regrouped},
-        "warnings": list(source.warnings),
-    }

@@ -89,7 +89,7 @@ def _offset(term: Offset, joint: JointInC) -> str:
 
 @register_c_form(Stiffness, "stiffness")
 def _stiffness(term: Stiffness, joint: JointInC) -> str:
-    """Horner's scheme; a power whose parameter is part of another has none of its own."""
+    """Horner's scheme; a power whose parameter is regrouped has no coefficient."""
     text = joint.parameters.get(term.symbols[0], "")
     for symbol in term.symbols[1:]:
         text = f"{f'({text})' if ' + ' in text else text} * {joint.variable}" if text else ""

@@ -1,4 +1,4 @@
-"""Control laws on an identified leg, and the closed loop with a virtual rig."""
+"""Controllers for an identified leg, and the closed loop with a virtual rig."""
 
 from .closed_loop import simulate, simulate_many
 from .compare_laws import compare_laws

@@ -1,4 +1,4 @@
-"""A law against the virtual rig: continuous plant with true stiction, sampled law, sensors that are not exact."""
+"""Closed loop of a sampled controller and the virtual rig: continuous plant with stiction, inexact sensors."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from .law import Law, State
 from .tracking import Tracking, tracking_of
 
 LONGEST_STEP = 5e-4
-"""Of the plant [s]."""
+"""Longest step of the plant [s]."""
 
 SHORTEST_STEP = 2e-5
-"""Of the plant [s]; rates that need a shorter one have nothing in common."""
+"""Shortest step of the plant [s]; rates that need a shorter one are refused."""
 
 LOG_RATE = 100.0
-"""Of the log [Hz], where the law is not faster."""
+"""Rate of the log [Hz], unless the controller is faster."""
 
 
 def simulate(
@@ -42,27 +42,27 @@ def simulate(
     name: str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Tracking:
-    """Let one rig follow a reference under a law.
+    """Simulate one rig that follows a reference under a controller.
 
     Args:
-        plant: The truth, of one rig.
-        law: Sampled at its rate, its torque held in between.
-        reference: What to follow.
-        duration: [s].
-        sensors: Noise, quantisation and delay (in periods of the law) of what the law is told; None for exact ones.
-        actuator: Between the law's torque and the joint's; None for one that follows at once.
-        start: Angles at the beginning, at rest [rad], (n,); None to begin on the reference, with its velocity.
-        settle: What the metrics leave out at the beginning [s].
-        log_rate: [Hz]; None for 100, or the law's rate if that is higher.
-        seed: Of the sensor noise.
-        name: Of the law in tables; None for its class.
-        progress: Told the share that is done.
+        plant: The true leg, one rig.
+        law: Controller, sampled at its rate; its torque is held in between.
+        reference: Reference to follow.
+        duration: Duration [s].
+        sensors: Noise, quantisation and delay (in sampling periods) of the controller's readings; None for exact ones.
+        actuator: Actuator between commanded and joint torque; None for an ideal one.
+        start: Initial angles, at rest [rad], (n,); None to begin on the reference, with its velocity.
+        settle: Time at the beginning that the metrics leave out [s].
+        log_rate: Rate of the log [Hz]; None for 100, or the controller's rate if that is higher.
+        seed: Seed of the sensor noise.
+        name: Name of the controller in tables; None for its class.
+        progress: Function that receives the completed share, 0 to 1.
 
     Returns:
-        What happened, with its metrics.
+        Motion, torque and log, with their metrics.
 
     Raises:
-        ExoidError: The plant is of several rigs, the reference leaves the limits of a plant with end stops, rates do
+        ExoidError: The plant has several rigs, the reference leaves the limits of a plant with end stops, rates do
             not fit, or the run diverges.
     """
     if plant.count != 1:
@@ -99,32 +99,32 @@ def simulate_many(
     names: tuple[str, ...] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[Tracking, ...]:
-    """Let B rigs follow a reference, all at once; arguments as for :func:`simulate`.
+    """Simulate B rigs at once; arguments as for :func:`simulate`.
 
     Args:
-        plant: B rigs.
-        law: Of all of them; :class:`SideBySide` where each has its own.
-        reference: Of B rigs, or of one that all follow.
-        duration: [s].
+        plant: The true legs, B rigs.
+        law: Controller of all rigs; :class:`SideBySide` for one controller for each.
+        reference: Reference of B rigs, or of one, which all follow.
+        duration: Duration [s].
         sensors: See :func:`simulate`.
         actuator: See :func:`simulate`.
-        start: [rad], (n, B) or (n, 1).
-        settle: [s].
-        log_rate: [Hz].
-        seed: Of the sensor noise.
-        names: Of the laws, one a rig.
-        progress: Told the share that is done.
+        start: Initial angles, at rest [rad], (n, B) or (n, 1).
+        settle: Time at the beginning that the metrics leave out [s].
+        log_rate: Rate of the log [Hz].
+        seed: Seed of the sensor noise.
+        names: Names of the controllers, one for each rig.
+        progress: Function that receives the completed share, 0 to 1.
 
     Returns:
-        One result a rig.
+        One result for each rig.
 
     Raises:
-        ExoidError: See :func:`simulate`; or the names are not one a rig.
+        ExoidError: See :func:`simulate`; or the number of names is not that of the rigs.
     """
     if names is not None and len(names) != plant.count:
-        raise ExoidError(f"{len(names)} names for {plant.count} rigs", remedy="give one a rig")
+        raise ExoidError(f"{len(names)} names for {plant.count} rigs", remedy="give one name for each rig")
     if not 0.0 <= settle < duration:
-        raise ExoidError(f"{settle:g} s to settle in a run of {duration:g} s", remedy="leave some of the run over")
+        raise ExoidError(f"{settle:g} s to settle in a run of {duration:g} s", remedy="run longer than it settles")
     if np.isfinite(plant.lower).any() or np.isfinite(plant.upper).any():
         refuse_motion_beyond_limits(plant.leg, reference, duration)
     log = max(LOG_RATE, law.rate) if log_rate is None else log_rate
@@ -146,11 +146,14 @@ def simulate_many(
 
 
 def plant_step(control: float, log: float) -> float:
-    """Longest step of the plant, of at most 0.5 ms, of which the periods of law and log are multiples [s].
+    """Find the longest step of the plant, at most 0.5 ms, that divides the periods of controller and log.
 
     Args:
-        control: Rate of the law [Hz].
+        control: Rate of the controller [Hz].
         log: Rate of the log [Hz].
+
+    Returns:
+        The step [s].
 
     Raises:
         ExoidError: A rate is not positive, or the two have no common step that is not too short.
@@ -168,13 +171,13 @@ def plant_step(control: float, log: float) -> float:
     if step < SHORTEST_STEP:
         raise ExoidError(
             f"rates of {control:g} and {log:g} Hz have no common step above {SHORTEST_STEP:g} s",
-            remedy="choose a log rate that is a multiple of the law's",
+            remedy="choose a log rate that is a multiple of the controller's",
         )
     return step
 
 
 class _Sampled:
-    """A law as the rig's controller: keeps the time and the torque of the last sample, for this run only."""
+    """A controller as the rig calls it: keeps the time and the torque of the last sample, for this run only."""
 
     def __init__(self, law: Law) -> None:
         self._law, self._count = law, 0

@@ -1,4 +1,4 @@
-"""Several laws on the same leg, on the same reference, with the same sensors."""
+"""Several controllers on the same leg and reference, with the same sensors."""
 
 from __future__ import annotations
 
@@ -24,35 +24,37 @@ def compare_laws(
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> dict[str, Tracking]:
-    """Run laws by name; those of the same rate run side by side.
+    """Run several controllers; those of the same rate run in one simulation.
 
     Args:
-        plant: The truth, of one rig; or that of each law by its name, all of the same leg.
-        laws: The laws by name.
-        reference: What all follow, of one leg.
-        duration: [s].
-        sensors: See :func:`exoid.control.simulate`; readings of different laws have different noise.
-        settle: What the metrics leave out at the beginning [s].
-        seed: Of the sensor noise.
-        progress: Told the share that is done.
+        plant: The true leg, one rig; or that of each controller by its name, all of the same leg.
+        laws: Controllers by name.
+        reference: Reference of one leg, which all follow.
+        duration: Duration [s].
+        sensors: See :func:`exoid.control.simulate`; the noise differs from controller to controller.
+        settle: Time at the beginning that the metrics leave out [s].
+        seed: Seed of the sensor noise.
+        progress: Function that receives the completed share, 0 to 1.
 
     Returns:
-        What each law did, in the order of ``laws``.
+        Result of each controller by name, in the order of ``laws``.
 
     Raises:
-        ExoidError: There are no laws, a law has no plant, or a run is refused or diverges.
+        ExoidError: There are no controllers, one has no plant, or a run is refused or diverges.
     """
     plants = dict.fromkeys(laws, plant) if isinstance(plant, Plant) else plant
     missing = [name for name in laws if name not in plants]
     if missing or not laws:
-        raise ExoidError(f"no plant for {', '.join(missing)}" if missing else "no laws", remedy="give each law a plant")
+        raise ExoidError(
+            f"no plant for {', '.join(missing)}" if missing else "no controllers", remedy="give each controller a plant"
+        )
     groups: dict[float, list[str]] = {}
     for name, law in laws.items():
         groups.setdefault(law.rate, []).append(name)
     found: dict[str, Tracking] = {}
     for names in groups.values():
         done, share = len(found) / len(laws), len(names) / len(laws)
-        tell = None if progress is None else _part(progress, done, share)
+        part = None if progress is None else _part(progress, done, share)
         runs = simulate_many(
             Plant.concatenate([plants[name] for name in names]),
             SideBySide(tuple(laws[name] for name in names)),
@@ -62,7 +64,7 @@ def compare_laws(
             settle=settle,
             seed=seed,
             names=tuple(names),
-            progress=tell,
+            progress=part,
         )
         found |= dict(zip(names, runs, strict=True))
     return {name: found[name] for name in laws}

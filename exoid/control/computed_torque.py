@@ -1,4 +1,4 @@
-"""Computed torque: the model turns the leg into double integrators."""
+"""Computed torque: the model reduces the leg to double integrators."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ class ComputedTorque:
     With an exact model and in continuous time the error obeys ë + kd ė + kp e = 0, joint by joint.
 
     Attributes:
-        kp: kp [1/s²], a number, (n,) or (n, B); the stiffness is M kp.
-        kd: kd [1/s], likewise.
-        model: The model.
-        friction: How friction is compensated; None for not at all.
-        rate: [Hz].
+        kp: Gain kp [1/s²], a number, (n,) or (n, B); the stiffness is M kp.
+        kd: Gain kd [1/s], likewise.
+        model: Model of the leg.
+        friction: Friction compensation; None for none.
+        rate: Sampling rate [Hz].
     """
 
     kp: FloatArray
@@ -40,14 +40,21 @@ class ComputedTorque:
         object.__setattr__(self, "kd", gains(self.kd, "kd"))
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """See the class.
+        """Compute the torque; see the class.
+
+        Args:
+            state: Measured state, (n,) or (n, B).
+            target: Reference at this moment, likewise.
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``.
 
         Raises:
             ExoidError: The target has no acceleration.
         """
         q, v = state.q, state.v
-        wanted = acceleration(target) + spread(self.kd, v) * (target.v - v) + spread(self.kp, q) * (target.q - q)
-        torque = self.model.inverse_dynamics(q, v, wanted)
+        requested = acceleration(target) + spread(self.kd, v) * (target.v - v) + spread(self.kp, q) * (target.q - q)
+        torque = self.model.inverse_dynamics(q, v, requested)
         return torque if self.friction is None else torque + self.friction.torque(self.model, state, target)
 
 
@@ -59,17 +66,20 @@ def computed_torque(
     friction: FrictionCompensation | None = AHEAD,
     rate: float = RATE,
 ) -> ComputedTorque:
-    """Make a :class:`ComputedTorque` law from what is known of the leg.
+    """Make a :class:`ComputedTorque` controller from a model of the leg.
 
     Args:
         source: An estimate, a leg, or a plant of one rig.
-        kp: kp [1/s²], the square of the wanted natural frequency.
-        kd: kd [1/s], twice the natural frequency for critical damping.
-        friction: How friction is compensated; None for not at all.
-        rate: At which it is sampled [Hz].
+        kp: Gain [1/s²], the square of the natural frequency.
+        kd: Gain [1/s], twice the natural frequency for critical damping.
+        friction: Friction compensation; None for none.
+        rate: Sampling rate [Hz].
+
+    Returns:
+        The controller.
 
     Raises:
-        ExoidError: A gain is negative, or there is no model to be had from the source.
+        ExoidError: A gain is negative, or the source has no control model.
 
     Warns:
         UserWarning: The friction coefficients are negative.

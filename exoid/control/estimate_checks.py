@@ -1,4 +1,4 @@
-"""Models that no law should compensate."""
+"""Warnings about models that no controller should compensate."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from .friction import FrictionCompensation
 from .model import ControlModel, ModelSource
 
 SPEED = 1.0
-"""Up to which friction must resist [rad/s]: a slightly negative viscous one beside Coulomb friction is only noise."""
+"""Velocity up to which friction must resist [rad/s]; slightly negative viscous friction beside Coulomb's is noise."""
 
 
 def model_to_compensate(source: ModelSource, friction: FrictionCompensation | None) -> ControlModel:
-    """Take over the model that a law compensates.
+    """Make the model that a controller compensates, and warn if its friction is negative.
 
     Args:
         source: An estimate, a leg, or a plant of one rig.
-        friction: How friction is compensated; None for not at all.
+        friction: Friction compensation; None for none.
 
     Returns:
         The model.
 
     Raises:
-        ExoidError: There is no model to be had from the source.
+        ExoidError: The source has no control model.
 
     Warns:
         UserWarning: Friction is compensated and negative, as in doc. 2, Table III as printed. Under its eq. (6) it
-            would inject energy: the law would push against the motion that it should help.
+            would inject energy: the compensation would oppose the motion that it should support.
     """
     model = ControlModel.of(source)
     if friction is None:
@@ -38,8 +38,8 @@ def model_to_compensate(source: ModelSource, friction: FrictionCompensation | No
     ]
     if wrong:
         warnings.warn(
-            f"friction that drives the joint ({'; '.join(wrong)}): a law that compensates it brakes where it should "
-            "help. Check the sign convention; doc. 2 prints its Table III with this sign",
+            f"friction that drives the joint ({'; '.join(wrong)}): compensating it brakes the motion that it should "
+            "support. Check the sign convention; doc. 2 prints its Table III with this sign",
             UserWarning,
             stacklevel=3,
         )

@@ -1,4 +1,4 @@
-"""PD control beside the full inverse dynamics of the reference."""
+"""PD control with feedforward of the full inverse dynamics of the reference."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from .pd import PD
 class FeedforwardPD:
     """τ = Kp (θ_d − θ) + Kd (θ̇_d − θ̇) + M(θ_d) θ̈_d + C(θ_d, θ̇_d) θ̇_d + G(θ_d) + F_r.
 
-    What the model knows is known in advance, so that neither noise nor delay of the sensors gets into it.
+    The feedforward depends on the reference alone: noise and delay of the sensors do not affect it.
 
     Attributes:
-        feedback: The PD part.
-        model: Whose inverse dynamics is fed forward.
-        friction: How friction is compensated; None for not at all.
+        feedback: PD feedback.
+        model: Model of the feedforward.
+        friction: Friction compensation; None for none.
     """
 
     feedback: PD
@@ -32,11 +32,18 @@ class FeedforwardPD:
 
     @property
     def rate(self) -> float:
-        """At which it is sampled [Hz]."""
+        """Sampling rate [Hz]."""
         return self.feedback.rate
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """See the class.
+        """Compute the torque; see the class.
+
+        Args:
+            state: Measured state, (n,) or (n, B).
+            target: Reference at this moment, likewise.
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``.
 
         Raises:
             ExoidError: The target has no acceleration.
@@ -54,17 +61,20 @@ def feedforward_pd(
     friction: FrictionCompensation | None = AHEAD,
     rate: float = RATE,
 ) -> FeedforwardPD:
-    """Make a :class:`FeedforwardPD` law from what is known of the leg; arguments as for ``gravity_friction_pd``.
+    """Make a :class:`FeedforwardPD` controller from a model of the leg.
 
     Args:
         source: An estimate, a leg, or a plant of one rig.
         kp: Kp [N·m/rad], a number or one for each joint.
         kd: Kd [N·m·s/rad].
-        friction: How friction is compensated; None for not at all.
-        rate: At which it is sampled [Hz].
+        friction: Friction compensation; None for none.
+        rate: Sampling rate [Hz].
+
+    Returns:
+        The controller.
 
     Raises:
-        ExoidError: A gain is negative, or there is no model to be had from the source.
+        ExoidError: A gain is negative, or the source has no control model.
 
     Warns:
         UserWarning: The friction coefficients are negative.

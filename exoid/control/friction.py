@@ -1,4 +1,4 @@
-"""How a law compensates friction: on which velocity, how sharply, and how much of it."""
+"""Friction compensation: with measured or desired velocity, sharp or smooth, and which share of the friction."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from .law import State
 from .model import ControlModel
 
 WIDTH = 0.05
-"""Over which a smooth sign changes [rad/s]: several times the noise of a tachometer, a tenth of a slow gait's speed."""
+"""Width of a smooth sign [rad/s]: several times the noise of a tachometer, a tenth of the speed of a slow gait."""
 
 
 @dataclass(frozen=True)
 class FrictionCompensation:
     """F_r of doc. 2, eq. (25): c0 sgn(θ̇) + d θ̇, with a sign that may be smooth.
 
-    On the measured velocity it acts against the friction there is, but comes late, chatters with noise where it is
-    sharp, and feeds a limit cycle where it is too large. On the desired velocity it is known in advance.
+    With the measured velocity the compensation follows the true motion, but it is late. A sharp sign chatters with
+    noise, and too much compensation causes a limit cycle. With the desired velocity it is known in advance.
 
     Attributes:
         velocity: "measured" or "desired".
         width: tanh(v / width) instead of sgn(v) [rad/s]; 0 for the sharp sign.
-        scale: How much of the model's friction is compensated, 1 for all.
+        scale: Share of the model's friction that is compensated, 1 for all.
 
     Raises:
-        ExoidError: A setting makes no sense.
+        ExoidError: The velocity is neither, the width is negative, or a number is not finite.
     """
 
     velocity: Literal["measured", "desired"] = "measured"
@@ -45,17 +45,26 @@ class FrictionCompensation:
             raise ExoidError(f"no such friction compensation: {self}", remedy='velocity is "measured" or "desired"')
 
     def torque(self, model: ControlModel, state: State, target: Target) -> FloatArray:
-        """Torque against friction [N·m], of the shape of ``state.q``."""
+        """Compute the torque that compensates friction.
+
+        Args:
+            model: Model with the friction coefficients.
+            state: Measured state, (n,) or (n, B).
+            target: Reference at this moment, likewise.
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``.
+        """
         velocity = target.v if self.velocity == "desired" else state.v
         torque = model.friction(state.q, velocity, self.width)
         return torque if self.scale == 1.0 else self.scale * torque
 
 
 SMOOTH = FrictionCompensation()
-"""On the measured velocity, smooth: doc. 2, eq. (25), without the chatter of its sign function."""
+"""Measured velocity, smooth: doc. 2, eq. (25), without the chatter of the sign function."""
 
 SHARP = FrictionCompensation(width=0.0)
-"""On the measured velocity with the sign function, as doc. 2 prints it."""
+"""Measured velocity with the sign function, as doc. 2 prints it."""
 
 AHEAD = FrictionCompensation(velocity="desired")
-"""On the desired velocity, smooth."""
+"""Desired velocity, smooth."""

@@ -22,12 +22,12 @@ from .pd import PD
 class GravityFrictionPD:
     """τ = Kp (θ_d − θ) + Kd (θ̇_d − θ̇) + G(θ) + F_r(θ, θ̇) (doc. 2, eq. (25)).
 
-    Springs and offsets, which depend on the angle as gravity does, are compensated with it.
+    Springs and offsets depend on the angle as gravity does, and are compensated with it.
 
     Attributes:
-        feedback: The PD part.
-        model: Whose gravity and friction are compensated.
-        friction: How friction is; None for not at all.
+        feedback: PD feedback.
+        model: Model of gravity and friction.
+        friction: Friction compensation; None for none.
     """
 
     feedback: PD
@@ -36,18 +36,26 @@ class GravityFrictionPD:
 
     @property
     def rate(self) -> float:
-        """At which it is sampled [Hz]."""
+        """Sampling rate [Hz]."""
         return self.feedback.rate
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """See the class."""
+        """Compute the torque; see the class.
+
+        Args:
+            state: Measured state, (n,) or (n, B).
+            target: Reference at this moment, likewise.
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``.
+        """
         if state.q.ndim == 1 and self._joints:
             return self._of_one_leg(state, target)
         torque = self.feedback.torque(state, target) + self.model.statics(state.q)
         return torque if self.friction is None else torque + self.friction.torque(self.model, state, target)
 
     def _of_one_leg(self, state: State, target: Target) -> FloatArray:
-        """The same in plain floats: arrays of two or three numbers cost more than their arithmetic does."""
+        """Compute the same for one leg in plain floats, which is faster than arrays of two or three numbers."""
         width = 0.0 if self.friction is None else self.friction.width
         q, v, aim, speed = state.q.tolist(), state.v.tolist(), target.q.tolist(), target.v.tolist()
         sliding = speed if self.friction is not None and self.friction.velocity == "desired" else v
@@ -64,7 +72,7 @@ class GravityFrictionPD:
 
     @cached_property
     def _joints(self) -> list[tuple[float, float, list[float], float, float]]:
-        """Kp, Kd, spring polynomial, c0 and d of each joint; none where that is not all there is."""
+        """Kp, Kd, spring polynomial, c0 and d of each joint; empty if the model has other terms."""
         kp, kd, n = self.feedback.kp, self.feedback.kd, self.model.n
         if self.model.others or not {kp.shape, kd.shape} <= {(), (n,)}:
             return []
@@ -83,20 +91,20 @@ def gravity_friction_pd(
     friction: FrictionCompensation | None = SMOOTH,
     rate: float = RATE,
 ) -> GravityFrictionPD:
-    """Make a :class:`GravityFrictionPD` law from what is known of the leg.
+    """Make a :class:`GravityFrictionPD` controller from a model of the leg.
 
     Args:
-        source: An estimate; a leg, which has no friction; or a plant of one rig, whose truth is then known.
+        source: An estimate; a leg, which has no friction; or a plant of one rig, for an exact model.
         kp: Kp [N·m/rad], a number or one for each joint.
         kd: Kd [N·m·s/rad].
-        friction: How friction is compensated; None for gravity compensation only.
-        rate: At which it is sampled [Hz].
+        friction: Friction compensation; None for gravity compensation only.
+        rate: Sampling rate [Hz].
 
     Returns:
-        The law.
+        The controller.
 
     Raises:
-        ExoidError: A gain is negative, or there is no model to be had from the source.
+        ExoidError: A gain is negative, or the source has no control model.
 
     Warns:
         UserWarning: The friction coefficients are negative: compensating them destabilises the leg.

@@ -1,4 +1,4 @@
-"""What a control law is: a pure function from state and target to torque, with a rate at which it is sampled."""
+"""Protocol of a controller: a pure function from state and target to torque, with a sampling rate."""
 
 from __future__ import annotations
 
@@ -11,18 +11,17 @@ from exoid.errors import ExoidError
 from exoid.rig import Target
 
 RATE = 100.0
-"""At which document 2 runs its nonlinear controller (sec. IV) [Hz]."""
+"""Rate of document 2's nonlinear controller (sec. IV) [Hz]."""
 
 
 class State(NamedTuple):
-    """What a law is told at a sample, (n,) each, or (n, B) for B legs at once.
+    """Input of a controller at a sample, (n,) each, or (n, B) for B legs at once.
 
     Attributes:
         q: Measured angles [rad].
         v: Measured velocities [rad/s].
-        time: Since the reference began [s].
-        last: Torque that was commanded at the sample before [N·m]; None at the first one. Laws have no memory of their
-            own: this is all there is.
+        time: Time since the reference began [s].
+        last: Torque commanded at the previous sample [N·m]; None at the first. Controllers have no other memory.
     """
 
     q: FloatArray
@@ -32,29 +31,44 @@ class State(NamedTuple):
 
 
 class Law(Protocol):
-    """A control law; the same object runs on the virtual rig and in one's own control loop.
+    """A controller; the same object runs on the virtual rig and in the control loop of a real machine.
 
-    A law holds no state that changes, but the scratch memory of Pinocchio: give each thread a law of its own.
+    A controller has no internal state, but it may use Pinocchio's work memory: make one for each thread.
 
     Attributes:
-        rate: At which it is sampled [Hz].
+        rate: Sampling rate [Hz].
     """
 
     @property
     def rate(self) -> float:
-        """At which it is sampled [Hz]."""
+        """Sampling rate [Hz]."""
         ...
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """Torque to hold until the next sample [N·m], of the shape of ``state.q``."""
+        """Compute the torque to hold until the next sample.
+
+        Args:
+            state: Measured state, (n,) or (n, B).
+            target: Reference at this moment, likewise.
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``.
+        """
         ...
 
 
 def gains(value: ArrayLike, name: str) -> FloatArray:
-    """Check gains: a number, one for each joint, (n,), or one for each joint of each leg, (n, B).
+    """Check gains.
+
+    Args:
+        value: A number, one for each joint, (n,), or one for each joint of each leg, (n, B).
+        name: Name for the message.
+
+    Returns:
+        Read-only array of the same shape.
 
     Raises:
-        ExoidError: They are not finite, or negative, which destabilises.
+        ExoidError: A gain is negative or not finite.
     """
     array = np.array(value, dtype=np.float64)
     if array.ndim > 2 or not np.isfinite(array).all() or (array < 0.0).any():
@@ -64,35 +78,53 @@ def gains(value: ArrayLike, name: str) -> FloatArray:
 
 
 def refuse_rate(rate: float) -> None:
-    """Refuse a rate that is none.
+    """Refuse a rate that is not positive and finite.
+
+    Args:
+        rate: Sampling rate [Hz].
 
     Raises:
-        ExoidError: It is not positive and finite.
+        ExoidError: It is not.
     """
     if not 0.0 < rate < np.inf:
-        raise ExoidError(f"a law at {rate:g} Hz", remedy="give a positive rate in Hz")
+        raise ExoidError(f"a controller at {rate:g} Hz", remedy="give a positive rate in Hz")
 
 
 def spread(values: FloatArray, like: FloatArray) -> FloatArray:
-    """One value for each joint as a column where the state has columns.
+    """Turn one value for each joint into a column if the state has columns.
+
+    Args:
+        values: A number, (n,) or (n, B).
+        like: Array whose shape the values are for, (n,) or (n, B).
+
+    Returns:
+        Values that broadcast with ``like``.
 
     Raises:
         ExoidError: They are for another number of joints.
     """
     if values.ndim > 0 and values.shape[0] != like.shape[0]:
-        raise ExoidError(f"{values.shape[0]} gains or limits for {like.shape[0]} joints", remedy="give one a joint")
+        raise ExoidError(
+            f"{values.shape[0]} gains or limits for {like.shape[0]} joints", remedy="give one for each joint"
+        )
     return values[:, None] if values.ndim == 1 and like.ndim == 2 else values
 
 
 def acceleration(target: Target) -> FloatArray:
-    """Acceleration of a target.
+    """Take the acceleration of a target.
+
+    Args:
+        target: Target of a reference.
+
+    Returns:
+        Acceleration [rad/s²], of the shape of ``target.q``.
 
     Raises:
-        ExoidError: The reference does not know it.
+        ExoidError: The target has none.
     """
     if target.a is None:
         raise ExoidError(
-            "the reference has no acceleration, which this law needs",
-            remedy="give Target(q, v, a), or use a law that does without, such as gravity_friction_pd",
+            "the reference has no acceleration, which this controller needs",
+            remedy="give Target(q, v, a), or use a controller that needs none, such as gravity_friction_pd",
         )
     return target.a

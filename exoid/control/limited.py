@@ -1,4 +1,4 @@
-"""What the motors cannot do: limits of torque and of its rate, around any law."""
+"""Limits of torque and of its rate, around any controller."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from .law import Law, State, spread
 
 @dataclass(frozen=True, eq=False)
 class Limited:
-    """Another law within limits: |τ| ≤ ``torque``, |τ − τ_last| ≤ ``slew`` / rate.
+    """Another controller within limits: |τ| ≤ ``limit``, |τ − τ_last| ≤ ``slew`` / rate.
 
-    What was commanded last comes with the state, so that nothing is remembered here; no law of this room integrates,
-    so that nothing winds up.
+    The last command is part of the state, so this controller has no memory either. The controllers of this package do
+    not integrate, so there is no windup.
 
     Attributes:
-        law: The law.
-        limit: Largest torque [N·m], a number or (n,); inf for any.
-        slew: Largest change of torque [N·m/s], likewise. At the first sample the torque is free.
+        law: The other controller.
+        limit: Largest torque [N·m], a number or (n,); inf for none.
+        slew: Largest rate of change of the torque [N·m/s], likewise. It does not apply to the first sample.
 
     Raises:
         ExoidError: A limit is not positive.
@@ -49,11 +49,19 @@ class Limited:
 
     @property
     def rate(self) -> float:
-        """At which it is sampled [Hz]."""
+        """Sampling rate [Hz]."""
         return self.law.rate
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """Torque of the law, within the limits."""
+        """Compute the torque of the other controller, within the limits.
+
+        Args:
+            state: Measured state, (n,) or (n, B).
+            target: Reference at this moment, likewise.
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``.
+        """
         torque = self.law.torque(state, target)
         if state.last is not None:
             change = spread(np.asarray(self.slew), torque) / self.rate

@@ -1,4 +1,4 @@
-"""The leg linearised about a motion, with Pinocchio's analytical derivatives."""
+"""Linearisation of the leg about a motion, with Pinocchio's analytical derivatives."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ class Linear(NamedTuple):
     """ẋ = A x + B u, or x⁺ = A x + B u, with x = (δq, δv) and u = δτ.
 
     Attributes:
-        A: (2n, 2n).
-        B: (2n, n).
+        A: State matrix, (2n, 2n).
+        B: Input matrix, (2n, n).
     """
 
     A: FloatArray
@@ -31,13 +31,16 @@ def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) 
 
         δv̇ = (∂v̇/∂q − M⁻¹ s'(q)) δq + (∂v̇/∂v − M⁻¹ d) δv + M⁻¹ δτ
 
-    Coulomb friction, which has no derivative where it matters, and terms of unknown kinds are left out.
+    Coulomb friction, which has no derivative at rest, and terms of other kinds are left out.
 
     Args:
-        model: The model.
+        model: Model of the leg.
         q: Angles [rad], (n,).
         v: Velocities [rad/s], (n,).
         a: Accelerations [rad/s²], (n,).
+
+    Returns:
+        A and B in continuous time.
     """
     pinocchio, n = model.pinocchio, model.n
     data = pinocchio.createData()
@@ -54,7 +57,15 @@ def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) 
 
 
 def discretise(continuous: Linear, period: float) -> Linear:
-    """Sample with the torque held over each period [s]."""
+    """Discretise with the torque held over each period.
+
+    Args:
+        continuous: A and B in continuous time.
+        period: Sampling period [s].
+
+    Returns:
+        A and B in discrete time.
+    """
     A, B = continuous
     sampled = scipy.signal.cont2discrete((A, B, np.eye(len(A)), np.zeros_like(B)), period)
     return Linear(*sampled[:2])

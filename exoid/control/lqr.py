@@ -21,12 +21,12 @@ from .model import ControlModel, ModelSource
 
 
 class Weights(NamedTuple):
-    """What counts as large, by Bryson's rule: each cost is the square of a quantity over its size here.
+    """Acceptable deviations, by Bryson's rule (Bryson and Ho 1975): each cost is (deviation / acceptable deviation)².
 
     Attributes:
-        angle: Of an angle error [rad], a number or (n,).
-        velocity: Of a velocity error [rad/s]; inf for no cost.
-        torque: Of a torque beside the feed-forward [N·m].
+        angle: Acceptable angle error [rad], a number or (n,).
+        velocity: Acceptable velocity error [rad/s]; inf for no cost.
+        torque: Acceptable torque in addition to the feedforward [N·m].
     """
 
     angle: ArrayLike = np.deg2rad(2.0)
@@ -34,10 +34,16 @@ class Weights(NamedTuple):
     torque: ArrayLike = 10.0
 
     def matrices(self, n: int) -> tuple[FloatArray, FloatArray]:
-        """Q, (2n, 2n), and R, (n, n).
+        """Make the cost matrices.
+
+        Args:
+            n: Number of joints.
+
+        Returns:
+            Q, (2n, 2n), and R, (n, n).
 
         Raises:
-            ExoidError: A size is not positive, or does not fit n joints.
+            ExoidError: A deviation is not positive, or does not fit n joints.
         """
         try:
             angle, velocity, torque = (np.broadcast_to(np.asarray(x, dtype=np.float64), (n,)) for x in self)
@@ -45,7 +51,7 @@ class Weights(NamedTuple):
             raise ExoidError(f"weights {self} for {n} joints", remedy="give a number, or one for each joint") from None
         finite = np.isfinite(angle).all() and np.isfinite(torque).all()
         if not (finite and (angle > 0.0).all() and (velocity > 0.0).all() and (torque > 0.0).all()):
-            raise ExoidError(f"weights {self}", remedy="give what counts as a large error, and a large torque")
+            raise ExoidError(f"weights {self}", remedy="give positive deviations of angle, velocity and torque")
         return np.diag(np.concatenate([angle, velocity]) ** -2.0), np.diag(torque**-2.0)
 
 
@@ -54,10 +60,10 @@ class LQR:
     """τ = M(θ_d) θ̈_d + C θ̇_d + G(θ_d) + F_r + K (x_d − x), x = (θ, θ̇).
 
     Attributes:
-        model: Whose inverse dynamics is fed forward.
-        gain: K in N·m/rad and N·m·s/rad, (n, 2n).
-        friction: How friction is compensated; None for not at all.
-        rate: [Hz].
+        model: Model of the feedforward.
+        gain: Gain K [N·m/rad, N·m·s/rad], (n, 2n).
+        friction: Friction compensation; None for none.
+        rate: Sampling rate [Hz].
     """
 
     model: ControlModel
@@ -66,7 +72,14 @@ class LQR:
     rate: float = RATE
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """See the class.
+        """Compute the torque; see the class.
+
+        Args:
+            state: Measured state, (n,) or (n, B).
+            target: Reference at this moment, likewise.
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``.
 
         Raises:
             ExoidError: The target has no acceleration.
@@ -87,24 +100,25 @@ def lqr(
     friction: FrictionCompensation | None = AHEAD,
     rate: float = RATE,
 ) -> LQR:
-    """Make an :class:`LQR` law about a reference.
+    """Make an :class:`LQR` controller about a reference.
 
-    The leg is linearised at rest at the mean pose of the reference and sampled at the law's rate: x⁺ = A x + B u. The
-    cost is Σ xᵀ Q x + uᵀ R u, so K = (R + Bᵀ S B)⁻¹ Bᵀ S A with S from the discrete algebraic Riccati equation.
+    The leg is linearised at rest at the mean pose of the reference, and sampled at the controller's rate:
+    x⁺ = A x + B u. The cost is Σ xᵀ Q x + uᵀ R u. K = (R + Bᵀ S B)⁻¹ Bᵀ S A, with S from the discrete algebraic Riccati
+    equation.
 
     Args:
         source: An estimate, a leg, or a plant of one rig.
-        reference: Of one leg.
-        period: Of the reference, or its duration [s].
-        weights: None for 2° and 10 N·m.
-        friction: How friction is compensated; None for not at all.
-        rate: At which it is sampled [Hz].
+        reference: Reference of one leg.
+        period: Period of the reference, or its duration [s].
+        weights: Acceptable deviations; None for 2° and 10 N·m.
+        friction: Friction compensation; None for none.
+        rate: Sampling rate [Hz].
 
     Returns:
-        The law.
+        The controller.
 
     Raises:
-        ExoidError: The reference is not of one such leg, weights, period or rate are not positive, or no gain
+        ExoidError: The reference is not that of one such leg; weights, period or rate are not positive; or no gain
             stabilises.
 
     Warns:
@@ -120,5 +134,7 @@ def lqr(
     try:
         S = scipy.linalg.solve_discrete_are(A, B, Q, R)
     except np.linalg.LinAlgError as error:
-        raise ExoidError(f"no stabilising gain ({error})", remedy="weigh angles too, or raise the rate") from error
+        raise ExoidError(
+            f"no stabilising gain ({error})", remedy="make angle errors cost more, or raise the rate"
+        ) from error
     return LQR(model, np.asarray(scipy.linalg.solve(R + B.T @ S @ B, B.T @ S @ A)), friction, rate)

@@ -1,4 +1,4 @@
-"""The pose about which a reference moves."""
+"""Mean pose of a reference."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from exoid.errors import ExoidError
 from exoid.rig import Reference
 
 INSTANTS = 64
-"""Of the reference, over which angles are averaged."""
+"""Number of instants over which angles are averaged."""
 
 
 def mean_pose(reference: Reference, period: float) -> FloatArray:
-    """Mean angles of a reference over a period.
+    """Average the angles of a reference over a period.
 
     Args:
-        reference: Of one leg.
-        period: Of the reference, or its duration [s].
+        reference: Reference of one leg.
+        period: Period of the reference, or its duration [s].
 
     Returns:
-        Angles [rad], (n,).
+        Mean angles [rad], (n,).
 
     Raises:
-        ExoidError: The period is not positive and finite, or the reference is of several legs.
+        ExoidError: The period is not positive and finite, or the reference is that of several legs.
     """
     if not 0.0 < period < np.inf:
         raise ExoidError(f"a reference over {period:g} s", remedy="give its period or duration in seconds")

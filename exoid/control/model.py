@@ -1,4 +1,4 @@
-"""The model inside a control law: rigid bodies, springs, friction and rotors of one leg, quick at a single sample."""
+"""Model inside a controller: rigid bodies, springs, friction and rotors of one leg, fast at a single sample."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ from exoid.torques import Armature, Coulomb, JointMotion, Offset, Stiffness, Ter
 from .law import spread
 
 PLAIN: tuple[type[Term], ...] = (Coulomb, Viscous, Armature)
-"""Terms of one coefficient a joint."""
+"""Terms with one coefficient for each joint."""
 
 
 SLIDING = 0.02
-"""Velocity over which a contact with a memory changes its sign in a law [rad/s]."""
+"""Velocity over which a contact with memory changes its sign in a controller [rad/s]."""
 
 
 class OtherTerm(NamedTuple):
-    """A term of a kind that this room has no closed form for, at one joint.
+    """A term at one joint for which this package has no closed form.
 
     Attributes:
         term: The term.
-        joint: Its index.
-        values: Of its parameters.
+        joint: Index of the joint.
+        values: Values of the term's parameters.
     """
 
     term: Term
@@ -42,9 +42,17 @@ class OtherTerm(NamedTuple):
     values: FloatArray
 
     def torque(self, q: FloatArray, v: FloatArray, load: FloatArray) -> FloatArray:
-        """Torque at angles, velocities and gravity torques of its joint [N·m], (N,) each.
+        """Compute the torque of the term.
 
-        A law does not know the way since the last reversal: a contact that bends counts as one that slides.
+        The distance since the last reversal is unknown, so presliding contacts count as sliding.
+
+        Args:
+            q: Angles of the joint [rad], (N,).
+            v: Velocities [rad/s], (N,).
+            load: Gravity torques [N·m], (N,).
+
+        Returns:
+            Torques [N·m], (N,).
         """
         out = np.zeros((len(self.values), q.size))
         sliding = None if self.term.internal_state is None else np.tanh(v / SLIDING)
@@ -54,17 +62,17 @@ class OtherTerm(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ControlModel:
-    """τ = RNEA(q, v, a) + Ia a + s(q) + r(v): what laws compensate; made by :meth:`of`.
+    """Model that controllers compensate, τ = RNEA(q, v, a) + Ia a + s(q) + r(v); made by :meth:`of`.
 
-    Methods take (n,) or (n, B) and return the same shape.
+    Methods accept (n,) or (n, B) and return the same shape.
 
     Attributes:
-        leg: The rigid bodies.
-        spring: Coefficients of s(q), polynomials of each joint, highest power first, offsets included, (D, n).
+        leg: Rigid bodies.
+        spring: Coefficients of s(q), one polynomial for each joint, highest power first, with offsets, (D, n).
         coulomb: Coulomb friction [N·m], (n,).
         viscous: Viscous friction [N·m·s/rad], (n,).
         armature: Rotor inertia that is not part of the bodies [kg·m²], (n,).
-        others: Terms beside these.
+        others: Other terms.
     """
 
     leg: Leg
@@ -76,7 +84,13 @@ class ControlModel:
 
     @classmethod
     def of(cls, source: ModelSource) -> ControlModel:
-        """Take over the model of an estimate, a leg (bodies only), or the truth of a plant of one rig.
+        """Make the model of an estimate, a leg or a plant.
+
+        Args:
+            source: An estimate, a leg (bodies only), a plant of one rig (its true parameters), or such a model.
+
+        Returns:
+            The model.
 
         Raises:
             ExoidError: The source is none of these, or a plant of several rigs.
@@ -97,17 +111,28 @@ class ControlModel:
 
     @classmethod
     def of_parameters(cls, model: TorqueModel, parameters: FloatArray) -> ControlModel:
-        """Take over a leg and the terms beside it, with parameters in the order of the model's names, (P,)."""
+        """Make the model of a leg and its terms.
+
+        Args:
+            model: Leg and terms.
+            parameters: Parameters in SI units, in the order of ``model.names``, (P,).
+
+        Returns:
+            The model.
+        """
         return _of_parameters(model.loaded_by(parameters), parameters)
 
     def plant(self, *, end_stops: bool = True) -> Plant:
-        """Build the rig that this model describes; friction that is negative, which no rig can have, becomes zero.
+        """Build the rig that this model describes. A rig cannot have negative friction, which becomes zero.
 
         Args:
             end_stops: Whether joints stop at the limits of the URDF.
 
+        Returns:
+            One rig.
+
         Raises:
-            ExoidError: There are terms that a rig does not have, or no bodies have such parameters.
+            ExoidError: The model has terms that a rig does not have, or no bodies have such parameters.
         """
         if self.others or len(self.spring) > STIFFNESS_DEGREE + 1:
             raise ExoidError(
@@ -129,20 +154,43 @@ class ControlModel:
         return len(self.coulomb)
 
     def statics(self, q: FloatArray) -> FloatArray:
-        """Torque that holds the leg at q: gravity, springs and offsets [N·m]."""
+        """Compute the torque that holds the leg at q: gravity, springs and offsets.
+
+        Args:
+            q: Angles [rad], (n,) or (n, B).
+
+        Returns:
+            Torque [N·m], of the same shape.
+        """
         if q.ndim == 1:
             return np.asarray(self.gravity(q) + self._springs(q))
         return self.inverse_dynamics(q, np.zeros_like(q), np.zeros_like(q))
 
     def gravity(self, q: FloatArray) -> FloatArray:
-        """Gravity torque of the bodies [N·m]."""
+        """Compute the gravity torque of the bodies.
+
+        Args:
+            q: Angles [rad], (n,) or (n, B).
+
+        Returns:
+            Torque [N·m], of the same shape.
+        """
         if q.ndim == 2:
             return self.leg.gravity(q.T).T
         at = configuration(self.pinocchio, q[None])[0] if self._turns else q
         return np.asarray(pin.computeGeneralizedGravity(self.pinocchio, self._data, at))
 
     def inverse_dynamics(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-        """RNEA(q, v, a) + Ia a + s(q): everything but friction [N·m]."""
+        """Compute RNEA(q, v, a) + Ia a + s(q): all torques except friction.
+
+        Args:
+            q: Angles [rad], (n,) or (n, B).
+            v: Velocities [rad/s], likewise.
+            a: Accelerations [rad/s²], likewise.
+
+        Returns:
+            Torque [N·m], of the same shape.
+        """
         if q.ndim == 1:
             at = configuration(self.pinocchio, q[None])[0] if self._turns else q
             return np.asarray(pin.rnea(self.pinocchio, self._data, at, v, a) + self._springs(q))
@@ -154,12 +202,15 @@ class ControlModel:
         return np.asarray(torque + self.armature[:, None] * a + self._springs(q))
 
     def friction(self, q: FloatArray, v: FloatArray, width: float) -> FloatArray:
-        """r(v) = c0 sgn v + d v, or c0 tanh(v / width) + d v, and whatever else depends on velocity [N·m].
+        """Compute r(v) = c0 sgn v + d v, or c0 tanh(v / width) + d v, and other terms that depend on velocity.
 
         Args:
-            q: Angles [rad], for terms that depend on them too.
-            v: Velocities [rad/s].
-            width: Over which the sign changes [rad/s]; 0 for a sharp one.
+            q: Angles [rad], for terms that depend on them too, (n,) or (n, B).
+            v: Velocities [rad/s], likewise.
+            width: Width of a smooth sign [rad/s]; 0 for a sharp one.
+
+        Returns:
+            Torque [N·m], of the same shape.
         """
         sign = np.sign(v) if width == 0.0 else np.tanh(v / width)
         torque = spread(self.coulomb, v) * sign + spread(self.viscous, v) * v
@@ -172,22 +223,43 @@ class ControlModel:
         return np.asarray(torque)
 
     def spring_rate(self, q: FloatArray) -> FloatArray:
-        """s'(q) of the polynomials [N·m/rad], (n,); q is (n,)."""
+        """Compute the derivative s'(q) of the polynomials.
+
+        Args:
+            q: Angles [rad], (n,).
+
+        Returns:
+            Derivatives [N·m/rad], (n,).
+        """
         powers = np.arange(len(self.spring) - 1, 0, -1.0)[:, None]
         return np.asarray((powers * self.spring[:-1] * q ** (powers - 1.0)).sum(axis=0))
 
     def mass_matrix(self, q: FloatArray) -> FloatArray:
-        """M(q) with rotors [kg·m²], (n, n); q is (n,)."""
+        """Compute M(q) with rotors.
+
+        Args:
+            q: Angles [rad], (n,).
+
+        Returns:
+            Mass matrix [kg·m²], (n, n).
+        """
         return np.asarray(self.leg.mass_matrix(q)[0] + np.diag(self.armature))
 
     def with_friction(self, scale: float) -> ControlModel:
-        """Return the same model with other friction: ``scale`` times as large."""
+        """Scale the friction.
+
+        Args:
+            scale: Factor of all friction coefficients.
+
+        Returns:
+            A model with the scaled friction.
+        """
         others = tuple(other._replace(values=scale * other.values) for other in self.others)
         return replace(self, coulomb=scale * self.coulomb, viscous=scale * self.viscous, others=others)
 
     @cached_property
     def pinocchio(self) -> pin.Model:
-        """The bodies with rotors, for Pinocchio's algorithms."""
+        """Bodies with rotors, for Pinocchio's algorithms."""
         model = self.leg.model.copy()
         model.armature[:] += self.armature
         return model
@@ -201,7 +273,7 @@ class ControlModel:
         return bool(self.pinocchio.nq != self.pinocchio.nv)
 
     def _springs(self, q: FloatArray) -> FloatArray:
-        """Horner's scheme."""
+        """Evaluate s(q) by Horner's scheme."""
         first, *rest = self.spring if q.ndim == 1 else self.spring[..., None]
         torque = first
         for coefficient in rest:
@@ -214,7 +286,7 @@ class ControlModel:
 
 
 ModelSource = Estimate | Leg | Plant | ControlModel
-"""What laws know of a leg: an estimate, a leg (its bodies only), or the truth of a plant of one rig."""
+"""Source of a controller's model: an estimate, a leg (bodies only), or a plant of one rig (its true parameters)."""
 
 
 def _of_parameters(model: TorqueModel, parameters: FloatArray) -> ControlModel:
@@ -226,10 +298,10 @@ def _of_parameters(model: TorqueModel, parameters: FloatArray) -> ControlModel:
     others = []
     for term in model.terms:
         for joint in term.joint_indices(leg.joint_names, leg.joint_labels):
-            # what is regrouped into another parameter is compensated there
+            # a regrouped parameter is part of another one
             found = np.array([values.get(f"{symbol}_{leg.joint_labels[joint]}", 0.0) for symbol in term.symbols])
             kind = type(term)
-            if type(term) is Stiffness:  # a type derived from it may compute something else
+            if type(term) is Stiffness:  # a subclass may compute something else
                 spring[degree - term.degree :, joint] += found
             elif kind is Offset:
                 spring[-1, joint] += found[0]

@@ -15,9 +15,9 @@ class PD:
     """τ = Kp (θ_d − θ) + Kd (θ̇_d − θ̇) (doc. 2, eq. (24)).
 
     Attributes:
-        kp: Kp [N·m/rad], a number, (n,) or (n, B).
-        kd: Kd [N·m·s/rad], likewise.
-        rate: [Hz].
+        kp: Gain Kp [N·m/rad], a number, (n,) or (n, B).
+        kd: Gain Kd [N·m·s/rad], likewise.
+        rate: Sampling rate [Hz].
 
     Raises:
         ExoidError: A gain is negative or not finite, or the rate is not positive.
@@ -34,18 +34,32 @@ class PD:
         object.__setattr__(self, "kd", gains(self.kd, "kd"))
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """See the class."""
+        """Compute the torque; see the class.
+
+        Args:
+            state: Measured state, (n,) or (n, B).
+            target: Reference at this moment, likewise.
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``.
+        """
         q, v = state.q, state.v
         return spread(self.kp, q) * (target.q - q) + spread(self.kd, v) * (target.v - v)
 
 
 def pd(kp: ArrayLike, kd: ArrayLike, *, rate: float = RATE) -> PD:
-    """Make a :class:`PD` law, document 2's first controller, which needs no model.
+    """Make a :class:`PD` controller, document 2's first one, which needs no model.
 
     Args:
         kp: Kp [N·m/rad], a number or one for each joint.
         kd: Kd [N·m·s/rad].
-        rate: At which it is sampled [Hz]; document 2 ran it at 30.
+        rate: Sampling rate [Hz]; 30 in document 2.
+
+    Returns:
+        The controller.
+
+    Raises:
+        ExoidError: A gain is negative or not finite, or the rate is not positive.
 
     Example:
         >>> import numpy as np
@@ -59,10 +73,16 @@ def pd(kp: ArrayLike, kd: ArrayLike, *, rate: float = RATE) -> PD:
 
 
 def p(kp: ArrayLike, *, rate: float = RATE) -> PD:
-    """Make a :class:`PD` law without damping, τ = Kp (θ_d − θ), as document 2 identifies (sec. III, sign corrected).
+    """Make a :class:`PD` controller without damping, τ = Kp (θ_d − θ) (doc. 2, sec. III, sign corrected).
 
     Args:
         kp: Kp [N·m/rad], a number or one for each joint.
-        rate: At which it is sampled [Hz].
+        rate: Sampling rate [Hz].
+
+    Returns:
+        The controller.
+
+    Raises:
+        ExoidError: A gain is negative or not finite, or the rate is not positive.
     """
     return pd(kp, 0.0, rate=rate)

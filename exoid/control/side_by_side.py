@@ -1,4 +1,4 @@
-"""Several legs, each under a law of its own, in one run."""
+"""Several legs in one run, each with a different controller."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from .law import Law, State
 
 @dataclass(frozen=True)
 class SideBySide:
-    """Law k drives rig k: to compare laws, or to try each of many estimates on a rig of its own.
+    """Controller k for rig k: to compare controllers, or controllers with different estimates.
 
     Attributes:
-        laws: One a rig, all of the same rate.
+        laws: Controllers, one for each rig, all of the same rate.
 
     Raises:
-        ExoidError: There is none, or their rates differ.
+        ExoidError: There are no controllers, or their rates differ.
     """
 
     laws: tuple[Law, ...]
@@ -30,20 +30,31 @@ class SideBySide:
         """Check the rates."""
         if len({law.rate for law in self.laws}) != 1:
             raise ExoidError(
-                f"laws of rates {sorted({law.rate for law in self.laws})} Hz side by side",
-                remedy="give laws of one rate, and run others apart",
+                f"controllers of rates {sorted({law.rate for law in self.laws})} Hz side by side",
+                remedy="give controllers of one rate, and run others separately",
             )
 
     @property
     def rate(self) -> float:
-        """At which all are sampled [Hz]."""
+        """Sampling rate of all controllers [Hz]."""
         return self.laws[0].rate
 
     def torque(self, state: State, target: Target) -> FloatArray:
-        """Torque of each law for its rig [N·m], (n, B)."""
+        """Compute the torque of each controller for its rig.
+
+        Args:
+            state: Measured state, (n, B), or (n,) for one rig.
+            target: Reference at this moment, (n, B) or (n, 1).
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``.
+
+        Raises:
+            ExoidError: The number of rigs is not that of the controllers.
+        """
         q, v = np.atleast_2d(state.q.T), np.atleast_2d(state.v.T)
         if len(q) != len(self.laws):
-            raise ExoidError(f"{len(self.laws)} laws for {len(q)} rigs", remedy="give one a rig")
+            raise ExoidError(f"{len(self.laws)} controllers for {len(q)} rigs", remedy="give one for each rig")
         aims = [None if x is None else np.broadcast_to(x.reshape(len(x), -1), q.T.shape).T for x in target]
         columns = []
         for k, law in enumerate(self.laws):

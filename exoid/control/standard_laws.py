@@ -1,4 +1,4 @@
-"""The laws of this room at one set of gains and one rate, ready to be compared."""
+"""Controllers of this package at one set of gains and one rate, ready to be compared."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from .model import ControlModel, ModelSource
 from .pd import pd
 
 LAWS = ("pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr")
-"""Names of the laws."""
+"""Names of the standard controllers."""
 
 BANDWIDTH = 5.0
-"""Natural frequency of the default gains [rad/s], as soft as those that document 2's errors suggest."""
+"""Natural frequency of the default gains [rad/s], as low as document 2's errors suggest."""
 
 DAMPING = 0.1
-"""Kd over Kp [s]."""
+"""Ratio of Kd to Kp [s]."""
 
 
 def standard_laws(
@@ -39,25 +39,25 @@ def standard_laws(
     rate: float = RATE,
     names: Sequence[str] = LAWS,
 ) -> dict[str, Law]:
-    """Make PD, PD with gravity and friction, PD with feed-forward, computed torque, and LQR along the reference.
+    """Make PD, PD with gravity and friction, PD with feedforward, computed torque, and LQR.
 
-    Computed torque gets the same stiffness as the others: Kp and Kd over the diagonal of the mass matrix at the mean
-    pose of the reference. LQR has gains of its own, by :class:`exoid.control.Weights`.
+    Computed torque has the same stiffness as the others: Kp and Kd divided by the diagonal of the mass matrix at the
+    mean pose of the reference. The gain of LQR follows from :class:`exoid.control.Weights`.
 
     Args:
-        source: What the laws know of the leg.
+        source: Source of the controllers' model.
         kp: Kp [N·m/rad], a number or one for each joint.
         kd: Kd [N·m·s/rad].
-        reference: Of one leg, periodic.
-        period: [s].
-        rate: Of all laws [Hz].
-        names: Of :data:`LAWS`, which ones.
+        reference: Periodic reference of one leg.
+        period: Period of the reference [s].
+        rate: Sampling rate of all controllers [Hz].
+        names: Names out of :data:`LAWS`.
 
     Returns:
-        Laws by name, in the order of ``names``.
+        Controllers by name, in the order of ``names``.
 
     Raises:
-        ExoidError: There is no such law, or gains, rate or period make no sense.
+        ExoidError: A name is unknown, or gains, rate or period are invalid.
     """
     model = ControlModel.of(source)
     inertia = np.diagonal(model.mass_matrix(mean_pose(reference, period)))
@@ -74,22 +74,25 @@ def standard_laws(
 
 
 def refuse_unknown_laws(names: Sequence[str]) -> None:
-    """Refuse names that are not of :data:`LAWS`.
+    """Refuse names that are not in :data:`LAWS`.
+
+    Args:
+        names: Names of controllers.
 
     Raises:
-        ExoidError: Says which are.
+        ExoidError: A name is unknown, or there are none.
     """
     unknown = [name for name in names if name not in LAWS]
     if unknown or not names:
-        raise ExoidError(f"no law {', '.join(unknown) or 'at all'}", remedy=f"use some of {', '.join(LAWS)}")
+        raise ExoidError(f"no controller {', '.join(unknown) or 'at all'}", remedy=f"use some of {', '.join(LAWS)}")
 
 
 def default_gains(source: ModelSource, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Kp = ω² M_ii and Kd = 0.1 s · Kp for a natural frequency ω of 5 rad/s at a pose.
+    """Choose Kp = ω² M_ii and Kd = 0.1 s · Kp for a natural frequency ω of 5 rad/s at a pose.
 
     Args:
-        source: What is known of the leg.
-        pose: [rad], (n,).
+        source: Source of the model.
+        pose: Angles [rad], (n,).
 
     Returns:
         Kp [N·m/rad] and Kd [N·m·s/rad], (n,) each.

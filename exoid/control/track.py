@@ -1,4 +1,4 @@
-"""Every law on the leg that an estimate describes: as it is, or with friction and loads that the laws do not know."""
+"""All standard controllers on the leg of an estimate, also with friction and payloads that their model lacks."""
 
 from __future__ import annotations
 
@@ -36,34 +36,35 @@ def track(
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> dict[str, Tracking]:
-    """Let the standard laws follow a periodic reference on a rig made of what is known of the leg.
+    """Let the standard controllers follow a periodic reference on a rig built from their own model.
 
     Args:
-        source: What is known: the rig is made of it, and the laws know it.
+        source: Source of the rig and of the controllers' model.
         kp: Kp [N·m/rad], a number or one for each joint.
         kd: Kd [N·m·s/rad].
-        reference: Of one leg.
-        period: [s].
-        periods: How many are followed; the first is not counted in the metrics.
-        rate: Of all laws [Hz].
-        friction: Of the rig, in multiples of that which the laws know.
-        payloads: On the rig, which the laws do not know of.
-        sensors: Of the rig; None for exact ones.
-        seed: Of the sensor noise.
-        progress: Told the share that is done.
+        reference: Periodic reference of one leg.
+        period: Period of the reference [s].
+        periods: Number of periods; the metrics leave out the first.
+        rate: Sampling rate of all controllers [Hz].
+        friction: Factor of the rig's friction relative to the controllers' model.
+        payloads: Payloads of the rig, which the controllers' model lacks.
+        sensors: Sensors of the rig; None for exact ones.
+        seed: Seed of the sensor noise.
+        progress: Function that receives the completed share, 0 to 1.
 
     Returns:
-        What each law did, see :func:`exoid.control.standard_laws`.
+        Result of each controller by name; see :func:`exoid.control.standard_laws`.
 
     Raises:
-        ExoidError: The reference leaves the joints' limits, there are less than two periods, or a run diverges.
+        ExoidError: The reference leaves the joint limits, there are fewer than two periods, or a run diverges.
 
     Example:
         >>> runs = track(est, 22.0, 2.2, healthy_gait(), 10.0, friction=1.5)  # doctest: +SKIP
     """
     if periods < 2 or not 0.0 <= friction < np.inf:
         raise ExoidError(
-            f"{periods} periods, {friction:g} times the friction", remedy="follow two at least, with friction ≥ 0"
+            f"{periods} periods, {friction:g} times the friction",
+            remedy="give two periods or more, with friction ≥ 0",
         )
     model = ControlModel.of(source)
     plant = source if isinstance(source, Plant) else model.plant()

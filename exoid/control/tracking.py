@@ -1,4 +1,4 @@
-"""How well a law followed its reference, and at what cost."""
+"""Tracking error, torque and energy of a controller."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from exoid.tables import DataTable, to_text
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Tracking:
-    """One leg under one law; prints itself as a table.
+    """Run of one leg under one controller; prints itself as a table.
 
-    Metrics are of the true motion and torque from ``settle`` on, (n,) each.
+    Metrics refer to the true motion and torque from ``settle`` on, (n,) each.
 
     Attributes:
-        law: Its name.
-        rate: Of the law [Hz].
-        joint_names: Joints, (n,).
-        time: [s], (N,).
-        target: Angles to be followed [rad], (N, n).
+        law: Name of the controller.
+        rate: Sampling rate of the controller [Hz].
+        joint_names: Names of the joints, (n,).
+        time: Time [s], (N,).
+        target: Reference angles [rad], (N, n).
         q: True angles [rad], (N, n).
         v: True velocities [rad/s], (N, n).
         tau: True torques, each the one held until that moment [N·m], (N, n).
-        recording: What the sensors said.
-        audit: Where energy went over the whole run, summed over joints.
-        settle: What the metrics leave out at the beginning [s].
+        recording: Log of the sensors.
+        audit: Energy balance of the whole run, summed over joints.
+        settle: Time at the beginning that the metrics leave out [s].
     """
 
     law: str
@@ -56,7 +56,7 @@ class Tracking:
 
     @property
     def error(self) -> FloatArray:
-        """Target less true angle [rad], (N, n)."""
+        """Reference minus true angle [rad], (N, n)."""
         return self.target - self.q
 
     @property
@@ -66,31 +66,31 @@ class Tracking:
 
     @property
     def rms_deg(self) -> FloatArray:
-        """Root of the mean squared tracking error [deg]."""
+        """RMS tracking error [deg]."""
         return np.asarray(np.rad2deg(_rms(self._settled(self.error))))
 
     @property
     def rms_torque(self) -> FloatArray:
-        """Root of the mean squared torque [N·m], of which the square is what a motor turns into heat."""
+        """RMS torque [N·m]; a motor's heat is proportional to its square."""
         return _rms(self._settled(self.tau))
 
     @property
     def energy(self) -> FloatArray:
-        """∫ |τ θ̇| dt: what actuators without recuperation take [J]."""
+        """Energy ∫ |τ θ̇| dt of actuators without recuperation [J]."""
         power = np.abs(self._settled(self.tau) * self._settled(self.v))
         return np.asarray(np.trapezoid(power, self._settled(self.time), axis=0))
 
     @property
     def torque_variation(self) -> FloatArray:
-        """Σ |Δτ| over the time it took: total variation, which grows with chatter [N·m/s]."""
+        """Total variation Σ |Δτ| per second, a measure of chatter [N·m/s]."""
         time = self._settled(self.time)
         return np.asarray(np.abs(np.diff(self._settled(self.tau), axis=0)).sum(axis=0) / (time[-1] - time[0]))
 
     def to_json(self) -> dict[str, Any]:
-        """Turn the metrics into what JSON can hold.
+        """Convert the metrics to JSON types.
 
         Returns:
-            Numbers of each joint, by the name of the metric.
+            Values of the joints by the name of the metric.
         """
         return attributes(self, "peak_deg", "rms_deg", "rms_torque", "torque_variation")
 
@@ -99,12 +99,12 @@ class Tracking:
         return values[max(1, first) :]  # no torque was held before the first sample
 
     def __repr__(self) -> str:
-        """Name law and errors."""
+        """Name the controller and its errors."""
         peaks = ", ".join(f"{n} {e:.3g}°" for n, e in zip(self.joint_names, self.peak_deg, strict=True))
         return f"Tracking({self.law} at {self.rate:g} Hz: peak {peaks})"
 
     def __str__(self) -> str:
-        """Print as a table, one line a joint."""
+        """Print as a table, one line for each joint."""
         columns = zip(
             self.joint_names,
             self.peak_deg,
@@ -121,7 +121,15 @@ class Tracking:
 
 
 def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:
-    """Put several laws one below the other, one line a joint; TV is the torque's total variation over the time."""
+    """Make a table of several controllers.
+
+    Args:
+        caption: Caption.
+        trackings: Runs, in the order of the table.
+
+    Returns:
+        Table with one line for each joint; TV is the total variation of the torque per second.
+    """
     rows = [
         (
             one.law if joint == 0 else "",
@@ -136,12 +144,23 @@ def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:
         for one in trackings
         for joint, name in enumerate(one.joint_names)
     ]
-    headers = ("law", "[Hz]", "joint", "peak [deg]", "rms [deg]", "rms [N·m]", "energy [J]", "TV [N·m/s]")
+    headers = ("controller", "[Hz]", "joint", "peak [deg]", "rms [deg]", "rms [N·m]", "energy [J]", "TV [N·m/s]")
     return DataTable(caption, headers, rows)
 
 
 def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tracking:
-    """Take one rig out of a run."""
+    """Take one rig out of a run.
+
+    Args:
+        run: Run of several rigs.
+        rig: Index of the rig.
+        law: Name of the controller.
+        rate: Sampling rate of the controller [Hz].
+        settle: Time at the beginning that the metrics leave out [s].
+
+    Returns:
+        Run of that rig.
+    """
     energy = run.energy
     return Tracking(
         law=law,

@@ -118,9 +118,9 @@ class Estimate(EstimateData):
             ExoidError: The leg is not a planar chain, a term has no form in C, or the file cannot be written.
         """
         return write_c(
+            path,
             self.model,
             self.values,
-            path,
             provenance=provenance(self),
             warnings=self.warnings,
             precision=precision,

@@ -1,12 +1,12 @@
-"""Studies: virtual identifications in great number, and control laws told by them, on one processor or many."""
+"""Studies: many virtual identifications, and controllers that use the estimates, on one processor or many."""
 
-from .design import Chunk, Driver, LegText, Study, plausible_truth
-from .law_figures import LawFigures, Spread
+from .design import Chunk, LegText, Study, TrackingCase, plausible_truth
 from .noise import Noise
 from .protocol import Protocol, document, planned
 from .replicates import Outcomes, run_chunk
 from .result import Combination, StudyResult
 from .run import run_study
+from .tracking_statistics import Spread, TrackingStatistics
 from .tracking_task import TrackingTask
 from .workers import Done, Workers, dask_cluster, processes, run_serially
 
@@ -14,8 +14,6 @@ __all__ = [
     "Chunk",
     "Combination",
     "Done",
-    "Driver",
-    "LawFigures",
     "LegText",
     "Noise",
     "Outcomes",
@@ -23,6 +21,8 @@ __all__ = [
     "Spread",
     "Study",
     "StudyResult",
+    "TrackingCase",
+    "TrackingStatistics",
     "TrackingTask",
     "Workers",
     "dask_cluster",

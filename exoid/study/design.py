@@ -1,4 +1,4 @@
-"""What a study varies, and the chunks it falls into."""
+"""Design of a study: what it varies, and how it is divided into chunks."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ SCHEMA = "exoid-study-1"
 
 FOLLOWED = ("exactly", "by a rig")
 
-BLIND = "pd"
-"""A law that knows nothing of the leg."""
+WITHOUT_MODEL = "pd"
+"""Controller that needs no model of the leg."""
 
 TRUTH = "truth"
-"""What a law is told to compare with."""
+"""True parameters, as the source of a controller's model."""
 
 
 class LegText(NamedTuple):
-    """A leg as it travels to workers.
+    """A leg as text, which can be sent to workers.
 
     Attributes:
         urdf: Text of the URDF.
-        name: Of the file.
-        joints: That move.
-        locked: Positions of others, by name.
+        name: Name of the file.
+        joints: Joints that move.
+        locked: Positions of other joints, by name.
         cumulative: See :class:`exoid.Leg`.
     """
 
@@ -55,17 +55,24 @@ class LegText(NamedTuple):
 
     @classmethod
     def of(cls, leg: Leg) -> LegText:
-        """Write a leg down."""
+        """Describe a leg.
+
+        Args:
+            leg: The leg.
+
+        Returns:
+            Its description.
+        """
         about = leg.description
         return cls(about.text, about.name, leg.joint_names, tuple(leg.locked.items()), leg.cumulative)
 
 
-class Driver(NamedTuple):
-    """A law, and whose parameters it knows.
+class TrackingCase(NamedTuple):
+    """A controller, and the source of its parameters.
 
     Attributes:
-        law: Name.
-        knows: An estimator, "truth", or "nothing", as PD does.
+        law: Name of the controller.
+        knows: Source of the parameters: an estimator, "truth", or "nothing" for PD.
     """
 
     law: str
@@ -76,10 +83,10 @@ class Chunk(NamedTuple):
     """Some replicates of one protocol under one noise.
 
     Attributes:
-        protocol: Index.
-        noise: Index.
+        protocol: Index of the protocol.
+        noise: Index of the noise.
         first: Number of the first replicate.
-        replicates: How many.
+        replicates: Number of replicates.
     """
 
     protocol: int
@@ -90,26 +97,26 @@ class Chunk(NamedTuple):
 
 @dataclass(frozen=True)
 class Study:
-    """Virtual identifications in great number.
+    """Many virtual identifications.
 
-    Every replicate draws noise of its own, from a seed that depends on nothing but the study's seed and its number; all
-    estimators see the same data.
+    Every replicate has different noise. Its seed depends only on the seed of the study and the number of the replicate.
+    All estimators use the same data.
 
     Attributes:
         leg: The leg.
-        terms: In the truth and in what is identified.
-        truth: Parameters of the virtual legs, in the order of the model's names.
-        protocols: What they do.
-        noises: Of the torques.
-        estimators: Names, as in :func:`exoid.identify`.
-        replicates: Of each protocol and noise.
-        seed: Of everything.
-        rate: Of the log [Hz].
-        cutoff: Of the parallel filter [Hz].
-        followed: "exactly" (angles, velocities and accelerations as commanded: what remains is noise), or "by a rig"
-            (simulated with servo, stiction and encoder: what the model leaves out shows as bias).
-        chunk: Replicates that are done at once; a rig's are simulated side by side.
-        course: What laws that know the estimates follow on the same leg; None for nothing.
+        terms: Terms of the true and of the identified model.
+        truth: True parameters in SI units, in the order of the model's names.
+        protocols: Motions of the identification.
+        noises: Torque noise.
+        estimators: Names of estimators, as in :func:`exoid.identify`.
+        replicates: Number of replicates of each protocol and noise.
+        seed: Seed of all random numbers.
+        rate: Rate of the log [Hz].
+        cutoff: Cut-off frequency of the parallel filter [Hz].
+        followed: "exactly" (motion as commanded, so all errors are due to noise), or "by a rig" (simulated with servo,
+            stiction and encoder, so model errors appear as bias).
+        chunk: Number of replicates of a chunk; a rig's are simulated in parallel.
+        course: Tracking task of controllers that use the estimates on the same leg; None for none.
     """
 
     leg: LegText
@@ -127,7 +134,7 @@ class Study:
     course: TrackingTask | None = None
 
     def __post_init__(self) -> None:
-        """Check what can be checked before anything runs."""
+        """Check the settings before anything runs."""
         unknown = [name for name in self.estimators if name not in ESTIMATORS]
         if unknown or not self.estimators:
             raise ExoidError(
@@ -151,7 +158,7 @@ class Study:
                 remedy=f"give one value for each of {', '.join(names)} and noise for each joint",
             )
         if self.course is not None:
-            self.course.refuse(self.model, np.array(self.truth))
+            self.course.check_leg(self.model, np.array(self.truth))
 
     @property
     def model(self) -> TorqueModel:
@@ -168,23 +175,47 @@ class Study:
         )
 
     @cached_property
-    def drivers(self) -> tuple[Driver, ...]:
-        """Who drives the leg along the course: each law, told the truth and told by each estimator."""
+    def tracking_cases(self) -> tuple[TrackingCase, ...]:
+        """Runs of the tracking task: each controller with the true parameters and with those of each estimator."""
         laws = () if self.course is None else self.course.laws
-        knows = {law: ("nothing",) if law == BLIND else (TRUTH, *self.estimators) for law in laws}
-        return tuple(Driver(law, who) for law in laws for who in knows[law])
+        sources = {law: ("nothing",) if law == WITHOUT_MODEL else (TRUTH, *self.estimators) for law in laws}
+        return tuple(TrackingCase(law, source) for law in laws for source in sources[law])
 
     def generator(self, chunk: Chunk, replicate: int) -> np.random.Generator:
-        """Random numbers of one replicate, whoever draws them."""
+        """Make the random generator of one replicate, the same in any process.
+
+        Args:
+            chunk: A chunk of the replicate's protocol and noise.
+            replicate: Number of the replicate.
+
+        Returns:
+            The generator.
+        """
         return np.random.default_rng([self.seed, chunk.protocol, chunk.noise, replicate])
 
     def torso(self, protocol: Protocol, motion: int) -> TorsoMotion | None:
-        """How the torso is held during a motion."""
+        """Find the tilt of the torso during a motion.
+
+        Args:
+            protocol: The protocol.
+            motion: Index of the motion.
+
+        Returns:
+            The tilt; None for an upright torso.
+        """
         pitch = protocol.pitches[motion]
         return TorsoMotion(pitch=pitch) if pitch else None
 
     def information(self, protocol: int, noise: int) -> FloatArray:
-        """Fisher information of unfiltered rows, Σ_j W_jᵀ Γ_j⁻¹ W_j over joints and motions, (P, P)."""
+        """Compute the Fisher information of unfiltered rows, Σ_j W_jᵀ Γ_j⁻¹ W_j over joints and motions.
+
+        Args:
+            protocol: Index of the protocol.
+            noise: Index of the noise.
+
+        Returns:
+            Information matrix in inverse squared units of the parameters, (P, P).
+        """
         model, motions = self.model, self.protocols[protocol]
         rows = (
             model.regressor(*motions.states(k, self.rate), self.torso(motions, k)) for k in range(len(motions.motions))
@@ -192,11 +223,23 @@ class Study:
         return np.asarray(sum(self.noises[noise].information(W, self.rate) for W in rows))
 
     def bound(self, protocol: int, noise: int) -> FloatArray:
-        """Smallest standard deviations that an unbiased estimate from unfiltered rows can have (Cramér–Rao), (P,)."""
+        """Compute the Cramér–Rao bound of unbiased estimates from unfiltered rows.
+
+        Args:
+            protocol: Index of the protocol.
+            noise: Index of the noise.
+
+        Returns:
+            Smallest standard deviations, in units of the parameters, (P,).
+        """
         return np.asarray(np.sqrt(np.diag(np.linalg.inv(self.information(protocol, noise)))))
 
     def to_json(self) -> dict[str, Any]:
-        """Describe it completely: equal descriptions have equal results."""
+        """Describe the study completely: equal descriptions have equal results.
+
+        Returns:
+            Description in JSON types.
+        """
         return {
             "schema": SCHEMA,
             "leg": {**json_value(self.leg), "locked": dict(self.leg.locked)},
@@ -227,12 +270,15 @@ def _model(leg: LegText, terms: tuple[Term, ...]) -> TorqueModel:
 def plausible_truth(
     model: TorqueModel, typical: FloatArray, values: Mapping[str, float] | None = None
 ) -> tuple[float, ...]:
-    """Parameters of virtual legs: the URDF's, and resistances of some percent of the typical torque of each joint.
+    """Choose parameters of virtual legs: the URDF's, and resistances of some percent of each joint's typical torque.
 
     Args:
         model: Leg and terms.
-        typical: Torque of each joint [N·m], (n,).
-        values: Others, by name.
+        typical: Typical torque of each joint [N·m], (n,).
+        values: Other values, by name.
+
+    Returns:
+        Parameters in SI units, in the order of ``model.names``, P of them.
     """
     share = {"c0": 0.03, "d": 0.01, "Ia": 0.01, "offset": 0.01}
     joints = dict(zip(model.leg.joint_labels, typical.tolist(), strict=True))

@@ -1,4 +1,4 @@
-"""Finished chunks of a study, kept so that a study that was killed goes on where it stopped."""
+"""Finished chunks of a study on disk, from which a study that was killed is resumed."""
 
 from __future__ import annotations
 
@@ -13,20 +13,27 @@ from exoid.errors import ExoidError
 from exoid.files import write_bytes, write_whole
 
 from .design import Study
-from .driving import MEASURES
 from .replicates import Outcomes
+from .tracking_runs import MEASURES
 
 ABOUT = "study.json"
+
+TRACKING = "driven"
+"""Key of the tracking metrics in the file of a chunk."""
 
 
 class Folder:
     """A folder with ``study.json`` and a file for each finished chunk; each is written whole or not at all."""
 
     def __init__(self, path: Path, study: Study) -> None:
-        """Open it, or make it.
+        """Open or make the folder.
+
+        Args:
+            path: The folder.
+            study: Study of the results.
 
         Raises:
-            ExoidError: It holds another study, or cannot be made.
+            ExoidError: The folder holds another study, or cannot be made.
         """
         self.path, self._study = path, study
         try:
@@ -37,7 +44,7 @@ class Folder:
             ) from None
         about = path / ABOUT
         found = [file for file in path.iterdir() if not file.name.startswith(".")]  # others may be writing
-        if about.exists():  # looked for after the chunks, before which it is written
+        if about.exists():  # checked after the chunks, because it is written before them
             self._refuse_another(about)
         elif found:
             raise ExoidError("holds other files", where=str(path), remedy="name a new folder for the results")
@@ -46,26 +53,38 @@ class Folder:
             write_whole(about, [json.dumps(described, indent=1, ensure_ascii=False), "\n"])
 
     def read(self, number: int) -> Outcomes | None:
-        """Read a chunk; None if it is not there, or damaged and so to be done again."""
+        """Read a chunk.
+
+        Args:
+            number: Number of the chunk.
+
+        Returns:
+            Its outcomes; None if the chunk is missing or damaged.
+        """
         try:
             with np.load(self._name(number), allow_pickle=False) as file:
-                outcomes = Outcomes(file["values"], file["std"], file["inside"], file["driven"])
+                outcomes = Outcomes(file["values"], file["std"], file["inside"], file[TRACKING])
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
             return None
         study, replicates = self._study, self._study.chunks[number].replicates
         shape = (len(study.estimators), replicates, len(study.truth))
-        driven = (len(study.drivers), replicates, len(MEASURES), len(study.leg.joints))
-        fits = all(array.shape == shape for array in outcomes[:3]) and outcomes.driven.shape == driven
+        tracking = (len(study.tracking_cases), replicates, len(MEASURES), len(study.leg.joints))
+        fits = all(array.shape == shape for array in outcomes[:3]) and outcomes.tracking.shape == tracking
         return outcomes if fits and np.isfinite(outcomes.values).all() else None
 
     def write(self, number: int, outcomes: Outcomes) -> None:
-        """Keep a chunk.
+        """Write a chunk.
+
+        Args:
+            number: Number of the chunk.
+            outcomes: Its outcomes.
 
         Raises:
-            ExoidError: It cannot be written.
+            ExoidError: The file cannot be written.
         """
         content = io.BytesIO()
-        np.savez(content, **outcomes._asdict())
+        arrays = outcomes._asdict()
+        np.savez(content, **{TRACKING: arrays.pop("tracking"), **arrays})
         write_bytes(self._name(number), [content.getvalue()])
 
     def _name(self, number: int) -> Path:

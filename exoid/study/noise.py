@@ -1,4 +1,4 @@
-"""Torque noise of studies, whose correlation is known."""
+"""Torque noise of studies, with known correlation."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from exoid.errors import ExoidError
 
 @dataclass(frozen=True)
 class Noise:
-    """Stationary noise, part of it autoregressive of first order and the rest white.
+    """Stationary noise: the sum of autoregressive noise of first order and white noise.
 
     Attributes:
-        name: What results call it.
+        name: Name in results.
         std: Standard deviation at each joint [N·m].
-        share: Of the variance that is correlated, 0 to 1.
-        memory: Time in which its correlation falls to 1/e [s].
+        share: Share of the variance that is correlated, 0 to 1.
+        memory: Correlation time, in which the autocorrelation falls to 1/e [s].
     """
 
     name: str
@@ -34,19 +34,35 @@ class Noise:
             raise ExoidError(f"{self}", remedy="deviations and memory are positive, the share is between 0 and 1")
 
     def draw(self, rng: np.random.Generator, samples: int, rate: float) -> FloatArray:
-        """Draw noise at a rate [Hz], (samples, n) [N·m]."""
+        """Draw noise.
+
+        Args:
+            rng: Random generator.
+            samples: Number of samples N.
+            rate: Sampling rate [Hz].
+
+        Returns:
+            Noise [N·m], (N, n).
+        """
         phi, shape = self._phi(rate), (samples, len(self.std))
-        white, drive = rng.standard_normal(shape), rng.standard_normal(shape)
-        drive[1:] *= math.sqrt(1.0 - phi**2)  # stationary from the first sample on
-        coloured = scipy.signal.lfilter([1.0], [1.0, -phi], drive, axis=0)
+        white, innovations = rng.standard_normal(shape), rng.standard_normal(shape)
+        innovations[1:] *= math.sqrt(1.0 - phi**2)  # stationary from the first sample on
+        coloured = scipy.signal.lfilter([1.0], [1.0, -phi], innovations, axis=0)
         unit = math.sqrt(self.share) * coloured + math.sqrt(1.0 - self.share) * white
         return np.asarray(unit * np.array(self.std))
 
     def information(self, W: FloatArray, rate: float) -> FloatArray:
-        """Σ_j W_jᵀ Γ_j⁻¹ W_j of consecutive rows W, (N, n, P), at a rate [Hz].
+        """Compute the Fisher information Σ_j W_jᵀ Γ_j⁻¹ W_j of consecutive rows.
 
-        With Q the inverse, tridiagonal, of the covariance of AR(1) noise of unit variance and s its share,
+        Let Q be the tridiagonal inverse of the covariance of AR(1) noise of unit variance, and s its share. Then
         Γ⁻¹ = (s Q⁻¹ + (1 − s) I)⁻¹ = (s I + (1 − s) Q)⁻¹ Q.
+
+        Args:
+            W: Rows of the regressor, (N, n, P).
+            rate: Sampling rate [Hz].
+
+        Returns:
+            Information in inverse squared units of the parameters, (P, P).
         """
         phi, share = self._phi(rate), self.share
         diagonal = np.full(len(W), 1.0 + phi**2)

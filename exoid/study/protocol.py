@@ -1,4 +1,4 @@
-"""What virtual legs do in a study."""
+"""Motions of the virtual legs of a study."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from exoid.leg import Leg
 
 @dataclass(frozen=True, eq=False)
 class Protocol:
-    """Motions that are made one after the other, of one leg each.
+    """Motions of one leg, one after the other.
 
     Attributes:
-        name: What results call it.
-        motions: Of one rig each.
-        seconds: Duration of each [s].
-        pitches: Tilt of the torso in each [rad].
+        name: Name in results.
+        motions: Motions of one rig each.
+        seconds: Duration of each motion [s].
+        pitches: Tilt of the torso in each motion [rad].
     """
 
     name: str
@@ -32,7 +32,15 @@ class Protocol:
     pitches: tuple[float, ...]
 
     def states(self, motion: int, rate: float) -> States:
-        """Samples of a motion at a rate [Hz]."""
+        """Sample a motion.
+
+        Args:
+            motion: Index of the motion.
+            rate: Sampling rate [Hz].
+
+        Returns:
+            Angles, velocities and accelerations [rad, rad/s, rad/s²], (N, n) each.
+        """
         m = self.motions[motion]
         time = np.arange(round(self.seconds * rate) + 1) / rate
         frequency, phase = np.broadcast_to(m.frequency, m.amplitude.shape), np.broadcast_to(m.phase, m.amplitude.shape)
@@ -46,13 +54,24 @@ class Protocol:
         )
 
     def to_json(self) -> dict[str, Any]:
-        """Describe it completely."""
+        """Describe the protocol completely.
+
+        Returns:
+            Description in JSON types.
+        """
         motions = [motion_to_json(motion) for motion in self.motions]
         return {**attributes(self, "name", "seconds", "pitches"), "motions": motions}
 
 
 def motion_to_json(motion: Harmonics) -> dict[str, Any]:
-    """Describe a motion of one leg completely."""
+    """Describe a motion of one leg completely.
+
+    Args:
+        motion: The motion.
+
+    Returns:
+        Description in JSON types.
+    """
     shape = motion.amplitude.shape
     return {
         "centre": motion.centre[:, 0].tolist(),
@@ -63,19 +82,34 @@ def motion_to_json(motion: Harmonics) -> dict[str, Any]:
 
 
 def planned(plan: Plan, name: str = "planned") -> Protocol:
-    """Take the motions of a plan."""
+    """Make a protocol of the motions of a plan.
+
+    Args:
+        plan: Plan of :func:`exoid.experiments.excitation.plan_excitation`.
+        name: Name in results.
+
+    Returns:
+        The protocol.
+    """
     motions = plan.motions
     return Protocol(name, tuple(m.reference for m in motions), motions[0].duration, tuple(m.pitch for m in motions))
 
 
 def document(leg: Leg, duration: float) -> Protocol:
-    """Take the dynamic experiments of the document that a built-in leg is from, shortened to a duration [s].
+    """Make a protocol of the dynamic experiments of a built-in leg's document, shortened to a duration.
 
-    BLEEX: fifteen swings, each joint at five frequencies. CUHK-EXO: the random multisine of the replay, as the swings
-    of Table II do not determine every parameter.
+    BLEEX: fifteen swings, each joint at five frequencies. CUHK-EXO: the random multisine of the replay, because the
+    swings of Table II do not determine every parameter.
+
+    Args:
+        leg: The leg, with the joint names of a built-in one.
+        duration: Duration of all motions together [s].
+
+    Returns:
+        The protocol.
 
     Raises:
-        ExoidError: Its joints are not called as those of either leg.
+        ExoidError: The joints have other names.
     """
     if leg.joint_labels == ("hip", "knee", "ankle"):
         every = bleex.dynamic_motions()

@@ -1,4 +1,4 @@
-"""Doing one chunk of a study."""
+"""Replicates of one chunk of a study: recording, identification and tracking."""
 
 from __future__ import annotations
 
@@ -17,41 +17,49 @@ from exoid.rig import IdealTorque, Plant, Rates, Sensors
 from exoid.signals import Recording
 
 from .design import Chunk, Study
-from .driving import MEASURES, drive
+from .tracking_runs import MEASURES, track_cases
 
 LEVEL = 0.95
-"""Of the intervals."""
+"""Probability level of the intervals."""
 
 ENCODER = 2.0**16
-"""Counts a turn of rigs."""
+"""Encoder counts per turn of the rigs."""
 
 CONTROL, STEP = 500.0, 2e-3
-"""Rate of their controller [Hz], and step of the simulation [s]."""
+"""Rate of the servo of the rigs [Hz], and step of the simulation [s]."""
 
 
 class Outcomes(NamedTuple):
-    """What came out of the replicates of a chunk; E estimators, R replicates, P parameters.
+    """Results of the replicates of a chunk; E estimators, R replicates, P parameters.
 
     Attributes:
         values: Estimates, (E, R, P).
-        std: Their standard deviations, (E, R, P).
+        std: Standard deviations that the estimates state, (E, R, P).
         inside: Whether 95 % intervals contain the truth, (E, R, P).
-        driven: How laws fared that know the estimates, see :func:`exoid.study.driving.drive`, (D, R, 3, n).
+        tracking: Metrics of the tracking task, see :func:`exoid.study.tracking_runs.track_cases`, (D, R, 3, n).
     """
 
     values: FloatArray
     std: FloatArray
     inside: NDArray[np.bool_]
-    driven: FloatArray
+    tracking: FloatArray
 
 
 def run_chunk(study: Study, number: int) -> Outcomes:
-    """Record and identify the replicates of a chunk; the same bits wherever it runs, as one thread does the algebra."""
+    """Record and identify the replicates of a chunk; the result is bit-identical in any process.
+
+    Args:
+        study: The study.
+        number: Number of the chunk.
+
+    Returns:
+        Results of the replicates.
+    """
     chunk, truth, model = study.chunks[number], np.array(study.truth), study.model
     shape = (len(study.estimators), chunk.replicates, len(truth))
     values, std, inside = np.empty(shape), np.empty(shape), np.empty(shape, dtype=np.bool_)
     estimates: dict[str, list[Estimate]] = {name: [] for name in study.estimators}
-    driven = np.empty((0, chunk.replicates, len(MEASURES), len(study.leg.joints)))
+    tracking = np.empty((0, chunk.replicates, len(MEASURES), len(study.leg.joints)))
     with threadpool_limits(limits=1):
         for k, recordings in enumerate(_recorded(study, chunk)):
             for e, name in enumerate(study.estimators):
@@ -62,8 +70,8 @@ def run_chunk(study: Study, number: int) -> Outcomes:
                 if study.course is not None:
                     estimates[name].append(estimate)
         if study.course is not None:
-            driven = drive(study, chunk, estimates)
-    return Outcomes(values, std, inside, driven)
+            tracking = track_cases(study, chunk, estimates)
+    return Outcomes(values, std, inside, tracking)
 
 
 def _recorded(study: Study, chunk: Chunk) -> Iterator[list[Recording]]:
@@ -102,7 +110,7 @@ def _exactly(study: Study, chunk: Chunk) -> list[list[Recording]]:
 
 
 def _by_rig(study: Study, chunk: Chunk) -> list[list[Recording]]:
-    """Recordings of each motion by rigs side by side, one a replicate, that start a little off."""
+    """Recordings of each motion by rigs in parallel, one for each replicate, with slightly different initial states."""
     protocol, model, clean = study.protocols[chunk.protocol], study.model, []
     named = dict(zip(model.names, study.truth, strict=True))
     offset = [named.pop(f"offset_{label}", 0.0) for label in model.leg.joint_labels]

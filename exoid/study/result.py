@@ -1,4 +1,4 @@
-"""What a study says."""
+"""Results of a study."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ from exoid.json_values import attributes, named
 from exoid.tables import DataTable, make_table, to_text
 
 from .design import Study
-from .law_figures import LawFigures, laws_table
+from .tracking_statistics import TrackingStatistics, statistics_table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Combination:
-    """One protocol, noise and estimator.
+    """Statistics of one protocol, noise and estimator.
 
     Attributes:
-        protocol: Name.
-        noise: Name.
-        estimator: Name.
-        names: Parameters, (P,).
-        units: Theirs.
+        protocol: Name of the protocol.
+        noise: Name of the noise.
+        estimator: Name of the estimator.
+        names: Names of the parameters, (P,).
+        units: Units of the parameters, (P,).
         bias: Mean error, (P,).
         std: Standard deviation of the estimates, (P,).
-        stated: Root mean square of the standard deviations that estimates state, (P,).
+        stated: Root mean square of the standard deviations that the estimates state, (P,).
         coverage: Share of 95 % intervals that contain the truth, (P,).
         bound: Smallest standard deviation of an unbiased estimate (Cramér–Rao), (P,).
-        replicates: How many identifications.
+        replicates: Number of identifications.
     """
 
     protocol: str
@@ -49,18 +49,22 @@ class Combination:
 
     @property
     def efficiency(self) -> FloatArray:
-        """Cramér–Rao bound over mean squared error, (P,); 1 is best."""
+        """Squared Cramér–Rao bound divided by the mean squared error, (P,); 1 is best."""
         return np.asarray(self.bound**2 / (self.std**2 + self.bias**2))
 
     def to_json(self) -> dict[str, Any]:
-        """Figures by parameter."""
+        """Convert the statistics to JSON types.
+
+        Returns:
+            Names, and statistics by parameter.
+        """
         figures = ("bias", "std", "stated", "coverage", "bound", "efficiency")
         rows = np.transpose([getattr(self, name) for name in figures])
         about = attributes(self, "protocol", "noise", "estimator", "replicates")
         return {**about, "parameters": {name: named(figures, row) for name, row in zip(self.names, rows, strict=True)}}
 
     def __str__(self) -> str:
-        """One line for each parameter."""
+        """Print as a table, one line for each parameter."""
         rows = zip(
             self.names, self.bias, self.std, self.stated, self.coverage, self.efficiency, self.units, strict=True
         )
@@ -79,17 +83,21 @@ class StudyResult:
     """All combinations of a study; prints itself.
 
     Attributes:
-        study: What was asked for.
-        combinations: Protocol by protocol, noise by noise, estimator by estimator.
-        laws: Protocol by protocol, noise by noise, driver by driver; none without a course.
+        study: The study.
+        combinations: Statistics by protocol, noise and estimator.
+        laws: Tracking statistics by protocol, noise and case; empty without a tracking task.
     """
 
     study: Study
     combinations: tuple[Combination, ...]
-    laws: tuple[LawFigures, ...] = ()
+    laws: tuple[TrackingStatistics, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
-        """Everything, by name."""
+        """Convert all statistics to JSON types.
+
+        Returns:
+            Hash and settings of the study, and statistics of each combination and controller.
+        """
         return {
             **attributes(self.study, "sha256", "seed", "followed"),
             "combinations": [combination.to_json() for combination in self.combinations],
@@ -97,7 +105,7 @@ class StudyResult:
         }
 
     def __str__(self) -> str:
-        """One line for each combination: means over parameters, and the worst parameter."""
+        """Print as a table, one line for each combination: means over parameters, and the worst parameter."""
         rows = []
         for each in self.combinations:
             far, low = int(np.argmax(np.abs(each.coverage - 0.95))), int(np.argmin(each.efficiency))
@@ -123,14 +131,14 @@ class StudyResult:
         return to_text(head, table, closing, *self._laws_text())
 
     def _laws_text(self) -> list[DataTable | str]:
-        """A table of the laws for each protocol and noise."""
+        """Make a table of the controllers for each protocol and noise."""
         course = self.study.course
         if course is None:
             return []
         parts: list[DataTable | str] = [""]
         for (protocol, noise), each in itertools.groupby(self.laws, lambda one: (one.protocol, one.noise)):
-            parts.append(laws_table(f"The same leg under laws that were told of it: {protocol}, {noise} noise", each))
-        lost = [f"{one.law} told by {one.knows}: {one.diverged}" for one in self.laws if one.diverged]
+            parts.append(statistics_table(f"Controllers on the same leg: {protocol}, {noise} noise", each))
+        lost = [f"{one.law} ({one.knows}): {one.diverged}" for one in self.laws if one.diverged]
         parts += [f"Diverged, and not counted: {', '.join(lost)}."] if lost else []
         gains = ", ".join(
             f"{label} {p:.3g} / {d:.3g}"
@@ -139,7 +147,7 @@ class StudyResult:
         closing = (
             f"{course.periods} periods of {course.period:g} s at {course.rate:g} Hz, the first not counted; "
             f"Kp [N·m/rad] / Kd [N·m·s/rad]: {gains}. Root mean square and peak of the tracking error, rms torque: "
-            "mean, standard deviation and worst over replicates; excess of the rms error over that of the same law "
-            "told the truth, with the same sensor noise."
+            "mean, standard deviation and worst over replicates; excess of the rms error over that of the same "
+            "controller with the true parameters and the same sensor noise."
         )
         return [*parts, closing]

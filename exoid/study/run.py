@@ -1,4 +1,4 @@
-"""Running a study to its end, from wherever it stands."""
+"""Run of a study to its end, from its finished chunks."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from .design import TRUTH, Driver, Study
+from .design import TRUTH, Study, TrackingCase
 from .folder import Folder
-from .law_figures import LawFigures
 from .replicates import Outcomes
 from .result import Combination, StudyResult
+from .tracking_statistics import TrackingStatistics
 from .workers import Workers, run_serially
 
 
@@ -22,15 +22,18 @@ def run_study(
     workers: Workers = run_serially,
     progress: Callable[[float], None] | None = None,
 ) -> StudyResult:
-    """Do what is left of a study, and put all chunks together in the order of their numbers.
+    """Run the chunks of a study that are not finished, and combine all in the order of their numbers.
 
-    The result is the same, bit for bit, whoever does the chunks, in whatever order, and however often it was killed.
+    The result is bit-identical for any workers, any order of the chunks, and after any interruption.
 
     Args:
-        study: What to do.
-        folder: Where finished chunks are kept; None for nowhere.
-        workers: Who does the chunks.
-        progress: Told the share that is done.
+        study: The study.
+        folder: Folder of finished chunks; None to keep none.
+        workers: Function that runs chunks.
+        progress: Function that receives the completed share, 0 to 1.
+
+    Returns:
+        Statistics of all combinations and controllers.
 
     Raises:
         ExoidError: The folder holds another study, or workers fail.
@@ -42,13 +45,13 @@ def run_study(
         if found is not None:
             chunks[number] = found
     left = [number for number in range(len(study.chunks)) if number not in chunks]
-    told = progress or (lambda _: None)
-    told(len(chunks) / len(study.chunks))
+    report = progress or (lambda _: None)
+    report(len(chunks) / len(study.chunks))
     for done in workers(study, left) if left else ():
         if kept is not None:
             kept.write(done.number, done.outcomes)
         chunks[done.number] = done.outcomes
-        told(len(chunks) / len(study.chunks))
+        report(len(chunks) / len(study.chunks))
     with threadpool_limits(limits=1):  # as for the chunks
         return StudyResult(study, tuple(_combinations(study, chunks)), tuple(_laws(study, chunks)))
 
@@ -57,7 +60,7 @@ def _combinations(study: Study, chunks: dict[int, Outcomes]) -> list[Combination
     combinations = []
     for p, protocol in enumerate(study.protocols):
         for n, noise in enumerate(study.noises):
-            values, std, inside, _ = _together(study, chunks, p, n)
+            values, std, inside, _ = _combined(study, chunks, p, n)
             bound, truth = study.bound(p, n), np.array(study.truth)
             for e, name in enumerate(study.estimators):
                 errors = values[e] - truth
@@ -79,20 +82,20 @@ def _combinations(study: Study, chunks: dict[int, Outcomes]) -> list[Combination
     return combinations
 
 
-def _laws(study: Study, chunks: dict[int, Outcomes]) -> list[LawFigures]:
+def _laws(study: Study, chunks: dict[int, Outcomes]) -> list[TrackingStatistics]:
     laws = []
     for p, protocol in enumerate(study.protocols):
         for n, noise in enumerate(study.noises):
-            driven = _together(study, chunks, p, n).driven
-            for driver, runs in zip(study.drivers, driven, strict=True):
-                told = Driver(driver.law, TRUTH)
-                best = driven[study.drivers.index(told)] if told in study.drivers else None
-                about = (protocol.name, noise.name, *driver, study.model.leg.joint_labels)
-                laws.append(LawFigures(*about, runs, best))
+            tracking, cases = _combined(study, chunks, p, n).tracking, study.tracking_cases
+            for case, runs in zip(cases, tracking, strict=True):
+                exact = TrackingCase(case.law, TRUTH)
+                best = tracking[cases.index(exact)] if exact in cases else None
+                about = (protocol.name, noise.name, *case, study.model.leg.joint_labels)
+                laws.append(TrackingStatistics(*about, runs, best))
     return laws
 
 
-def _together(study: Study, chunks: dict[int, Outcomes], protocol: int, noise: int) -> Outcomes:
-    """Put the chunks of one protocol under one noise together."""
+def _combined(study: Study, chunks: dict[int, Outcomes], protocol: int, noise: int) -> Outcomes:
+    """Combine the chunks of one protocol and noise."""
     numbers = [k for k, chunk in enumerate(study.chunks) if (chunk.protocol, chunk.noise) == (protocol, noise)]
     return Outcomes(*(np.concatenate(parts, axis=1) for parts in zip(*(chunks[k] for k in numbers), strict=True)))

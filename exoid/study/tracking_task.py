@@ -1,4 +1,4 @@
-"""What laws have to do on a virtual leg after it was identified."""
+"""Tracking task: a motion that controllers follow on a virtual leg after its identification."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from .protocol import motion_to_json
 
 @dataclass(frozen=True, eq=False)
 class TrackingTask:
-    """A periodic motion that laws follow on the leg that was identified; gains are the same in all replicates.
+    """A periodic motion that controllers follow on the identified leg; gains are the same in all replicates.
 
     Attributes:
-        laws: Names, as in :func:`exoid.control.standard_laws`.
-        motion: Of one leg.
-        period: Of the motion [s].
-        kp: Kp of each joint [N·m/rad].
-        kd: Kd [N·m·s/rad].
-        periods: How many are followed; the first does not count.
-        rate: Of all laws [Hz].
+        laws: Names of controllers, as in :func:`exoid.control.standard_laws`.
+        motion: Motion of one leg.
+        period: Period of the motion [s].
+        kp: Gain Kp of each joint [N·m/rad].
+        kd: Gain Kd of each joint [N·m·s/rad].
+        periods: Number of periods; the first is not evaluated.
+        rate: Sampling rate of all controllers [Hz].
     """
 
     laws: tuple[str, ...]
@@ -46,9 +46,9 @@ class TrackingTask:
         """Check what does not depend on the leg."""
         refuse_unknown_laws(self.laws)
         if len(set(self.laws)) != len(self.laws):
-            raise ExoidError(f"laws {', '.join(self.laws)}", remedy="name each law once")
+            raise ExoidError(f"controllers {', '.join(self.laws)}", remedy="name each controller once")
         if not (0.0 < self.period < np.inf and self.periods >= 2):
-            raise ExoidError(f"{self.periods} periods of {self.period:g} s", remedy="follow two periods at least")
+            raise ExoidError(f"{self.periods} periods of {self.period:g} s", remedy="give two periods or more")
         plant_step(self.rate, max(self.rate, RATE))
 
     @classmethod
@@ -61,15 +61,21 @@ class TrackingTask:
         kp: tuple[float, ...] | None = None,
         kd: tuple[float, ...] | None = None,
     ) -> TrackingTask:
-        """Choose gains where none are given: those of ``exoid track`` for a leg like this, and Kd = 0.1 s · Kp.
+        """Make a tracking task, by default with the gains of ``exoid track`` for this leg and Kd = 0.1 s · Kp.
 
         Args:
-            laws: Names.
-            motion: Of one leg.
-            period: [s].
-            known: The leg that gains are chosen for.
-            kp: One for each joint, or one for all.
-            kd: Likewise.
+            laws: Names of controllers.
+            motion: Motion of one leg.
+            period: Period of the motion [s].
+            known: Model of the leg for which default gains are chosen.
+            kp: Kp [N·m/rad], one for each joint or one for all; None for the default.
+            kd: Kd [N·m·s/rad], likewise.
+
+        Returns:
+            The task.
+
+        Raises:
+            ExoidError: A name is unknown or occurs twice, or gains or period are invalid.
         """
         own, _ = default_gains(known, mean_pose(motion, period))
         stiffness = own if kp is None else _each(kp, known.n)
@@ -82,23 +88,35 @@ class TrackingTask:
         return self.periods * self.period
 
     def law(self, name: str, known: ControlModel) -> Law:
-        """Make one of the laws from what is known of the leg.
+        """Make one of the controllers.
+
+        Args:
+            name: Name of the controller.
+            known: Its model of the leg.
+
+        Returns:
+            The controller.
 
         Raises:
-            ExoidError: There is no such law for it.
+            ExoidError: No such controller can be made from the model.
         """
         return standard_laws(known, self.kp, self.kd, self.motion, self.period, rate=self.rate, names=(name,))[name]
 
-    def refuse(self, model: TorqueModel, truth: FloatArray) -> None:
-        """Refuse a course that a leg cannot follow, before anything runs.
+    def check_leg(self, model: TorqueModel, truth: FloatArray) -> None:
+        """Check that a leg can follow the motion, before anything runs.
+
+        Args:
+            model: Leg and terms.
+            truth: True parameters in SI units, in the order of ``model.names``, (P,).
 
         Raises:
-            ExoidError: It leaves the limits, gains do not fit, or no rig has such terms.
+            ExoidError: The motion leaves the limits, the gains do not fit, or no rig has such terms.
         """
         leg = model.leg
         if {len(self.kp), len(self.kd)} != {len(leg.joint_names)}:
             raise ExoidError(
-                f"{len(self.kp)} Kp and {len(self.kd)} Kd for {len(leg.joint_names)} joints", remedy="give one a joint"
+                f"{len(self.kp)} Kp and {len(self.kd)} Kd for {len(leg.joint_names)} joints",
+                remedy="give one for each joint",
             )
         refuse_motion_beyond_limits(leg, self.motion, self.seconds)
         known = ControlModel.of_parameters(model, truth)
@@ -106,7 +124,11 @@ class TrackingTask:
         standard_laws(known, self.kp, self.kd, self.motion, self.period, rate=self.rate, names=self.laws)
 
     def to_json(self) -> dict[str, Any]:
-        """Describe it completely."""
+        """Describe the task completely.
+
+        Returns:
+            Description in JSON types.
+        """
         numbers = attributes(self, "kp", "kd", "period", "periods", "rate")
         return {"laws": list(self.laws), "motion": motion_to_json(self.motion), **numbers}
 

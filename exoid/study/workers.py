@@ -1,4 +1,4 @@
-"""Who does the chunks: this process, several on this machine, or a Dask cluster."""
+"""Workers that run the chunks: this process, several on this machine, or a Dask cluster."""
 
 from __future__ import annotations
 
@@ -15,28 +15,41 @@ from .design import Study
 from .replicates import Outcomes, run_chunk
 
 ATTEMPTS = 5
-"""Times in a row that all workers may die before a chunk is done."""
+"""Number of times in a row that all workers may die before a chunk is finished."""
 
 
 class Done(NamedTuple):
-    """A chunk that is finished."""
+    """A finished chunk.
+
+    Attributes:
+        number: Number of the chunk.
+        outcomes: Results of its replicates.
+    """
 
     number: int
     outcomes: Outcomes
 
 
 Workers = Callable[[Study, Sequence[int]], Iterator[Done]]
-"""Do chunks of a study by their numbers, in any order."""
+"""Function that runs chunks of a study by their numbers, in any order."""
 
 
 def run_serially(study: Study, numbers: Sequence[int]) -> Iterator[Done]:
-    """Do them in this process, one after the other."""
+    """Run chunks in this process, one after the other.
+
+    Args:
+        study: The study.
+        numbers: Numbers of the chunks.
+
+    Yields:
+        Each chunk as it is finished.
+    """
     for number in numbers:
         yield Done(number, run_chunk(study, number))
 
 
 def processes(count: int) -> Workers:
-    """Use so many processes on this machine; one that is killed is replaced, and its chunk done again.
+    """Run chunks in several processes on this machine; a killed one is replaced, and its chunk repeated.
 
     joblib keeps the processes for the next study of the same interpreter, and stops idle ones after five minutes.
 
@@ -44,10 +57,10 @@ def processes(count: int) -> Workers:
         count: Number of processes.
 
     Returns:
-        What does the chunks.
+        Function that runs the chunks.
 
     Raises:
-        ExoidError: There is none, or (when used) they die again and again.
+        ExoidError: The number is not positive, or (when used) the processes die repeatedly.
     """
     if count < 1:
         raise ExoidError(f"{count} workers", remedy="ask for at least one")
@@ -77,18 +90,21 @@ def _done(study: Study, number: int) -> Done:
 
 
 def dask_cluster(address: str) -> Workers:
-    """Use an existing Dask cluster; its workers need exoid installed, but no shared disk.
+    """Run chunks on an existing Dask cluster; its workers need exoid installed, but no shared disk.
 
     Args:
-        address: Of the scheduler, ``tcp://host:port``.
+        address: Address of the scheduler, ``tcp://host:port``.
+
+    Returns:
+        Function that runs the chunks.
 
     Raises:
-        ExoidError: Dask is not installed, or (when used) nobody answers, or workers die again and again.
+        ExoidError: (When used) Dask is not installed, the scheduler does not answer, or workers die repeatedly.
     """
 
     def work(study: Study, numbers: Sequence[int]) -> Iterator[Done]:
         with connect(address) as client:
-            import distributed  # noqa: PLC0415 - an extra, which is there
+            import distributed  # noqa: PLC0415 - an extra, which connect() requires
 
             futures = {client.submit(run_chunk, study, number, pure=False): number for number in numbers}
             for future in distributed.as_completed(futures):
@@ -96,7 +112,7 @@ def dask_cluster(address: str) -> Workers:
                     yield Done(futures[future], future.result())
                 except distributed.KilledWorker as error:
                     raise ExoidError(
-                        "workers of the cluster died again and again", where=address, remedy="give them more memory"
+                        "workers of the cluster died repeatedly", where=address, remedy="give them more memory"
                     ) from error
 
     return work

@@ -10,7 +10,6 @@ import pytest
 import exoid
 from exoid import Leg
 from exoid.cli import main
-from exoid.codegen import c_source_to_json
 
 
 @pytest.fixture
@@ -81,7 +80,7 @@ def test_export_writes_c_and_says_so(saved, tmp_path, monkeypatch, capsys):
 def test_export_of_c_in_single_precision_as_json(saved, tmp_path, monkeypatch, capsys):
     code, out, err = run(monkeypatch, capsys, "export", "est.json", "--c", "leg.c", "--precision", "float", "--json")
     assert (code, err) == (0, "")
-    assert json.loads(out) == json.loads(json.dumps(c_source_to_json(saved.to_c("leg.c", precision="float"))))
+    assert json.loads(out) == json.loads(json.dumps(saved.to_c("leg.c", precision="float").to_json()))
     assert "float leg_real" in (tmp_path / "leg.c").read_text()
 
 

@@ -77,7 +77,7 @@ def test_logs_of_one_name_in_several_folders_are_told_apart(exoid_, logs, tmp_pa
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("monday.csv", "--own", "offset"), "there is one log only"),
+        (("monday.csv", "--own", "offset"), "there is only one log"),
         (("monday.csv", "monday.csv", "--own", "offset"), "one log was given twice"),
         (("monday.csv", "tuesday.csv", "--own", "zero"), "no parameter 'zero'"),
         (("monday.csv", "tuesday.csv", "--own", "offset", "--test", "monday.csv"), "--test has no effect"),

@@ -15,7 +15,7 @@ from planar_chains import assert_relative, random_chain, random_motion
 
 import exoid
 from exoid import Coulomb, ExoidError, Leg, Offset, Stiffness, Viscous, codegen
-from exoid.codegen import c_source, c_source_to_json, write_c
+from exoid.codegen import c_source, write_c
 from exoid.description import describe
 from exoid.estimate import Input
 from exoid.torques import LoadFriction, Stribeck, TorqueModel
@@ -152,14 +152,14 @@ def test_no_name_can_break_out_of_a_comment(tmp_path):
 def test_a_model_needs_no_estimate_and_no_provenance(tmp_path):
     model = TorqueModel(CUHK, (Viscous(),))
     values = np.append(CUHK.parameters, [1.0, 2.0])
-    source = write_c(model, values, tmp_path / "leg.c", name="cuhk")
+    source = write_c(tmp_path / "leg.c", model, values, name="cuhk")
     assert source.functions[0] == "cuhk_gravity"
     assert (tmp_path / "leg.c").read_text() == source.text == c_source(model, values, name="cuhk").text
     head = source.text.split("*/")[0]
     assert CUHK.description.sha256 in head
     assert "Estimator" not in head
     assert "None" not in source.text
-    assert c_source_to_json(source)["values"]["d_knee"] == 2.0
+    assert source.to_json()["values"]["d_knee"] == 2.0
 
 
 def test_provenance_and_warnings_stand_where_they_belong():
@@ -168,7 +168,7 @@ def test_provenance_and_warnings_stand_where_they_belong():
     assert " * From CAD.\n *\n *   see * / drawing 7\n */\n" in source.text
     assert "old" not in source.text
     assert "warning: old" in str(source).splitlines()
-    assert c_source_to_json(source)["warnings"] == ["old"]
+    assert source.to_json()["warnings"] == ["old"]
 
 
 @needs_compiler
@@ -273,7 +273,7 @@ def test_what_was_written_prints_itself(tmp_path):
     for word in ("left_leg.c", "float", "left_leg_gravity", "LEFT_LEG_DECLARATIONS_ONLY", "left_hip, left_knee"):
         assert word in str(written).replace("\n", " ")
     assert repr(written) == f"CSource({str(tmp_path / 'left_leg.c')!r}, 'float')"
-    data = c_source_to_json(written)
+    data = written.to_json()
     assert data["c"] == {"name": "left_leg.c", "sha256": written.sha256}
     assert data["values"] == dict(zip(ESTIMATE.names, ESTIMATE.values.tolist(), strict=True))
 

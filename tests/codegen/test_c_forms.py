@@ -164,7 +164,7 @@ class TestRefusals:
     @pytest.mark.parametrize(
         ("term", "why"),
         [
-            (Coulomb(presliding=1e-3), r"Coulomb \(c0\).*depends on the motion before"),
+            (Coulomb(presliding=1e-3), r"Coulomb \(c0\).*has memory"),
             (LoadFriction(), r"LoadFriction.*depends on the load"),
         ],
     )

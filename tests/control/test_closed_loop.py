@@ -1,4 +1,4 @@
-"""A law against the rig: what the loop does, and what its figures mean."""
+"""The closed loop of a controller and the rig, and its metrics."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ NOISY = Sensors(encoder_counts=2.0**13, angle_noise=5e-4, velocity_noise=0.01, t
 
 
 class Spy:
-    """Remembers what it was told, and asks for the time as torque."""
+    """Controller that records its inputs, and commands the time as torque."""
 
     rate = 30.0
 
@@ -28,15 +28,15 @@ class Spy:
         return np.full_like(state.q, 0.01 * len(self.heard))
 
 
-def test_a_law_is_told_the_time_the_target_and_its_last_torque():
+def test_a_controller_receives_the_time_the_target_and_its_last_torque():
     spy, gait = Spy(), healthy_gait()
     simulate(cuhk_plant(), spy, gait, 1.0)
     assert len(spy.heard) == 31
     for k, (state, target) in enumerate(spy.heard):
         assert state.time == pytest.approx(k / 30.0)
         assert state.last is None if k == 0 else state.last == pytest.approx(0.01 * k)
-        for told, true in zip(target, gait.at(k / 30.0), strict=True):
-            np.testing.assert_allclose(told, true[:, 0], atol=1e-12)
+        for received, true in zip(target, gait.at(k / 30.0), strict=True):
+            np.testing.assert_allclose(received, true[:, 0], atol=1e-12)
 
 
 def test_torque_is_held_between_samples():

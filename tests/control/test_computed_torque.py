@@ -1,4 +1,4 @@
-"""With an exact model the leg becomes what was asked for: feed-forward is RNEA, computed torque a linear error."""
+"""With an exact model, feedforward equals RNEA, and computed torque gives a linear error equation."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The model inside a law says what Pinocchio and the estimate say."""
+"""The model inside a controller agrees with Pinocchio and the estimate."""
 
 import numpy as np
 import pytest

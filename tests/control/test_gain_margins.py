@@ -1,4 +1,4 @@
-"""Gain margins of a sampled law, against simulation and a case done by hand."""
+"""Gain margins of a sampled controller, against simulation and a case with a closed solution."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_a_law_that_is_unstable_at_every_gain_has_no_margin():
 def test_sharp_friction_compensation_is_refused_as_it_has_no_derivative():
     plant = cuhk_plant(end_stops=False)
     sharp = gravity_friction_pd(plant, KP, KD, friction=SHARP)
-    with pytest.raises(ExoidError, match=r"no derivatives at rest.*without friction compensation"):
+    with pytest.raises(ExoidError, match=r"no derivatives at rest.*leave out friction compensation"):
         spectral_radius(plant, sharp, POSE)
 
 

@@ -1,4 +1,4 @@
-"""Each law computes its equation, for one leg and for many, and refuses what makes no sense."""
+"""Each controller computes its equation, for one leg and for many, and refuses invalid settings."""
 
 import warnings
 
@@ -116,7 +116,7 @@ def test_laws_side_by_side_drive_a_leg_each():
 def test_laws_of_different_rates_do_not_go_side_by_side():
     with pytest.raises(ExoidError, match=r"30.*100"):
         SideBySide((pd(KP, KD, rate=30.0), pd(KP, KD)))
-    for shape, word in (((2, 3), "2 laws for 3 rigs"), ((2,), "2 laws for 1 rigs")):
+    for shape, word in (((2, 3), "2 controllers for 3 rigs"), ((2,), "2 controllers for 1 rigs")):
         with pytest.raises(ExoidError, match=word):
             SideBySide((pd(KP, KD), pd(KP, KD))).torque(random_state(shape=shape), random_target())
 

@@ -1,4 +1,4 @@
-"""Limits of torque and of its rate, around any law."""
+"""Limits of torque and of its rate, around any controller."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ def test_limits_hold_throughout_a_run():
     assert np.abs(np.diff(bound.tau[1:], axis=0)).max() <= 2.0 + 1e-9
 
 
-def test_side_by_side_each_law_is_told_its_own_last_torque():
+def test_side_by_side_each_controller_receives_its_last_torque():
     laws = (Limited(HARD, slew=100.0), Limited(HARD, slew=1000.0))
     state = State(np.zeros((2, 2)), np.zeros((2, 2)), last=np.array([[1.0, 2.0], [3.0, 4.0]]))
     aim = Target(np.array([[1.0], [-1.0]]), np.zeros((2, 1)))

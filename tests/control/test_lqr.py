@@ -122,7 +122,7 @@ def wide(leg, period):
     ],
 )
 def test_one_gain_does_as_well_as_twenty_along_the_way(leg, motion, change, loaded_change):
-    """What counts is the feed-forward; with a weight on the shank that no law knows of, gains count a little [deg]."""
+    """The feedforward matters most; with an unknown weight on the shank, gains matter a little [deg]."""
     plant = frictionless(cuhk_plant(end_stops=False)) if leg == "cuhk" else Plant.build(load_leg(leg), end_stops=False)
     reference = motion(plant.leg)
     loaded = load_plant(plant, [Payload("knee", 1.5, (0.0, 0.0, -0.3))])

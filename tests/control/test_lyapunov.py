@@ -104,7 +104,7 @@ def test_sampling_keeps_the_moments_of_the_law(bare):
     found = lyapunov(run, bare, KP, KD)
     np.testing.assert_allclose(found.sampled().time, np.arange(26) / 50.0, atol=1e-12)
     odd = simulate(bare, law, Hold(TARGET[:, None]), 1.0, start=TARGET + AWAY, log_rate=40.0)
-    with pytest.raises(ExoidError, match="does not have the samples of a law at 50 Hz"):
+    with pytest.raises(ExoidError, match="does not have the samples of a controller at 50 Hz"):
         lyapunov(odd, bare, KP, KD).sampled()
 
 

@@ -1,4 +1,4 @@
-"""PD with gravity and friction compensation gives one leg what it gives each of many, whatever way is quicker."""
+"""PD with gravity and friction compensation is the same for one leg and for each of many."""
 
 from __future__ import annotations
 

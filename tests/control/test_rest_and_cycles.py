@@ -1,4 +1,4 @@
-"""Where a leg rests under a law, what stiction makes of it, and how oscillations are told from rest."""
+"""Rest positions of a leg under a controller, the effect of stiction, and the difference of oscillations and rest."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_a_law_with_wrong_gravity_rests_beside_the_target():
 
 def test_springs_that_pull_away_leave_no_stable_rest():
     upside_down = np.array([np.pi, 0.0])
-    with pytest.raises(ExoidError, match=r"unstable: gravity outgrows Kp.*compensate gravity"):
+    with pytest.raises(ExoidError, match=r"unstable: gravity exceeds the stiffness Kp.*compensate gravity"):
         find_equilibrium(PLANT, pd(1.0, 0.1), upside_down)
 
 
@@ -87,7 +87,7 @@ def made_up(error_deg, rate=100.0) -> Tracking:
 TIME = np.arange(2000) / 100.0
 
 
-def test_a_steady_oscillation_is_a_limit_cycle_and_its_size_and_period_are_told():
+def test_a_steady_oscillation_is_a_limit_cycle_with_its_amplitude_and_period():
     found = find_limit_cycle(made_up([3.0 + 4.0 * np.sin(2 * np.pi * TIME / 1.25), 0.0 * TIME]))
     assert found.exists
     assert found.lasting.tolist() == [True, False]

@@ -1,4 +1,4 @@
-"""Laws that know what a study identified drive the same leg: as in the closed loop by itself, and reproducibly."""
+"""Controllers that use the estimates of a study, on the same leg: as in the closed loop alone, and reproducibly."""
 
 import json
 import warnings
@@ -15,11 +15,11 @@ from exoid.errors import ExoidError
 from exoid.experiments import cuhk, gait_for_leg, healthy_gait
 from exoid.experiments.excitation import MotionLimits, Scales
 from exoid.study import (
-    Driver,
     LegText,
     Noise,
     Protocol,
     Study,
+    TrackingCase,
     TrackingTask,
     dask_cluster,
     plausible_truth,
@@ -28,7 +28,7 @@ from exoid.study import (
     run_serially,
     run_study,
 )
-from exoid.study.driving import drive
+from exoid.study.tracking_runs import track_cases
 from exoid.torques import DEFAULT_TERMS, TorqueModel, term_by_name
 
 LEG = exoid.load_leg("cuhk")
@@ -66,13 +66,13 @@ def figures(result, law, knows):
     return found
 
 
-def test_laws_are_told_the_truth_and_each_estimate_but_pd_nothing():
+def test_controllers_use_the_truth_and_each_estimate_but_pd_nothing():
     what = study(course=course("pd", "lqr"), estimators=("wls", "ols"))
-    assert what.drivers == (("pd", "nothing"), ("lqr", "truth"), ("lqr", "wls"), ("lqr", "ols"))
-    assert study(course=None).drivers == ()
+    assert what.tracking_cases == (("pd", "nothing"), ("lqr", "truth"), ("lqr", "wls"), ("lqr", "ols"))
+    assert study(course=None).tracking_cases == ()
 
 
-def test_pd_and_a_law_that_knows_the_truth_do_what_they_do_in_the_closed_loop(result):
+def test_pd_and_a_controller_with_the_true_parameters_do_the_same_as_in_the_closed_loop(result):
     """The rig by itself is stepped by Pinocchio and has other noise, which PD hardly feels."""
     asked = study().course
     for name, knows in (("pd", "nothing"), ("pd_feedforward", "truth")):
@@ -87,37 +87,39 @@ def test_pd_and_a_law_that_knows_the_truth_do_what_they_do_in_the_closed_loop(re
 
 def test_figures_are_those_of_the_runs(result):
     """From the chunks by hand; the excess is of one replicate over the same with the truth."""
-    driven = np.concatenate([run_chunk(study(), number).driven for number in range(2)], axis=1)
-    truth, told = (study().drivers.index(Driver("pd_feedforward", who)) for who in ("truth", "wls"))
+    tracking = np.concatenate([run_chunk(study(), number).tracking for number in range(2)], axis=1)
+    truth, estimated = (
+        study().tracking_cases.index(TrackingCase("pd_feedforward", source)) for source in ("truth", "wls")
+    )
     found = figures(result, "pd_feedforward", "wls")
-    np.testing.assert_array_equal(found.rms_deg.mean, driven[told, :, RMS].mean(axis=0))
-    np.testing.assert_array_equal(found.peak_deg.worst, driven[told, :, PEAK].max(axis=0))
-    np.testing.assert_array_equal(found.rms_torque.std, driven[told, :, TORQUE].std(axis=0, ddof=1))
-    excess = driven[told, :, RMS] - driven[truth, :, RMS]
+    np.testing.assert_array_equal(found.rms_deg.mean, tracking[estimated, :, RMS].mean(axis=0))
+    np.testing.assert_array_equal(found.peak_deg.worst, tracking[estimated, :, PEAK].max(axis=0))
+    np.testing.assert_array_equal(found.rms_torque.std, tracking[estimated, :, TORQUE].std(axis=0, ddof=1))
+    excess = tracking[estimated, :, RMS] - tracking[truth, :, RMS]
     np.testing.assert_array_equal(found.excess_deg.mean, excess.mean(axis=0))
     assert found.diverged == 0
     assert figures(result, "pd", "nothing").excess_deg is None
 
 
 def test_knowing_the_leg_helps_and_knowing_it_badly_helps_less(result):
-    """PD alone is worst; a law told by estimates follows less well than one told the truth, the more the noise."""
+    """PD alone is worst; estimates track less well than the truth, the more so the more noise."""
     pairs = ("pd", "nothing"), ("pd_feedforward", "truth"), ("pd_feedforward", "wls")
-    blind, exact, told = (figures(result, law, knows).rms_deg.mean for law, knows in pairs)
-    assert (blind > 5.0 * told).all()
-    assert (told > exact).all()
+    blind, exact, estimated = (figures(result, law, knows).rms_deg.mean for law, knows in pairs)
+    assert (blind > 5.0 * estimated).all()
+    assert (estimated > exact).all()
     quiet = run_study(study(noises=(Noise("white", (1e-3, 1e-3)),), replicates=2))
     excess = figures(quiet, "pd_feedforward", "wls").excess_deg
-    assert np.abs(excess.mean).max() < 0.01 * (told - exact).min()
+    assert np.abs(excess.mean).max() < 0.01 * (estimated - exact).min()
 
 
-def test_all_drivers_of_a_replicate_meet_the_same_noise():
-    """An estimator whose estimates are the truth makes the very runs of the law that knows the truth."""
+def test_all_cases_of_a_replicate_have_the_same_noise():
+    """Estimates equal to the truth give exactly the runs of the controller with the true parameters."""
     what = study(course=course("pd_feedforward"))
     one = exoid.identify(LEG, exoid.Recording(*_exact(), joint_names=LEG.joint_names), cutoff=40.0)
     exact = replace(one, values=np.array(TRUTH))
-    driven = drive(what, what.chunks[0], {"wls": [exact, exact]})
-    np.testing.assert_array_equal(driven[0], driven[1])
-    assert (driven[0, 0] != driven[0, 1]).any()  # replicates do not
+    tracking = track_cases(what, what.chunks[0], {"wls": [exact, exact]})
+    np.testing.assert_array_equal(tracking[0], tracking[1])
+    assert (tracking[0, 0] != tracking[0, 1]).any()  # replicates do not
 
 
 def _exact():
@@ -126,8 +128,8 @@ def _exact():
     return time, *states, MODEL.regressor(*states) @ np.array(TRUTH)
 
 
-def test_whoever_does_the_pieces_the_bits_are_the_same(result, tmp_path):
-    """Two processes; stopped, with a chunk damaged, and resumed."""
+def test_any_workers_give_the_same_bits(result, tmp_path):
+    """Two processes; two Dask workers; stopped, with a chunk damaged, and resumed."""
     assert same(run_study(study(), workers=processes(2)), result)
 
     def dying(what, numbers):
@@ -161,11 +163,11 @@ def test_a_law_that_diverges_is_counted_and_leaves_the_others_alone():
     np.testing.assert_allclose(fine.runs, alone.runs, rtol=1e-6)
     data = json.loads(json.dumps(found.to_json(), allow_nan=False))
     assert data["laws"][0]["joints"]["hip"]["rms_deg"] == {"mean": None, "std": None, "worst": None}
-    assert "Diverged, and not counted: pd told by nothing: 2." in str(found)
+    assert "Diverged, and not counted: pd (nothing): 2." in str(found)
 
 
-def test_an_estimate_of_which_no_law_can_be_made_is_counted_as_lost(monkeypatch):
-    """The Riccati recursion does not converge on just any parameters; here it is made to refuse one replicate."""
+def test_an_estimate_without_a_controller_is_counted_as_lost(monkeypatch):
+    """The Riccati equation has no solution for some parameters; here one replicate is made to fail."""
     what = study(course=course("lqr"))
     one = exoid.identify(LEG, exoid.Recording(*_exact(), joint_names=LEG.joint_names), cutoff=40.0)
     sound, odd = replace(one, values=np.array(TRUTH)), replace(one, values=1.5 * np.array(TRUTH))
@@ -179,10 +181,10 @@ def test_an_estimate_of_which_no_law_can_be_made_is_counted_as_lost(monkeypatch)
     monkeypatch.setattr(TrackingTask, "law", refusing)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        driven = drive(what, what.chunks[0], {"wls": [odd, sound]})
-    assert np.isnan(driven[1, 0]).all()
-    assert np.isfinite(driven[1, 1]).all()
-    assert np.isfinite(driven[0]).all()
+        tracking = track_cases(what, what.chunks[0], {"wls": [odd, sound]})
+    assert np.isnan(tracking[1, 0]).all()
+    assert np.isfinite(tracking[1, 1]).all()
+    assert np.isfinite(tracking[0]).all()
 
 
 def test_a_study_without_laws_says_nothing_of_laws():
@@ -194,8 +196,8 @@ def test_a_study_without_laws_says_nothing_of_laws():
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: course("magic"), "no law magic"),
-        (course, "no law at all"),
+        (lambda: course("magic"), "no controller magic"),
+        (course, "no controller at all"),
         (lambda: course("pd", "pd"), "pd, pd"),
         (lambda: course("pd", kp=(1.0, 2.0, 3.0)), "3 gains for 2 joints"),
         (lambda: study(course=course("pd", kp=(-1.0,))), "gains"),
@@ -205,7 +207,7 @@ def test_a_study_without_laws_says_nothing_of_laws():
         (lambda: study(estimators=("wls", "wls")), "name each once"),
     ],
 )
-def test_courses_that_make_no_sense_are_refused(make, words):
+def test_invalid_tracking_tasks_are_refused(make, words):
     with pytest.raises(ExoidError, match=words):
         make()
 
@@ -233,9 +235,9 @@ def test_the_command_prints_laws_as_a_table_or_json(exoid_):
     assert "wls, knee" in out
     assert "hip 80 / 8, knee 20 / 8" in out
     code, again, _ = run("--laws", "pd_feedforward", "--kp", "80,20", "--kd", "8", "-o", "kept", "--json")
-    told = json.loads(again)["laws"][1]
-    assert (told["law"], told["knows"], told["diverged"]) == ("pd_feedforward", "wls", 0)
-    assert 0.0 < told["joints"]["knee"]["rms_deg"]["mean"] < 1.0
+    found = json.loads(again)["laws"][1]
+    assert (found["law"], found["knows"], found["diverged"]) == ("pd_feedforward", "wls", 0)
+    assert 0.0 < found["joints"]["knee"]["rms_deg"]["mean"] < 1.0
     for wrong, words in (
         (("--laws", "pd,magic"), "computed_torque"),
         (("--laws", "pd", "--kp", "stiff"), "--kp stiff"),

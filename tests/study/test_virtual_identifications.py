@@ -1,4 +1,4 @@
-"""Studies are right where the answer is known, and the same whoever does them, however often they are stopped."""
+"""Studies agree with known answers, and are the same with any workers and after any interruption."""
 
 import json
 import multiprocessing

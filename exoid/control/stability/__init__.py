@@ -1,4 +1,4 @@
-"""Stability of a leg under a law: what document 2 proves, what follows from it, and where it ends."""
+"""Stability of a leg under a controller: document 2's proof, its consequences and its limits."""
 
 from .equilibrium import Equilibrium, find_equilibrium
 from .gain_margin import GainMargins, gain_margins, spectral_radius

@@ -1,4 +1,4 @@
-"""Where a leg comes to rest under a law, and how far from there stiction may hold it."""
+"""Rest position of a leg under a controller, and the band around it in which stiction may hold the leg."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ from exoid.errors import ExoidError
 from exoid.rig import Plant, Target
 
 STEP = 1e-6
-"""Of numerical derivatives [rad]."""
+"""Step of numerical derivatives [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """Rest of a leg under a law that holds a constant target.
+    """Rest position of a leg under a controller with a constant target.
 
-    Without friction it rests where the law's torque is the static one. With it, wherever the two differ by no more
-    than static friction at each joint: |τ(θ, 0) − G(θ)| ≤ c0, for exact gravity compensation |θ_d − θ| ≤ c0 / Kp.
+    Without friction, the leg rests at the pose at which the controller's torque equals the static torque. With
+    friction, it can rest at any pose with |τ(θ, 0) − G(θ)| ≤ c0 at each joint. For exact gravity compensation this is
+    |θ_d − θ| ≤ c0 / Kp.
 
     Attributes:
-        plant: The truth.
-        law: The law.
-        target: θ_d [rad], (n,).
-        q: Rest without friction [rad], (n,).
-        stiffness: −∂(τ − G)/∂θ there [N·m/rad], (n, n); Kp where gravity is compensated exactly.
+        plant: The true leg.
+        law: The controller.
+        target: Target θ_d [rad], (n,).
+        q: Rest position without friction [rad], (n,).
+        stiffness: Stiffness −∂(τ − G)/∂θ at ``q`` [N·m/rad], (n, n); Kp for exact gravity compensation.
     """
 
     plant: Plant
@@ -40,38 +41,51 @@ class Equilibrium:
 
     @property
     def error(self) -> FloatArray:
-        """θ_d − θ without friction [rad], (n,): zero where gravity is compensated exactly."""
+        """Error θ_d − θ without friction [rad], (n,): zero for exact gravity compensation."""
         return self.target - self.q
 
     @property
     def band(self) -> FloatArray:
-        """How far from :attr:`q` stiction may hold each joint, whatever the others do, to first order [rad], (n,)."""
+        """Distance from :attr:`q` at which stiction may hold each joint, to first order [rad], (n,)."""
         return np.asarray(np.abs(np.linalg.inv(self.stiffness)) @ self.plant.static[:, 0])
 
     def imbalance(self, q: ArrayLike) -> FloatArray:
-        """Torque that friction must take at rest at q [N·m], (n,)."""
+        """Compute the torque that friction must balance at rest.
+
+        Args:
+            q: Angles [rad], (n,).
+
+        Returns:
+            Torque [N·m], (n,).
+        """
         return _imbalance(ControlModel.of(self.plant), self.law, self.target, np.asarray(q, dtype=np.float64))
 
     def holds(self, q: ArrayLike, tolerance: float = 1e-6) -> bool:
-        """Whether stiction can hold the leg at q [rad], (n,); exact, not to first order.
+        """Tell whether stiction can hold the leg at a pose; exact, not to first order.
 
         Args:
-            q: Where.
-            tolerance: Of the torque, a share of static friction.
+            q: Angles [rad], (n,).
+            tolerance: Tolerance of the torque, as a share of static friction.
+
+        Returns:
+            Whether the imbalance of no joint exceeds its static friction.
         """
         return bool((np.abs(self.imbalance(q)) <= (1.0 + tolerance) * self.plant.static[:, 0] + tolerance).all())
 
 
 def find_equilibrium(plant: Plant, law: Law, target: ArrayLike) -> Equilibrium:
-    """Find where a leg without friction rests under a law.
+    """Find the rest position of a leg without friction under a controller.
 
     Args:
-        plant: The truth, of one rig.
-        law: Any law; its last torque is taken to be none.
-        target: Constant θ_d [rad], (n,).
+        plant: The true leg, one rig.
+        law: Any controller; it receives no last torque.
+        target: Constant target θ_d [rad], (n,).
+
+    Returns:
+        Rest position with its stiffness.
 
     Raises:
-        ExoidError: There is no rest near the target, or it is unstable.
+        ExoidError: There is no rest position near the target, or it is unstable.
     """
     model, aim = ControlModel.of(plant), np.array(target, dtype=np.float64).reshape(-1)
     if aim.shape != (model.n,) or not np.isfinite(aim).all():
@@ -83,7 +97,7 @@ def find_equilibrium(plant: Plant, law: Law, target: ArrayLike) -> Equilibrium:
     found = scipy.optimize.root(imbalance, aim, tol=1e-12)
     if not found.success and np.abs(found.fun).max() > 1e-9 * max(1.0, float(np.abs(model.statics(aim)).max())):
         raise ExoidError(
-            f"no rest near {np.rad2deg(aim).round(1)} deg: the law's torque nowhere balances gravity and springs",
+            f"no rest near {np.rad2deg(aim).round(1)} deg: the controller cannot balance gravity and springs there",
             remedy="raise Kp, or compensate gravity",
         )
     q = np.asarray(found.x)
@@ -94,7 +108,7 @@ def find_equilibrium(plant: Plant, law: Law, target: ArrayLike) -> Equilibrium:
     stiffness = np.array(columns).T / (2.0 * STEP)
     if np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T))[0] <= 0.0:
         raise ExoidError(
-            f"the rest at {np.rad2deg(q).round(1)} deg is unstable: gravity outgrows Kp",
+            f"the rest at {np.rad2deg(q).round(1)} deg is unstable: gravity exceeds the stiffness Kp",
             remedy="raise Kp, or compensate gravity",
         )
     return Equilibrium(plant, law, aim, q, stiffness)

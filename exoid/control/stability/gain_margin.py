@@ -1,4 +1,4 @@
-"""How far the gains of a sampled law may be raised: eigenvalues of the linearised leg with a hold and a delay."""
+"""Gain margins of a sampled controller: eigenvalues of the linearised leg with a hold and a delay."""
 
 from __future__ import annotations
 
@@ -18,32 +18,32 @@ from exoid.rig import Plant, Target
 from exoid.tables import make_table, to_text
 
 RATES = (10.0, 20.0, 30.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
-"""Of a law [Hz]."""
+"""Sampling rates [Hz]."""
 
 DELAYS = (0, 1)
-"""In periods of the law."""
+"""Delays in sampling periods."""
 
 SCALES = np.geomspace(1e-2, 1e4, 121)
-"""Of the gains, between which the first unstable one is looked for."""
+"""Scales of the gains among which the search finds the first unstable one."""
 
 STEP = 1e-6
-"""Of numerical derivatives [rad, rad/s]."""
+"""Step of numerical derivatives [rad, rad/s]."""
 
 SMOOTH = 1e-3
-"""Relative difference of derivatives over two steps above which a law has none."""
+"""Largest relative difference of the derivatives with two steps, above which a controller counts as not smooth."""
 
 LawOf = Callable[[float, float], Law]
-"""From a scale of the gains and a rate [Hz] to a law."""
+"""Function that makes a controller from a scale of the gains and a rate [Hz]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GainMargins:
-    """Factor by which the gains may be raised before the sampled loop oscillates without end; prints itself.
+    """Factors by which the gains may grow before the sampled loop becomes unstable; prints itself.
 
     Attributes:
-        rates: Of the law [Hz], (R,).
-        delays: In periods of the law, (D,).
-        margins: Largest stable scale of the gains, (R, D); 0 where none is stable, inf where all that were tried are.
+        rates: Sampling rates [Hz], (R,).
+        delays: Delays in sampling periods, (D,).
+        margins: Largest stable scale of the gains, (R, D); 0 if none is stable, inf if all scales tried are.
     """
 
     rates: tuple[float, ...]
@@ -58,10 +58,14 @@ class GainMargins:
         """Print as a table."""
         headers = ("rate [Hz]", *(f"gains × (delay {delay})" for delay in self.delays))
         rows = [(f"{r:g}", *(f"{m:.3g}" for m in row)) for r, row in zip(self.rates, self.margins, strict=True)]
-        return to_text(make_table(headers, rows), "Linearised without Coulomb friction; delay in periods of the law.")
+        return to_text(make_table(headers, rows), "Linearised without Coulomb friction; delay in sampling periods.")
 
     def to_json(self) -> dict[str, Any]:
-        """Turn into what JSON can hold; null stands for a margin without bound."""
+        """Convert to JSON types.
+
+        Returns:
+            Rates, delays and margins; None is a margin without bound.
+        """
         return {"rates_hz": list(self.rates), **attributes(self, "delays", "margins")}
 
 
@@ -75,16 +79,20 @@ def gain_margins(
 ) -> GainMargins:
     """Find the largest gains at which a leg is stable about a pose, for each rate and delay.
 
+    Coulomb friction is left out: it hides small oscillations and does not stop large ones.
+
     Args:
-        plant: The truth, of one rig. Its Coulomb friction is left out: it hides small oscillations and stops no large
-            ones.
-        law: Makes the law with its gains scaled, at a rate.
-        q: The pose, which is also the target [rad], (n,).
-        rates: [Hz].
-        delays: Of what the law is told, in its periods.
+        plant: The true leg, one rig.
+        law: Function that makes the controller from a scale of the gains and a rate.
+        q: Pose, which is also the target [rad], (n,).
+        rates: Sampling rates [Hz].
+        delays: Delays of the readings, in sampling periods.
+
+    Returns:
+        Margins by rate and delay.
 
     Raises:
-        ExoidError: A rate or delay makes no sense, or the law has no derivatives at rest.
+        ExoidError: A rate or delay is invalid, or the controller has no derivatives at rest.
 
     Example:
         >>> from exoid.control import pd
@@ -102,23 +110,26 @@ def gain_margins(
 
 
 def spectral_radius(plant: Plant, law: Law, q: ArrayLike, delay: int = 0) -> float:
-    """Largest eigenvalue, in modulus, of one period of the linearised closed loop; stable below 1.
+    """Compute the spectral radius of one period of the linearised closed loop, which is stable below 1.
 
     Args:
-        plant: The truth, of one rig, taken without Coulomb friction.
-        law: Sampled at its rate, its torque held.
+        plant: The true leg, one rig, without its Coulomb friction.
+        law: Controller, sampled at its rate; its torque is held.
         q: Pose and target [rad], (n,).
-        delay: In periods of the law.
+        delay: Delay of the readings, in sampling periods.
+
+    Returns:
+        Largest modulus of the eigenvalues.
 
     Raises:
-        ExoidError: The law has no derivatives at rest, or the delay is negative.
+        ExoidError: The controller has no derivatives at rest, or the delay is not a whole number ≥ 0.
     """
     pose = np.array(q, dtype=np.float64).reshape(-1)
     return _radius(_hold(plant, pose, law.rate), _feedback(law, pose), delay)
 
 
 def _margin(plant: Plant, law: LawOf, q: FloatArray, rate: float, delay: int) -> float:
-    """First stable scale upwards, then the first unstable one, then bisection between the two."""
+    """Find the first stable scale, then the first unstable one above it, then bisect."""
     held = _hold(plant, q, rate)
 
     def stable(scale: float) -> bool:
@@ -147,12 +158,12 @@ def _hold(plant: Plant, q: FloatArray, rate: float) -> Linear:
 
 
 def _feedback(law: Law, q: FloatArray) -> FloatArray:
-    """Derivatives of a law's torque by angle and velocity at rest on the target, (n, 2 n)."""
+    """Derivatives of a controller's torque by angle and velocity at rest on the target, (n, 2 n)."""
     first, second = (_derivatives(law, q, step) for step in (STEP, 2.0 * STEP))
     if np.abs(first - second).max() > SMOOTH * np.abs(first).max():
         raise ExoidError(
             f"{type(law).__name__} has no derivatives at rest: its friction compensation is too sharp",
-            remedy="look at it without friction compensation, or with a smooth one",
+            remedy="leave out friction compensation, or use a smooth one",
         )
     return first
 
@@ -169,7 +180,7 @@ def _derivatives(law: Law, q: FloatArray, step: float) -> FloatArray:
 
 
 def _radius(held: Linear, feedback: FloatArray, delay: int) -> float:
-    """Of the state with its past, (x_k, x_{k−1}, …, x_{k−d})."""
+    """Spectral radius for the state with its past, (x_k, x_{k−1}, …, x_{k−d})."""
     if delay < 0 or delay != int(delay):
         raise ExoidError(f"a delay of {delay} periods", remedy="give a whole number")
     size = len(held.A)

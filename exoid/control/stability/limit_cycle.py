@@ -1,4 +1,4 @@
-"""Oscillations that do not die: how large, how slow, and whether they last."""
+"""Limit cycles: amplitude and period of oscillations, and whether they last."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from exoid.control.tracking import Tracking
 from exoid.errors import ExoidError
 
 SMALLEST = np.deg2rad(0.05)
-"""Less than this peak to peak is rest [rad]."""
+"""Peak-to-peak amplitude below which a joint counts as at rest [rad]."""
 
 LASTING = 0.9
-"""An oscillation lasts whose second half is at least so large as its first."""
+"""Smallest ratio of the second half of an oscillation to the first for which it lasts."""
 
 
 class LimitCycle(NamedTuple):
-    """What the error of each joint did in the last part of a run.
+    """Oscillation of the error of each joint in the last part of a run.
 
     Attributes:
-        peak_to_peak: [rad], (n,).
-        period: Between upward crossings of the middle [s], (n,); NaN where there are fewer than two.
-        lasting: Whether the joint still swings as widely as before, (n,); a decaying oscillation does not.
+        peak_to_peak: Peak-to-peak amplitude [rad], (n,).
+        period: Mean time between upward crossings of the middle [s], (n,); NaN with fewer than two crossings.
+        lasting: Whether the oscillation of each joint does not decay, (n,).
     """
 
     peak_to_peak: FloatArray
@@ -32,21 +32,24 @@ class LimitCycle(NamedTuple):
 
     @property
     def peak_to_peak_deg(self) -> FloatArray:
-        """[deg], (n,)."""
+        """Peak-to-peak amplitude [deg], (n,)."""
         return np.asarray(np.rad2deg(self.peak_to_peak))
 
     @property
     def exists(self) -> bool:
-        """Whether any joint keeps swinging."""
+        """Whether the oscillation of any joint lasts."""
         return bool(self.lasting.any())
 
 
 def find_limit_cycle(run: Tracking, last: float = 0.5) -> LimitCycle:
-    """Look at the last part of a run towards a constant target, or along a periodic one.
+    """Find oscillations in the last part of a run towards a constant target, or along a periodic one.
 
     Args:
-        run: What happened.
-        last: The share of it to look at; it should hold two periods of the oscillation.
+        run: The run.
+        last: Share of the run to search, at its end; it should contain two periods of the oscillation.
+
+    Returns:
+        Amplitude and period of each joint.
 
     Raises:
         ExoidError: The share is not between 0 and 1, or leaves too few samples.
@@ -56,7 +59,7 @@ def find_limit_cycle(run: Tracking, last: float = 0.5) -> LimitCycle:
     begin = int((1.0 - last) * len(run.time))
     time, error = run.time[begin:], run.error[begin:]
     if len(time) < 8:
-        raise ExoidError(f"{len(time)} samples to look for oscillations in", remedy="run longer, or log more often")
+        raise ExoidError(f"{len(time)} samples are too few for an oscillation", remedy="run longer, or log more often")
     early, late = (np.ptp(half, axis=0) for half in np.array_split(error, 2))
     lasting = (late > SMALLEST) & (late >= LASTING * early)
     periods = np.array([_period(time, column) for column in error.T])

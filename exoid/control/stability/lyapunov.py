@@ -1,4 +1,4 @@
-"""Document 2's Lyapunov function along a closed-loop run, and its rate under the torque that really acted."""
+"""Document 2's Lyapunov function along a closed-loop run, and its rate under the actual torque."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from exoid.rig import Plant
 
 TOLERANCE = 1e-9
-"""Of an increase, as a share of V at the beginning: the accuracy of the rig, not of the theory."""
+"""Tolerance of an increase of V, as a share of its initial value: the accuracy of the rig."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -22,12 +22,12 @@ class Lyapunov:
     """V = ½ θ̇ᵀ M(θ) θ̇ + ½ θ̃ᵀ Kp θ̃ with θ̃ = θ_d − θ (doc. 2, eq. (29)) along a run.
 
     Attributes:
-        law: Name of the law.
-        sample_rate: Of the law [Hz].
-        time: [s], (N,).
-        value: V [J], (N,).
-        rate: V̇ by eq. (30) under the torque held until that moment [W], (N,).
-        ideal_rate: −θ̇ᵀ Kd θ̇, which eq. (32) says V̇ is [W], (N,).
+        law: Name of the controller.
+        sample_rate: Sampling rate of the controller [Hz].
+        time: Time [s], (N,).
+        value: Lyapunov function V [J], (N,).
+        rate: Rate V̇ by eq. (30) under the torque held until that moment [W], (N,).
+        ideal_rate: Rate −θ̇ᵀ Kd θ̇ of eq. (32) [W], (N,).
     """
 
     law: str
@@ -39,20 +39,30 @@ class Lyapunov:
 
     @property
     def largest_increase(self) -> float:
-        """From one moment to the next, as a share of V at the beginning; 0 where there is none."""
+        """Largest increase of V from one moment to the next, as a share of its initial value; 0 if there is none."""
         return float(max(0.0, np.diff(self.value).max()) / self._scale)
 
     @property
     def share_increasing(self) -> float:
-        """Share of the moments at which V grew by more than :data:`TOLERANCE`."""
+        """Share of the moments at which V grows by more than :data:`TOLERANCE`."""
         return float((np.diff(self.value) > TOLERANCE * self._scale).mean())
 
     def never_increases(self, tolerance: float = TOLERANCE) -> bool:
-        """Whether no increase exceeds this share of V at the beginning."""
+        """Tell whether V never increases.
+
+        Args:
+            tolerance: Tolerance of an increase, as a share of the initial value.
+
+        Returns:
+            Whether no increase exceeds the tolerance.
+        """
         return self.largest_increase <= tolerance
 
     def sampled(self) -> Lyapunov:
-        """Keep only the moments at which the law was sampled.
+        """Keep only the sampling instants of the controller.
+
+        Returns:
+            V and its rates at these instants.
 
         Raises:
             ExoidError: The log has no such moments.
@@ -60,9 +70,9 @@ class Lyapunov:
         every = (len(self.time) - 1) / (self.time[-1] * self.sample_rate)
         if abs(every - round(every)) > 1e-6 * every or every < 0.5:
             raise ExoidError(
-                f"a log every {self.time[1] - self.time[0]:g} s does not have the samples of a law at "
+                f"a log every {self.time[1] - self.time[0]:g} s does not have the samples of a controller at "
                 f"{self.sample_rate:g} Hz",
-                remedy="simulate with a log_rate that is a multiple of the law's rate",
+                remedy="simulate with a log_rate that is a multiple of the controller's rate",
             )
         kept = slice(None, None, round(every))
         arrays = {name: getattr(self, name)[kept] for name in ("time", "value", "rate", "ideal_rate")}
@@ -73,7 +83,7 @@ class Lyapunov:
         return float(self.value[0]) if self.value[0] > 0.0 else 1.0
 
     def __repr__(self) -> str:
-        """Say how V went."""
+        """Name the controller and the course of V."""
         change = f"{self.value[0]:.4g} to {self.value[-1]:.3g} J"
         return f"Lyapunov({self.law}: {change}, rises by at most {self.largest_increase:.1e} of the first)"
 
@@ -81,21 +91,24 @@ class Lyapunov:
 def lyapunov(run: Tracking, plant: Plant, kp: ArrayLike, kd: ArrayLike) -> Lyapunov:
     """Evaluate V and its rate along a run.
 
-    With Property 2, eq. (30) is V̇ = θ̇ᵀ (τ − G(θ) − F_r) + θ̃ᵀ Kp (θ̇_d − θ̇), whatever law made the torque. It is eq.
-    (32) only where the torque is that of the law at this very moment with exact G and F_r: not between two samples of
-    a law, and not where friction is what it is.
+    With Property 2, eq. (30) is V̇ = θ̇ᵀ (τ − G(θ) − F_r) + θ̃ᵀ Kp (θ̇_d − θ̇), for any controller. It equals eq. (32)
+    only if the torque is that of document 2's controller at the same moment, with exact G and F_r. Between two samples,
+    or with stiction, it does not.
 
     Args:
-        run: What happened.
-        plant: The truth of it.
+        run: The run.
+        plant: The true leg of the run.
         kp: Kp of V [N·m/rad], a number or one for each joint.
         kd: Kd of eq. (32) [N·m·s/rad].
 
+    Returns:
+        V and its rates at every moment of the log.
+
     Raises:
-        ExoidError: The plant is not of one rig with an upright torso, or a gain is negative.
+        ExoidError: The plant is not one rig with an upright torso, or a gain is negative.
     """
     if np.any(plant.pitch):
-        raise ExoidError("the torso of the plant is tilted", remedy="take V of an upright one: it has no tilt in it")
+        raise ExoidError("the torso of the plant is tilted", remedy="use an upright torso, for which V is defined")
     model, stiffness, damping = ControlModel.of(plant), gains(kp, "kp"), gains(kd, "kd")
     q, v, error = run.q, run.v, run.error
     M = model.leg.mass_matrix(q) + np.diag(model.armature)
@@ -103,6 +116,6 @@ def lyapunov(run: Tracking, plant: Plant, kp: ArrayLike, kd: ArrayLike) -> Lyapu
     torque = run.tau.copy()
     torque[0] = torque[min(1, len(torque) - 1)]  # none was held before the first sample
     net = torque - model.statics(q.T).T - model.friction(q.T, v.T, 0.0).T
-    wanted = np.gradient(run.target, run.time, axis=0)
-    rate = (v * net).sum(axis=1) + (stiffness * error * (wanted - v)).sum(axis=1)
+    target_v = np.gradient(run.target, run.time, axis=0)
+    rate = (v * net).sum(axis=1) + (stiffness * error * (target_v - v)).sum(axis=1)
     return Lyapunov(run.law, run.rate, run.time, value, rate, -(damping * v**2).sum(axis=1))

@@ -1,4 +1,4 @@
-"""Document 2's Properties 1 to 3 of a leg's equations of motion, put to the test."""
+"""Numerical test of document 2's Properties 1 to 3 of a leg's equations of motion."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from exoid.json_values import attributes
 from exoid.tables import make_table, to_text
 
 EXACT = 1e-9
-"""Relative error of what should be an identity: that of a numerical derivative."""
+"""Relative error below which an identity holds: that of a numerical derivative."""
 
 SPEEDS = np.array([1.0, 10.0, 100.0, 1000.0])
-"""Over which Coriolis and friction torques are followed [rad/s]."""
+"""Speeds at which Coriolis and friction torques are evaluated [rad/s]."""
 
 STEP = 2e-3
-"""Of the numerical derivative of M along the motion [s]; four neighbours leave an error of its fourth power / 30."""
+"""Step of the numerical derivative of M along the motion [s]; its error is the fourth power of the step / 30."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -28,12 +28,12 @@ class ModelProperties:
     """Evidence for or against doc. 2's Properties 1, 2 and 3 (sec. III-C); prints itself as a table.
 
     Attributes:
-        poses: At how many random poses and velocities.
+        poses: Number of random poses and velocities.
         asymmetry: Largest |M − Mᵀ| relative to |M|.
         smallest_inertia: Smallest eigenvalue of M at any pose [kg·m²].
-        worst_pose: Where that is [rad], (n,).
-        skewness: Largest |P + Pᵀ| with P = ½ Ṁ − C, relative to the largest |Ṁ|; 0 where M is constant.
-        speeds: [rad/s], (S,).
+        worst_pose: Pose of the smallest eigenvalue [rad], (n,).
+        skewness: Largest |P + Pᵀ| with P = ½ Ṁ − C, relative to the largest |Ṁ|; 0 for a constant M.
+        speeds: Speeds [rad/s], (S,).
         coriolis: Largest spectral norm of C at these speeds [N·m·s/rad], (S,).
         gravity: Largest gravity torque of any joint [N·m].
         friction: Largest friction torque of any joint at these speeds [N·m], (S,).
@@ -61,7 +61,7 @@ class ModelProperties:
 
     @property
     def coriolis_bounded(self) -> bool:
-        """Whether C is bounded for all θ̇: only where there is none, as it is linear in θ̇."""
+        """Whether C is bounded for all θ̇: only if it is zero, as it is linear in θ̇."""
         return bool(self.coriolis.max() <= EXACT)
 
     @property
@@ -75,19 +75,19 @@ class ModelProperties:
         return self.coriolis_bounded and self.friction_bounded
 
     def to_json(self) -> dict[str, Any]:
-        """Turn verdicts and evidence into what JSON can hold.
+        """Convert results and evidence to JSON types.
 
         Returns:
-            Both by name.
+            Values by name.
         """
-        verdicts = ("symmetric_positive_definite", "skew_symmetric", "bounded")
+        results = ("symmetric_positive_definite", "skew_symmetric", "bounded")
         evidence = ("smallest_inertia", "skewness", "speeds", "coriolis", "friction", "gravity")
-        return attributes(self, *verdicts, *evidence)
+        return attributes(self, *results, *evidence)
 
     def __repr__(self) -> str:
-        """Name what holds."""
-        verdicts = (self.symmetric_positive_definite, self.skew_symmetric, self.bounded)
-        return f"ModelProperties({', '.join(f'{k}: {holds}' for k, holds in enumerate(verdicts, start=1))})"
+        """Name the properties that hold."""
+        results = (self.symmetric_positive_definite, self.skew_symmetric, self.bounded)
+        return f"ModelProperties({', '.join(f'{k}: {holds}' for k, holds in enumerate(results, start=1))})"
 
     def __str__(self) -> str:
         """Print as a table."""
@@ -96,20 +96,20 @@ class ModelProperties:
         rows = [
             (
                 "1: M symmetric positive definite",
-                _verdict(self.symmetric_positive_definite),
+                _yes_or_no(self.symmetric_positive_definite),
                 f"asymmetry {self.asymmetry:.0e}; smallest eigenvalue {self.smallest_inertia:.4g} kg·m² at ({pose})",
             ),
-            ("2: ½Ṁ − C skew-symmetric", _verdict(self.skew_symmetric), f"up to {self.skewness:.0e} of |Ṁ|"),
-            ("3: C, G and F_r bounded", _verdict(self.bounded), "all three must be"),
+            ("2: ½Ṁ − C skew-symmetric", _yes_or_no(self.skew_symmetric), f"up to {self.skewness:.0e} of |Ṁ|"),
+            ("3: C, G and F_r bounded", _yes_or_no(self.bounded), "all three must be"),
             (
                 "   C(θ, θ̇)",
-                _verdict(self.coriolis_bounded),
+                _yes_or_no(self.coriolis_bounded),
                 f"|C| {self.coriolis[0]:.3g} at {slow} rad/s, {self.coriolis[-1]:.3g} at {fast}: linear in θ̇",
             ),
-            ("   G(θ)", _verdict(True), f"at most {self.gravity:.4g} N·m"),
+            ("   G(θ)", _yes_or_no(True), f"at most {self.gravity:.4g} N·m"),
             (
                 "   F_r(θ, θ̇)",
-                _verdict(self.friction_bounded),
+                _yes_or_no(self.friction_bounded),
                 f"{self.friction[0]:.3g} N·m at {slow} rad/s, {self.friction[-1]:.3g} at {fast}",
             ),
         ]
@@ -118,20 +118,23 @@ class ModelProperties:
 
 
 def check_properties(source: ModelSource, *, poses: int = 500, seed: int | np.random.Generator = 0) -> ModelProperties:
-    """Look for counterexamples to doc. 2's Properties 1 to 3.
+    """Search for counterexamples to doc. 2's Properties 1 to 3.
 
-    The rate of M is a numerical derivative along the motion, so that Property 2 is not read off the formula for C.
+    The rate of M is a numerical derivative along the motion, so the test of Property 2 does not use the formula for C.
 
     Args:
-        source: What to check.
-        poses: How many random poses, all the way round, and velocities up to 1 rad/s.
-        seed: Of these.
+        source: Source of the model.
+        poses: Number of random poses, over the full circle, and velocities up to 1 rad/s.
+        seed: Seed of the poses and velocities.
+
+    Returns:
+        Evidence for each property.
 
     Raises:
-        ExoidError: There are no poses, or there is no model to be had from the source.
+        ExoidError: The number of poses is not positive, or the source has no control model.
     """
     if poses < 1:
-        raise ExoidError(f"properties at {poses} poses", remedy="look at one pose at least")
+        raise ExoidError(f"properties at {poses} poses", remedy="check at least one pose")
     model, rng = ControlModel.of(source), np.random.default_rng(seed)
     q = rng.uniform(-np.pi, np.pi, (poses, model.n))
     v = rng.uniform(-1.0, 1.0, (poses, model.n))
@@ -164,7 +167,7 @@ def _mass_rate(model: ControlModel, q: FloatArray, v: FloatArray) -> FloatArray:
 
 
 def _relative(error: float, size: float, floor: float) -> float:
-    """Error relative to a size that may be all rounding."""
+    """Divide an error by a size; 0 for a size that is only rounding."""
     return float(error / size) if size > EXACT * floor else 0.0
 
 
@@ -178,5 +181,5 @@ def _friction_at(model: ControlModel, q: FloatArray, speed: float) -> float:
     return float(np.abs(model.friction(q.T, np.full_like(q.T, speed), 0.0)).max())
 
 
-def _verdict(holds: bool) -> str:
+def _yes_or_no(holds: bool) -> str:
     return "yes" if holds else "no"

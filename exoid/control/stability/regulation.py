@@ -1,4 +1,4 @@
-"""Document 2's regulation problem with friction that is compensated in part, exactly, or too much."""
+"""Document 2's regulation problem with partial, exact and excessive friction compensation."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ from .limit_cycle import LimitCycle, find_limit_cycle
 from .lyapunov import TOLERANCE, Lyapunov, lyapunov
 
 SHARES = (0.0, 0.5, 0.8, 1.0, 1.2, 1.5)
-"""Of the leg's friction that are compensated."""
+"""Compensated shares of the leg's friction."""
 
 DURATION = 20.0
-"""[s]."""
+"""Duration of a run [s]."""
 
 STILL = 1e-6
-"""Slower than this is rest [rad/s]."""
+"""Velocity below which a joint rests [rad/s]."""
 
 RESTING = 0.1
-"""Share of the run at the end through which a leg that stopped rests."""
+"""Share of the run, at its end, during which a stopped leg rests."""
 
 LAST = 0.25
-"""Share of the run that is searched for oscillations."""
+"""Share of the run, at its end, that is searched for oscillations."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,11 +47,11 @@ class Regulation:
     """One run from rest towards a constant target.
 
     Attributes:
-        name: What was different in this run.
-        run: What happened.
-        lyapunov: V along it, at every moment of the log.
-        equilibrium: Where the leg was to come to rest.
-        cycle: What it did in the end.
+        name: Friction compensation of this run.
+        run: The run.
+        lyapunov: Lyapunov function along the run, at every moment of the log.
+        equilibrium: Predicted rest position.
+        cycle: Oscillation at the end.
     """
 
     name: str
@@ -67,22 +67,22 @@ class Regulation:
 
     @property
     def stopped(self) -> bool:
-        """Whether the leg rests throughout the end; one that turns round rests for a moment too."""
+        """Whether the leg rests during the whole last part, and not only for a moment as it reverses."""
         begin = int((1.0 - RESTING) * len(self.run.time))
         return bool((np.abs(self.run.v[begin:]) < STILL).all())
 
     @property
     def outcome(self) -> str:
-        """In two or three words."""
+        """Outcome in two or three words."""
         if self.stopped:
             return "stops" if self.equilibrium.holds(self.run.q[-1]) else "stops elsewhere"
         return "limit cycle" if self.cycle.exists else "still settling"
 
     def to_json(self) -> dict[str, Any]:
-        """Turn the figures of the run into what JSON can hold.
+        """Convert the results of the run to JSON types.
 
         Returns:
-            Figures by name.
+            Values by name.
         """
         energy = self.lyapunov.sampled()
         return {
@@ -96,13 +96,13 @@ class Regulation:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Regulations:
-    """Several of them beside each other; prints itself as a table.
+    """Several regulation runs; prints itself as a table.
 
     Attributes:
-        runs: The first without any friction, then one for each share that is compensated.
-        kp: [N·m/rad], (n,).
-        kd: [N·m·s/rad], (n,).
-        rate: Of the law [Hz].
+        runs: One run without any friction, then one for each compensated share.
+        kp: Gains Kp [N·m/rad], (n,).
+        kd: Gains Kd [N·m·s/rad], (n,).
+        rate: Sampling rate of the controller [Hz].
     """
 
     runs: tuple[Regulation, ...]
@@ -111,10 +111,16 @@ class Regulations:
     rate: float
 
     def __getitem__(self, name: str) -> Regulation:
-        """Look a run up by its name.
+        """Look up a run by its name.
+
+        Args:
+            name: Name such as "× 0.5", or "no friction".
+
+        Returns:
+            The run.
 
         Raises:
-            ExoidError: There is none.
+            ExoidError: There is no run of that name.
         """
         for run in self.runs:
             if run.name == name:
@@ -122,10 +128,10 @@ class Regulations:
         raise ExoidError(f"no run {name!r}", remedy=f"there are {', '.join(run.name for run in self.runs)}")
 
     def to_json(self) -> dict[str, Any]:
-        """Turn the table into what JSON can hold.
+        """Convert the table to JSON types.
 
         Returns:
-            Gains, rate, and the figures of each run by its name.
+            Gains, rate, and the results of each run by its name.
         """
         return {
             **attributes(self, "kp", "kd"),
@@ -163,7 +169,7 @@ class Regulations:
             f"{' / '.join(first.run.joint_names)}: from {away} off the target in {first.run.time[-1]:g} s",
             f"PD with exact gravity and × friction compensation: Kp {kp} N·m/rad, Kd {kd} N·m·s/rad, {self.rate:g} Hz",
             make_table(headers, rows),
-            f"V of doc. 2, eq. (29), at the law's samples, V₀ = {first.lyapunov.value[0]:.4g} J; band: c0 / Kp",
+            f"V of doc. 2, eq. (29), at the controller's samples, V₀ = {first.lyapunov.value[0]:.4g} J; band: c0 / Kp",
         )
 
 
@@ -180,30 +186,29 @@ def regulate(
     log_rate: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Regulations:
-    """Regulate a leg to a target under PD with exact gravity compensation and any share of its friction.
+    """Regulate a leg to a target under PD with exact gravity compensation and several shares of friction compensation.
 
     Friction is compensated with the sign function of the measured velocity, as doc. 2, eq. (25), prints it. Doc. 2
-    proves stability for exact compensation of everything, in continuous time. What a leg with stiction does:
-    compensated exactly or less, V falls and the leg stops within c0 / Kp of the target, not on it; compensated too
-    much, it never stops.
+    proves stability for exact compensation of gravity and friction, in continuous time. With stiction and exact or
+    less compensation, V falls and the leg stops within c0 / Kp of the target. With too much, it never stops.
 
     Args:
-        plant: The truth, of one rig with friction.
+        plant: The true leg, one rig with friction.
         kp: Kp [N·m/rad], a number or one for each joint.
         kd: Kd [N·m·s/rad].
-        target: Constant θ_d [rad], (n,).
-        away: Start less target [rad], (n,).
-        shares: Of the friction that are compensated.
-        rate: Of the law [Hz].
-        duration: [s].
-        log_rate: Of the log [Hz], a multiple of the rate; None for at least 100.
-        progress: Told the share that is done.
+        target: Constant target θ_d [rad], (n,).
+        away: Start minus target [rad], (n,).
+        shares: Compensated shares of the friction.
+        rate: Sampling rate of the controller [Hz].
+        duration: Duration of each run [s].
+        log_rate: Rate of the log [Hz], a multiple of the rate; None for at least 100.
+        progress: Function that receives the completed share, 0 to 1.
 
     Returns:
-        Each run; the first one is that of the leg without friction, called "no friction".
+        All runs; the first, "no friction", is that of the leg without friction.
 
     Raises:
-        ExoidError: The plant is of several rigs, or settings make no sense.
+        ExoidError: The plant has several rigs, or a setting is invalid.
     """
     stiffness, damping = (np.broadcast_to(gains(x, name), plant.n) for x, name in ((kp, "kp"), (kd, "kd")))
     aim = np.array(target, dtype=np.float64).reshape(-1)
@@ -246,7 +251,7 @@ def _simulate(
     names: Sequence[str],
     progress: Callable[[float], None] | None,
 ) -> tuple[Tracking, ...]:
-    """Planar legs all at once, others one by one."""
+    """Simulate planar legs in one run, others one by one."""
     reference = Hold(target[:, None])
     if plants[0].leg.chain is not None:
         together, side_by_side = Plant.concatenate(plants), SideBySide(tuple(laws))

@@ -1,4 +1,4 @@
-"""How well laws follow a course that know one estimate after the other."""
+"""Statistics of tracking by controllers with different estimates."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from exoid.json_values import attributes, named
 from exoid.tables import DataTable
 
 from .design import TRUTH
-from .driving import MEASURES
+from .tracking_runs import MEASURES
 
 
 class Spread(NamedTuple):
-    """Of a figure over replicates, joint by joint, (n,) each; NaN where there are too few.
+    """Spread of a metric over replicates, by joint, (n,) each; NaN if there are too few.
 
     Attributes:
         mean: Mean.
         std: Standard deviation.
-        worst: Largest.
+        worst: Largest value.
     """
 
     mean: FloatArray
@@ -33,18 +33,17 @@ class Spread(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LawFigures:
-    """A law that knows estimates from one protocol, noise and estimator; or the truth, or nothing.
+class TrackingStatistics:
+    """Tracking by a controller with the estimates of one protocol, noise and estimator, with the truth or no model.
 
     Attributes:
-        protocol: Name.
-        noise: Name.
-        law: Name.
-        knows: An estimator, "truth" or "nothing".
-        joint_labels: Joints, (n,).
-        runs: Tracking error, root mean square and peak [deg], and rms torque [N·m], of each replicate, (R, 3, n); NaN
-            where it diverged.
-        best: The same where the law knows the truth, with the same noise of the sensors; None where it knows nothing.
+        protocol: Name of the protocol.
+        noise: Name of the noise.
+        law: Name of the controller.
+        knows: Source of its parameters: an estimator, "truth" or "nothing".
+        joint_labels: Labels of the joints, (n,).
+        runs: RMS and peak tracking error [deg] and RMS torque [N·m] of each replicate, (R, 3, n); NaN if it diverged.
+        best: The same with the true parameters and the same sensor noise; None for a controller without a model.
     """
 
     protocol: str
@@ -57,7 +56,7 @@ class LawFigures:
 
     @property
     def rms_deg(self) -> Spread:
-        """Root mean squared tracking error [deg]."""
+        """RMS tracking error [deg]."""
         return _spread(self.runs[:, 0])
 
     @property
@@ -67,21 +66,25 @@ class LawFigures:
 
     @property
     def rms_torque(self) -> Spread:
-        """Root mean squared torque [N·m]."""
+        """RMS torque [N·m]."""
         return _spread(self.runs[:, 2])
 
     @property
     def excess_deg(self) -> Spread | None:
-        """By how much rms_deg exceeds that of the law that knows the truth, replicate by replicate [deg]."""
+        """RMS tracking error minus that of the same controller with the true parameters, by replicate [deg]."""
         return None if self.best is None else _spread(self.runs[:, 0] - self.best[:, 0])
 
     @property
     def diverged(self) -> int:
-        """Replicates in which the leg ran away, or the estimate made no law."""
+        """Number of replicates that diverged, or for which no controller could be made."""
         return int(np.isnan(self.runs).any(axis=(1, 2)).sum())
 
     def to_json(self) -> dict[str, Any]:
-        """Figures by joint."""
+        """Convert the statistics to JSON types.
+
+        Returns:
+            Names, and statistics by joint.
+        """
         spreads: dict[str, Spread | None] = {name: getattr(self, name) for name in (*MEASURES, "excess_deg")}
         columns = {name: np.transpose(spread) for name, spread in spreads.items() if spread is not None}
         return {
@@ -93,21 +96,40 @@ class LawFigures:
         }
 
 
-def laws_table(caption: str, figures: Iterable[LawFigures]) -> DataTable:
-    """Put laws one below the other: a line for each joint and each that the law was told."""
+def statistics_table(caption: str, figures: Iterable[TrackingStatistics]) -> DataTable:
+    """Make a table of several controllers.
+
+    Args:
+        caption: Caption.
+        figures: Statistics, in the order of the table.
+
+    Returns:
+        Table with one line for each joint and source of parameters.
+    """
     rows: list[tuple[str, ...]] = []
     for law, each in itertools.groupby(figures, lambda one: one.law):
         rows.append((law, *("",) * 9))
         rows += [(f"  {one.knows}, {label}", *_cells(one, joint)) for one in each for joint, label in _joints(one)]
-    headers = ("law, told by", "rms [°]", "std", "worst", "excess", "peak [°]", "std", "worst", "[N·m]", "std")
+    headers = (
+        "controller, parameters",
+        "rms [°]",
+        "std",
+        "worst",
+        "excess",
+        "peak [°]",
+        "std",
+        "worst",
+        "[N·m]",
+        "std",
+    )
     return DataTable(caption, headers, rows)
 
 
-def _joints(figures: LawFigures) -> Iterable[tuple[int, str]]:
+def _joints(figures: TrackingStatistics) -> Iterable[tuple[int, str]]:
     return enumerate(figures.joint_labels)
 
 
-def _cells(figures: LawFigures, joint: int) -> tuple[str, ...]:
+def _cells(figures: TrackingStatistics, joint: int) -> tuple[str, ...]:
     rms, peak, torque, excess = figures.rms_deg, figures.peak_deg, figures.rms_torque, figures.excess_deg
     over = math.nan if excess is None or figures.knows == TRUTH else excess.mean[joint]
     numbers = (*(x[joint] for x in rms), over, *(x[joint] for x in peak), torque.mean[joint], torque.std[joint])
@@ -115,7 +137,7 @@ def _cells(figures: LawFigures, joint: int) -> tuple[str, ...]:
 
 
 def _spread(values: FloatArray) -> Spread:
-    """Over replicates that did not diverge, (R, n)."""
+    """Spread over replicates that did not diverge, (R, n)."""
     kept = values[~np.isnan(values).any(axis=1)]
     none = np.full(values.shape[1], np.nan)
     if not len(kept):

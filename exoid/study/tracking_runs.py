@@ -1,4 +1,4 @@
-"""Laws that know what a chunk of a study identified, on the leg as it truly is."""
+"""Tracking by controllers that use the estimates of a chunk of a study, on the true leg."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.rig import Plant, Sensors
 
-from .design import BLIND, TRUTH, Chunk, Driver, Study
+from .design import TRUTH, WITHOUT_MODEL, Chunk, Study, TrackingCase
 from .tracking_task import TrackingTask
 
 MEASURES = ("rms_deg", "peak_deg", "rms_torque")
-"""Of :class:`exoid.control.Tracking`, by joint."""
+"""Metrics of :class:`exoid.control.Tracking`, by joint."""
 
 Laws = Sequence[Law | None]
-"""One a replicate; None where there is none, as for an estimate that no leg can have."""
+"""One controller for each replicate; None if it cannot be made, as from an estimate that is not physical."""
 
 
-def drive(study: Study, chunk: Chunk, estimates: Mapping[str, Sequence[Estimate]]) -> FloatArray:
-    """Let each driver follow the course in each replicate; D drivers, R replicates, n joints.
+def track_cases(study: Study, chunk: Chunk, estimates: Mapping[str, Sequence[Estimate]]) -> FloatArray:
+    """Run the tracking task for each case and replicate: D cases, R replicates, n joints.
 
-    The virtual leg is the true one. An offset is torque that the joint needs, on the scale of the sensor that it was
-    identified with. All drivers of a replicate meet the same sensor noise.
+    The virtual leg is the true one. An offset is torque that the joint needs, on the scale of the sensor of the
+    identification. All cases of a replicate have the same sensor noise.
 
     Args:
-        study: With a course.
-        chunk: Whose replicates.
-        estimates: By estimator, one a replicate.
+        study: Study with a tracking task.
+        chunk: Chunk of the replicates.
+        estimates: Estimates by estimator, one for each replicate.
 
     Returns:
-        MEASURES of each run, (D, R, 3, n); NaN where it diverged.
+        MEASURES of each run, (D, R, 3, n); NaN for runs that diverged.
     """
     course = study.course
     assert course is not None
@@ -44,34 +44,34 @@ def drive(study: Study, chunk: Chunk, estimates: Mapping[str, Sequence[Estimate]
     known = {name: [ControlModel.of(estimate) for estimate in each] for name, each in estimates.items()}
     exact = [truth] * chunk.replicates
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # of friction that noise made negative: results show what it does
-        laws = [_laws(course, driver, known.get(driver.knows, exact)) for driver in study.drivers]
+        warnings.simplefilter("ignore", UserWarning)  # about negative friction due to noise
+        laws = [_laws(course, case, known.get(case.knows, exact)) for case in study.tracking_cases]
     seed = (study.seed, chunk.protocol, chunk.noise, chunk.first, 2)
     return np.array(_runs(truth.plant(), course, laws, seed))
 
 
-def _laws(course: TrackingTask, driver: Driver, known: Sequence[ControlModel]) -> Laws:
-    """Laws of one driver; those that know the same are one."""
-    if driver.law == BLIND or driver.knows == TRUTH:
-        return (course.law(driver.law, known[0]),) * len(known)
+def _laws(course: TrackingTask, case: TrackingCase, known: Sequence[ControlModel]) -> Laws:
+    """Make the controllers of one case; replicates with the same parameters share one."""
+    if case.law == WITHOUT_MODEL or case.knows == TRUTH:
+        return (course.law(case.law, known[0]),) * len(known)
     laws: list[Law | None] = []
     for model in known:
         try:
-            laws.append(course.law(driver.law, model))
+            laws.append(course.law(case.law, model))
         except ExoidError:
             laws.append(None)
     return laws
 
 
 def _runs(plant: Plant, course: TrackingTask, laws: Sequence[Laws], seed: tuple[int, ...]) -> list[FloatArray]:
-    """Run all drivers side by side; where one diverges each by itself, and its replicates one by one.
+    """Run all cases in parallel; if one diverges, run each case separately, and its replicates one by one.
 
-    Each by itself meets the same noise still; replicates one by one have noise of their own.
+    Cases that run separately have the same noise; replicates that run one by one have different noise.
     """
     if plant.leg.chain is not None and all(law is not None for each in laws for law in each):
         try:
             return _side_by_side(plant, course, laws, seed)
-        except ExoidError:  # diverged, as everything else was refused when the study was made
+        except ExoidError:  # diverged: all other errors are raised when the study is made
             pass
     if len(laws) > 1:
         return [run for each in laws for run in _runs(plant, course, [each], seed)]
