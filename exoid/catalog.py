@@ -1,4 +1,4 @@
-"""The built-in legs, and where their URDFs lie."""
+"""Built-in legs and their URDFs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ URDFS = {
 
 
 def urdf_folder() -> Path:
-    """Folder of the built-in URDFs: inside the package when installed, beside it in a source tree.
+    """Find the folder of the built-in URDFs: inside the package when installed, beside it in a source tree.
+
+    Returns:
+        The folder.
 
     Raises:
         ExoidError: It is in neither place: the installation is incomplete.

@@ -1,4 +1,4 @@
-"""Reading a URDF that may be hostile: size, encoding, entities and structure are checked before a parser acts on it."""
+"""Reading a URDF that may be malicious: size, encoding, entities and structure are checked before it is parsed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import hashlib
 import math
 import re
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -15,14 +15,15 @@ from lxml import etree
 from .errors import ExoidError
 
 LARGEST_URDF = 20_000_000
-"""Bytes; the largest URDFs of humanoids are about a hundred times smaller."""
+"""Largest size of a URDF [bytes]; those of humanoids are about a hundred times smaller."""
 
 MOST_LINKS = 1000
-"""Links; humanoids with hands have about 150, and a chain of thousands overflows the stack of Pinocchio's parser."""
+"""Largest number of links. Humanoids with hands have about 150; thousands overflow the stack of Pinocchio's parser."""
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
 SHORTEST_AXIS = 1e-6
+"""Smallest length of a joint axis."""
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
@@ -35,23 +36,23 @@ NUMBERS = {
     "joint/dynamics": {"damping": 1, "friction": 1},
     "joint/limit": {"lower": 1, "upper": 1, "effort": 1, "velocity": 1},
 }
-"""How many numbers each attribute holds. Pinocchio's parser drops a whole <inertial> where one is not a number."""
+"""Number of values in each attribute. Pinocchio's parser drops a whole <inertial> if one of them is not a number."""
 
 REQUIRED = ("mass", "inertia")
-"""Elements whose attributes must all be there."""
+"""Elements that must have all of these attributes."""
 
 
 @dataclass(frozen=True)
 class Description:
-    """A URDF as text, with the name and hash that identify it in results.
+    """URDF as text, with the name and hash that identify it in results.
 
     Attributes:
-        text: The XML.
+        text: XML of the URDF.
         name: File name, for messages and reports.
         sha256: Hash of the text, hexadecimal.
     """
 
-    text: str
+    text: str = field(repr=False)
     name: str
     sha256: str
 
@@ -63,7 +64,7 @@ class Description:
 
     @property
     def plain(self) -> str:
-        """The XML with numbers parted by single spaces: where Pinocchio's parser finds others, it drops the element."""
+        """XML with single spaces between numbers: Pinocchio's parser drops elements with other white space."""
         root = self.parse()
         for path, attributes in NUMBERS.items():
             for element in root.findall(path):
@@ -72,7 +73,7 @@ class Description:
         return etree.tostring(root, encoding="unicode")
 
     def parse(self) -> etree._Element:
-        """Parse the text afresh: the root element, with comments, the caller's own to change."""
+        """Parse the text into a new tree, with comments, which the caller may change."""
         return etree.fromstring(self.text.encode(), _parser())
 
 
@@ -117,11 +118,14 @@ def describe(text: str, name: str = "URDF") -> Description:
     """Check URDF text: well-formed XML, no document type or entities, a ``<robot>`` whose joints make one tree.
 
     Args:
-        text: The XML.
-        name: What messages call it.
+        text: XML of the URDF.
+        name: Name of the URDF in messages.
+
+    Returns:
+        The checked description.
 
     Raises:
-        ExoidError: Any of these does not hold.
+        ExoidError: A check fails.
     """
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise ExoidError(
@@ -132,7 +136,7 @@ def describe(text: str, name: str = "URDF") -> Description:
     try:
         root = etree.fromstring(text.encode(), _parser())
     except (etree.XMLSyntaxError, ValueError) as error:
-        raise ExoidError(f"not well-formed XML ({error})", where=name, remedy="mend the XML") from error
+        raise ExoidError(f"not well-formed XML ({error})", where=name, remedy="correct the XML") from error
     if root.tag != "robot":
         raise ExoidError(f"the root element is <{root.tag}>, not <robot>", where=name, remedy="give a URDF file")
     if any(element.prefix == "xacro" for element in root.iter()):
@@ -177,14 +181,14 @@ def _check_tree(root: etree._Element, links: list[str], name: str) -> None:
     shared = [link for link, count in carried.items() if count > 1]
     if shared:
         raise ExoidError(
-            f"link {shared[0]!r} hangs on {carried[shared[0]]} joints",
+            f"link {shared[0]!r} is the child of {carried[shared[0]]} joints",
             where=name,
             remedy="a URDF is a tree: cut the loop",
         )
     roots = [link for link in links if link not in carried]
     if len(roots) != 1:
-        found = "no link is the root" if not roots else f"links {', '.join(roots[:5])} hang on no joint"
-        raise ExoidError(found, where=name, remedy="join all links to one tree, only its root hangs on no joint")
+        found = "no link is the root" if not roots else f"links {', '.join(roots[:5])} are children of no joint"
+        raise ExoidError(found, where=name, remedy="join all links to one tree with one root")
 
 
 def _check_numbers(root: etree._Element, name: str) -> None:
@@ -203,7 +207,7 @@ def _check_numbers(root: etree._Element, name: str) -> None:
                     raise ExoidError(
                         f"<{element.tag} {attribute}={text!r}> is not {count} finite number{'s' * (count > 1)}",
                         where=_place(element, name),
-                        remedy="write decimal numbers, parted by spaces",
+                        remedy="write decimal numbers, separated by spaces",
                     )
     for joint in root.findall("joint"):
         axis = joint.find("axis")

@@ -1,4 +1,4 @@
-"""Pinocchio's algorithms sample by sample, arrays in and arrays out."""
+"""Pinocchio's algorithms for arrays of samples."""
 
 from __future__ import annotations
 
@@ -12,26 +12,51 @@ from .model import configuration
 
 
 class SegmentPlacements(NamedTuple):
-    """Where the frame of each segment, at its joint, is in the base frame.
+    """Placement of each segment frame, at its joint, in the base frame.
 
     Attributes:
-        rotation: Orientations, (N, n, 3, 3).
+        rotation: Rotation matrices, (N, n, 3, 3).
         translation: Origins [m], (N, n, 3).
     """
 
     rotation: FloatArray
     translation: FloatArray
 
+    def __repr__(self) -> str:
+        """Write the size in one line."""
+        samples, segments = self.translation.shape[:2]
+        return f"SegmentPlacements({samples} samples, {segments} segments)"
+
 
 def inverse_dynamics(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-    """Joint torques by the recursive Newton-Euler algorithm [N·m], (N, n)."""
+    """Compute joint torques by the recursive Newton-Euler algorithm.
+
+    Args:
+        model: The model.
+        q: Joint angles [rad], (N, n).
+        v: Joint velocities [rad/s], (N, n).
+        a: Joint accelerations [rad/s²], (N, n).
+
+    Returns:
+        Torques [N·m], (N, n).
+    """
     data = model.createData()
     rows = zip(configuration(model, q), v, a, strict=True)
     return np.array([pin.rnea(model, data, *row) for row in rows]).reshape(v.shape)
 
 
 def joint_torque_regressor(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-    """Pinocchio's regressor Y with Y π = RNEA, (N, n, 10 n)."""
+    """Compute Pinocchio's regressor Y with Y π = RNEA(q, v, a).
+
+    Args:
+        model: The model.
+        q: Joint angles [rad], (N, n).
+        v: Joint velocities [rad/s], (N, n).
+        a: Joint accelerations [rad/s²], (N, n).
+
+    Returns:
+        Y, (N, n, 10 n).
+    """
     data = model.createData()
     out = np.empty((*v.shape, 10 * (model.njoints - 1)))
     for i, row in enumerate(zip(configuration(model, q), v, a, strict=True)):
@@ -40,7 +65,15 @@ def joint_torque_regressor(model: pin.Model, q: FloatArray, v: FloatArray, a: Fl
 
 
 def mass_matrix(model: pin.Model, q: FloatArray) -> FloatArray:
-    """M(q) by the composite rigid-body algorithm, (N, n, n)."""
+    """Compute the mass matrix M(q) by the composite rigid-body algorithm.
+
+    Args:
+        model: The model.
+        q: Joint angles [rad], (N, n).
+
+    Returns:
+        M [kg·m²], (N, n, n).
+    """
     data = model.createData()
     upper = np.array([np.triu(pin.crba(model, data, row)) for row in configuration(model, q)])
     upper = upper.reshape(len(q), model.nv, model.nv)
@@ -48,7 +81,16 @@ def mass_matrix(model: pin.Model, q: FloatArray) -> FloatArray:
 
 
 def coriolis_matrix(model: pin.Model, q: FloatArray, v: FloatArray) -> FloatArray:
-    """C(q, v) with C v the Coriolis and centrifugal torque and ½Ṁ − C skew, (N, n, n)."""
+    """Compute C(q, v), with C v the Coriolis and centrifugal torque and ½Ṁ − C skew-symmetric.
+
+    Args:
+        model: The model.
+        q: Joint angles [rad], (N, n).
+        v: Joint velocities [rad/s], (N, n).
+
+    Returns:
+        C, (N, n, n).
+    """
     data = model.createData()
     rows = zip(configuration(model, q), v, strict=True)
     matrices = [pin.computeCoriolisMatrix(model, data, *row).copy() for row in rows]
@@ -56,14 +98,30 @@ def coriolis_matrix(model: pin.Model, q: FloatArray, v: FloatArray) -> FloatArra
 
 
 def gravity_torque(model: pin.Model, q: FloatArray) -> FloatArray:
-    """G(q) [N·m], (N, n)."""
+    """Compute the gravity torque G(q).
+
+    Args:
+        model: The model.
+        q: Joint angles [rad], (N, n).
+
+    Returns:
+        G [N·m], (N, n).
+    """
     data = model.createData()
     torques = [pin.computeGeneralizedGravity(model, data, row).copy() for row in configuration(model, q)]
     return np.array(torques).reshape(len(q), model.nv)
 
 
 def segment_placements(model: pin.Model, q: FloatArray) -> SegmentPlacements:
-    """Forward kinematics: frames of all joints after the universe."""
+    """Compute the frames of all joints by forward kinematics.
+
+    Args:
+        model: The model.
+        q: Joint angles [rad], (N, n).
+
+    Returns:
+        Rotations and translations.
+    """
     data = model.createData()
     n = model.njoints - 1
     placements = SegmentPlacements(np.empty((len(q), n, 3, 3)), np.empty((len(q), n, 3)))

@@ -1,19 +1,19 @@
-"""The one error that exoid raises for bad input."""
+"""Error that exoid raises for invalid input."""
 
 from __future__ import annotations
 
 
 class ExoidError(Exception):
-    """Input that cannot give a trustworthy answer: says what is wrong, where, and what to do.
+    """Invalid input, or input that cannot give a reliable result.
 
     Args:
-        what: What is wrong, with the evidence (values, what exists instead).
-        where: File, row, column, joint or parameter concerned; empty when ``what`` says it all.
-        remedy: What the caller can do about it.
+        what: The error, with evidence such as the value found and the values allowed.
+        where: File, row, column, joint or parameter concerned; "" if ``what`` names it.
+        remedy: Action that corrects the input.
 
     Example:
         >>> str(ExoidError("no column 'q_knee'", where="log.csv", remedy="pass columns={'q_knee': ...}"))
-        "log.csv: no column 'q_knee'. To mend it: pass columns={'q_knee': ...}"
+        "log.csv: no column 'q_knee'. To fix it: pass columns={'q_knee': ...}"
     """
 
     def __init__(self, what: str, *, where: str = "", remedy: str = "") -> None:
@@ -23,8 +23,8 @@ class ExoidError(Exception):
         self.remedy = remedy
 
     def __str__(self) -> str:
-        """One line, whatever the pieces contain."""
+        """Write one line."""
         text = f"{self.where}: {self.what}" if self.where else self.what
         if self.remedy:
-            text = f"{text}. To mend it: {self.remedy}"
+            text = f"{text}. To fix it: {self.remedy}"
         return " ".join(text.split())

@@ -21,7 +21,10 @@ IN_URDF = {"c0": "friction", "d": "damping"}
 """Terms that a URDF has a place for: attributes of ``<dynamics>``."""
 
 OFFSET = "offset"
-"""Symbol of what is not of the leg but of its torque sensors."""
+"""Symbol and term of what is not of the leg but of its torque sensors."""
+
+ROTOR, ROTOR_TERM = "Ia", "armature"
+"""Symbol and term of rotor inertia."""
 
 REMEDY = "export the estimate again, or remove the file to have what the URDF says alone"
 
@@ -32,7 +35,8 @@ class Exported(NamedTuple):
     Attributes:
         leg: The rigid bodies.
         resistances: What acts on the joints besides: ``c0_hip``, ``d_hip``, ``Ia_hip``, … Friction below zero, which
-            was not dissipative, is zero as in the URDF; so is rotor inertia below zero, which was noise.
+            was not dissipative, is zero as in the URDF; so is rotor inertia below zero, which was noise. Parameters of
+            terms from outside exoid are among them; :func:`parameter_terms` tells the term of each.
         offsets: Zero of each joint's torque sensor [N·m], (n,).
     """
 
@@ -52,6 +56,9 @@ def read_exported(path: str | Path, joints: Sequence[str] | None = None) -> Expo
     Args:
         path: The URDF. Its sidecar, where there is one, says which joints move, and where the others are locked.
         joints: Joints that move, where there is no sidecar; None for all of one degree of freedom.
+
+    Returns:
+        The leg, what acts on its joints besides, and the zeros of its torque sensors.
 
     Raises:
         ExoidError: The URDF or the sidecar cannot be read, the sidecar is of another URDF, or of other joints.
@@ -75,9 +82,30 @@ def read_exported(path: str | Path, joints: Sequence[str] | None = None) -> Expo
     leg = Leg.from_description(description, data["joints"], locked=data["locked"], cumulative=data["cumulative"])
     beside = {name: value for name, value in data["values"].items() if name not in leg.parameter_names}
     beside |= dict.fromkeys(data["not_dissipative"], 0.0)
-    beside |= {name: 0.0 for name, value in beside.items() if name.startswith("Ia_") and value < 0.0}
-    offsets = np.array([beside.pop(f"{OFFSET}_{label}", 0.0) for label in leg.joint_labels])
+    terms = data.get("term_of", {})
+    for name in [f"{ROTOR}_{label}" for label in leg.joint_labels]:
+        if name in beside and terms.get(name, ROTOR_TERM) == ROTOR_TERM:
+            beside[name] = max(0.0, beside[name])
+    names = [f"{OFFSET}_{label}" for label in leg.joint_labels]
+    offsets = np.array([beside.pop(name, 0.0) if terms.get(name, OFFSET) == OFFSET else 0.0 for name in names])
     return Exported(leg, beside, offsets)
+
+
+def parameter_terms(path: str | Path) -> dict[str, str]:
+    """Read which term each parameter beside the rigid bodies belongs to.
+
+    Args:
+        path: The URDF that :meth:`exoid.Estimate.to_urdf` wrote.
+
+    Returns:
+        Name of the term by name of the parameter, such as ``{"c0_hip": "coulomb"}``; empty where there is no sidecar,
+        or one that an older exoid wrote.
+
+    Raises:
+        ExoidError: The URDF or the sidecar cannot be read, or the sidecar is of another URDF.
+    """
+    sidecar = sidecar_of(Path(path))
+    return dict(_read(sidecar, read_description(path)).get("term_of", {})) if sidecar.is_file() else {}
 
 
 def _dynamics(description: Description, leg: Leg) -> dict[str, float]:
@@ -129,12 +157,15 @@ def _read(sidecar: Path, description: Description) -> dict[str, Any]:
 def _is_complete(data: Mapping[str, Any]) -> bool:
     """Tell whether everything that is read is there and of its kind."""
     names, numbers = (data.get(key) for key in ("joints", "not_dissipative")), [data.get("locked"), data.get("values")]
+    terms = data.get("term_of", {})  # older sidecars have none
     return (
         isinstance(data.get("urdf"), dict)
         and isinstance(data["urdf"].get("sha256"), str)
         and isinstance(data.get("cumulative"), bool)
         and all(isinstance(x, list) and all(isinstance(name, str) for name in x) for x in names)
         and all(isinstance(x, dict) and all(_is_finite(value) for value in x.values()) for x in numbers)
+        and isinstance(terms, dict)
+        and all(isinstance(term, str) for term in terms.values())
     )
 
 

@@ -1,4 +1,4 @@
-"""Writing files whole or not at all, one or several that belong together."""
+"""Atomic writing of one file or of several that belong together."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .errors import ExoidError
 
 
 def write_whole(path: str | os.PathLike[str], pieces: Iterable[str]) -> None:
-    """Write text so that the file appears under its name only when it is complete.
+    """Write text atomically: the file appears under its name only when it is complete.
 
     Args:
         path: File to write; an existing one is replaced.
-        pieces: The text, piece by piece.
+        pieces: Text in pieces.
 
     Raises:
         ExoidError: The folder is missing or cannot be written, or the disk is full.
@@ -26,10 +26,10 @@ def write_whole(path: str | os.PathLike[str], pieces: Iterable[str]) -> None:
 
 
 def write_together(contents: Mapping[Path, str]) -> None:
-    """Write several texts so that either all of them appear under their names or none does.
+    """Write several texts atomically: either all files appear under their names or none does.
 
-    Each is first written in full beside its place; only then are they put there, and what was there before comes back
-    if one cannot be.
+    Each text is first written to a temporary file in the same folder. Then all files are renamed. If a renaming fails,
+    the earlier files are restored.
 
     Args:
         contents: Text of each file; existing files are replaced.
@@ -69,7 +69,10 @@ def write_together(contents: Mapping[Path, str]) -> None:
 
 
 def refuse_unwritable(path: str | os.PathLike[str]) -> None:
-    """Check that a file can be written, before the work whose result it is to hold.
+    """Check that a file can be written, before the work for its content begins.
+
+    Args:
+        path: The file.
 
     Raises:
         ExoidError: The folder is missing or cannot be written, or the path is a folder.
@@ -85,7 +88,15 @@ def refuse_unwritable(path: str | os.PathLike[str]) -> None:
 
 
 def write_bytes(path: str | os.PathLike[str], pieces: Iterable[bytes]) -> None:
-    """Write bytes so that the file appears under its name only when it is complete; see :func:`write_whole`."""
+    """Write bytes atomically, see :func:`write_whole`.
+
+    Args:
+        path: File to write; an existing one is replaced.
+        pieces: Bytes in pieces.
+
+    Raises:
+        ExoidError: The folder is missing or cannot be written, or the disk is full.
+    """
     target = Path(path)
     part = target.with_name(f".{target.name}.{os.getpid()}.part")
     with _written(path):
@@ -101,12 +112,12 @@ def write_bytes(path: str | os.PathLike[str], pieces: Iterable[bytes]) -> None:
 
 @contextmanager
 def _written(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Turn what the operating system refuses into one line about a path."""
+    """Turn an error of the operating system into one line about a path."""
     try:
         yield
     except OSError as problem:
         raise ExoidError(
             f"cannot be written: {problem.strerror or problem}",
             where=str(path),
-            remedy="write into an existing folder that is yours, on a disk with room",
+            remedy="write into an existing folder for which you have permission, on a disk with free space",
         ) from None

@@ -1,4 +1,4 @@
-"""The leg: a URDF, the joints that move, and the parameters that its motion can determine."""
+"""Leg: a URDF, the joints that move, and its base parameters."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ SIDES = ("left_", "right_")
 
 
 class JointLimits(NamedTuple):
-    """Limits of each joint as the URDF states them, (n,) each; infinite where it states none.
+    """Limits of each joint in the URDF, (n,) each; infinite where it has none.
 
     Attributes:
         lower: Smallest angle [rad].
@@ -49,20 +49,20 @@ class JointLimits(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Leg:
-    """Rigid-body model of one leg (or any other robot): Pinocchio's, and its minimal parameters.
+    """Rigid-body model of one leg, or of any other robot: a Pinocchio model and its base parameters.
 
-    For a planar chain the parameters are the documents' (X, Y, J) of each segment; for any other robot they are
-    numeric base parameters. For every motion, ``regressor(q, v, a) @ parameters == inverse_dynamics(q, v, a)``.
+    For a planar chain the parameters are (X, Y, J) of each segment, as in the documents. For any other robot they are
+    numerical base parameters. For every motion, ``regressor(q, v, a) @ parameters == inverse_dynamics(q, v, a)``.
 
-    Make one with :func:`exoid.load_leg` or :meth:`Leg.from_urdf`.
+    Make a leg with :func:`exoid.load_leg` or :meth:`Leg.from_urdf`.
 
     Attributes:
         description: The URDF.
         locked: Positions of joints that do not move [rad].
         cumulative: Whether J of a segment contains the J below it (doc. 1) or not (doc. 2).
-        model: Pinocchio model of the moving joints. Not to be changed.
-        chain: Planar geometry, or None where the leg is not a planar chain.
-        reduction: From link parameters to :attr:`parameters`.
+        model: Pinocchio model of the moving joints; do not change it.
+        chain: Planar geometry; None if the leg is not a planar chain.
+        reduction: Reduction of link parameters to :attr:`parameters`.
     """
 
     description: Description
@@ -87,14 +87,14 @@ class Leg:
             path: The URDF.
             joints: Joints that move, from the torso outwards; all others are locked. None for every joint of one
                 degree of freedom.
-            locked: Positions of other joints [rad or m]; zero where not given.
-            cumulative: See the class.
+            locked: Positions of other joints [rad or m]; zero if not given.
+            cumulative: Whether J of a segment contains the J below it (doc. 1) or not (doc. 2).
 
         Returns:
             The leg.
 
         Raises:
-            ExoidError: The URDF is unreadable or unfit, or a joint is missing.
+            ExoidError: The URDF cannot be read or used, or a joint is missing.
 
         Example:
             >>> leg = Leg.from_urdf("my_leg.urdf", joints=("hip", "knee"))  # doctest: +SKIP
@@ -110,7 +110,20 @@ class Leg:
         locked: Mapping[str, float] | None = None,
         cumulative: bool = True,
     ) -> Leg:
-        """Build a leg from a description that is already in memory; see :meth:`from_urdf`."""
+        """Build a leg from a description in memory.
+
+        Args:
+            description: The URDF.
+            joints: See :meth:`from_urdf`.
+            locked: See :meth:`from_urdf`.
+            cumulative: See :meth:`from_urdf`.
+
+        Returns:
+            The leg.
+
+        Raises:
+            ExoidError: The URDF cannot be used, or a joint is missing.
+        """
         locked = MappingProxyType(dict(locked or {}))
         model = build_model(description, joints, locked)
         chain = PlanarChain.from_model(model)
@@ -128,7 +141,7 @@ class Leg:
 
     @property
     def joint_labels(self) -> tuple[str, ...]:
-        """Joint names without ``left_`` or ``right_``: what parameters are named after, so that sides compare."""
+        """Joint names without ``left_`` or ``right_``, which occur in the names of parameters."""
         return _without_side(self.joint_names)
 
     @property
@@ -143,7 +156,7 @@ class Leg:
 
     @property
     def parameter_names(self) -> tuple[str, ...]:
-        """Names of the parameters, the order of every array of them."""
+        """Names of the parameters, in the order of every array of parameters."""
         return self.reduction.names
 
     @property
@@ -170,10 +183,18 @@ class Leg:
         return JointLimits(lower, upper, model.velocityLimit.copy(), model.effortLimit.copy())
 
     def with_parameters(self, values: ArrayLike) -> Leg:
-        """Return the same leg with other parameters, (p,); masses stay, so single links may look unphysical.
+        """Change the parameters.
+
+        Masses do not change, so single links may become physically inconsistent.
+
+        Args:
+            values: Parameters in the order of :attr:`parameter_names`, (p,).
+
+        Returns:
+            The leg with these parameters.
 
         Raises:
-            ExoidError: The number of values is wrong or one is not finite.
+            ExoidError: The number of values is wrong, or one is not finite.
         """
         array = _numbers(values)
         if array.shape != self.parameters.shape or not np.isfinite(array).all():
@@ -182,13 +203,13 @@ class Leg:
         return replace(self, model=with_dynamic_parameters(self.model, adjusted))
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
-        """Regressor W of the parameters: τ = W(q, v, a) β.
+        """Form the regressor W of the parameters: τ = W(q, v, a) β.
 
         Args:
             q: Joint angles [rad], (N, n).
             v: Joint velocities [rad/s], (N, n).
             a: Joint accelerations [rad/s²], (N, n).
-            torso: Motion of the torso; None where it is upright and still.
+            torso: Motion of the torso; None if it is upright and still.
 
         Returns:
             W, (N, n, p), each column contiguous in memory.
@@ -204,13 +225,24 @@ class Leg:
     def fill_regressor(
         self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, torso: TorsoMotion | None = None
     ) -> None:
-        """Write the regressor into zeroed memory of shape (p, n, N); see :meth:`regressor`."""
+        """Write the regressor into an array.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            a: Joint accelerations [rad/s²], (N, n).
+            out: Receives Wᵀ, zeroed, (p, n, N).
+            torso: Motion of the torso; None if it is upright and still.
+
+        Raises:
+            ExoidError: The torso of a leg that is not a planar chain moves.
+        """
         if self.chain is not None:
             moved = None if torso is None else torso.samples(len(q))
             fill_regressor(self.chain, q, v, a, out, cumulative=self.cumulative, torso=moved)
         elif torso is not None:
             raise ExoidError(
-                "a moving torso brings in further parameters unless the leg is a planar chain",
+                "a moving torso needs more parameters unless the leg is a planar chain",
                 where=self.description.name,
                 remedy="use inverse_dynamics, or add the torso's motion to the URDF as joints",
             )
@@ -220,7 +252,20 @@ class Leg:
     def inverse_dynamics(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None
     ) -> FloatArray:
-        """Joint torques by Pinocchio's RNEA [N·m], (N, n); arguments as for :meth:`regressor`."""
+        """Compute joint torques by Pinocchio's recursive Newton-Euler algorithm (RNEA).
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            a: Joint accelerations [rad/s²], (N, n).
+            torso: Motion of the torso; None if it is upright and still.
+
+        Returns:
+            Torques [N·m], (N, n).
+
+        Raises:
+            ExoidError: Shapes do not fit.
+        """
         samples = self.samples(q, v, a)
         if torso is None:
             return inverse_dynamics(self.model, *samples)
@@ -230,13 +275,32 @@ class Leg:
         return inverse_dynamics(self._on_torso, *moved)[:, TORSO_JOINTS:]
 
     def mass_matrix(self, q: ArrayLike) -> FloatArray:
-        """Mass matrix M(q) [kg·m²], (N, n, n). A tilt of the torso does not change it."""
+        """Compute the mass matrix M(q), which does not depend on the tilt of the torso.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+
+        Returns:
+            M [kg·m²], (N, n, n).
+
+        Raises:
+            ExoidError: The shape does not fit.
+        """
         return mass_matrix(self.model, *self.samples(q))
 
     def coriolis(self, q: ArrayLike, v: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
-        """Coriolis matrix C(q, v) with ½Ṁ − C skew, (N, n, n).
+        """Compute the Coriolis matrix C(q, v) with ½Ṁ − C skew-symmetric.
 
-        With a torso motion (N, n, 1 + n): its first column multiplies the pitch rate.
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            torso: Motion of the torso; None if it is upright and still.
+
+        Returns:
+            C, (N, n, n). With a motion of the torso (N, n, 1 + n), where the first column multiplies the pitch rate.
+
+        Raises:
+            ExoidError: Shapes do not fit.
         """
         q, v = self.samples(q, v)
         if torso is None:
@@ -246,7 +310,18 @@ class Leg:
         return C[:, TORSO_JOINTS:, TORSO_JOINTS - 1 :]
 
     def gravity(self, q: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
-        """Gravity torque G(q) [N·m], (N, n); of the torso only the pitch matters."""
+        """Compute the gravity torque G(q).
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            torso: Motion of the torso, only the pitch of which has an effect; None if it is upright.
+
+        Returns:
+            G [N·m], (N, n).
+
+        Raises:
+            ExoidError: The shape does not fit.
+        """
         (q,) = self.samples(q)
         if torso is None:
             return gravity_torque(self.model, q)
@@ -254,12 +329,30 @@ class Leg:
         return gravity_torque(self._on_torso, np.hstack([position, q]))[:, TORSO_JOINTS:]
 
     def gravity_of_tilted_torso(self, pitch: float) -> FloatArray:
-        """Gravity as the base frame of a torso tilted by ``pitch`` [rad] sees it [m/s²], (3,)."""
+        """Compute gravity in the base frame of a tilted torso.
+
+        Args:
+            pitch: Tilt of the torso [rad].
+
+        Returns:
+            Gravity [m/s²], (3,).
+        """
         _, lateral, _ = self._plane
         return np.asarray(pin.exp3(pitch * lateral) @ self.model.gravity.linear)
 
     def forward_kinematics(self, q: ArrayLike, torso: TorsoMotion | None = None) -> SegmentPlacements:
-        """Place the frame of every segment in the base frame; a pitching torso turns about the hip."""
+        """Compute the placement of every segment frame in the base frame.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            torso: Motion of the torso, which pitches about the hip; None if it is upright.
+
+        Returns:
+            Rotations and translations.
+
+        Raises:
+            ExoidError: The shape does not fit.
+        """
         (q,) = self.samples(q)
         if torso is None:
             return segment_placements(self.model, q)
@@ -268,7 +361,17 @@ class Leg:
         return SegmentPlacements(rotation[:, TORSO_JOINTS:], translation[:, TORSO_JOINTS:])
 
     def samples(self, *arrays: ArrayLike) -> tuple[FloatArray, ...]:
-        """Check that arrays are (N, n) alike; a single sample (n,) counts as N = 1."""
+        """Check that arrays have the same shape (N, n).
+
+        Args:
+            *arrays: Arrays, (N, n); a single sample (n,) counts as N = 1.
+
+        Returns:
+            The arrays in float64.
+
+        Raises:
+            ExoidError: Shapes differ, or do not fit the number of joints.
+        """
         checked = tuple(np.atleast_2d(_numbers(x)) for x in arrays)
         n = len(self.joint_names)
         if any(x.shape != checked[0].shape or x.shape[1] != n or x.ndim != 2 for x in checked):
@@ -279,7 +382,7 @@ class Leg:
         return checked
 
     def __repr__(self) -> str:
-        """Name the source, the joints and the parameters."""
+        """Write the URDF, the joints and the parameters."""
         kind = "numeric" if self.chain is None else "planar"
         names = ", ".join(self.parameter_names)
         return f"Leg({self.description.name!r}, joints={self.joint_names}, {kind}: {names})"
@@ -293,7 +396,7 @@ class Leg:
         return moving_torso_model(self.model, self._plane)
 
     def _fill_numeric(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
-        block = 2048  # samples: keeps Pinocchio's wide regressor out of the way of memory
+        block = 2048  # samples, which limits the memory of Pinocchio's wide regressor
         for start in range(0, len(q), block):
             rows = slice(start, start + block)
             Y = joint_torque_regressor(self.model, q[rows], v[rows], a[rows])

@@ -1,4 +1,4 @@
-"""From a description to the Pinocchio model of the chosen joints, everything else locked."""
+"""Pinocchio model of the selected joints of a URDF, with all other joints locked."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .description import Description
 from .errors import ExoidError
 
 NEGATIVE = 1e-6
-"""Principal inertias below zero by more than this fraction of the largest are refused; less is rounding."""
+"""Largest negative principal inertia, over the largest positive one, that counts as rounding."""
 
 
 def build_model(description: Description, joints: Sequence[str] | None, locked: Mapping[str, float]) -> pin.Model:
@@ -22,10 +22,13 @@ def build_model(description: Description, joints: Sequence[str] | None, locked: 
     Args:
         description: The URDF.
         joints: Joints that move, from the torso outwards; None for all of one degree of freedom.
-        locked: Positions of other joints [rad or m]; 0 where not given.
+        locked: Positions of other joints [rad or m]; 0 if not given.
+
+    Returns:
+        The model.
 
     Raises:
-        ExoidError: The URDF does not parse, a joint is missing or unsuited, or a moving link has no inertia.
+        ExoidError: The URDF does not parse, a joint is missing or unfit, or a moving link has no inertia.
     """
     full = _parse(description)
     single = [full.names[j] for j in range(1, full.njoints) if full.nvs[j] == 1]
@@ -62,10 +65,10 @@ def build_model(description: Description, joints: Sequence[str] | None, locked: 
 
 
 def configuration(model: pin.Model, q: FloatArray) -> FloatArray:
-    """Turn joint angles into Pinocchio's configuration: a continuous joint is stored as (cos, sin).
+    """Convert joint angles to Pinocchio's configuration, in which a continuous joint is (cos, sin).
 
     Args:
-        model: Model whose joints all have one degree of freedom (others stay neutral).
+        model: Model of joints with one degree of freedom; others keep their neutral configuration.
         q: Angles [rad], (N, n).
 
     Returns:
@@ -87,12 +90,27 @@ def configuration(model: pin.Model, q: FloatArray) -> FloatArray:
 
 
 def dynamic_parameters(model: pin.Model) -> FloatArray:
-    """Stack π = [m, mc, I] of the moving links, I about the joint frame, as Pinocchio orders them, (10 n,)."""
+    """Stack π = [m, mc, I] of the moving links in Pinocchio's order, with I about the joint frame.
+
+    Args:
+        model: The model.
+
+    Returns:
+        π, (10 n,).
+    """
     return np.concatenate([model.inertias[j].toDynamicParameters() for j in range(1, model.njoints)])
 
 
 def with_dynamic_parameters(model: pin.Model, parameters: FloatArray) -> pin.Model:
-    """Copy the model with other inertial parameters π, (10 n,)."""
+    """Copy a model with other inertial parameters.
+
+    Args:
+        model: The model.
+        parameters: π, (10 n,).
+
+    Returns:
+        The copy.
+    """
     copy = pin.Model(model)
     for j, values in enumerate(parameters.reshape(-1, 10), start=1):
         copy.inertias[j] = pin.Inertia.FromDynamicParameters(values)

@@ -1,4 +1,4 @@
-"""Changing numbers in a URDF and nothing else: meshes, geometry, comments and unknown elements stay as they were."""
+"""Rewriting numbers in a URDF; meshes, geometry, comments and unknown elements do not change."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ INERTIA = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1
 
 
 def read_inertials(description: Description) -> dict[str, FloatArray]:
-    """Read each link's own inertia.
+    """Read the inertia of each link.
+
+    Args:
+        description: The URDF.
 
     Returns:
         π about the link frame, (10,), of every link that has an ``<inertial>``.
@@ -34,17 +37,17 @@ def rewrite(
     dynamics: Mapping[str, Mapping[str, float]],
     note: str = "",
 ) -> str:
-    """Write other inertias and joint friction into a URDF.
+    """Change inertias and joint friction in a URDF.
 
     Args:
         description: The URDF.
         inertials: π about the link frame, (10,), of each link to change. It is written about the centre of mass, with
-            axes parallel to the link's, in digits that read back to the same double.
-        dynamics: For each joint to change, attributes of ``<dynamics>``: "damping" and "friction".
-        note: A comment to stand above everything else.
+            axes parallel to those of the link, in digits that read back exactly.
+        dynamics: Attributes "damping" and "friction" of ``<dynamics>``, for each joint to change.
+        note: Comment at the top of the file; "" for none.
 
     Returns:
-        The XML.
+        XML of the new URDF.
     """
     root = description.parse()
     for link in root.findall("link"):
@@ -94,7 +97,7 @@ def _write_inertial(link: etree._Element, parameters: FloatArray) -> None:
 
 
 def _child(parent: etree._Element, tag: str, *, first: bool = False) -> etree._Element:
-    """Find a child, or make it, with white space as its neighbours have it."""
+    """Find a child element, or make it with the white space of its neighbours."""
     found = parent.find(tag)
     if found is not None:
         return found

@@ -1,7 +1,8 @@
-"""Tables as people read them, in a terminal or in a string."""
+"""Tables as plain text for terminals, and as HTML for notebooks."""
 
 from __future__ import annotations
 
+import html
 import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -11,11 +12,11 @@ WIDTH = 110
 
 @dataclass(frozen=True)
 class DataTable:
-    """A table for terminals and pages alike, whose first column names its rows.
+    """A table for terminals and pages, whose first column names the rows.
 
     Attributes:
-        caption: Line above it; empty for none.
-        headers: Of the columns.
+        caption: Line above the table; "" for none.
+        headers: Headers of the columns.
         rows: Cells as text.
     """
 
@@ -75,8 +76,61 @@ def to_text(*parts: DataTable | str) -> str:
     return "\n".join(line.rstrip() for line in file.getvalue().splitlines()).strip("\n")
 
 
+def to_html(*parts: DataTable | str) -> str:
+    """Render tables, with their captions, and lines as HTML, such as a ``_repr_html_`` returns to a notebook.
+
+    Args:
+        parts: Tables, and lines of text, which are escaped.
+
+    Returns:
+        ``<table>`` and ``<p>`` elements.
+    """
+    return "".join(
+        html_table(part.headers, part.rows, part.caption)
+        if isinstance(part, DataTable)
+        else f"<p>{html.escape(part)}</p>"
+        for part in parts
+    )
+
+
+def html_table(headers: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:
+    """Render a table as HTML, such as a ``_repr_html_`` returns to a notebook.
+
+    Args:
+        headers: Headers of the columns; none for a table without a header.
+        rows: Cells as text, which is escaped; the first cell names the row, the others are aligned right.
+        caption: Line above the table; "" for none.
+
+    Returns:
+        One ``<table>`` element.
+
+    Example:
+        >>> html_table(("joint", "q [rad]"), [("knee", "-1.2 … 0.0")], caption="swing.csv")[:46]
+        '<table><caption style="text-align:left">swing.'
+    """
+
+    def line(tag: str, cells: Sequence[str]) -> str:
+        sides = ("left", *("right",) * (len(cells) - 1))
+        row = (
+            f'<{tag} style="text-align:{side}">{html.escape(c)}</{tag}>' for side, c in zip(sides, cells, strict=True)
+        )
+        return f"<tr>{''.join(row)}</tr>"
+
+    top = f'<caption style="text-align:left">{html.escape(caption)}</caption>' if caption else ""
+    head = f"<thead>{line('th', headers)}</thead>" if headers else ""
+    return f"<table>{top}{head}<tbody>{''.join(line('td', row) for row in rows)}</tbody></table>"
+
+
 def with_error(value: float, std: float, *bounds: float) -> tuple[str, ...]:
-    """Write a value, its standard deviation and bounds of it, all to the second digit of the deviation.
+    """Write a value, its standard deviation and bounds, all to the second digit of the deviation.
+
+    Args:
+        value: The value.
+        std: Its standard deviation.
+        *bounds: Bounds, such as those of an interval.
+
+    Returns:
+        Each number as text.
 
     Example:
         >>> with_error(1.962817, 0.00131, 1.96025, 1.96538)

@@ -1,4 +1,4 @@
-"""A torso that tilts or moves: what the leg hangs from."""
+"""Torso motion: tilt and acceleration of the base of the leg."""
 
 from __future__ import annotations
 
@@ -12,24 +12,25 @@ from .errors import ExoidError
 from .reduction import Plane, TorsoSamples
 
 TORSO_JOINTS = 3
-"""Forward, up and pitch, in front of the leg's joints."""
+"""Number of torso joints before the leg's joints: forward, up and pitch."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class TorsoMotion:
-    """How the torso tilts and moves in the plane of the leg; each entry is a number, or one per sample.
+    """Motion of the torso in the plane of the leg; each entry is a number, or one per sample.
 
-    The base acceleration acts like a changed gravity and the pitch like an offset of the hip angle: the torso adds no
-    parameter (doc. 1, end of sec. II-B).
+    The acceleration of the base has the effect of a changed gravity, and the pitch that of an offset of the hip angle.
+    The torso therefore adds no parameter (doc. 1, end of sec. II-B).
 
     Attributes:
-        pitch: Tilt [rad], positive about −lateral like a positive φ, that is, with the shoulders moving backwards.
-        pitch_rate: [rad/s].
-        pitch_acceleration: [rad/s²].
+        pitch: Tilt [rad], () or (N,), positive about −lateral like a positive φ: the shoulders move backwards.
+        pitch_rate: Rate of the tilt [rad/s], () or (N,).
+        pitch_acceleration: Acceleration of the tilt [rad/s²], () or (N,).
         hip_acceleration: Forward and upward acceleration of the first joint's origin [m/s²], (2,) or (N, 2).
 
     Example:
-        >>> tilted = TorsoMotion(pitch=np.deg2rad(20.0))
+        >>> TorsoMotion(pitch=0.35)
+        TorsoMotion(pitch=0.35)
     """
 
     pitch: ArrayLike = 0.0
@@ -38,7 +39,13 @@ class TorsoMotion:
     hip_acceleration: ArrayLike = (0.0, 0.0)
 
     def samples(self, count: int) -> TorsoSamples:
-        """Repeat constants so that every entry has ``count`` samples.
+        """Repeat constants so that every entry has one value per sample.
+
+        Args:
+            count: Number of samples, N.
+
+        Returns:
+            Motion of the torso at each sample.
 
         Raises:
             ExoidError: An entry is not finite or has another number of samples.
@@ -53,9 +60,27 @@ class TorsoMotion:
             raise ExoidError("torso motion is not finite", remedy="remove the NaN or infinite samples")
         return TorsoSamples(pitch, rate, acceleration, hip[:, 0], hip[:, 1])
 
+    def __repr__(self) -> str:
+        """Write the entries that are not zero in one line: numbers, or the shape of an array."""
+        entries = []
+        for field in fields(self):
+            values = np.asarray(getattr(self, field.name))
+            if np.any(values):
+                shown = values.tolist() if values.size <= 2 else f"<array of shape {values.shape}>"
+                entries.append(f"{field.name}={shown}")
+        return f"TorsoMotion({', '.join(entries)})"
+
 
 def moving_torso_model(model: pin.Model, plane: Plane) -> pin.Model:
-    """Put three joints before the leg's: the hip moves forward and up, and the torso pitches about it."""
+    """Put three joints before the leg's joints: the hip moves forward and up, and the torso pitches about it.
+
+    Args:
+        model: Model of the leg.
+        plane: Plane of motion.
+
+    Returns:
+        Model of torso and leg.
+    """
     hip = pin.SE3(np.eye(3), model.jointPlacements[1].translation)
     torso = pin.Model()
     joint = torso.addJoint(0, pin.JointModelPrismaticUnaligned(plane.forward), hip, "exoid torso forward")
@@ -68,9 +93,15 @@ def moving_torso_model(model: pin.Model, plane: Plane) -> pin.Model:
 
 
 def torso_coordinates(torso: TorsoSamples) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Positions, velocities and accelerations of the three torso joints, (N, 3) each.
+    """Compute the coordinates of the three torso joints.
 
-    Velocities of translation change no force; they and the displacement are left at zero.
+    Displacement and velocity of the translation do not affect the torques and are zero.
+
+    Args:
+        torso: Motion of the torso at N samples.
+
+    Returns:
+        Positions, velocities and accelerations, (N, 3) each.
     """
     zero = np.zeros_like(torso.pitch)
     return (

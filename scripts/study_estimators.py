@@ -30,7 +30,7 @@ from scipy.integrate import solve_ivp
 import exoid
 from exoid._typing import FloatArray
 from exoid.experiments.references import Harmonics
-from exoid.identification.estimators import ClosedLoop, Estimator, InstrumentalVariables, OutputError
+from exoid.identification.estimators import ClosedLoop, Estimator, OutputError
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors, simulate
 from exoid.signals import FiniteDifference
 
@@ -50,9 +50,9 @@ SETTINGS: Mapping[str, tuple[float, int]] = {
     "1e-3 rad, 50 Hz": (1e-3, 10),
 }
 """Standard deviation of the encoder noise [rad], and of how many 500 Hz samples one is kept."""
-ESTIMATORS = ("exact", "ols", "wls", "huber", "gls", "iv", "ml", "output-error")
+ESTIMATORS = ("exact", "ols", "wls", "huber", "gls", "ml", "output-error")
 """exact: weighted least squares with the true angles, velocities and accelerations, unfiltered."""
-NEED_LOOP = ("iv", "output-error")
+NEED_LOOP = ("output-error",)
 
 
 class Motion(NamedTuple):
@@ -152,7 +152,6 @@ def decimated(whole: exoid.Recording, every: int) -> exoid.Recording:
 def estimator(name: str, closed: ClosedLoop) -> Estimator | str:
     """Estimator by name, with the loop where it needs one."""
     known: dict[str, Estimator | str] = {
-        "iv": InstrumentalVariables(closed),
         "output-error": OutputError(closed),
         "exact": "wls",
     }

@@ -1,6 +1,8 @@
 """Settings that every test shares."""
 
 import os
+import sys
+from typing import NamedTuple
 
 # Before the first import of numpy: many small matrices, and one process for each core.
 os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
@@ -10,6 +12,7 @@ from browser import chromium
 from hypothesis import settings
 
 import exoid
+from exoid.cli import main
 
 settings.register_profile("exoid", deadline=None, derandomize=True, database=None, print_blob=False)
 settings.load_profile("exoid")
@@ -44,3 +47,25 @@ def browser():
     """A Chromium to open pages in; tests that ask for it are skipped where there is none."""
     with chromium() as running:
         yield running
+
+
+class Run(NamedTuple):
+    """Exit status, standard output and standard error."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def exoid_(capsys, monkeypatch, tmp_path):
+    """Run ``exoid ARGUMENTS`` in this process, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["exoid", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        return Run(int(stop.value.code or 0), *capsys.readouterr())
+
+    return run

@@ -43,7 +43,7 @@ def refusal(action: Callable[[], object]) -> str:
         action()
     message = str(caught.value)
     assert "\n" not in message
-    assert ". To mend it: " in message
+    assert ". To fix it: " in message
     return message
 
 
@@ -181,18 +181,18 @@ def test_an_expanded_urdf_may_still_declare_xacro():
     ("text", "message"),
     [
         ('<robot name="r"><link name="a"/></robot>', "has no joints"),
-        (replaced('type="revolute"', 'type="hinge"'), "joint 'hip': unknown type 'hinge'. To mend it: use one of"),
+        (replaced('type="revolute"', 'type="hinge"'), "joint 'hip': unknown type 'hinge'. To fix it: use one of"),
         (replaced('type="revolute"', ""), "joint 'hip': unknown type None"),
         (replaced('<parent link="thigh"/>', '<parent link="thihg"/>'),
-         "joint 'knee': its <parent> 'thihg' is not a link. To mend it: links are torso, thigh, shank"),
+         "joint 'knee': its <parent> 'thihg' is not a link. To fix it: links are torso, thigh, shank"),
         (replaced('<child link="shank"/>', '<child link="foot"/>'), "joint 'knee': its <child> 'foot' is not a link"),
         (replaced('<parent link="thigh"/>', ""), "joint 'knee': its <parent> None is not a link"),
         (replaced('<child link="shank"/>', "<child/>"), "joint 'knee': its <child> None is not a link"),
         (replaced('<link name="torso"/>', '<link name="shank"/>'), "names occur twice: shank"),
         (replaced('name="knee"', 'name="hip"'), "names occur twice: hip"),
-        (replaced('<child link="shank"/>', '<child link="thigh"/>'), "link 'thigh' hangs on 2 joints"),
+        (replaced('<child link="shank"/>', '<child link="thigh"/>'), "link 'thigh' is the child of 2 joints"),
         (replaced('<link name="torso"/>', '<link name="torso"/><link name="spare"/>'),
-         "links torso, spare hang on no joint"),
+         "links torso, spare are children of no joint"),
         (replaced('<parent link="torso"/>', '<parent link="shank"/>').replace('<link name="torso"/>', ""),
          "no link is the root"),
     ],
@@ -325,14 +325,14 @@ def test_a_point_mass_is_allowed():
 
 def test_a_missing_joint_is_refused_with_the_closest_name():
     message = model_refusal(URDF, ("hip", "kne"))
-    assert message == "leg.urdf: no moving joint 'kne'. To mend it: did you mean 'knee'? it has hip, knee"
+    assert message == "leg.urdf: no moving joint 'kne'. To fix it: did you mean 'knee'? it has hip, knee"
     assert "did you mean" not in model_refusal(URDF, ("hip", "zzz"))
     assert "no moving joint 'elbow'" in model_refusal(URDF, ("hip",), elbow=0.3)
 
 
 def test_a_fixed_joint_is_not_a_moving_one():
     fixed = replaced('type="revolute"', 'type="fixed"')
-    assert model_refusal(fixed) == "leg.urdf: no moving joint 'hip'. To mend it: it has knee"
+    assert model_refusal(fixed) == "leg.urdf: no moving joint 'hip'. To fix it: it has knee"
 
 
 @pytest.mark.parametrize(("kind", "count"), [("floating", 6), ("planar", 3)])

@@ -328,3 +328,10 @@ def test_what_is_not_an_array_of_numbers_is_refused(array):
         leg.regressor(array, array, array)
     with pytest.raises(ExoidError, match="not an array of numbers"):
         leg.with_parameters(array)
+
+
+def test_the_parts_of_a_leg_print_one_line():
+    leg = exoid.load_leg("cuhk")
+    assert repr(leg.reduction) == "Reduction(20 link parameters to 6: X1, Y1, J1, X2, Y2, J2)"
+    assert repr(leg.description) == f"Description(name='cuhk.urdf', sha256={leg.description.sha256!r})"
+    assert repr(leg.forward_kinematics(np.zeros((5000, 2)))) == "SegmentPlacements(5000 samples, 2 segments)"

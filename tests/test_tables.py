@@ -1,10 +1,11 @@
-"""Numbers in tables show the digits that their uncertainty leaves."""
+"""Numbers in tables show the digits that their uncertainty leaves; tables are plain text or HTML."""
 
 import math
+import xml.etree.ElementTree as ET
 
 import pytest
 
-from exoid.tables import WIDTH, make_table, to_text, with_error
+from exoid.tables import WIDTH, html_table, make_table, to_text, with_error
 
 
 @pytest.mark.parametrize(
@@ -60,3 +61,25 @@ def test_a_notebook_gets_text_too_and_shows_nothing_by_itself(monkeypatch):
     monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
     monkeypatch.setattr("rich.jupyter.display", lambda *_: pytest.fail("displayed"))
     assert "longer" in to_text("title", make_table(("name", "value"), [("longer", "10.0")]))
+
+
+def test_a_table_in_html_has_the_caption_the_headers_and_the_cells():
+    table = ET.fromstring(html_table(("name", "value"), iter([("a", "1.0"), ("b", "2.0")]), caption="two rows"))
+    assert table.findtext("caption") == "two rows"
+    assert [cell.text for cell in table.findall("thead/tr/th")] == ["name", "value"]
+    assert [[cell.text for cell in row] for row in table.findall("tbody/tr")] == [["a", "1.0"], ["b", "2.0"]]
+    assert [cell.get("style") for cell in table.find("tbody/tr")] == ["text-align:left", "text-align:right"]
+
+
+def test_markup_in_html_tables_is_escaped():
+    text = html_table(("<b>",), [("<script>alert(1)</script>",)], caption='a & "b" <i>')
+    assert "<script>" not in text
+    assert [element.text for element in ET.fromstring(text).iter() if element.text] == [
+        'a & "b" <i>',
+        "<b>",
+        "<script>alert(1)</script>",
+    ]
+
+
+def test_a_table_in_html_may_have_neither_caption_nor_header():
+    assert html_table((), [("a", "b")]).startswith("<table><tbody>")

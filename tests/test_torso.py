@@ -257,7 +257,15 @@ def test_a_leg_that_is_not_planar_has_no_regressor_under_a_moving_torso_but_has_
     leg = Leg.from_description(slanted)
     assert leg.chain is None
     q, v, a, torso = moved(leg, 13, 4)
-    with pytest.raises(ExoidError, match=r"brings in further parameters.*use inverse_dynamics"):
+    with pytest.raises(ExoidError, match=r"needs more parameters.*use inverse_dynamics"):
         leg.regressor(q, v, a, torso)
     assert np.isfinite(leg.inverse_dynamics(q, v, a, torso)).all()
     assert_relative(leg.inverse_dynamics(q, v, a, TorsoMotion()), leg.inverse_dynamics(q, v, a), TOLERANCE)
+
+
+def test_a_torso_motion_prints_one_line():
+    assert repr(TorsoMotion()) == "TorsoMotion()"
+    assert (
+        repr(TorsoMotion(0.25, hip_acceleration=(1.0, 0.0))) == "TorsoMotion(pitch=0.25, hip_acceleration=[1.0, 0.0])"
+    )
+    assert repr(TorsoMotion(np.ones(5000))) == "TorsoMotion(pitch=<array of shape (5000,)>)"

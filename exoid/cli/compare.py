@@ -20,6 +20,6 @@ def compare(
     """Test whether B differs from A: left and right, one day and another, with and without a wearer."""
     result = estimates.compare(*(estimates.Estimate.load(path) for path in (first, second)))
     if as_json:
-        typer.echo(json.dumps(estimates.comparison_to_json(result), indent=1))
+        typer.echo(json.dumps(result.to_json(), indent=1))
     else:
         typer.echo(str(result))

@@ -10,7 +10,6 @@ import typer
 from exoid import codegen
 from exoid import estimate as estimates
 from exoid.errors import ExoidError
-from exoid.estimate.export import export_to_json
 
 from .inputs import AsJson
 
@@ -35,7 +34,7 @@ def export(
     written: estimates.Export | codegen.CSource
     if output is not None:
         written = found.to_urdf(output)
-        as_data = export_to_json(written)
+        as_data = written.to_json()
     else:
         written = found.to_c(str(c), precision=precision or "double")
         as_data = codegen.c_source_to_json(written)

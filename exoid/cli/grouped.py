@@ -9,7 +9,6 @@ from typing import NamedTuple, TypedDict
 
 from exoid import identification
 from exoid.errors import ExoidError
-from exoid.estimate import grouped_to_json
 from exoid.estimate.file import estimate_text
 from exoid.files import refuse_unwritable, write_together
 from exoid.leg import Leg
@@ -79,7 +78,7 @@ class GroupedLogs(NamedTuple):
         write_together({path: estimate_text(found[name]) for name, path in self.paths.items()})
         if not as_json:
             return str(found)
-        data = grouped_to_json(found)
+        data = found.to_json()
         for estimate in data["groups"].values():
             del estimate["leg"]["urdf"]
         return json.dumps(data, indent=1)

@@ -49,7 +49,9 @@ def identify(
     side: Annotated[str | None, typer.Option(help="left or right; by default the side in the log.")] = None,
     inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
     joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF; default: logged.")] = None,
-    terms: Annotated[str | None, typer.Option(metavar="A,B", help=f"{', '.join(TERMS)}; none for none.")] = None,
+    terms: Annotated[
+        str | None, typer.Option(metavar="A,B", help=f"{', '.join(TERMS.registered)}; none for none.")
+    ] = None,
     estimator: Annotated[str, typer.Option(help="wls, huber, gls, ml or ols.")] = "wls",
     cutoff: Annotated[
         float | None,
@@ -125,10 +127,10 @@ def identify(
     if report is not None:
         _report(estimate, all_at_once(recordings), held_out, report)
     if as_json:
-        data = estimates.estimate_to_json(estimate)
+        data = estimate.to_json()
         del data["leg"]["urdf"]
         if predicted:
-            data["tests"] = [estimates.validation_to_json(each) for each in predicted]
+            data["tests"] = [each.to_json() for each in predicted]
         typer.echo(json.dumps(data, indent=1))
     else:
         typer.echo("\n\n".join(map(str, [estimate, *predicted])))

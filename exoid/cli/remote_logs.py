@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from exoid.signals import Cluster, Poses, Recording, Recordings
-from exoid.signals.recordings import Stored, logs_in
+from exoid.signals.recordings import RecordingFile, logs_in
 
 from .inputs import LogOptions, read_log
 
@@ -32,7 +32,7 @@ def each_log(names: Sequence[str]) -> list[str]:
 
 def logs_on_disk(names: Sequence[str], options: LogOptions) -> Recordings:
     """Let logs stay on disk until each is looked at."""
-    return Recordings(tuple(Stored(Path(name), partial(_read, options)) for name in names))
+    return Recordings(tuple(RecordingFile(Path(name), partial(_read, options)) for name in names))
 
 
 @contextmanager

@@ -10,10 +10,9 @@ import typer
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
-from exoid import estimate as estimates
 from exoid import identification
 from exoid.errors import ExoidError
-from exoid.identification.selection import Candidate, friction_candidates, selection_to_json
+from exoid.identification.selection import Candidate, friction_candidates
 
 from .inputs import AsJson, Column, Degrees, LogOptions, Start, Stop, find_leg, read_logs, split_names
 
@@ -56,10 +55,10 @@ def select(
     estimate = selection.identify(recordings)
     if output is not None:
         estimate.save(output)
-    data, text = selection_to_json(selection), [str(selection), str(estimate)]
+    data, text = selection.to_json(), [str(selection), str(estimate)]
     if tested is not None:
         validation = selection.validate(estimate, tested)
-        data["test"] = estimates.validation_to_json(validation)
+        data["test"] = validation.to_json()
         text.append(str(validation))
     typer.echo(json.dumps(data, indent=1) if as_json else "\n\n".join(text))
 

@@ -81,8 +81,8 @@ def stability(
         _draw(figure, runs, margins)
         typer.echo(f"wrote {figure}", err=True)
     if as_json:
-        data = {"regulation": checks.regulations_to_json(runs), "gain_margins": margins.to_json()}
-        typer.echo(json.dumps({"properties": checks.properties_to_json(properties), **data}, indent=1))
+        data = {"regulation": runs.to_json(), "gain_margins": margins.to_json()}
+        typer.echo(json.dumps({"properties": properties.to_json(), **data}, indent=1))
     else:
         typer.echo("\n\n".join(map(str, (properties, runs, margins))))
 

@@ -28,6 +28,6 @@ def validate(
     recordings = read_logs(logs, LogOptions(column, degrees, start, stop, topic, received))
     result = estimates.validate(loaded, recordings)
     if as_json:
-        typer.echo(json.dumps(estimates.validation_to_json(result), indent=1))
+        typer.echo(json.dumps(result.to_json(), indent=1))
     else:
         typer.echo(str(result))

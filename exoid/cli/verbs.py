@@ -13,7 +13,7 @@ VERBS = {
         "Identify the parameters of LEG from the LOGs: columns time, q_<joint>, tau_<joint>, optionally v_ and a_."
     ),
     "select": "Select terms, filter and estimator for LEG by blocked cross-validation inside the LOGs.",
-    "validate": "Predict the torque of LOG from its motion and compare with what was measured.",
+    "validate": "Predict the torque of the LOGs from their motion and compare it with the measured one.",
     "compare": "Test whether B differs from A: left and right, one day and another, with and without a wearer.",
     "export": (
         "Write what was identified into the URDF, and what that has no place for into LEG.exoid.json; or write it as C."

@@ -139,8 +139,10 @@ def c_form(term: Term) -> CForm:
         ExoidError: None is registered, or the term depends on load or on what came before.
     """
     described = f"{type(term).__name__} ({', '.join(term.symbols)})"
-    if term.memory is not None or term.loaded:
-        needs = "remembers the motion" if term.memory is not None else "depends on the load of its joint"
+    if term.internal_state is not None or term.loaded:
+        needs = (
+            "depends on the motion before" if term.internal_state is not None else "depends on the load of its joint"
+        )
         raise ExoidError(
             f"{described} has no form in C: it {needs}, and the functions take one velocity or angle",
             remedy="identify with terms that depend on one of these alone, without presliding",

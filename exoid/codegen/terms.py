@@ -7,8 +7,8 @@ from typing import NamedTuple, get_args
 
 from exoid._typing import FloatArray
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Stribeck, TorqueModel, Viscous
-from exoid.torques.dry_friction import DryFriction
-from exoid.torques.nonlinear import number
+from exoid.torques.term import number
+from exoid.torques.terms import DryFriction
 
 from .dialect import Dialect
 from .forms import JointInC, Place, c_form, register_c_form

@@ -9,10 +9,11 @@ from .gravity_friction_pd import gravity_friction_pd
 from .law import Law, State
 from .limited import Limited
 from .lqr import Weights, lqr
+from .mean_pose import mean_pose
 from .model import ControlModel
 from .pd import p, pd
 from .side_by_side import SideBySide
-from .standard_laws import LAWS, default_gains, mean_pose, standard_laws
+from .standard_laws import LAWS, default_gains, standard_laws
 from .track import track
 from .tracking import Tracking
 

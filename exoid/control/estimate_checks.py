@@ -4,17 +4,33 @@ from __future__ import annotations
 
 import warnings
 
-from .model import ControlModel
+from .friction import FrictionCompensation
+from .model import ControlModel, ModelSource
 
 SPEED = 1.0
 """Up to which friction must resist [rad/s]: a slightly negative viscous one beside Coulomb friction is only noise."""
 
 
-def warn_of_active_friction(model: ControlModel) -> None:
-    """Warn where friction is negative, as in doc. 2, Table III as printed: under its eq. (6) it would inject energy.
+def model_to_compensate(source: ModelSource, friction: FrictionCompensation | None) -> ControlModel:
+    """Take over the model that a law compensates.
 
-    A law that compensates it pushes against the motion that it should help.
+    Args:
+        source: An estimate, a leg, or a plant of one rig.
+        friction: How friction is compensated; None for not at all.
+
+    Returns:
+        The model.
+
+    Raises:
+        ExoidError: There is no model to be had from the source.
+
+    Warns:
+        UserWarning: Friction is compensated and negative, as in doc. 2, Table III as printed. Under its eq. (6) it
+            would inject energy: the law would push against the motion that it should help.
     """
+    model = ControlModel.of(source)
+    if friction is None:
+        return model
     wrong = [
         f"{label}: {c0:.4g} sgn(v) {d:+.4g} v N·m"
         for label, c0, d in zip(model.leg.joint_labels, model.coulomb, model.viscous, strict=True)
@@ -27,3 +43,4 @@ def warn_of_active_friction(model: ControlModel) -> None:
             UserWarning,
             stacklevel=3,
         )
+    return model

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.estimate import Estimate
-from exoid.leg import Leg
-from exoid.rig import Plant, Target
+from exoid.rig import Target
 
-from .estimate_checks import warn_of_active_friction
+from .estimate_checks import model_to_compensate
 from .friction import AHEAD, FrictionCompensation
 from .law import RATE, State, acceleration, gains
-from .model import ControlModel
+from .model import ControlModel, ModelSource
 from .pd import PD
 
 
@@ -49,7 +47,7 @@ class FeedforwardPD:
 
 
 def feedforward_pd(
-    source: Estimate | Leg | Plant | ControlModel,
+    source: ModelSource,
     kp: ArrayLike,
     kd: ArrayLike,
     *,
@@ -71,7 +69,5 @@ def feedforward_pd(
     Warns:
         UserWarning: The friction coefficients are negative.
     """
-    model = ControlModel.of(source)
-    if friction is not None:
-        warn_of_active_friction(model)
+    model = model_to_compensate(source, friction)
     return FeedforwardPD(PD(gains(kp, "kp"), gains(kd, "kd"), rate), model, friction)

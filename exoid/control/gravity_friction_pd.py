@@ -9,14 +9,12 @@ from math import tanh
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.estimate import Estimate
-from exoid.leg import Leg
-from exoid.rig import Plant, Target
+from exoid.rig import Target
 
-from .estimate_checks import warn_of_active_friction
+from .estimate_checks import model_to_compensate
 from .friction import SMOOTH, FrictionCompensation
 from .law import RATE, State, gains
-from .model import ControlModel
+from .model import ControlModel, ModelSource
 from .pd import PD
 
 
@@ -78,7 +76,7 @@ class GravityFrictionPD:
 
 
 def gravity_friction_pd(
-    source: Estimate | Leg | Plant | ControlModel,
+    source: ModelSource,
     kp: ArrayLike,
     kd: ArrayLike,
     *,
@@ -106,7 +104,5 @@ def gravity_friction_pd(
     Example:
         >>> law = gravity_friction_pd(est, kp=(22.0, 56.0), kd=(2.2, 5.6))  # doctest: +SKIP
     """
-    model = ControlModel.of(source)
-    if friction is not None:
-        warn_of_active_friction(model)
+    model = model_to_compensate(source, friction)
     return GravityFrictionPD(PD(gains(kp, "kp"), gains(kd, "kd"), rate), model, friction)

@@ -54,10 +54,7 @@ def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) 
 
 
 def discretise(continuous: Linear, period: float) -> Linear:
-    """Sample with the torque held over each period [s]: exp of [[A, B], [0, 0]] times the period."""
+    """Sample with the torque held over each period [s]."""
     A, B = continuous
-    size, inputs = B.shape
-    block = np.zeros((size + inputs, size + inputs))
-    block[:size] = np.hstack([A, B])
-    held = scipy.linalg.expm(period * block)
-    return Linear(held[:size, :size], held[:size, size:])
+    sampled = scipy.signal.cont2discrete((A, B, np.eye(len(A)), np.zeros_like(B)), period)
+    return Linear(*sampled[:2])

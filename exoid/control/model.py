@@ -47,7 +47,7 @@ class OtherTerm(NamedTuple):
         A law does not know the way since the last reversal: a contact that bends counts as one that slides.
         """
         out = np.zeros((len(self.values), q.size))
-        sliding = None if self.term.memory is None else np.tanh(v / SLIDING)
+        sliding = None if self.term.internal_state is None else np.tanh(v / SLIDING)
         self.term.fill(JointMotion(q, v, np.zeros_like(q), load, sliding), out)
         return np.asarray(self.values @ out)
 
@@ -75,7 +75,7 @@ class ControlModel:
     others: tuple[OtherTerm, ...] = field(default=())
 
     @classmethod
-    def of(cls, source: Estimate | Leg | Plant | ControlModel) -> ControlModel:
+    def of(cls, source: ModelSource) -> ControlModel:
         """Take over the model of an estimate, a leg (bodies only), or the truth of a plant of one rig.
 
         Raises:
@@ -213,11 +213,15 @@ class ControlModel:
         return np.asarray(torque)
 
 
+ModelSource = Estimate | Leg | Plant | ControlModel
+"""What laws know of a leg: an estimate, a leg (its bodies only), or the truth of a plant of one rig."""
+
+
 def _of_parameters(model: TorqueModel, parameters: FloatArray) -> ControlModel:
     leg = model.leg.with_parameters(parameters[: len(model.leg.parameter_names)])
     values = dict(zip(model.names, parameters.tolist(), strict=True))
     n = len(leg.joint_names)
-    degree = max((term.degree for term in model.terms if isinstance(term, Stiffness)), default=0)
+    degree = max((term.degree for term in model.terms if type(term) is Stiffness), default=0)
     spring, rest = np.zeros((degree + 1, n)), np.zeros((3, n))
     others = []
     for term in model.terms:
@@ -225,7 +229,7 @@ def _of_parameters(model: TorqueModel, parameters: FloatArray) -> ControlModel:
             # what is regrouped into another parameter is compensated there
             found = np.array([values.get(f"{symbol}_{leg.joint_labels[joint]}", 0.0) for symbol in term.symbols])
             kind = type(term)
-            if isinstance(term, Stiffness):
+            if type(term) is Stiffness:  # a type derived from it may compute something else
                 spring[degree - term.degree :, joint] += found
             elif kind is Offset:
                 spring[-1, joint] += found[0]

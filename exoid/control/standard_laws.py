@@ -8,16 +8,15 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.estimate import Estimate
-from exoid.leg import Leg
-from exoid.rig import Plant, Reference
+from exoid.rig import Reference
 
 from .computed_torque import computed_torque
 from .feedforward_pd import feedforward_pd
 from .gravity_friction_pd import gravity_friction_pd
 from .law import RATE, Law
-from .lqr import POINTS, lqr
-from .model import ControlModel
+from .lqr import lqr
+from .mean_pose import mean_pose
+from .model import ControlModel, ModelSource
 from .pd import pd
 
 LAWS = ("pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr")
@@ -29,12 +28,9 @@ BANDWIDTH = 5.0
 DAMPING = 0.1
 """Kd over Kp [s]."""
 
-INSTANTS = 64
-"""Of the reference, to take the mean pose from."""
-
 
 def standard_laws(
-    source: Estimate | Leg | Plant | ControlModel,
+    source: ModelSource,
     kp: ArrayLike,
     kd: ArrayLike,
     reference: Reference,
@@ -65,14 +61,13 @@ def standard_laws(
     """
     model = ControlModel.of(source)
     inertia = np.diagonal(model.mass_matrix(mean_pose(reference, period)))
-    points = max(1, min(POINTS, round(period * rate))) if np.isfinite(period * rate) else POINTS
     soft = [np.asarray(gain, dtype=np.float64) / inertia for gain in (kp, kd)]
     makers: dict[str, Callable[[], Law]] = {
         "pd": lambda: pd(kp, kd, rate=rate),
         "pd_gravity_friction": lambda: gravity_friction_pd(model, kp, kd, rate=rate),
         "pd_feedforward": lambda: feedforward_pd(model, kp, kd, rate=rate),
         "computed_torque": lambda: computed_torque(model, *soft, rate=rate),
-        "lqr": lambda: lqr(model, reference, period, points=points, rate=rate),
+        "lqr": lambda: lqr(model, reference, period, rate=rate),
     }
     refuse_unknown_laws(names)
     return {name: makers[name]() for name in names}
@@ -89,7 +84,7 @@ def refuse_unknown_laws(names: Sequence[str]) -> None:
         raise ExoidError(f"no law {', '.join(unknown) or 'at all'}", remedy=f"use some of {', '.join(LAWS)}")
 
 
-def default_gains(source: Estimate | Leg | Plant | ControlModel, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
+def default_gains(source: ModelSource, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Kp = ω² M_ii and Kd = 0.1 s · Kp for a natural frequency ω of 5 rad/s at a pose.
 
     Args:
@@ -101,9 +96,3 @@ def default_gains(source: Estimate | Leg | Plant | ControlModel, pose: FloatArra
     """
     kp = BANDWIDTH**2 * np.diagonal(ControlModel.of(source).mass_matrix(pose))
     return kp, DAMPING * kp
-
-
-def mean_pose(reference: Reference, period: float) -> FloatArray:
-    """Mean angles of one leg's reference over a period [rad], (n,)."""
-    angles = [reference.at(period * k / INSTANTS).q[:, 0] for k in range(INSTANTS)]
-    return np.asarray(np.mean(angles, axis=0))

@@ -9,13 +9,11 @@ import numpy as np
 
 from exoid._typing import ArrayLike
 from exoid.errors import ExoidError
-from exoid.estimate import Estimate
-from exoid.leg import Leg
 from exoid.rig import Payload, Plant, Reference, Sensors, load_plant
 
 from .compare_laws import compare_laws
 from .law import RATE
-from .model import ControlModel
+from .model import ControlModel, ModelSource
 from .standard_laws import standard_laws
 from .tracking import Tracking
 
@@ -24,7 +22,7 @@ SENSORS = Sensors(encoder_counts=2.0**13, angle_noise=np.deg2rad(0.03), velocity
 
 
 def track(
-    source: Estimate | Leg | Plant | ControlModel,
+    source: ModelSource,
     kp: ArrayLike,
     kd: ArrayLike,
     reference: Reference,

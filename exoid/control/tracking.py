@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.json_values import attributes
 from exoid.rig import Energy, Run
 from exoid.signals import Recording
 from exoid.tables import DataTable, to_text
@@ -85,6 +86,14 @@ class Tracking:
         time = self._settled(self.time)
         return np.asarray(np.abs(np.diff(self._settled(self.tau), axis=0)).sum(axis=0) / (time[-1] - time[0]))
 
+    def to_json(self) -> dict[str, Any]:
+        """Turn the metrics into what JSON can hold.
+
+        Returns:
+            Numbers of each joint, by the name of the metric.
+        """
+        return attributes(self, "peak_deg", "rms_deg", "rms_torque", "torque_variation")
+
     def _settled(self, values: FloatArray) -> FloatArray:
         first = int(np.searchsorted(self.time, self.settle - 1e-9))
         return values[max(1, first) :]  # no torque was held before the first sample
@@ -109,12 +118,6 @@ class Tracking:
         headers = ("joint", "peak error [deg]", "rms [deg]", "rms torque [N·m]", "energy [J]", "variation [N·m/s]")
         span = f"{self.settle:g} to {self.time[-1]:g} s"
         return to_text(DataTable(f"{self.law} at {self.rate:g} Hz, {span}", headers, rows))
-
-
-def tracking_to_json(tracking: Tracking) -> dict[str, Any]:
-    """Turn the metrics into what JSON can hold."""
-    names = ("peak_deg", "rms_deg", "rms_torque", "torque_variation")
-    return {name: getattr(tracking, name).tolist() for name in names}
 
 
 def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:

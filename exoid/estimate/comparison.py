@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.tables import make_table, to_text, with_error
+from exoid.tables import DataTable, make_table, to_html, to_text, with_error
 
 from .data import EstimateData
 
@@ -64,12 +64,35 @@ class Comparison:
         """Whether the legs differ, at 5 %, all parameters together."""
         return self.p_value < SIGNIFICANT
 
+    def to_json(self) -> dict[str, Any]:
+        """Turn a comparison into what JSON can hold.
+
+        Returns:
+            Differences and p-values by name, and the test of all.
+        """
+        by_name = ("difference", "std", "p_values", "adjusted")
+        return {
+            **{key: dict(zip(self.names, getattr(self, key).tolist(), strict=True)) for key in by_name},
+            "units": dict(zip(self.names, self.units, strict=True)),
+            "remarks": list(self.notes),
+            "statistic": self.statistic,
+            "p_value": self.p_value,
+        }
+
     def __repr__(self) -> str:
         """Name the parameters that differ."""
         return f"Comparison(p_value={self.p_value:.3g}, different: {', '.join(self._different()) or 'none'})"
 
     def __str__(self) -> str:
-        """Print as a table and a verdict."""
+        """Print as a table and a conclusion."""
+        return to_text(*self._report())
+
+    def _repr_html_(self) -> str:
+        """Table and conclusion for notebooks."""
+        return to_html(*self._report())
+
+    def _report(self) -> list[DataTable | str]:
+        """Title, table, and conclusion."""
         rows = [
             (name, *with_error(difference, std), unit, f"{p:.3f}", f"{adjusted:.3f}")
             for name, difference, std, unit, p, adjusted in zip(
@@ -77,15 +100,15 @@ class Comparison:
             )
         ]
         table = make_table(("parameter", "difference", "± std", "unit", "p", "p of all (Holm)"), rows)
-        verdict = "the estimates differ" if self.differ else "no difference beyond their errors"
+        conclusion = "the estimates differ" if self.differ else "no difference beyond their errors"
         names = ", ".join(self._different())
-        return to_text(
+        return [
             f"Second less first estimate, {len(rows)} common parameters",
             table,
-            f"all together: F = {self.statistic:.2f}, p = {self.p_value:.2g}: {verdict}",
+            f"all together: F = {self.statistic:.2f}, p = {self.p_value:.2g}: {conclusion}",
             f"different at 5 % of all: {names or 'none'}",
-            *(f"note: {remark}" for remark in self.notes),
-        )
+            *(f"note: {note}" for note in self.notes),
+        ]
 
     def _different(self) -> list[str]:
         return [name for name, p in zip(self.names, self.adjusted, strict=True) if p < SIGNIFICANT]
@@ -218,25 +241,6 @@ def _told(first: EstimateData, second: EstimateData, unknown: Collection[str]) -
             "differences may be surer than stated"
         )
     return tuple(told)
-
-
-def comparison_to_json(comparison: Comparison) -> dict[str, Any]:
-    """Turn a comparison into what JSON can hold.
-
-    Args:
-        comparison: The comparison.
-
-    Returns:
-        Differences and p-values by name, and the test of all.
-    """
-    by_name = ("difference", "std", "p_values", "adjusted")
-    return {
-        **{key: dict(zip(comparison.names, getattr(comparison, key).tolist(), strict=True)) for key in by_name},
-        "units": dict(zip(comparison.names, comparison.units, strict=True)),
-        "remarks": list(comparison.notes),
-        "statistic": comparison.statistic,
-        "p_value": comparison.p_value,
-    }
 
 
 def welch(v1: FloatArray, v2: FloatArray, dof1: float | FloatArray, dof2: float | FloatArray) -> FloatArray:

@@ -11,9 +11,9 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.regression.diagnostics import JointNoise, identifiability_beside, identifiability_class
+from exoid.regression.diagnostics import JointNoise
 from exoid.regression.influence import Influence
-from exoid.regression.intervals import half_width, intervals
+from exoid.regression.intervals import half_width
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
 from exoid.regression.trends import Trend
 from exoid.signals import Preparation
@@ -21,7 +21,7 @@ from exoid.torques import Regrouped, TorqueModel
 from exoid.torso import TorsoMotion
 
 from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
-from .parameter import Parameter
+from .parameter import Parameter, ParameterTable
 from .torque_band import TorqueBand, torque_std
 
 LARGE = 1e300
@@ -46,7 +46,7 @@ class Input:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class EstimateData:
+class EstimateData(ParameterTable):
     """Identified parameters of a leg with their covariance.
 
     Attributes:
@@ -151,49 +151,6 @@ class EstimateData:
         """Parameters that are part of others, as no motion tells them apart."""
         return self.model.regrouped
 
-    @property
-    def std(self) -> FloatArray:
-        """Standard deviations, (P,)."""
-        return np.asarray(np.sqrt(np.diag(self.covariance)))
-
-    @property
-    def correlation(self) -> FloatArray:
-        """Correlation of the errors of any two parameters, (P, P)."""
-        std = np.where(self.std > 0.0, self.std, 1.0)
-        correlation = self.covariance / np.multiply.outer(std, std)
-        np.fill_diagonal(correlation, 1.0)
-        return np.asarray(correlation)
-
-    @property
-    def identifiability(self) -> tuple[str, ...]:
-        """How well each parameter is determined: "well", "weakly" or "not"; or "known", or "prior".
-
-        Well if the standard deviation is at most 10 % of the value, weakly if at most 30 %. For values near zero it is
-        10 and 30 % of a tenth of the value that would explain all torque of a joint alone, in these recordings or in a
-        calm exercise. Known is what was held fixed, and prior what the prior knows better than the recordings. A value
-        that would give three times all torque of a joint is not determined: it only cancels another. And what moves
-        together with others is at best weakly determined from a condition index of 100 on, and not from 300 on.
-        """
-        numbers = zip(self.values, self.std, self.parameter_scale, self.reference_scale, self.collinearity, strict=True)
-        return tuple(
-            identifiability_beside(name, self.prior_knowledge, each[1], identifiability_class(*each))
-            for name, each in zip(self.names, numbers, strict=True)
-        )
-
-    def interval(self, level: float = 0.95) -> FloatArray:
-        """Confidence intervals by Student's t with the degrees of freedom of each parameter, (P, 2).
-
-        Args:
-            level: Probability that an interval contains the true value, between 0 and 1.
-
-        Returns:
-            Lower and upper ends, (P, 2).
-
-        Raises:
-            ExoidError: The level is not between 0 and 1.
-        """
-        return intervals(self.values, self.std, self.dof_each, level)
-
     def __getitem__(self, name: str) -> Parameter:
         """Look up one parameter by name, a nonlinear one too.
 
@@ -206,14 +163,14 @@ class EstimateData:
         Raises:
             ExoidError: There is no such parameter.
         """
-        of_all = self if name in self.names else self.nonlinear
-        if name not in of_all.names:
-            names = (*self.names, *self.nonlinear.names)
-            raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(names)}")
-        k = of_all.names.index(name)
-        low, high = (self.interval() if of_all is self else self.nonlinear.interval(self.dof))[k]
-        value, std = float(of_all.values[k]), float(of_all.std[k])
-        return Parameter(name, value, std, (float(low), float(high)), of_all.units[k], of_all.identifiability[k])
+        if name not in self.nonlinear.names:
+            return self.parameter(name)
+        nonlinear = self.nonlinear
+        k = nonlinear.names.index(name)
+        low, high = nonlinear.interval(self.dof)[k]
+        value, std = float(nonlinear.values[k]), float(nonlinear.std[k])
+        interval = (float(low), float(high))
+        return Parameter(name, value, std, interval, nonlinear.units[k], nonlinear.identifiability[k])
 
     def __iter__(self) -> Iterator[str]:
         """Go over the names of all parameters."""

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from exoid.codegen import CSource, write_c
+from exoid.tables import to_html, to_text
 
 from .data import EstimateData
 from .export import Export, export_urdf
-from .file import estimate_from_json as _from_json
-from .file import read_estimate, write_estimate
+from .file import estimate_from_json, estimate_to_json, read_estimate, write_estimate
 from .provenance import provenance
 from .text import report
 
@@ -54,6 +54,29 @@ class Estimate(EstimateData):
             ExoidError: The file is unreadable or not an estimate.
         """
         return read_estimate(path, cls)
+
+    def to_json(self) -> dict[str, Any]:
+        """Turn the estimate into what JSON can hold, values by name.
+
+        Returns:
+            All that :meth:`from_json` needs, and figures for other programs.
+        """
+        return estimate_to_json(self)
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Estimate:
+        """Rebuild an estimate from what :meth:`to_json` made.
+
+        Args:
+            data: The estimate as JSON holds it.
+
+        Returns:
+            The estimate.
+
+        Raises:
+            ExoidError: Names of the values do not fit the leg and terms, or the URDF was changed.
+        """
+        return estimate_from_json(data, cls)
 
     def to_urdf(self, path: str | os.PathLike[str]) -> Export:
         """Write the leg's URDF with identified inertias and friction, and a sidecar with what it has no place for.
@@ -110,19 +133,8 @@ class Estimate(EstimateData):
 
     def __str__(self) -> str:
         """Print as a table, followed by what the reader should know before trusting it."""
-        return report(self)
+        return to_text(*report(self))
 
-
-def estimate_from_json(data: Mapping[str, Any]) -> Estimate:
-    """Rebuild an estimate from what :func:`estimate_to_json` made.
-
-    Args:
-        data: The estimate as JSON holds it.
-
-    Returns:
-        The estimate.
-
-    Raises:
-        ExoidError: Names of the values do not fit the leg and terms, or the URDF was changed.
-    """
-    return _from_json(data, Estimate)
+    def _repr_html_(self) -> str:
+        """Table of the parameters for notebooks, with the same lines below it."""
+        return to_html(*report(self))

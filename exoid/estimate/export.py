@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,12 +18,17 @@ from exoid.exported import IN_URDF, SCHEMA, sidecar_of
 from exoid.files import write_together
 from exoid.leg import Leg
 from exoid.lift import Lift, lift
-from exoid.lift.lumping import share_out
+from exoid.lift.lumping import distribute_bodies
 from exoid.rewriting import rewrite
 from exoid.tables import make_table, to_text
-from exoid.torques import term_to_json
+from exoid.torques import Coulomb, Term, TorqueModel, Viscous, term_to_json
 
 from .data import EstimateData
+
+PLACES: dict[tuple[type[Term], str], str] = {
+    (kind, symbol): IN_URDF[symbol] for kind, symbol in ((Coulomb, "c0"), (Viscous, "d"))
+}
+"""Attribute of ``<dynamics>`` for a symbol of a type of term; another type may mean another thing by it."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,9 +59,45 @@ class Export:
     @property
     def only_in_sidecar(self) -> tuple[str, ...]:
         """Parameters that the URDF has no place for."""
-        return tuple(
-            name for name in self.estimate.names[len(self.lift.names) :] if _place(name, self.estimate) is None
-        )
+        places = _places(self.estimate.model)
+        return tuple(name for name in self.estimate.names[len(self.lift.names) :] if name not in places)
+
+    def to_json(self) -> dict[str, Any]:
+        """Describe an export as the sidecar has it.
+
+        Returns:
+            Parameters, terms and lift, as the sidecar file has them.
+        """
+        estimate, leg = self.estimate, self.estimate.model.leg
+        terms = [term_to_json(term) for term in estimate.model.terms]
+        return {
+            "schema": SCHEMA,
+            "urdf": {"name": self.urdf.name, "sha256": self.sha256},
+            "joints": list(leg.joint_names),
+            "locked": dict(leg.locked),
+            "cumulative": leg.cumulative,
+            "values": dict(zip(estimate.names, self.values.tolist(), strict=True)),
+            "units": dict(zip(estimate.names, estimate.units, strict=True)),
+            "only_here": list(self.only_in_sidecar),
+            "not_dissipative": list(self.not_dissipative),
+            "terms": terms,
+            "term_of": _term_of(estimate.model, [term["term"] for term in terms]),
+            "shapes": dict(zip(estimate.nonlinear.names, estimate.nonlinear.values.tolist(), strict=True)),
+            "merged": {regrouped.name: regrouped.into for regrouped in estimate.regrouped},
+            "estimate": {
+                "values": dict(zip(estimate.names, estimate.values.tolist(), strict=True)),
+                "std": dict(zip(estimate.names, estimate.std.tolist(), strict=True)),
+                "estimator": estimate.estimator,
+                "urdf": {"name": leg.description.name, "sha256": leg.description.sha256},
+            },
+            "lift": {
+                "feasible": self.lift.feasible,
+                "distance": self.lift.distance,
+                "divergence": self.lift.divergence,
+                "moved": self.lift.moved,
+                "links": list(self.changed_links),
+            },
+        }
 
     def __repr__(self) -> str:
         """Name the files."""
@@ -67,7 +108,7 @@ class Export:
         lines = [f"{self.urdf}: inertia of {', '.join(self.changed_links)}; friction and damping where identified"]
         only = ", ".join(self.only_in_sidecar) or "how friction is smoothed, and where all this comes from"
         lines.append(f"{self.sidecar}: what a URDF has no place for: {only}")
-        lines += [f"note: {regrouped}, also in the URDF" for regrouped in self.estimate.regrouped]
+        lines += [f"note: {regrouped} (also in the URDF)" for regrouped in self.estimate.regrouped]
         if self.not_dissipative:
             names = ", ".join(self.not_dissipative)
             lines.append(f"note: {names} below zero would feed energy in: 0 in the URDF, as estimated in the sidecar")
@@ -106,54 +147,15 @@ def export_urdf(estimate: EstimateData, path: str | os.PathLike[str]) -> Export:
     leg = estimate.model.leg
     p = len(leg.parameter_names)
     lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p])
-    links = share_out(leg, lifted.link_parameters)
+    links = distribute_bodies(leg, lifted.link_parameters)
     values = estimate.values if lifted.feasible else _moved_along(estimate, lifted.values)
     dynamics, negative = _dynamics(estimate, values)
     text = rewrite(leg.description, links, dynamics, _note(leg, sidecar.name, links, dynamics))
     digest = hashlib.sha256(text.encode()).hexdigest()
     result = Export(urdf, sidecar, digest, estimate, lifted, values, tuple(links), negative)
-    beside = json.dumps(export_to_json(result), indent=1, ensure_ascii=False)
+    beside = json.dumps(result.to_json(), indent=1, ensure_ascii=False)
     write_together({urdf: text, sidecar: f"{beside}\n"})
     return result
-
-
-def export_to_json(export: Export) -> dict[str, Any]:
-    """Describe an export as the sidecar has it.
-
-    Args:
-        export: The export.
-
-    Returns:
-        Parameters, terms and lift, as the sidecar file has them.
-    """
-    estimate, leg = export.estimate, export.estimate.model.leg
-    return {
-        "schema": SCHEMA,
-        "urdf": {"name": export.urdf.name, "sha256": export.sha256},
-        "joints": list(leg.joint_names),
-        "locked": dict(leg.locked),
-        "cumulative": leg.cumulative,
-        "values": dict(zip(estimate.names, export.values.tolist(), strict=True)),
-        "units": dict(zip(estimate.names, estimate.units, strict=True)),
-        "only_here": list(export.only_in_sidecar),
-        "not_dissipative": list(export.not_dissipative),
-        "terms": [term_to_json(term) for term in estimate.model.terms],
-        "shapes": dict(zip(estimate.nonlinear.names, estimate.nonlinear.values.tolist(), strict=True)),
-        "merged": {regrouped.name: regrouped.into for regrouped in estimate.regrouped},
-        "estimate": {
-            "values": dict(zip(estimate.names, estimate.values.tolist(), strict=True)),
-            "std": dict(zip(estimate.names, estimate.std.tolist(), strict=True)),
-            "estimator": estimate.estimator,
-            "urdf": {"name": leg.description.name, "sha256": leg.description.sha256},
-        },
-        "lift": {
-            "feasible": export.lift.feasible,
-            "distance": export.lift.distance,
-            "divergence": export.lift.divergence,
-            "moved": export.lift.moved,
-            "links": list(export.changed_links),
-        },
-    }
 
 
 def _note(leg: Leg, sidecar: str, links: Mapping[str, object], dynamics: Mapping[str, object]) -> str:
@@ -178,25 +180,37 @@ def _moved_along(estimate: EstimateData, rigid: FloatArray) -> FloatArray:
     return values
 
 
-def _place(name: str, estimate: EstimateData) -> tuple[str, str] | None:
-    """Joint and attribute of ``<dynamics>`` for a parameter; None where the URDF has none."""
-    leg = estimate.model.leg
-    symbol, _, label = name.partition("_")
-    if symbol not in IN_URDF or label not in leg.joint_labels:
-        return None
-    return leg.joint_names[leg.joint_labels.index(label)], IN_URDF[symbol]
+def _places(model: TorqueModel) -> dict[str, tuple[str, str]]:
+    """Joint and attribute of ``<dynamics>`` for each parameter that the URDF has a place for."""
+    joints = model.leg.joint_names
+    return {
+        name: (joints[block.joint], PLACES[type(block.term), symbol])
+        for block in model.blocks
+        for symbol, name in zip(block.term.symbols, block.names, strict=True)
+        if (type(block.term), symbol) in PLACES
+    }
+
+
+def _term_of(model: TorqueModel, terms: Sequence[str]) -> dict[str, str]:
+    """Name of the term that each parameter beside the rigid bodies belongs to.
+
+    Args:
+        model: The model.
+        terms: Name of each of its terms.
+    """
+    known = dict(zip(map(id, model.terms), terms, strict=True))
+    return {name: known[id(block.term)] for block in model.blocks for name in block.names if name in model.names}
 
 
 def _dynamics(estimate: EstimateData, values: FloatArray) -> tuple[dict[str, dict[str, float]], tuple[str, ...]]:
     """Attributes of ``<dynamics>`` for each joint, and the names of those that had to be raised to zero."""
     found: dict[str, dict[str, float]] = {}
     negative = []
-    p = len(estimate.model.leg.parameter_names)
-    for name, value in zip(estimate.names[p:], values[p:], strict=True):
-        place = _place(name, estimate)
-        if place is None:
+    places = _places(estimate.model)
+    for name, value in zip(estimate.names, values, strict=True):
+        if name not in places:
             continue
-        joint, attribute = place
+        joint, attribute = places[name]
         found.setdefault(joint, {})[attribute] = max(0.0, float(value))
         if value < 0.0:
             negative.append(name)

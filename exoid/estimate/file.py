@@ -20,7 +20,7 @@ from exoid.regression.diagnostics import JointNoise
 from exoid.regression.influence import influence_from_json, influence_to_json
 from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.regression.trends import trends_from_json, trends_to_json
-from exoid.signals import PREPARATIONS, Preparation
+from exoid.signals.preparation_names import preparation_from_json, preparation_to_json
 from exoid.torques import TorqueModel, term_from_json, term_to_json
 
 from .data import EstimateData, Input
@@ -155,8 +155,6 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
     if tuple(data["values"]) != model.names:
         raise ExoidError(f"values {', '.join(data['values'])} do not fit the parameters {', '.join(model.names)}")
     values = np.array(list(data["values"].values()), dtype=np.float64)
-    settings = dict(data["preparation"])
-    preparation = PREPARATIONS[settings.pop("name")](**settings)
     return kind(
         model=model,
         values=values,
@@ -165,7 +163,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         dof=float(data["degrees_of_freedom"]),
         residual_rms=np.array([data["residual_rms"][name] for name in leg.joint_names], dtype=np.float64),
         estimator=str(data["estimator"]),
-        preparation=preparation,
+        preparation=preparation_from_json(data["preparation"]),
         inputs=tuple(_input(**source) for source in data["inputs"]),
         noise=_noise(data["noise"], leg.joint_names),
         parameter_scale=_by_name(data["sizes"], model.names),
@@ -188,11 +186,6 @@ def _prior_knowledge(data: Mapping[str, Any], model: TorqueModel) -> PriorKnowle
     prior_knowledge = PriorKnowledge(data["known"], prior, bool(data["nonnegative"]))
     prior_knowledge.check(model)
     return prior_knowledge
-
-
-def preparation_to_json(preparation: Preparation) -> dict[str, Any]:
-    """Describe a preparation by its name and settings."""
-    return {"name": preparation.name, **asdict(preparation)}  # type: ignore[call-overload]
 
 
 def _shapes_to_json(nonlinear: NonlinearParameters, dof: float) -> dict[str, Any]:

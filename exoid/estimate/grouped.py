@@ -11,15 +11,13 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.regression.diagnostics import identifiability_beside, identifiability_class
-from exoid.regression.intervals import intervals
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
-from exoid.tables import DataTable, make_table, to_text
+from exoid.tables import DataTable, make_table, to_html, to_text
 
 from .comparison import Comparison, wald, welch
 from .equality import Equality
 from .estimate import Estimate
-from .file import estimate_to_json
+from .parameter import ParameterTable
 from .text import assumptions, condition, written
 
 HEADERS = ("value", "± std", "95 % from", "to", "unit", "determined")
@@ -30,7 +28,7 @@ DIFFERENT = 0.05
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GroupedEstimate:
+class GroupedEstimate(ParameterTable):
     """Estimates of several groups of recordings that share parameters; prints itself as tables.
 
     ``grouped["left"]`` is the :class:`Estimate` of a group: its errors are correlated with those of the others.
@@ -40,7 +38,7 @@ class GroupedEstimate:
         layout: Parameter layout: which parameters are shared.
         values: Values of all parameters in the order of :attr:`names`, (P,).
         covariance: Covariance of the values, (P, P).
-        dofs: Degrees of freedom of each, (P,).
+        dof_each: Degrees of freedom of each, (P,).
         parameter_scale: Parameter scale, see :class:`EstimateData`, (P,).
         reference_scale: Reference scale, the smallest of all groups, (P,).
         collinearity: Condition index of each parameter, (P,).
@@ -57,7 +55,7 @@ class GroupedEstimate:
     layout: ParameterLayout
     values: FloatArray
     covariance: FloatArray
-    dofs: FloatArray
+    dof_each: FloatArray
     parameter_scale: FloatArray
     reference_scale: FloatArray
     collinearity: FloatArray
@@ -72,7 +70,7 @@ class GroupedEstimate:
     def __post_init__(self) -> None:
         """Forbid changes."""
         object.__setattr__(self, "estimates", MappingProxyType(dict(self.estimates)))
-        for name in ("values", "covariance", "dofs", "parameter_scale", "reference_scale", "collinearity"):
+        for name in ("values", "covariance", "dof_each", "parameter_scale", "reference_scale", "collinearity"):
             array = np.array(getattr(self, name), dtype=np.float64)
             array.flags.writeable = False
             object.__setattr__(self, name, array)
@@ -126,34 +124,6 @@ class GroupedEstimate:
         """Names of the parameters that each group has of its own, without the group."""
         return self.layout.own
 
-    @property
-    def std(self) -> FloatArray:
-        """Standard deviations, (P,)."""
-        return np.asarray(np.sqrt(np.diag(self.covariance)))
-
-    @property
-    def identifiability(self) -> tuple[str, ...]:
-        """How well each parameter is determined, see :attr:`Estimate.identifiability`."""
-        numbers = zip(self.values, self.std, self.parameter_scale, self.reference_scale, self.collinearity, strict=True)
-        return tuple(
-            identifiability_beside(name, self.prior_knowledge, each[1], identifiability_class(*each))
-            for name, each in zip(self.names, numbers, strict=True)
-        )
-
-    def interval(self, level: float = 0.95) -> FloatArray:
-        """Confidence intervals by Student's t, (P, 2).
-
-        Args:
-            level: Probability that an interval contains the true value, between 0 and 1.
-
-        Returns:
-            Lower and upper ends, (P, 2).
-
-        Raises:
-            ExoidError: The level is not between 0 and 1.
-        """
-        return intervals(self.values, self.std, self.dofs, level)
-
     def compare(self, first: str, second: str) -> Comparison:
         """Test whether own parameters of two groups differ; errors that they have in common cancel.
 
@@ -179,10 +149,38 @@ class GroupedEstimate:
         crossed = C[np.ix_(one, other)]
         covariance = C[np.ix_(one, one)] + C[np.ix_(other, other)] - crossed - crossed.T
         variances = np.diag(C)
-        dof = welch(variances[one], variances[other], self.dofs[one], self.dofs[other])
+        dof = welch(variances[one], variances[other], self.dof_each[one], self.dof_each[other])
         units = tuple(self.units[k] for k in one)
         least = min(self[group].dof for group in (first, second))
         return wald(self.own, units, self.values[other] - self.values[one], covariance, dof, least)
+
+    def to_json(self) -> dict[str, Any]:
+        """Turn estimates that share parameters into what JSON can hold.
+
+        Returns:
+            Shared and own parameters, tests, and the estimate of each group.
+        """
+        names = self.names
+        of_each = {
+            "values": self.values.tolist(),
+            "std": self.std.tolist(),
+            "interval_95": self.interval().tolist(),
+            "units": self.units,
+            "determined": self.identifiability,
+            "degrees_of_freedom": self.dof_each.tolist(),
+        }
+        return {
+            **{key: dict(zip(names, column, strict=True)) for key, column in of_each.items()},
+            "shared": list(self.shared),
+            "own": list(self.own),
+            "condition_number": self.condition_number,
+            "covariance": self.covariance.tolist(),
+            "equal": _equality_to_json(self.equal),
+            "agreement": None if self.agreement is None else _equality_to_json(self.agreement),
+            "warnings": list(self.warnings),
+            "notes": list(self.notes),
+            "groups": {group: self[group].to_json() for group in self},
+        }
 
     def __repr__(self) -> str:
         """Name groups and parameters."""
@@ -192,11 +190,15 @@ class GroupedEstimate:
 
     def __str__(self) -> str:
         """Print as tables, followed by what the reader should know before trusting them."""
-        return report(self)
+        return to_text(*report(self))
+
+    def _repr_html_(self) -> str:
+        """Tables of shared and own parameters for notebooks, with the same lines below them."""
+        return to_html(*report(self))
 
 
-def report(grouped: GroupedEstimate) -> str:
-    """Print estimates that share parameters."""
+def report(grouped: GroupedEstimate) -> list[DataTable | str]:
+    """Describe estimates that share parameters by tables, and by what the reader should know."""
     kind = next(iter(grouped.estimates.values())).estimator
     title = f"{', '.join(grouped.groups)}: {kind} estimate of {len(grouped.shared)} shared parameters"
     parts: list[DataTable | str] = [f"{title}, {len(grouped.own)} own each"]
@@ -206,39 +208,7 @@ def report(grouped: GroupedEstimate) -> str:
         parts.append(make_table(("shared", *HEADERS), rows))
     if grouped.own:
         parts.append(make_table(("own", *HEADERS, "p equal"), _own_rows(grouped, numbers)))
-    return to_text(*parts, *_closing_lines(grouped))
-
-
-def grouped_to_json(grouped: GroupedEstimate) -> dict[str, Any]:
-    """Turn estimates that share parameters into what JSON can hold.
-
-    Args:
-        grouped: The estimates.
-
-    Returns:
-        Shared and own parameters, tests, and the estimate of each group.
-    """
-    names = grouped.names
-    of_each = {
-        "values": grouped.values.tolist(),
-        "std": grouped.std.tolist(),
-        "interval_95": grouped.interval().tolist(),
-        "units": grouped.units,
-        "determined": grouped.identifiability,
-        "degrees_of_freedom": grouped.dofs.tolist(),
-    }
-    return {
-        **{key: dict(zip(names, column, strict=True)) for key, column in of_each.items()},
-        "shared": list(grouped.shared),
-        "own": list(grouped.own),
-        "condition_number": grouped.condition_number,
-        "covariance": grouped.covariance.tolist(),
-        "equal": _equality_to_json(grouped.equal),
-        "agreement": None if grouped.agreement is None else _equality_to_json(grouped.agreement),
-        "warnings": list(grouped.warnings),
-        "notes": list(grouped.notes),
-        "groups": {group: estimate_to_json(grouped[group]) for group in grouped},
-    }
+    return [*parts, *_closing_lines(grouped)]
 
 
 def _numbers(grouped: GroupedEstimate) -> Iterator[tuple[str, ...]]:

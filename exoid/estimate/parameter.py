@@ -1,8 +1,17 @@
-"""One identified parameter: what ``estimate["X1"]`` returns."""
+"""Parameters with their uncertainty: one by name, and a table of all."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.regression.diagnostics import identifiability_beside, identifiability_class
+from exoid.regression.intervals import intervals
+from exoid.regression.parameters import PriorKnowledge
 
 
 class Parameter(NamedTuple):
@@ -28,3 +37,97 @@ class Parameter(NamedTuple):
     def __str__(self) -> str:
         """Print as ``X1 = 3.986 ± 0.0063 kg·m``."""
         return f"{self.name} = {self.value:.6g} ± {self.std:.2g} {self.unit}"
+
+
+class ParameterTable(ABC):
+    """Values of parameters with their covariance, and what follows from these.
+
+    Attributes:
+        values: Values in the order of :attr:`names`, (P,).
+        covariance: Covariance of the values, (P, P).
+        dof_each: Degrees of freedom of each parameter's variance, (P,).
+        parameter_scale: Value of each parameter that alone would explain all torque of a joint, (P,).
+        reference_scale: The parameter scale in a calm exercise at the same angles, (P,).
+        collinearity: Condition index of each parameter, (P,).
+        prior_knowledge: Known parameters, priors and signs.
+    """
+
+    values: FloatArray
+    covariance: FloatArray
+    dof_each: FloatArray
+    parameter_scale: FloatArray
+    reference_scale: FloatArray
+    collinearity: FloatArray
+    prior_knowledge: PriorKnowledge
+
+    @property
+    @abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters, (P,)."""
+
+    @property
+    @abstractmethod
+    def units(self) -> tuple[str, ...]:
+        """Units of the parameters, (P,)."""
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard deviations, (P,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Correlation of the errors of any two parameters, (P, P)."""
+        std = np.where(self.std > 0.0, self.std, 1.0)
+        correlation = self.covariance / np.multiply.outer(std, std)
+        np.fill_diagonal(correlation, 1.0)
+        return np.asarray(correlation)
+
+    @property
+    def identifiability(self) -> tuple[str, ...]:
+        """How well each parameter is determined: "well", "weakly" or "not"; or "known", or "prior".
+
+        Well if the standard deviation is at most 10 % of the value, weakly if at most 30 %. For values near zero it is
+        10 and 30 % of a tenth of the value that would explain all torque of a joint alone, in these recordings or in a
+        calm exercise. Known is what was held fixed, and prior what the prior knows better than the recordings. A value
+        that would give three times all torque of a joint is not determined: it only cancels another. And what moves
+        together with others is at best weakly determined from a condition index of 100 on, and not from 300 on.
+        """
+        numbers = zip(self.values, self.std, self.parameter_scale, self.reference_scale, self.collinearity, strict=True)
+        return tuple(
+            identifiability_beside(name, self.prior_knowledge, each[1], identifiability_class(*each))
+            for name, each in zip(self.names, numbers, strict=True)
+        )
+
+    def interval(self, level: float = 0.95) -> FloatArray:
+        """Confidence intervals by Student's t with the degrees of freedom of each parameter, (P, 2).
+
+        Args:
+            level: Probability that an interval contains the true value, between 0 and 1.
+
+        Returns:
+            Lower and upper ends, (P, 2).
+
+        Raises:
+            ExoidError: The level is not between 0 and 1.
+        """
+        return intervals(self.values, self.std, self.dof_each, level)
+
+    def parameter(self, name: str) -> Parameter:
+        """Look up one parameter by name.
+
+        Args:
+            name: Name of the parameter.
+
+        Returns:
+            Value, standard deviation, 95 % interval, unit and identifiability.
+
+        Raises:
+            ExoidError: There is no such parameter.
+        """
+        if name not in self.names:
+            raise ExoidError(f"no parameter {name!r}", remedy=f"names are {', '.join(self.names)}")
+        k = self.names.index(name)
+        low, high = self.interval()[k]
+        value, std, interval = float(self.values[k]), float(self.std[k]), (float(low), float(high))
+        return Parameter(name, value, std, interval, self.units[k], self.identifiability[k])

@@ -10,7 +10,7 @@ from exoid._typing import FloatArray
 from exoid.regression.diagnostics import ILL_CONDITIONED
 from exoid.regression.intervals import half_width
 from exoid.regression.parameters import PriorKnowledge
-from exoid.tables import make_table, to_text, with_error
+from exoid.tables import DataTable, make_table, with_error
 
 from .data import EstimateData
 
@@ -21,10 +21,17 @@ HEADERS = ("parameter", "value", "± std", "95 % from", "to", "unit", "determine
 """Of :func:`parameter_rows`."""
 
 
-def report(estimate: EstimateData) -> str:
-    """Print an estimate."""
+def report(estimate: EstimateData) -> list[DataTable | str]:
+    """Describe an estimate by a title, a table of its parameters, and what the reader should know.
+
+    Args:
+        estimate: The estimate.
+
+    Returns:
+        Parts for :func:`exoid.tables.to_text` or :func:`exoid.tables.to_html`.
+    """
     title = f"{estimate.model.leg.description.name}: {estimate.estimator} estimate of {len(estimate.names)} parameters"
-    return to_text(title, make_table(HEADERS, parameter_rows(estimate)), *_closing_lines(estimate))
+    return [title, make_table(HEADERS, parameter_rows(estimate)), *_closing_lines(estimate)]
 
 
 def parameter_rows(estimate: EstimateData) -> list[tuple[str, ...]]:

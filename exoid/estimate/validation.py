@@ -12,7 +12,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.regression.rows import form_rows, prepare
 from exoid.signals import Preparation, Recording
-from exoid.tables import DataTable, make_table, to_text
+from exoid.tables import DataTable, make_table, to_html, to_text
 
 from .data import EstimateData
 
@@ -66,6 +66,24 @@ class Validation:
         """Coefficient of determination 1 − Σ residual² / Σ (measured − mean)², (n,)."""
         return 1.0 - self.nrmse**2
 
+    def to_json(self) -> dict[str, Any]:
+        """Turn the figures of a validation into what JSON can hold.
+
+        Returns:
+            Source, number of samples, joints and their RMSE [N·m], NRMSE and R²; the same of each recording where there
+            are several.
+        """
+        parts = {"recordings": [part.to_json() for part in self.parts]} if self.parts else {}
+        return {
+            "source": self.source,
+            "samples": len(self.time),
+            "joint_names": list(self.joint_names),
+            "rmse": self.rmse.tolist(),
+            "nrmse": _numbers(self.nrmse),
+            "r2": _numbers(self.r2),
+            **parts,
+        }
+
     def __repr__(self) -> str:
         """Name the joints and their NRMSE."""
         errors = ", ".join(f"{n} {e:.3f}" for n, e in zip(self.joint_names, self.nrmse, strict=True))
@@ -73,12 +91,20 @@ class Validation:
 
     def __str__(self) -> str:
         """Print as a table."""
+        return to_text(*self._report())
+
+    def _repr_html_(self) -> str:
+        """Table for notebooks."""
+        return to_html(*self._report())
+
+    def _report(self) -> list[DataTable | str]:
+        """Title, tables and number of samples."""
         samples = f"{len(self.time)} samples, both torques filtered alike"
         tables: list[DataTable | str] = [make_table(HEADERS, self.rows())]
         if self.parts:
             of_parts = [(part.source, *row) for part in self.parts for row in part.rows()]
             tables += ["each recording:", make_table(("recording", *HEADERS), of_parts)]
-        return to_text(f"Prediction of {self.source}", *tables, samples)
+        return [f"Prediction of {self.source}", *tables, samples]
 
     def rows(self) -> list[tuple[str, ...]]:
         """Write joint, RMSE, NRMSE and R² as rows of a table.
@@ -88,28 +114,6 @@ class Validation:
         """
         columns = (self.joint_names, self.rmse, self.nrmse, self.r2)
         return [(name, f"{e:.4g}", f"{n:.4f}", f"{r:.4f}") for name, e, n, r in zip(*columns, strict=True)]
-
-
-def validation_to_json(validation: Validation) -> dict[str, Any]:
-    """Turn the figures of a validation into what JSON can hold.
-
-    Args:
-        validation: The validation.
-
-    Returns:
-        Source, number of samples, joints and their RMSE [N·m], NRMSE and R²; the same of each recording where there
-        are several.
-    """
-    parts = {"recordings": [validation_to_json(part) for part in validation.parts]} if validation.parts else {}
-    return {
-        "source": validation.source,
-        "samples": len(validation.time),
-        "joint_names": list(validation.joint_names),
-        "rmse": validation.rmse.tolist(),
-        "nrmse": _numbers(validation.nrmse),
-        "r2": _numbers(validation.r2),
-        **parts,
-    }
 
 
 def _numbers(array: FloatArray) -> list[float | None]:

@@ -1,6 +1,6 @@
 """From recordings to parameters: how they are found."""
 
-from .estimators import ESTIMATORS
+from .estimators import ESTIMATORS, register_estimator
 from .identify import identify
 from .selection import Candidate, Selection, select_terms
 
@@ -9,5 +9,6 @@ __all__ = [
     "Candidate",
     "Selection",
     "identify",
+    "register_estimator",
     "select_terms",
 ]

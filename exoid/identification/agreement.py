@@ -13,7 +13,7 @@ from exoid.estimate.equality import Equality, equality_of
 from exoid.regression.fit import uncertainty_of
 from exoid.regression.parameters import PriorKnowledge
 
-from .estimators import Estimator
+from .estimators import Estimator, fit_by
 from .problem import Problem
 
 DISAGREE = 0.01
@@ -68,7 +68,7 @@ def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[f
         known = layout.known_by(index, problem.prior_knowledge).known
         alone = Problem.of_one(rows, PriorKnowledge(known))
         try:
-            fit = estimator(alone)
+            fit = fit_by(estimator, alone)
         except ExoidError as error:
             why = f"{group} cannot be identified alone ({error.what})"
             return Agreement(None, f"whether groups agree on what they share was not tested: {why}")

@@ -171,7 +171,7 @@ class GroupRows:
     def _make(self, index: int, decimated: bool) -> Iterator[Rows]:
         """Make rows stretch by stretch, and keep them and what is left of them after decimation where there is room."""
         prepared = self._prepare(index)
-        count, step = len(prepared.rows), decimation(prepared.independence)
+        count, step = len(prepared.rows), decimation(prepared.independent_fraction)
         size = 8 * count * prepared.tau.shape[1] * len(self.names)
         room = self.memory_share * KEPT_BYTES - sum(rows.W.nbytes for kept in self._kept.values() for rows in kept)
         keep_few = size / step <= room

@@ -15,8 +15,8 @@ from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording, Recordings, ZeroPhase, preparation_by_name
-from exoid.signals.cutoff import cutoff_from
-from exoid.signals.recordings import Stored
+from exoid.signals.default_preparation import cutoff_from
+from exoid.signals.recordings import RecordingFile
 from exoid.torques import TorqueModel
 
 from .group_checks import refuse_other_designs, refuse_same_recordings
@@ -155,7 +155,7 @@ def _file_name(recordings: Sequence[Recording | Poses], index: int) -> str:
     """Name of the file of a recording, without reading it if it is on disk; "" for one made in memory."""
     if isinstance(recordings, Recordings):
         item = recordings.items[index]
-        if isinstance(item, Stored):
+        if isinstance(item, RecordingFile):
             return item.path.name
     source = recordings[index].source
     return "" if source is None else source.name
@@ -290,7 +290,11 @@ def choose_preparation(
         return preparation_by_name(given)
     if given is not None:
         return given
-    return ZeroPhase(cutoff_from([one.bends for one in summaries if one.bends]) if cutoff is None else cutoff)
+    return ZeroPhase(
+        cutoff_from([one.acceleration_power for one in summaries if one.acceleration_power])
+        if cutoff is None
+        else cutoff
+    )
 
 
 def check_recordings(given: Recording | Poses | Iterable[Recording | Poses] | Cluster) -> Data:

@@ -14,13 +14,13 @@ from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .estimators import Estimator, find_estimator
+from .estimators import Estimator, find_estimator, fit_by
 from .fitting import Fitted, Start, Task
 from .group_checks import refuse_nonlinear_terms
 from .groups import Measured, make_groups, own_parameters, prepare_groups, summarize_groups
 from .problem import Problem
 from .result import Result
-from .variable_projection import is_nonlinear, search, starting_model
+from .variable_projection import search
 
 NOISES = ("correlated", "white")
 
@@ -146,7 +146,7 @@ def identify(
     groups = make_groups(leg, recordings, own)
     if len(groups) > 1:
         refuse_nonlinear_terms({group.name: group.leg for group in groups}, terms)
-    models = {group.name: starting_model(group.leg, terms) for group in groups}
+    models = {group.name: TorqueModel.at_start(group.leg, terms) for group in groups}
     own_names = own_parameters(models, own)
     knowledge = PriorKnowledge.of(known, prior, nonnegative=nonnegative)
     summaries = summarize_groups(
@@ -171,12 +171,12 @@ def fit_model(task: Task, start: Start | None = None) -> Fitted:
     Raises:
         ExoidError: Parameters are not determined by the rows: names them.
     """
-    if is_nonlinear(task.groups[0].leg, task.terms):
+    if any(term.nonlinear or term.loaded for term in task.terms):
         return search(task, start)
     models = tuple(TorqueModel(group.leg, task.terms) for group in task.groups)
     problem = Problem.of(task.groups, models, task.own, task.prior_knowledge, task.keep)
     problem.refuse_empty_joints()
-    fit = task.estimator(problem)
+    fit = fit_by(task.estimator, problem)
     return Fitted(models, fit.solution.values, NO_NONLINEAR_PARAMETERS, problem, fit, fit.warnings)
 
 

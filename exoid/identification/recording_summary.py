@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from exoid.estimate.data import Input
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses, Recording
-from exoid.signals.cutoff import Bends, bends_of
+from exoid.signals.default_preparation import AccelerationPower, acceleration_power
 from exoid.torques import TorqueModel
 
 SMALLEST_MOTION = 2e-3
@@ -53,7 +53,7 @@ class RecordingSummary(NamedTuple):
         highest: Largest angle of each joint [rad], (n,).
         mean: Mean angle of each joint [rad], (n,).
         torques: None where there are none.
-        bends: Noise of the angles beside their motion, for the cut-off; None where it is not needed.
+        acceleration_power: Noise of the angles beside their motion, for the cut-off; None where it is not needed.
     """
 
     evidence: Input
@@ -62,7 +62,7 @@ class RecordingSummary(NamedTuple):
     highest: FloatArray
     mean: FloatArray
     torques: Torques | None
-    bends: Bends | None
+    acceleration_power: AccelerationPower | None
 
 
 def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool = True) -> RecordingSummary:
@@ -71,7 +71,7 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
     Args:
         model: For its joints.
         data: The recording.
-        for_cutoff: Whether to compare noise and motion, for :func:`exoid.signals.cutoff.cutoff_from`.
+        for_cutoff: Whether to compare noise and motion, for :func:`exoid.signals.default_preparation.cutoff_from`.
 
     Returns:
         The summary.
@@ -88,7 +88,7 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
         q.max(axis=1),
         q.mean(axis=1),
         None if tau is None else _torques(tau),
-        bends_of(chosen) if for_cutoff else None,
+        acceleration_power(chosen) if for_cutoff else None,
     )
 
 

@@ -80,7 +80,7 @@ class Result:
             layout=layout,
             values=solution.values,
             covariance=covariance,
-            dofs=dofs,
+            dof_each=dofs,
             parameter_scale=parameter_scale(problem.r_factors),
             reference_scale=self._smallest_reference_scale(),
             collinearity=self._collinearity.indices,

@@ -10,11 +10,11 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.nonlinear import NonlinearParameters
-from exoid.leg import Leg
 from exoid.regression.least_squares import factorize, stack
-from exoid.torques import NonlinearSetting, Term, TorqueModel, nonlinear_settings, with_settings
+from exoid.torques import NonlinearSetting, TorqueModel, nonlinear_settings, with_settings
 from exoid.torques.linearised import linearise
 
+from .estimators import fit_by
 from .fitting import Fitted, Start, Task
 from .problem import Problem
 
@@ -61,18 +61,6 @@ ROUNDING = 1e-6
 """and this part of itself, where there is no noise."""
 
 
-def is_nonlinear(leg: Leg, terms: Sequence[Term]) -> bool:
-    """Whether torque is not linear in all parameters of some terms."""
-    return bool(nonlinear_settings(terms, leg.joint_names, leg.joint_labels)) or any(term.loaded for term in terms)
-
-
-def starting_model(leg: Leg, terms: Sequence[Term]) -> TorqueModel:
-    """Make a torque model with all nonlinear parameters at their start values."""
-    names, labels = leg.joint_names, leg.joint_labels
-    start = {setting.name: setting.free.start for setting in nonlinear_settings(terms, names, labels)}
-    return TorqueModel(leg, with_settings(terms, names, labels, start))
-
-
 def search(task: Task, start: Start | None = None) -> Fitted:
     """Fit a model that is not linear in all parameters.
 
@@ -105,7 +93,7 @@ class _Search:
     def __init__(self, task: Task, settings: Sequence[NonlinearSetting], start: Start | None) -> None:
         self.task, self.nonlinear = task, tuple(settings)
         self.leg = task.groups[0].leg
-        model = starting_model(self.leg, task.terms)
+        model = TorqueModel.at_start(self.leg, task.terms)
         self.regrouped, self.free = model.regrouped, task.prior_knowledge.free(model.names)
         self.weights: Sequence[float] | None
         if start is None:
@@ -142,7 +130,7 @@ class _Search:
         unsettled: tuple[str, ...] = ()
         for _ in range(POLISH):
             problem = self._problem(tuple(held))
-            fit = self.task.estimator(problem)
+            fit = fit_by(self.task.estimator, problem)
             found = dict(zip(problem.names, fit.solution.values, strict=True))
             before = self._vector(problem.names)
             moved = fit.solution.values - before

@@ -1,7 +1,7 @@
-"""From base parameters back to links that can exist."""
+"""Lift: from base parameters to physically consistent links."""
 
 from .lift import Lift, lift
-from .lumping import share_out
+from .lumping import distribute_bodies
 from .physical import MassBound, PhysicalCheck, check
 
-__all__ = ["Lift", "MassBound", "PhysicalCheck", "check", "lift", "share_out"]
+__all__ = ["Lift", "MassBound", "PhysicalCheck", "check", "distribute_bodies", "lift"]

@@ -1,20 +1,20 @@
-"""From base parameters back to links that can exist: the inverse that the reduction does not have.
+"""Lift: physically consistent links with given base parameters.
 
-Base parameters β = K π leave most of the link parameters π open. Of all bodies with P ≻ 0 that reproduce β the lift
-takes those nearest to the leg's own inertias P⁰ by the entropic divergence (T. Lee, P. M. Wensing, F. C. Park,
-IEEE T-RO 36(1), 2020)
+Base parameters β = K π do not determine the link parameters π. Of all bodies with P ≻ 0 that reproduce β, the lift
+selects those nearest to the leg's own inertias P⁰ by the entropic divergence (T. Lee, P. M. Wensing, F. C. Park,
+IEEE T-RO 36(2), 2020)
 
-    D(P ‖ P⁰) = Σ_links tr(P⁰⁻¹ P) − log det(P⁰⁻¹ P) − 4,
+    D(P ‖ P⁰) = Σ_links tr(P⁰⁻¹ P) − log det(P⁰⁻¹ P) − 4.
 
-which is convex in π, does not depend on units or frames, is zero only at P⁰, and grows without bound towards bodies
-that cannot exist. Where no possible bodies reproduce β, the lift takes those whose parameters are nearest to β in the
-estimate's own metric, χ² = (β − K π)ᵀ C⁻¹ (β − K π).
+D is convex in π, invariant to units and frames, zero only at P⁰, and unbounded towards inconsistent bodies. If no
+consistent bodies reproduce β, the lift selects those whose parameters are nearest to β in the metric of the estimate,
+χ² = (β − K π)ᵀ C⁻¹ (β − K π).
 
-Both are limits of one smooth convex problem, D + χ²/2μ with μ → 0, solved by Newton's method in coordinates where the
-current bodies are unit matrices. Its iterates P = U Uᵀ, U triangular with a positive diagonal as in the log-Cholesky
-parameterisation (C. Rucker, P. M. Wensing, IEEE RA-L 7(2), 2022), cannot leave the possible. (Minimising over the
-log-Cholesky coordinates themselves finds the same bodies where the estimate is feasible, which the tests check, but
-where it is not the minimum lies on the boundary, at infinity in these coordinates: hundreds of steps.)
+Both are limits of one smooth convex problem, D + χ²/2μ with μ → 0. Newton's method solves it in coordinates in which
+the current bodies are unit matrices. Its iterates P = U Uᵀ, with U triangular as in the log-Cholesky parameterisation
+(C. Rucker, P. M. Wensing, IEEE RA-L 7(2), 2022), stay consistent. Minimising over the log-Cholesky coordinates finds
+the same bodies for a feasible estimate, as the tests check. For an infeasible one the minimum is on the boundary, at
+infinity in these coordinates, which takes hundreds of steps.
 """
 
 from __future__ import annotations
@@ -32,63 +32,64 @@ from exoid.model import dynamic_parameters
 from exoid.reduction.reduction import LINK_PARAMETERS, LINK_UNITS, Reduction
 from exoid.tables import make_table, to_text
 
-from .pseudo_inertia import BASIS, congruence, link_parameters, made_possible, pseudo_inertias, upper_factors
+from .pseudo_inertia import BASIS, congruence, link_parameters, make_consistent, pseudo_inertias, upper_factors
 
 PENALTIES = 10.0 ** -np.arange(11)
-"""μ of the successive problems; what the last one leaves is mended exactly."""
+"""μ of the successive problems; the remaining error of the last one is corrected exactly."""
 
-HOPELESS = 1e-7
-"""μ from which on the mended bodies must be possible for the estimate to count as feasible."""
+FEASIBLE_MU = 1e-7
+"""Value of μ from which on the corrected bodies of a feasible estimate are consistent."""
 
 TIGHTEST = 1e-8
-"""Smallest eigenvalue of P relative to the prior below which a body counts as being on the boundary of the possible."""
+"""Smallest eigenvalue of P, relative to the prior, of a body that is not on the boundary of the consistent set."""
 
 HEAVIEST = 10.0
-"""What a link may weigh at most, times its mass in the URDF, scaled up first should all inertias there be too small for
-the estimate. Without this bound the nearest possible estimate often belongs to links of infinite mass, that is to none.
+"""Largest mass of a link over its mass in the URDF, which is first scaled up if all inertias there are too small.
+
+Without this bound the nearest consistent estimate often has links of infinite mass.
 """
 
 GAP = 1e-5
-"""Of χ² by which an infeasible estimate may be farther away than the nearest possible one."""
+"""Tolerance of the smallest χ² of an infeasible estimate, relative."""
 
 NEGLIGIBLE = 1e-9
-"""χ² that is not worth a step nearer."""
+"""Tolerance of the smallest χ², absolute."""
 
 STEPS = 300
-"""Most Newton steps for each μ; a dozen is usual."""
+"""Largest number of Newton steps for each μ; a dozen is usual."""
 
 SETTLED = 1e-12
-"""Newton decrement, squared and halved (what a step could still gain), at which a problem counts as solved."""
+"""Half the squared Newton decrement at which a problem counts as solved."""
 
 LONGEST = 0.95
-"""Share of the way to the boundary of the possible that one step may go."""
+"""Largest step, as a fraction of the distance to the boundary of the consistent set."""
 
 TRACE = np.trace(BASIS, axis1=1, axis2=2)
 """tr P = TRACE · π."""
 
 ORTHONORMAL = np.linalg.inv(np.linalg.cholesky(BASIS.reshape(10, 16) @ BASIS.reshape(10, 16).T).T)
-"""Columns are π of matrices that are orthonormal by ⟨A, B⟩ = tr A B, (10, 10)."""
+"""π of matrices that are orthonormal under ⟨A, B⟩ = tr A B, as columns, (10, 10)."""
 
 FLOOR = 1e-12
-"""Standard deviations below this share of what the prior could change count as this: nothing is known exactly."""
+"""Smallest standard deviation of a base parameter, relative to the change that the prior allows."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Lift:
-    """Links that can exist, and how well they reproduce the parameters that were asked for; prints itself.
+    """Physically consistent links, and the base parameters that they reproduce; ``print`` shows them.
 
     Attributes:
-        names: Base parameters, p of them.
-        target: Their values as asked for, (p,).
-        values: Their values as the links have them, (p,): the target where that is feasible.
-        links: Names of the moving links.
-        link_parameters: π of each link with what is fixed to it, about its joint frame, (n, 10), in the order of
+        names: Names of the base parameters, (p,).
+        target: Requested values, (p,).
+        values: Values of the links, (p,); equal to the target if it is feasible.
+        links: Names of the moving links, (n,).
+        link_parameters: π of each link with the links fixed to it, about its joint frame, (n, 10), in the order of
             :data:`exoid.reduction.LINK_PARAMETERS`.
-        feasible: Whether links that can exist have the target's values.
-        distance: How far ``values`` are from the target, χ in standard deviations of the estimate; 0 where feasible.
-            Without a covariance the unit is a change of the links' inertias as large as these are.
-        divergence: Entropic divergence from the leg's own links; 0 where these have the target's values already.
-        heaviest: What each link was allowed to weigh [kg], (n,).
+        feasible: Whether consistent links have the target's values.
+        distance: Distance χ of ``values`` from the target in standard deviations of the estimate; 0 if feasible.
+            Without a covariance its unit is a change of the links' inertias by 100 %.
+        divergence: Entropic divergence from the leg's own links; 0 if these have the target's values.
+        mass_limits: Largest mass that each link was allowed [kg], (n,).
     """
 
     names: tuple[str, ...]
@@ -99,55 +100,55 @@ class Lift:
     feasible: bool
     distance: float
     divergence: float
-    heaviest: FloatArray
+    mass_limits: FloatArray
 
     def __post_init__(self) -> None:
-        """Forbid changes."""
-        for array in (self.target, self.values, self.link_parameters, self.heaviest):
+        """Make the arrays read-only."""
+        for array in (self.target, self.values, self.link_parameters, self.mass_limits):
             array.flags.writeable = False
 
     @property
     def moved(self) -> dict[str, float]:
-        """By how much each parameter had to change to become possible; empty where feasible."""
+        """Change of each parameter that made it consistent; empty if feasible."""
         if self.feasible:
             return {}
         return dict(zip(self.names, (self.values - self.target).tolist(), strict=True))
 
     def __repr__(self) -> str:
-        """Name the outcome."""
+        """Write one line."""
         return f"Lift(feasible={self.feasible}, distance={self.distance:.3g}, divergence={self.divergence:.3g})"
 
     def __str__(self) -> str:
-        """Print the links, and what had to give way."""
+        """Print the links, and the parameters that changed."""
         rows = [
             (f"{name} [{unit}]", *(f"{value:.5g}" for value in column))
             for name, unit, column in zip(LINK_PARAMETERS, LINK_UNITS, self.link_parameters.T, strict=True)
         ]
         parts = [make_table(("about the joint", *self.links), rows)]
         if self.feasible:
-            return to_text("links that can exist, with exactly the parameters asked for", *parts)
+            return to_text("physically consistent links, with exactly the requested parameters", *parts)
         moved = [
             (name, f"{old:.5g}", f"{new:.5g}", f"{new - old:+.2g}")
             for name, old, new in zip(self.names, self.target, self.values, strict=True)
         ]
-        title = f"no links that can exist have these parameters; the nearest are {self.distance:.3g} away"
-        return to_text(title, *parts, make_table(("parameter", "asked for", "possible", "moved"), moved))
+        title = f"no physically consistent links have these parameters; the nearest are {self.distance:.3g} away"
+        return to_text(title, *parts, make_table(("parameter", "requested", "consistent", "change"), moved))
 
 
 def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Lift:
-    """Find links that can exist with these base parameters, nearest to the leg's own.
+    """Find the physically consistent links with these base parameters that are nearest to the leg's own.
 
     Args:
-        leg: The leg; its inertias are the prior. Links that no mass distribution has (point masses, rods) are first
-            given a little extent, see :func:`exoid.lift.pseudo_inertia.made_possible`.
+        leg: The leg; its inertias are the prior. Links without a mass distribution (point masses, rods) first get a
+            small extent, see :func:`exoid.lift.pseudo_inertia.make_consistent`.
         values: Base parameters, (p,), in the order of ``leg.parameter_names``.
-        covariance: Of the values, (p, p): the metric where they are not feasible; what is known best gives way least.
-            None for a metric that counts every change by the change of the links' inertias that it takes.
+        covariance: Covariance of the values, (p, p), which is the metric if they are not feasible. None for a metric
+            that measures a change by the relative change of the links' inertias.
 
     Returns:
         The links. Each pseudo-inertia is positive definite, so masses and principal inertias are positive and the
-        R factor inequalities hold strictly. An estimate on the very boundary of the possible (a body thinner than
-        about 1e-8 of the prior), or one that takes links heavier than :data:`HEAVIEST` allows, counts as not feasible.
+        triangle inequalities hold strictly. An estimate counts as infeasible on the boundary of the consistent set (a
+        body thinner than about 1e-8 of the prior), or if its links exceed :data:`HEAVIEST`.
 
     Raises:
         ExoidError: Values or covariance do not fit the leg or are not finite, or the covariance has a negative
@@ -160,7 +161,7 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
         (True, True)
     """
     target = checked_values(leg, values)
-    prior = made_possible(dynamic_parameters(leg.model))
+    prior = make_consistent(dynamic_parameters(leg.model))
     problem = _Problem.around(prior, leg.reduction)
     natural = _whitening(problem.K @ problem.K.T)
     own = natural @ leg.reduction.parameters(prior)
@@ -185,27 +186,34 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
         feasible=feasible,
         distance=0.0 if feasible else float(np.linalg.norm(metric @ (target - reached))),
         divergence=_divergence(upper_factors(pseudo_inertias(unit))),
-        heaviest=heaviest * prior[::10],
+        mass_limits=heaviest * prior[::10],
     )
 
 
 def checked_values(leg: Leg, values: ArrayLike) -> FloatArray:
-    """Check that base parameters fit a leg, (p,).
+    """Check that base parameters fit a leg.
+
+    Args:
+        leg: The leg.
+        values: Base parameters, (p,).
+
+    Returns:
+        The values, (p,).
 
     Raises:
-        ExoidError: They do not, or one is not finite.
+        ExoidError: Their number is wrong, or one is not finite.
     """
     return _checked(leg, values, "values", 1)
 
 
 @dataclass(frozen=True, eq=False)
 class _Problem:
-    """The lift in coordinates where the prior of every link is the unit matrix: P = U⁰ P̃ U⁰ᵀ.
+    """The lift in coordinates in which the prior of every link is the unit matrix: P = U⁰ P̃ U⁰ᵀ.
 
     Attributes:
-        K: From π̃ to base parameters, (p, 10 n).
-        back: From π̃ to π, (10 n, 10 n).
-        links: n.
+        K: Matrix from π̃ to base parameters, (p, 10 n).
+        back: Matrix from π̃ to π, (10 n, 10 n).
+        links: Number of links, n.
     """
 
     K: FloatArray
@@ -231,7 +239,9 @@ class _Problem:
             Y, gain = self._newton_step(U, misfit)
             if gain < SETTLED * (1.0 + best):
                 break
-            nearest = float(np.linalg.eigvalsh(Y)[:, 0].min())  # 1 + length · Y is possible while length · nearest > −1
+            nearest = float(
+                np.linalg.eigvalsh(Y)[:, 0].min()
+            )  # 1 + length · Y is consistent while length · nearest > −1
             length = min(1.0, LONGEST / max(-nearest, 1e-9))
             while True:
                 trial = U @ upper_factors(np.eye(4) + length * Y)
@@ -239,23 +249,23 @@ class _Problem:
                 if value <= best - 0.1 * length * gain or length < 1e-10:
                     break
                 length *= 0.5
-            if value >= best:  # nothing left to gain but rounding
+            if value >= best:  # only rounding is left
                 break
             U, best = trial, value
         return U
 
     def _newton_step(self, U: FloatArray, misfit: _Misfit) -> tuple[FloatArray, float]:
-        """Newton step P ← U (1 + Y) Uᵀ, (n, 4, 4), and what it should gain.
+        """Newton step P ← U (1 + Y) Uᵀ, (n, 4, 4), and its predicted decrease of the objective.
 
-        In an orthonormal basis of Y the second derivative of −log det is 1, however close to the boundary the bodies
-        are, and that of the misfit has the rank p.
+        In an orthonormal basis of Y the second derivative of −log det is 1, even close to the boundary. The second
+        derivative of the misfit has rank p.
         """
         turned = congruence(U) @ ORTHONORMAL
         pull = np.ravel(TRACE @ ORTHONORMAL - TRACE @ turned)
         WK = misfit.W @ self.K / np.sqrt(misfit.mu)
         columns = np.hstack(list(WK.reshape(len(WK), -1, 10).transpose(1, 0, 2) @ turned))
         residual = misfit.W @ (misfit.target - self.K @ _unit(U)) / np.sqrt(misfit.mu)
-        if misfit.heaviest is not None:  # −log room, whose second derivative has one row a link
+        if misfit.heaviest is not None:  # −log room, whose second derivative has one row per link
             room = misfit.heaviest - U[:, 3, 3] ** 2
             columns = np.vstack([columns, scipy.linalg.block_diag(*(turned[:, 0] / room[:, None]))])
             residual = np.concatenate([residual, -np.ones(len(room))])
@@ -273,7 +283,7 @@ class _Problem:
 
 
 class _Misfit(NamedTuple):
-    """What is added to the divergence: ‖W (β − K π̃)‖² / 2μ, and −log(1 − m / heaviest m⁰) of each link."""
+    """Penalty ‖W (β − K π̃)‖² / 2μ, and −log(1 − m / heaviest m⁰) of each link."""
 
     W: FloatArray
     target: FloatArray
@@ -282,24 +292,20 @@ class _Misfit(NamedTuple):
 
 
 def _reproduce(problem: _Problem, target: FloatArray, natural: FloatArray, heaviest: FloatArray) -> FloatArray | None:
-    """Find the bodies nearest to the prior that have the target's values exactly.
-
-    Returns:
-        Their π̃, (10 n,); None where there are none.
-    """
+    """π̃ of the bodies nearest to the prior that have the target's values exactly, (10 n,); None if none do."""
     U, smallest_change = problem.prior, np.linalg.pinv(natural @ problem.K) @ natural
     for mu in PENALTIES:
         U = problem.minimise(U, _Misfit(natural, target, mu))
         unit = _unit(U)
         unit = unit + smallest_change @ (target - problem.K @ unit)
-        possible = np.linalg.eigvalsh(pseudo_inertias(unit)).min() > TIGHTEST
-        if (U[:, 3, 3] ** 2 > heaviest).any() or (not possible and mu <= HOPELESS):
+        consistent = np.linalg.eigvalsh(pseudo_inertias(unit)).min() > TIGHTEST
+        if (U[:, 3, 3] ** 2 > heaviest).any() or (not consistent and mu <= FEASIBLE_MU):
             return None
     return unit
 
 
 def _approach(problem: _Problem, target: FloatArray, metric: FloatArray, heaviest: FloatArray) -> FloatArray:
-    """Find bodies whose values are nearest to the target in a metric, to within :data:`GAP`; their π̃, (10 n,)."""
+    """π̃ of the bodies whose values are nearest to the target in a metric, to within :data:`GAP`, (10 n,)."""
     U = problem.prior
     chi_squared = mu = _chi_squared(problem, target, metric, U)
     while (4 * problem.links + heaviest.sum()) * mu > max(GAP * chi_squared, NEGLIGIBLE):
@@ -319,7 +325,7 @@ def _unit(U: FloatArray) -> FloatArray:
 
 
 def _divergence(U: FloatArray) -> float:
-    """D of the bodies U Uᵀ from unit matrices."""
+    """Divergence D of the bodies U Uᵀ from unit matrices."""
     return float(np.sum(U**2) - 2.0 * np.log(np.diagonal(U, axis1=1, axis2=2)).sum() - 4 * len(U))
 
 
@@ -331,7 +337,7 @@ def _whitening(covariance: FloatArray) -> FloatArray:
 
 
 def _metric(covariance: FloatArray, problem: _Problem) -> FloatArray:
-    """Whitening of an estimate's covariance, whose exactly known directions become almost exactly known."""
+    """Whitening matrix of an estimate's covariance, with a floor for directions that are known exactly."""
     scale = np.linalg.norm(problem.K, axis=1)
     values, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
     if values[0] < -1e-9 * max(values[-1], FLOOR):

@@ -1,15 +1,15 @@
-"""Can a leg with these base parameters exist? For planar legs in closed form, for any other robot by the lift.
+"""Physical consistency of base parameters: in closed form for planar legs, by the lift for any other robot.
 
-A body of mass m, moments h = mc and inertia j about its joint exists in the plane if and only if m j > |h|²: then the
-inertia about its centre of mass is positive. A planar segment carries the mass M' of all segments below it at d, the
-next joint, so that with its own parameters h = (Y, −X) and j (without the J below it) the condition is, for the mass M
-of the segment and all below,
+A body of mass m, moments h = mc and inertia j about its joint is consistent in the plane if and only if m j > |h|²: the
+inertia about its centre of mass is then positive. A planar segment carries the mass M' of all segments below it at d,
+the next joint. Its own parameters are h = (Y, −X) and j, without the J below it. For the mass M of the segment and all
+segments below, the condition is
 
     (M − M')(j − M'|d|²) > |h − M'd|²    ⇔    M'|d|² < j  and  M > (|h|² + M'(j − 2 h·d)) / (j − M'|d|²).
 
-The bound on M grows with M', so the lightest leg follows segment by segment from the foot upwards, and a leg exists
-if and only if at every segment this lightest M' is below j/|d|². With M' = 0 the bound on M is M ≥ (X² + Y²)/j, which
-needs no lengths.
+The bound on M grows with M', so the lightest leg follows segment by segment from the foot upwards. The leg is
+consistent if and only if at every segment this lightest M' is below j/|d|². With M' = 0 the bound is M ≥ (X² + Y²)/j,
+which needs no lengths.
 """
 
 from __future__ import annotations
@@ -27,15 +27,14 @@ from .lift import checked_values, lift
 
 
 class MassBound(NamedTuple):
-    """What the parameters say on the mass of a segment and all below it [kg].
+    """Bounds of the mass of a segment and all segments below it [kg].
 
     Attributes:
-        masses: The sum that is bounded, such as "m_shank + m_foot".
-        formula: The lower bound that needs no lengths, such as "(X2² + Y2²)/(J2 − J3)".
-        least: Its value; infinite where the inertia is not positive.
-        least_with_lengths: The sharp lower bound, given where the joints are.
-        most: The sharp upper bound: more mass would have more inertia about the joint above than the segment there has,
-            j/|d|²; infinite for the first segment.
+        masses: Sum of masses that is bounded, such as "m_shank + m_foot".
+        formula: Lower bound without lengths, such as "(X2² + Y2²)/(J2 − J3)".
+        least: Value of this bound; infinite if the inertia is not positive.
+        least_with_lengths: Sharp lower bound, from the positions of the joints.
+        most: Sharp upper bound j/|d|², from the inertia of the segment above; infinite for the first segment.
     """
 
     masses: str
@@ -47,12 +46,12 @@ class MassBound(NamedTuple):
 
 @dataclass(frozen=True)
 class PhysicalCheck:
-    """Whether a leg with given parameters can exist; prints itself.
+    """Physical consistency of parameters; ``print`` shows it.
 
     Attributes:
-        physical: Whether it can.
-        reasons: Why not, one sentence for each thing that cannot be.
-        bounds: On masses, segment by segment from the torso; empty where the leg is not a planar chain.
+        physical: Whether the parameters are physically consistent.
+        reasons: Reasons why they are not, one sentence each.
+        bounds: Bounds of masses, segment by segment from the torso; empty for a leg that is not a planar chain.
     """
 
     physical: bool
@@ -60,33 +59,32 @@ class PhysicalCheck:
     bounds: tuple[MassBound, ...]
 
     def __bool__(self) -> bool:
-        """Tell whether a leg can have the parameters."""
+        """Tell whether the parameters are physically consistent."""
         return self.physical
 
     def __str__(self) -> str:
-        """Print the verdict, the reasons and the bounds."""
-        verdict = "a leg with these parameters can exist" if self.physical else "no leg can have these parameters"
+        """Print the result, the reasons and the bounds."""
+        result = f"the parameters are {'' if self.physical else 'not '}physically consistent"
         if not self.bounds:
-            return to_text(verdict, *self.reasons)
+            return to_text(result, *self.reasons)
         headers = ("mass [kg]", "≥", "at least", "with these lengths", "below")
         rows = [(b.masses, b.formula, *(f"{x:.2f}" if np.isfinite(x) else "∞" for x in b[2:])) for b in self.bounds]
-        return to_text(verdict, *self.reasons, make_table(headers, rows))
+        return to_text(result, *self.reasons, make_table(headers, rows))
 
 
 def check(leg: Leg, values: ArrayLike) -> PhysicalCheck:
-    """Check whether a physical leg with these base parameters exists.
+    """Check whether base parameters are physically consistent.
 
-    For a planar leg: whether masses, centres of mass and positive inertias exist that reduce to the values, and whether
-    each segment, with what hangs on it, has its centre of mass on that side of its joint where the URDF has it (the
-    angle between the two is below 90°): a shank with its centre of mass above the knee is no shank. For any other
-    robot: whether :func:`exoid.lift.lift` can reproduce the values.
+    For a planar leg, masses, centres of mass and positive inertias must exist that reduce to the values. Each segment,
+    with the segments below it, must also have its centre of mass on the same side of its joint as in the URDF: the
+    angle between the two is below 90°. For any other robot, :func:`exoid.lift.lift` must reproduce the values.
 
     Args:
-        leg: The leg: its geometry, and on which side of its joints the segments are.
+        leg: The leg, with its geometry and the side of each joint on which its segment is.
         values: Base parameters, (p,), in the order of ``leg.parameter_names``.
 
     Returns:
-        The verdict with its reasons, and for a planar leg bounds on the masses, which motion alone does not reveal.
+        The result with its reasons, and for a planar leg bounds of the masses, which motion does not determine.
 
     Raises:
         ExoidError: The values do not fit the leg or are not finite.
@@ -122,7 +120,7 @@ def _planar(leg: Leg, segments: FloatArray) -> tuple[list[MassBound], list[str]]
         if carrier.j <= 0.0:
             reasons.append(f"{links[k]}: {names[k]} = {carrier.j:.3g} kg·m² is not positive")
         elif not np.isfinite(least[k]):
-            reasons.append(f"{links[k]}: {below:.3g} kg hang on it, too much for {names[k]} = {carrier.j:.3g} kg·m²")
+            reasons.append(f"{links[k]}: {below:.3g} kg below it are too much for {names[k]} = {carrier.j:.3g} kg·m²")
         X, Y, _ = leg.parameters.reshape(-1, 3)[k]
         if carrier.h @ np.array([Y, -X]) <= 0.0:
             where = f"X{k + 1} = {segments[k, 0]:.3g}, Y{k + 1} = {segments[k, 1]:.3g} kg·m"
@@ -137,21 +135,21 @@ def _planar(leg: Leg, segments: FloatArray) -> tuple[list[MassBound], list[str]]
 
 
 class _Carrier(NamedTuple):
-    """A segment that carries mass M' at d: h, j and d of the module's text."""
+    """A segment that carries mass M' at d: h, j and d of the module docstring."""
 
     h: FloatArray
     j: float
     d: FloatArray
 
     def least(self, below: float) -> float:
-        """Least mass of the segment and all below it, given that below; infinite where there is none."""
+        """Smallest mass of the segment and all below it, given the mass below; infinite if there is none."""
         free = self.j - below * float(self.d @ self.d)
         if self.j <= 0.0 or free <= 0.0:
             return np.inf
         return (float(self.h @ self.h) + below * (self.j - 2.0 * float(self.h @ self.d))) / free
 
     def most_below(self, most: float) -> float:
-        """Largest mass below, given the largest of the segment and all below it: :meth:`least` solved for M'."""
+        """Largest mass below, given that of the segment and all below it: :meth:`least` solved for M'."""
         squared = float(self.d @ self.d)
         if self.j <= 0.0:
             return 0.0

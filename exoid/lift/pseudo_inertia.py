@@ -1,8 +1,8 @@
-"""Pseudo-inertias: the 4 × 4 matrices whose positive definiteness is what makes a rigid body possible.
+"""Pseudo-inertias: 4 × 4 matrices that are positive definite if and only if a body is physically consistent.
 
 With Σ = ∫ r rᵀ dm the second moment, mc the first and m the mass of a body, P = [[Σ, mc], [mcᵀ, m]]. A distribution of
-positive mass has P ≻ 0, and every P ≻ 0 has one: mass, principal inertias and R factor inequalities all follow
-(P. M. Wensing, S. Kim, J.-J. E. Slotine, IEEE RA-L 3(1), 2018).
+positive mass has P ≻ 0, and every P ≻ 0 has one. Positive mass and principal inertias and the triangle inequalities
+follow (P. M. Wensing, S. Kim, J.-J. E. Slotine, IEEE RA-L 3(1), 2018).
 """
 
 from __future__ import annotations
@@ -19,17 +19,20 @@ COORDINATES = np.linalg.pinv(BASIS.reshape(10, 16).T)
 """Link parameters π of a flattened pseudo-inertia, (10, 16)."""
 
 BARELY = 1e-8
-"""Margin below which a body cannot exist, but for rounding."""
+"""Smallest margin of a consistent body, beyond rounding."""
 
 SMALLEST_RADIUS = 1e-2
-"""Radius of gyration that such a body gets at least in every direction [m]."""
+"""Smallest radius of gyration in any direction that a repaired body gets [m]."""
 
 THINNEST = 1e-3
-"""Nor does it get thinner than this fraction of its largest second moment."""
+"""Smallest second moment that a repaired body gets, over its largest."""
 
 
 def pseudo_inertias(link_parameters: FloatArray) -> FloatArray:
-    """Pseudo-inertia P of each link, given π of all links, (10 n,) or (n, 10).
+    """Compute the pseudo-inertia P of each link.
+
+    Args:
+        link_parameters: π of all links, (10 n,) or (n, 10).
 
     Returns:
         P, (n, 4, 4).
@@ -38,34 +41,45 @@ def pseudo_inertias(link_parameters: FloatArray) -> FloatArray:
 
 
 def link_parameters(pseudo_inertias: FloatArray) -> FloatArray:
-    """Link parameters π of pseudo-inertias, (n, 4, 4); the inverse of :func:`pseudo_inertias`, (10 n,)."""
+    """Compute link parameters π: the inverse of :func:`pseudo_inertias`.
+
+    Args:
+        pseudo_inertias: P, (n, 4, 4).
+
+    Returns:
+        π of all links, (10 n,).
+    """
     return np.ravel(np.reshape(pseudo_inertias, (-1, 16)) @ COORDINATES.T)
 
 
 def margins(link_parameters: FloatArray) -> FloatArray:
-    """How far each body is from impossible: the smallest eigenvalue of P scaled to a diagonal of ones, (n,).
+    """Compute the margin of physical consistency: the smallest eigenvalue of P scaled to a unit diagonal.
 
-    Positive for a body that can exist, at most 1; −inf where the mass or a second moment is not positive.
+    Args:
+        link_parameters: π of all links, (10 n,) or (n, 10).
+
+    Returns:
+        Margins, (n,): positive for consistent bodies, at most 1; −inf if the mass or a second moment is not positive.
     """
     P = pseudo_inertias(link_parameters)
     diagonal = np.diagonal(P, axis1=1, axis2=2)
-    possible = (diagonal > 0.0).all(axis=1)
+    positive = (diagonal > 0.0).all(axis=1)
     scale = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     smallest = np.linalg.eigvalsh(P / scale[:, :, None] / scale[:, None, :])[:, 0]
-    return np.where(possible, smallest, -np.inf)
+    return np.where(positive, smallest, -np.inf)
 
 
-def made_possible(link_parameters: FloatArray) -> FloatArray:
-    """Repair bodies that no mass distribution has, such as point masses or rods: they gain a little extent.
+def make_consistent(link_parameters: FloatArray) -> FloatArray:
+    """Give bodies without a mass distribution, such as point masses or rods, a small extent.
 
-    Mass and centre of mass stay. Principal second moments about the centre of mass grow to at least
+    Mass and centre of mass do not change. Principal second moments about the centre of mass grow to at least
     m · :data:`SMALLEST_RADIUS`² and :data:`THINNEST` times the largest.
 
     Args:
-        link_parameters: π, (10 n,), of bodies with positive mass.
+        link_parameters: π of bodies with positive mass, (10 n,).
 
     Returns:
-        π, (10 n,), in which bodies that can exist are unchanged.
+        π, (10 n,); consistent bodies are unchanged.
     """
     repaired = np.reshape(link_parameters, (-1, 10)).copy()
     for k in np.flatnonzero(margins(link_parameters) < BARELY):
@@ -79,11 +93,25 @@ def made_possible(link_parameters: FloatArray) -> FloatArray:
 
 
 def congruence(A: FloatArray) -> FloatArray:
-    """Matrices T with π(A P Aᵀ) = T π(P), (n, 10, 10): mass moved by the affine maps A, (n, 4, 4)."""
+    """Compute matrices T with π(A P Aᵀ) = T π(P), which move mass by affine maps.
+
+    Args:
+        A: Affine maps, (n, 4, 4).
+
+    Returns:
+        T, (n, 10, 10).
+    """
     moved = A[:, None] @ BASIS @ A[:, None].transpose(0, 1, 3, 2)
     return np.asarray(COORDINATES @ moved.reshape(-1, 10, 16).transpose(0, 2, 1))
 
 
 def upper_factors(P: FloatArray) -> FloatArray:
-    """Upper triangular U with U Uᵀ = P, (n, 4, 4), as the log-Cholesky parameterisation has them."""
+    """Factorise P = U Uᵀ with U upper triangular, as in the log-Cholesky parameterisation.
+
+    Args:
+        P: Pseudo-inertias, (n, 4, 4).
+
+    Returns:
+        U, (n, 4, 4).
+    """
     return np.asarray(np.linalg.cholesky(P[:, ::-1, ::-1])[:, ::-1, ::-1], dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Reduction of the torque regressor to the parameters that motion can determine."""
+"""Reduction of the torque regressor to base parameters."""
 
 from .documented import documented
 from .numeric import numeric

@@ -1,4 +1,4 @@
-"""The documents' minimal parameters (X, Y, J) of a planar chain as an explicit linear map of Pinocchio's."""
+"""Documented reduction: the parameters (X, Y, J) of a planar chain as a linear map of Pinocchio's parameters."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from .planar import PlanarChain
 from .reduction import Reduction
 
 MASS, MOMENT, INERTIA = 0, slice(1, 4), slice(4, 10)
-"""Where mass, first moment and inertia stand in Pinocchio's ten link parameters."""
+"""Places of mass, first moment and inertia among Pinocchio's ten link parameters."""
 
 
 def documented(chain: PlanarChain, *, cumulative: bool) -> Reduction:
-    """Map link parameters π onto (X1, Y1, J1, X2, Y2, J2, …), segment by segment from the torso.
+    """Map link parameters π to (X1, Y1, J1, X2, Y2, J2, …), segment by segment from the torso.
 
     For each segment, with x forward, z up and d the vector to the next joint at the zero pose (doc. 1, eqs. (1)-(9)):
 
         X = −m c_z − M d_z,    Y = m c_x + M d_x,    J = I_yy + M |d|²,
 
-    M being the mass of all segments below and I_yy the inertia about the segment's own joint. With ``cumulative``, J
-    also contains the J below it (doc. 1); without, it does not (doc. 2, Table I, with its last term read as J_t).
+    with M the mass of all segments below and I_yy the inertia about the segment's own joint. With ``cumulative``, J
+    also contains the J below it (doc. 1). Without, it does not (doc. 2, Table I, with its last term read as J_t).
 
     Args:
         chain: Geometry of the leg.
-        cumulative: Which of the documents' two definitions of J to use.
+        cumulative: Whether J is cumulative, as in doc. 1.
 
     Returns:
-        The reduction, of 3 n parameters.
+        The reduction to 3 n parameters.
     """
     n = chain.n
     collect, spread = np.zeros((3 * n, 10 * n)), np.zeros((10 * n, 3 * n))
@@ -37,7 +37,7 @@ def documented(chain: PlanarChain, *, cumulative: bool) -> Reduction:
         about_lateral = _quadratic_form(lateral)
         link = collect[:, 10 * j : 10 * (j + 1)]
         link[3 * j, MOMENT], link[3 * j + 1, MOMENT], link[3 * j + 2, INERTIA] = -up, forward, about_lateral
-        for above in range(j):  # the mass of this segment hangs on every one above it
+        for above in range(j):  # every segment above carries the mass of this one
             x, z = chain.offsets[above]
             link[3 * above : 3 * above + 3, MASS] = -z, x, x**2 + z**2
         carrier = spread[10 * j : 10 * (j + 1)]
@@ -58,6 +58,6 @@ def _quadratic_form(axis: FloatArray) -> FloatArray:
 
 
 def _tensor(axis: FloatArray) -> FloatArray:
-    """Entries (Ixx, Ixy, Iyy, Ixz, Iyz, Izz) of the tensor axis axisᵀ, whose inertia about the axis is 1."""
+    """Entries (Ixx, Ixy, Iyy, Ixz, Iyz, Izz) of the tensor axis axisᵀ, which has inertia 1 about the axis."""
     x, y, z = axis
     return np.array([x * x, x * y, y * y, x * z, y * z, z * z])

@@ -1,4 +1,4 @@
-"""Base parameters of any robot: QR with column pivoting of Pinocchio's regressor over random motions.
+"""Numerical reduction: base parameters of any robot by QR with column pivoting of its regressor over random motion.
 
 M. Gautier, "Numerical calculation of the base inertial parameters of robots", J. Robotic Systems 8(4), 1991.
 """
@@ -19,45 +19,45 @@ from exoid.errors import ExoidError
 from .reduction import LINK_PARAMETERS, LINK_UNITS, RankDecision, Reduction
 
 THRESHOLD = 1e-9
-"""Singular values of the unit-column regressor below this fraction of the largest count as zero."""
+"""Largest singular value of the unit-column regressor that counts as zero, over the largest one."""
 
 GAP = 10.0
-"""The smallest value that counts exceeds the largest that does not at least so many times."""
+"""Smallest ratio between the values above and below the threshold."""
 
 REMEDY = "round away tiny offsets and angles between joint axes in the URDF"
 
 PREFERENCE = {"Iyy": 8, "Izz": 8, "Ixx": 7, "mcx": 6, "mcy": 6, "mcz": 6, "Ixy": 5, "Ixz": 5, "Iyz": 5, "m": 0}
-"""Which parameter stands for a group of inseparable ones: inertias and moments rather than masses."""
+"""Preference of the parameter that represents a group: inertias and moments rather than masses."""
 
 LONGEST_NAME = 4
-"""Terms written out in a parameter's name; the whole sum is in :attr:`Reduction.collect`."""
+"""Largest number of terms in a parameter's name; :attr:`Reduction.collect` has the whole sum."""
 
 
 def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0) -> Reduction:
-    """Find the base parameters of a model and name each one as a sum, such as ``Iyy_shank + 0.185*m_foot``.
+    """Find the base parameters of a model, each named as a sum such as ``Iyy_shank + 0.185*m_foot``.
 
-    Columns are scaled to unit length times a preference, so that the pivoting, and with it the names, is the same on
-    every machine: inseparable parameters go to the first moment or inertia of the link nearest to the base.
+    Columns are scaled to unit length times a preference, so that pivoting and names are the same on every machine.
+    Parameters that no motion separates are grouped into the first moment or inertia of the link nearest to the base.
 
     Args:
-        model: Any model of joints with one degree of freedom.
-        labels: Name of the link behind each joint, for the parameter names.
-        seed: Of the random motions.
+        model: Model of joints with one degree of freedom.
+        labels: Name of the link behind each joint, for the parameter names, (n,).
+        seed: Seed of the random motion.
 
     Returns:
         The reduction, with its :class:`RankDecision`.
 
     Raises:
-        ExoidError: The singular values show no clear gap, so that the rank is a matter of opinion.
+        ExoidError: The singular values show no clear gap, so that the rank is ambiguous.
     """
     W = _random_regressor(model, seed)
     scale = np.linalg.norm(W, axis=0)
-    seen = _visible(scale)
-    unit = W[:, seen] / scale[seen]
+    nonzero = _nonzero(scale)
+    unit = W[:, nonzero] / scale[nonzero]
     rank = _decide_rank(unit, W.shape[1])
-    _, R, order = scipy.linalg.qr(unit * _preferences(seen, W.shape[1]), mode="economic", pivoting=True)
+    _, R, order = scipy.linalg.qr(unit * _preferences(nonzero, W.shape[1]), mode="economic", pivoting=True)
     r = rank.rank
-    kept, grouped = seen[order[:r]], seen[order[r:]]
+    kept, grouped = nonzero[order[:r]], nonzero[order[r:]]
     weights = np.zeros((r, W.shape[1]))
     if len(grouped):
         length = scale / _preferences(np.arange(W.shape[1]), W.shape[1])
@@ -84,22 +84,22 @@ def _random_regressor(model: pin.Model, seed: int) -> FloatArray:
 
 
 def _by_joint(model: pin.Model, limits: FloatArray, continuous: float) -> FloatArray:
-    """Limits by degree of freedom; a continuous joint, which has none, gets the given one."""
+    """Limits by degree of freedom; a continuous joint gets the given one."""
     joints = [model.joints[j] for j in range(1, model.njoints)]
     return np.array([limits[joint.idx_q] if joint.nq == 1 else continuous for joint in joints])
 
 
-def _visible(scale: FloatArray) -> NDArray[np.intp]:
+def _nonzero(scale: FloatArray) -> NDArray[np.intp]:
     """Columns that are not zero, given the length of each."""
     length = scale / scale.max()
-    seen = length > THRESHOLD
-    if length[~seen].max(initial=0.0) * GAP > length[seen].min():
+    kept = length > THRESHOLD
+    if length[~kept].max(initial=0.0) * GAP > length[kept].min():
         raise ExoidError(
-            f"which parameters move the joints is not clear-cut (effects of {length[seen].min():.1e} of the largest "
-            f"kept, {length[~seen].max():.1e} dropped)",
+            f"the set of parameters that act on the torques is ambiguous (effects of {length[kept].min():.1e} of the "
+            f"largest kept, {length[~kept].max():.1e} dropped)",
             remedy=REMEDY,
         )
-    return np.flatnonzero(seen)
+    return np.flatnonzero(kept)
 
 
 def _decide_rank(unit: FloatArray, columns: int) -> RankDecision:
@@ -109,12 +109,12 @@ def _decide_rank(unit: FloatArray, columns: int) -> RankDecision:
     dropped = float(sigma[rank]) if rank < len(sigma) else 0.0
     decision = RankDecision(rank, columns, float(sigma[rank - 1]), dropped, THRESHOLD)
     if dropped * GAP > sigma[rank - 1]:
-        raise ExoidError(f"the number of base parameters is not clear-cut ({decision})", remedy=REMEDY)
+        raise ExoidError(f"the number of base parameters is ambiguous ({decision})", remedy=REMEDY)
     return decision
 
 
 def _preferences(columns: FloatArray | np.ndarray, total: int) -> FloatArray:
-    """Weights in (0, 1] that order equally good columns: by kind of parameter, then from the base outwards."""
+    """Weights in (0, 1] that order equivalent columns: by kind of parameter, then from the base outwards."""
     kind = np.array([PREFERENCE[LINK_PARAMETERS[k % 10]] for k in columns])
     return np.asarray((1.0 + kind) / 9.0 * (1.0 - 0.1 * np.asarray(columns) / total))
 

@@ -1,14 +1,14 @@
-r"""The planar chain: its geometry, and its documented regressor in batched closed form.
+r"""Planar chain: its geometry, and its documented regressor in batched closed form.
 
-In the plane of motion a vector (x, z) is the complex number x + i z. With absolute angles φ_j and the vector d_j from
-joint j to joint j+1 at the zero pose, the mass moment h_j = Y_j − i X_j of segment j (with what hangs below it) enters
-the torque of joint k ≤ j as
+In the plane of motion a vector (x, z) is the complex number x + i z. Let φ_j be the absolute angles and d_j the vector
+from joint j to joint j+1 at the zero pose. The mass moment h_j = Y_j − i X_j of segment j, with all segments below it,
+enters the torque of joint k ≤ j as
 
     τ_k = s_k Re{ h_j [ e^{iφ_j} · i conj(p̈_j + i g) + e^{iφ_j}(φ̈_j + i φ̇_j²) · conj(r_kj) ] },
 
 where p̈_j is the acceleration of joint j's origin, r_kj the vector from joint k to joint j, and s_k = ±1 the sign of
-its axis. Its inertia enters as s_k J_j φ̈_j. For three segments these are doc. 1, eqs. (10)-(12); for two with
-s = (1, −1), doc. 2, eqs. (7)-(8) as repaired.
+its axis. The inertia enters as s_k J_j φ̈_j. For three segments these are doc. 1, eqs. (10)-(12); for two with
+s = (1, −1), doc. 2, eqs. (7)-(8) as corrected.
 """
 
 from __future__ import annotations
@@ -22,21 +22,22 @@ import pinocchio as pin
 from exoid._typing import ComplexArray, FloatArray
 
 GRAVITY = 9.81
-"""Standard of the documents and of Pinocchio [m/s²]."""
+"""Gravity of the documents and of Pinocchio [m/s²]."""
 
 BLOCK = 8192
-"""Samples worked on at once: the temporaries of one block stay in the processor's cache."""
+"""Samples computed at once: the temporaries of one block stay in the processor's cache."""
 
 TOLERANCE = 1e-9
+"""Largest error of parallel axes and of gravity."""
 
 
 class Plane(NamedTuple):
     """Directions of the sagittal plane in the base frame.
 
     Attributes:
-        forward: x.
-        lateral: y; positive rotation is about −lateral.
-        up: z, against gravity.
+        forward: Direction x, (3,).
+        lateral: Direction y, (3,); positive rotation is about −lateral.
+        up: Direction z against gravity, (3,).
     """
 
     forward: FloatArray
@@ -45,7 +46,15 @@ class Plane(NamedTuple):
 
 
 class TorsoSamples(NamedTuple):
-    """Motion of the torso at each sample, see :class:`exoid.TorsoMotion`; every array is (N,)."""
+    """Motion of the torso at N samples, see :class:`exoid.TorsoMotion`.
+
+    Attributes:
+        pitch: Tilt [rad], (N,).
+        pitch_rate: Rate of the tilt [rad/s], (N,).
+        pitch_acceleration: Acceleration of the tilt [rad/s²], (N,).
+        hip_acceleration_x: Forward acceleration of the first joint's origin [m/s²], (N,).
+        hip_acceleration_z: Upward acceleration of the first joint's origin [m/s²], (N,).
+    """
 
     pitch: FloatArray
     pitch_rate: FloatArray
@@ -59,9 +68,9 @@ class PlanarChain:
     """Geometry of a serial chain of revolute joints whose axes are horizontal and parallel.
 
     Attributes:
-        plane: The plane of motion.
-        signs: s_k = +1 where the axis is −lateral, −1 where it is +lateral, (n,).
-        offsets: d_j, from joint j to joint j+1 at the zero pose, (x, z) [m], (n−1, 2).
+        plane: Plane of motion.
+        signs: Sign s_k of each axis: +1 along −lateral, −1 along +lateral, (n,).
+        offsets: Vectors d_j from joint j to joint j+1 at the zero pose, (x, z) [m], (n−1, 2).
         rotations: Orientation of each joint frame at the zero pose, (n, 3, 3).
     """
 
@@ -77,7 +86,14 @@ class PlanarChain:
 
     @classmethod
     def from_model(cls, model: pin.Model) -> PlanarChain | None:
-        """Read the geometry from a model; None where it is not such a chain."""
+        """Read the geometry from a model.
+
+        Args:
+            model: Pinocchio model.
+
+        Returns:
+            The chain; None if the model is not a planar chain.
+        """
         n = model.njoints - 1
         serial = list(model.parents)[1:] == list(range(n)) and list(model.nvs)[1:] == [1] * n
         gravity = model.gravity.linear
@@ -119,10 +135,10 @@ def fill_regressor(
         a: Joint accelerations [rad/s²], (N, n).
         out: Receives W, zeroed, (3 n, n, N): parameters first, samples last, so that each column is contiguous.
         cumulative: Whether J_j contains J_{j+1} (doc. 1, eqs. (8)-(9)) or not (doc. 2, Table I).
-        torso: Motion of the torso; None where it stands upright and still.
+        torso: Motion of the torso; None if it is upright and still.
     """
     block = max(1, min(BLOCK, len(q)))
-    work = _Workspace.allocate(chain.n, block)  # once: fresh memory costs more than the arithmetic
+    work = _Workspace.allocate(chain.n, block)  # allocated once, as fresh memory costs more time than the arithmetic
     segments = _segments(chain)
     for start in range(0, len(q), block):
         rows = slice(start, start + block)
@@ -143,12 +159,12 @@ _Joints = tuple[FloatArray, FloatArray, FloatArray]
 
 
 class _Segment(NamedTuple):
-    """Segment j and the joint that it follows.
+    """Segment j and the joint that carries it.
 
     Attributes:
         j: Index.
-        sign: s_j.
-        offset: d_j as a complex number; None of the last.
+        sign: Sign s_j.
+        offset: Vector d_j as a complex number; None for the last segment.
     """
 
     j: int
@@ -157,7 +173,7 @@ class _Segment(NamedTuple):
 
 
 def _segments(chain: PlanarChain) -> list[_Segment]:
-    """Plain numbers: for NumPy they are quicker to take than its own."""
+    """Segments with Python numbers, which NumPy reads faster than its own scalars."""
     offsets = [*(complex(x, z) for x, z in chain.offsets.tolist()), None]
     return [
         _Segment(j, sign, offset) for j, (sign, offset) in enumerate(zip(chain.signs.tolist(), offsets, strict=True))
@@ -165,7 +181,7 @@ def _segments(chain: PlanarChain) -> list[_Segment]:
 
 
 class _Parts(NamedTuple):
-    """Complex numbers of B samples, and views of their parts."""
+    """Complex numbers of B samples, with views of their real and imaginary parts."""
 
     whole: ComplexArray
     real: FloatArray
@@ -173,21 +189,21 @@ class _Parts(NamedTuple):
 
     @classmethod
     def of(cls, numbers: ComplexArray) -> _Parts:
-        """View them."""
+        """Make the views."""
         return cls(numbers, numbers.real, numbers.imag)
 
 
 class _Workspace(NamedTuple):
-    """Memory for one block of B samples; what is of segment j is written over by the next one's.
+    """Memory for one block of B samples; each segment overwrites the values of the one before.
 
     Attributes:
-        absolute: φ_j, φ̇_j and φ̈_j, (3, B).
-        scratch: (2, B).
-        origin: i conj(p̈_j + i g).
-        direction: e^{iφ_j}.
-        turn: e^{iφ_j}(φ̈_j + i φ̇_j²).
-        moment: What is multiplied by h_j, or what a lever adds to it.
-        levers: conj(d_k e^{iφ_k}) of the segments k above, (n, B).
+        absolute: Angle φ_j, rate φ̇_j and acceleration φ̈_j, (3, B).
+        scratch: Temporary values, (2, B).
+        origin: Values i conj(p̈_j + i g).
+        direction: Values e^{iφ_j}.
+        turn: Values e^{iφ_j}(φ̈_j + i φ̇_j²).
+        moment: Factor of h_j, or the part of it that a lever adds.
+        levers: Values conj(d_k e^{iφ_k}) of the segments k above, (n, B).
     """
 
     absolute: FloatArray
@@ -200,20 +216,20 @@ class _Workspace(NamedTuple):
 
     @classmethod
     def allocate(cls, n: int, block: int) -> _Workspace:
-        """Ask for the memory."""
+        """Allocate the memory."""
         real, numbers = np.empty((5, block)), np.empty((4 + n, block), dtype=np.complex128)
         origin, direction, turn, moment = (_Parts.of(row) for row in numbers[:4])
         return cls(real[:3], real[3:], origin, direction, turn, moment, numbers[4:])
 
     def first(self, count: int) -> _Workspace:
-        """View the memory as that of a smaller block."""
+        """View the memory as a smaller block."""
         absolute, scratch, *numbers, levers = self
         origin, direction, turn, moment = (_Parts.of(parts.whole[:count]) for parts in numbers)
         return _Workspace(absolute[:, :count], scratch[:, :count], origin, direction, turn, moment, levers[:, :count])
 
 
 def _move(segment: _Segment, joints: _Joints, work: _Workspace, torso: TorsoSamples | None) -> None:
-    """Go on to the absolute motion of a segment, the first of which follows the torso."""
+    """Advance the absolute motion to the next segment; the first one follows the torso."""
     j, sign, _ = segment
     angle, rate, acceleration = work.absolute
     q, v, a = joints
@@ -236,7 +252,7 @@ def _move(segment: _Segment, joints: _Joints, work: _Workspace, torso: TorsoSamp
 def _fill_columns(
     segment: _Segment, accelerations: FloatArray, work: _Workspace, out: FloatArray, *, cumulative: bool
 ) -> None:
-    """Fill the columns of a segment, but for the signs s_k, and go on to where the next one begins."""
+    """Fill the columns of a segment without the signs s_k, and advance the origin to the next segment."""
     j, sign, offset = segment
     (angle, rate, acceleration), scratch, origin, direction, turn, moment, levers = work
     _direct(angle, out=direction, scratch=scratch)
@@ -246,7 +262,7 @@ def _fill_columns(
     np.multiply(direction.whole, origin.whole, out=moment.whole)
     X, Y, J = out[3 * j], out[3 * j + 1], out[3 * j + 2]
     X[j], Y[j], J[j] = moment.imag, moment.real, acceleration
-    for k in range(j - 1, -1, -1):  # each joint further up has the lever of one more segment
+    for k in range(j - 1, -1, -1):  # each joint above has the lever of one more segment
         np.multiply(turn.whole, levers[k], out=moment.whole)
         np.add(X[k + 1], moment.imag, out=X[k])
         np.add(Y[k + 1], moment.real, out=Y[k])

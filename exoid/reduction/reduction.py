@@ -1,4 +1,4 @@
-"""The linear map between Pinocchio's ten parameters a link and the few that experiments can determine."""
+"""Linear map from Pinocchio's ten parameters per link to base parameters."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ import numpy as np
 from exoid._typing import FloatArray
 
 LINK_PARAMETERS = ("m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
-"""Pinocchio's order of a link's dynamic parameters π; mc in kg·m, I in kg·m² about the joint frame."""
+"""Names of a link's dynamic parameters π in Pinocchio's order; mc in kg·m, I in kg·m² about the joint frame."""
 
 LINK_UNITS = ("kg", *3 * ("kg·m",), *6 * ("kg·m²",))
 
 
 @dataclass(frozen=True)
 class RankDecision:
-    """How many parameters a regressor can see, and how clear-cut that number is.
+    """Rank of a regressor, and the singular values that decided it.
 
     Attributes:
         rank: Number of base parameters.
-        columns: Number of columns examined (10 a link).
-        smallest_kept: Smallest singular value counted, relative to the largest.
-        largest_dropped: Largest singular value not counted, relative to the largest.
-        threshold: What separated them.
+        columns: Number of columns of the regressor, 10 per link.
+        smallest_kept: Smallest singular value above the threshold, relative to the largest.
+        largest_dropped: Largest singular value below the threshold, relative to the largest.
+        threshold: Threshold, relative to the largest singular value.
     """
 
     rank: int
@@ -33,23 +33,23 @@ class RankDecision:
     threshold: float
 
     def __str__(self) -> str:
-        """Summarise in one line."""
+        """Write one line."""
         return (
             f"{self.rank} of {self.columns} parameters are independent: singular values "
             f"{self.smallest_kept:.1e} kept, {self.largest_dropped:.1e} dropped, threshold {self.threshold:.1e}"
         )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Reduction:
-    """Base parameters β = K π and the columns that go with them: Y π = (Y S) (K π) for every motion.
+    """Reduction of link parameters π to base parameters β = K π, with Y π = (Y S) (K π) for every motion.
 
     Attributes:
-        names: Parameter names, p of them.
-        units: Their units.
-        collect: K, (p, 10 n): how link parameters combine into base parameters.
-        spread: S, (10 n, p): one set of link parameters for each base parameter; K S = 1.
-        rank: The evidence for p, when found numerically.
+        names: Names of the base parameters, (p,).
+        units: Units of the base parameters, (p,).
+        collect: Matrix K from link parameters to base parameters, (p, 10 n).
+        spread: Matrix S from base parameters to link parameters, (10 n, p); K S = 1.
+        rank: Rank decision of a numerical reduction; None for a documented one.
     """
 
     names: tuple[str, ...]
@@ -58,17 +58,42 @@ class Reduction:
     spread: FloatArray
     rank: RankDecision | None = None
 
+    def __repr__(self) -> str:
+        """Write one line."""
+        return f"Reduction({self.collect.shape[1]} link parameters to {len(self.names)}: {', '.join(self.names)})"
+
     def parameters(self, link_parameters: FloatArray) -> FloatArray:
-        """Reduce link parameters π, (10 n,), to base parameters β = K π, (p,)."""
+        """Reduce link parameters to base parameters, β = K π.
+
+        Args:
+            link_parameters: π, (10 n,).
+
+        Returns:
+            β, (p,).
+        """
         return np.asarray(self.collect @ link_parameters)
 
     def reduce(self, regressor: FloatArray) -> FloatArray:
-        """Reduce Pinocchio's regressor Y, (N, n, 10 n), to W = Y S, (N, n, p)."""
+        """Reduce Pinocchio's regressor, W = Y S.
+
+        Args:
+            regressor: Y, (N, n, 10 n).
+
+        Returns:
+            W, (N, n, p).
+        """
         return regressor @ self.spread
 
     def adjust(self, link_parameters: FloatArray, values: FloatArray) -> FloatArray:
-        """Change link parameters so that they reduce to ``values`` exactly: π + S (β − K π).
+        """Change link parameters so that they reduce to given values exactly: π + S (β − K π).
 
-        The result gives the right torque for every motion; whether each link alone is physical is another question.
+        The result gives the right torque for every motion. Single links may be physically inconsistent.
+
+        Args:
+            link_parameters: π, (10 n,).
+            values: β, (p,).
+
+        Returns:
+            Changed link parameters, (10 n,).
         """
         return np.asarray(link_parameters + self.spread @ (values - self.collect @ link_parameters))

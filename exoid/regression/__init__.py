@@ -1,8 +1,26 @@
-"""Linear regression on rows of torque: R factors, noise model, covariance, diagnostics."""
+"""Linear regression on rows of torque: R factors, noise model, covariance, diagnostics; it knows no leg."""
 
 from .diagnostics import JointNoise
+from .fit import Fit
 from .influence import Influence
+from .least_squares import RFactor, Solution, joint_table, stack
 from .parameters import Prior
+from .problem import LeastSquaresProblem, RowProblem
+from .rows import RowBlock, Rows
 from .trends import Trend
 
-__all__ = ["Influence", "JointNoise", "Prior", "Trend"]
+__all__ = [
+    "Fit",
+    "Influence",
+    "JointNoise",
+    "LeastSquaresProblem",
+    "Prior",
+    "RFactor",
+    "RowBlock",
+    "RowProblem",
+    "Rows",
+    "Solution",
+    "Trend",
+    "joint_table",
+    "stack",
+]

@@ -46,13 +46,28 @@ class RFactor(NamedTuple):
     samples: float
 
     def among(self, columns: NDArray[np.intp], width: int) -> RFactor:
-        """Put the columns into the places that they have among so many, the others being zero."""
+        """Put the columns into the places that they have among so many, the others being zero.
+
+        Args:
+            columns: Index of each column among all.
+            width: Number of all columns.
+
+        Returns:
+            The R factor, zero in the other columns.
+        """
         R = np.zeros((len(self.R), width))
         R[:, columns] = self.R
         return factorize(R, self.rows, self.samples)
 
     def residual(self, values: FloatArray) -> float:
-        """Root of the sum of squared residuals ‖W β − τ‖ [N·m]."""
+        """Root of the sum of squared residuals ‖W β − τ‖ [N·m].
+
+        Args:
+            values: Parameters β, (P,).
+
+        Returns:
+            Norm of the residual [N·m].
+        """
         return float(np.linalg.norm(self.R @ np.append(values, -1.0)))
 
 
@@ -62,13 +77,21 @@ def factorize_rows(rows: Rows) -> list[RFactor]:
     for joint in range(rows.tau.shape[1]):
         columns, table = joint_table(rows, joint)
         count = table.shape[1]
-        r_factor = factorize(table.T, count, count * rows.independence)
+        r_factor = factorize(table.T, count, count * rows.independent_fraction)
         r_factors.append(r_factor.among(columns, rows.W.shape[2] + 1))
     return r_factors
 
 
 def joint_table(rows: Rows, joint: int) -> tuple[NDArray[np.intp], FloatArray]:
-    """Columns of [W τ] that act on a joint, the last that of its torque, and usable rows in them, (p, N)."""
+    """Columns of [W τ] that act on a joint, the last that of its torque, and usable rows in them, (p, N).
+
+    Args:
+        rows: Rows of all joints.
+        joint: Index of the joint.
+
+    Returns:
+        Indices of the columns, and the table, (p,) and (p, N).
+    """
     W, use = rows.W[:, joint].T, rows.usable[:, joint]
     columns = np.flatnonzero(rows.acting[joint])
     table = np.empty((len(columns) + 1, int(np.count_nonzero(use))))

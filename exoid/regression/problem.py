@@ -28,7 +28,14 @@ class LeastSquaresProblem(Protocol):
         ...
 
     def solve(self, r_factor: RFactor) -> Solution:
-        """Solve for rows, with what is known beside them."""
+        """Solve for rows, with what is known beside them.
+
+        Args:
+            r_factor: R factor of the weighted rows.
+
+        Returns:
+            The solution.
+        """
         ...
 
 
@@ -46,15 +53,37 @@ class RowProblem(LeastSquaresProblem, Protocol):
         ...
 
     def weight_index(self, kind: NoiseKind, joint: int) -> int:
-        """Index among the R factors of the one that holds the rows of a kind and joint."""
+        """Index among the R factors of the one that holds the rows of a kind and joint.
+
+        Args:
+            kind: Kind of the rows.
+            joint: Index of the joint.
+
+        Returns:
+            The index.
+        """
         ...
 
     def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
-        """Go over the rows, recording by recording, each in order of time."""
+        """Go over the rows, recording by recording, each in order of time.
+
+        Args:
+            decimated: Whether to take only as many rows as carry independent noise.
+
+        Returns:
+            Blocks of rows.
+        """
         ...
 
     def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
-        """Let work go over the decimated rows of each recording, wherever they are, and bring back its results."""
+        """Let work go over the decimated rows of each recording, wherever they are, and bring back its results.
+
+        Args:
+            work: Function of the blocks of one recording.
+
+        Returns:
+            Result of the function for each recording.
+        """
         ...
 
 

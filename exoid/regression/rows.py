@@ -32,7 +32,7 @@ class Rows(NamedTuple):
         v: Velocity [rad/s], (N, n).
         usable: Mask of samples of each joint that may be fitted, (N, n).
         acting: Mask of parameters that can act on each joint, (n, P); the regressor is zero elsewhere.
-        independence: Share of the rows that carry independent noise; a low-pass leaves fewer.
+        independent_fraction: Share of the rows that carry independent noise; a low-pass leaves fewer.
         stands_for: Number of rows that each of these stands for; 1 unless decimated.
     """
 
@@ -43,7 +43,7 @@ class Rows(NamedTuple):
     v: FloatArray
     usable: NDArray[np.bool_]
     acting: NDArray[np.bool_]
-    independence: float
+    independent_fraction: float
     stands_for: float = 1.0
 
 
@@ -87,7 +87,7 @@ class Prepared(NamedTuple):
         tau: Measured torque [N·m], (N, n), filtered unless by ``parallel``.
         usable: Mask of samples of each joint that may be fitted, (N, n).
         rows: Samples that become rows: not spoilt by the ends of the record, evenly spaced.
-        independence: Share of the rows that carry independent noise.
+        independent_fraction: Share of the rows that carry independent noise.
         parallel: Filter that columns and torque still have to pass; None for none.
     """
 
@@ -96,7 +96,7 @@ class Prepared(NamedTuple):
     tau: FloatArray
     usable: NDArray[np.bool_]
     rows: range
-    independence: float = 1.0
+    independent_fraction: float = 1.0
     parallel: ParallelFilter | None = None
 
     @property
@@ -142,14 +142,14 @@ def prepare(
     rate = recording.sample_rate
     q, v, a, valid = preparation.kinematics(recording)
     parallel, rows = preparation.parallel(rate), range(len(recording))[valid]
-    pace = 1 if parallel is None or every else parallel.pace
+    stride = 1 if parallel is None or every else parallel.stride
     return Prepared(
         recording.time,
         model.motion(q, v, a, recording.torso),
         preparation.filter(recording.tau, rate) if parallel is None else recording.tau,
         model.usable(v),
-        rows[(len(rows) - 1) % pace // 2 :: pace],
-        min(1.0, preparation.independence(rate) * pace),
+        rows[(len(rows) - 1) % stride // 2 :: stride],
+        min(1.0, preparation.independent_fraction(rate) * stride),
         parallel,
     )
 
@@ -183,7 +183,7 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
         tau = tau - columns[count:].sum(axis=0).T
     rows = slice(stretch.start, stretch.stop, stretch.step)
     q, v, usable = prepared.motion.q[rows], prepared.motion.v[rows], prepared.usable[rows]
-    return Rows(prepared.time[rows], W, tau, q, v, usable, model.acting, prepared.independence)
+    return Rows(prepared.time[rows], W, tau, q, v, usable, model.acting, prepared.independent_fraction)
 
 
 def _filtered(
@@ -227,9 +227,9 @@ def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Prepa
     return form_rows(model, prepared, prepared.rows)
 
 
-def decimation(independence: float) -> int:
-    """Of how many rows one is enough, m = ⌊1 / independence⌋."""
-    return max(1, int(1.0 / independence))
+def decimation(independent_fraction: float) -> int:
+    """Of how many rows one is enough, m = ⌊1 / independent_fraction⌋."""
+    return max(1, int(1.0 / independent_fraction))
 
 
 def decimate(rows: Rows, before: int, count: int) -> Rows:
@@ -246,7 +246,7 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
     Returns:
         The rows that are kept.
     """
-    step = decimation(rows.independence)
+    step = decimation(rows.independent_fraction)
     if step == 1:
         return rows
     first = (count - 1) % step // 2
@@ -259,7 +259,7 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
         rows.v[kept].copy(),
         rows.usable[kept].copy(),
         rows.acting,
-        min(1.0, rows.independence * step),
+        min(1.0, rows.independent_fraction * step),
         count / len(range(first, count, step)),
     )
 

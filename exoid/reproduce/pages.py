@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from exoid._typing import FloatArray
 from exoid.control import Tracking
 from exoid.tables import DataTable
-from exoid.view.report import Page, Picture, Section, Words, picture_of
+from exoid.view.report import Page, Picture, Section, Text
 
 from .bleex import BleexReplay
 from .cuhk import CuhkReplay
@@ -38,7 +38,7 @@ CAPTIONS = {
 def bleex_page(replay: BleexReplay) -> Page:
     """Document 1 replayed: every table of both legs, the figures of the left one, and what they mean."""
     sections = [
-        Section(f"{name} leg", [bleex_parameters(name, side), bleex_errors(side), Words(bleex_notes(side))])
+        Section(f"{name} leg", [bleex_parameters(name, side), bleex_errors(side), Text(bleex_notes(side))])
         for name, side in (("Left", replay.left), ("Right", replay.right))
     ]
     left, joint = replay.left.nrmse["sequential"], replay.left.nrmse["joint"]
@@ -60,7 +60,7 @@ def cuhk_page(replay: CuhkReplay) -> Page:
         notes[0],
     ]
     sections = [
-        Section("Parameters", [cuhk_parameters(replay), cuhk_errors(replay), Words(notes)]),
+        Section("Parameters", [cuhk_parameters(replay), cuhk_errors(replay), Text(notes)]),
         Section("Figures of document 2", _pictures(cuhk_figures(replay))),
     ]
     return Page(f"CUHK-EXO, document 2 replayed (seed {replay.seed})", verdict, sections)
@@ -76,7 +76,7 @@ def tracking_page(title: str, table: DataTable, notes: Sequence[str], runs: Mapp
         runs: By name of the law.
     """
     sections = [
-        Section("Laws side by side", [table, *([Words(notes)] if notes else [])]),
+        Section("Laws side by side", [table, *([Text(notes)] if notes else [])]),
         Section("Figures", _pictures(tracking_figures(runs))),
     ]
     best = min(runs.values(), key=lambda run: float(run.peak_deg.max()))
@@ -85,7 +85,7 @@ def tracking_page(title: str, table: DataTable, notes: Sequence[str], runs: Mapp
 
 
 def _pictures(figures: Mapping[str, Figure]) -> list[Picture]:
-    return [picture_of(figure, CAPTIONS[name], CAPTIONS[name]) for name, figure in figures.items()]
+    return [Picture.of(figure, CAPTIONS[name], CAPTIONS[name]) for name, figure in figures.items()]
 
 
 def _percent(errors: FloatArray) -> str:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from exoid._typing import FloatArray
 from exoid.control import Tracking
-from exoid.control.tracking import tracking_table, tracking_to_json
+from exoid.control.tracking import tracking_table
 from exoid.tables import DataTable, to_text
 from exoid.view import paper, plot_law_torques, plot_peak_errors, plot_tracking_errors
 from exoid.view.style import COLUMN
@@ -55,7 +55,7 @@ def wrong_table(replay: TrackingReplay) -> DataTable:
 
 def laws_json(runs: Mapping[str, Tracking], kp: Iterable[float], kd: Iterable[float], seed: int) -> dict[str, Any]:
     """Figures of each law by its name."""
-    laws = {name: tracking_to_json(run) for name, run in runs.items()}
+    laws = {name: run.to_json() for name, run in runs.items()}
     return {"laws": laws, "gains": {"kp": [float(k) for k in kp], "kd": [float(k) for k in kd]}, "seed": seed}
 
 
@@ -63,7 +63,7 @@ def cuhk_tracking_json(replay: TrackingReplay) -> dict[str, Any]:
     """Figures of a replay by the laws' names; those of wrong models under "wrong", where they were asked for."""
     data = laws_json(replay.laws, GAINS["kp"], GAINS["kd"], replay.seed)
     if replay.wrong:
-        data["wrong"] = {name: tracking_to_json(run) for name, run in replay.wrong.items()}
+        data["wrong"] = {name: run.to_json() for name, run in replay.wrong.items()}
     return data
 
 

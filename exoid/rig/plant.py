@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.exported import read_exported
+from exoid.exported import parameter_terms, read_exported
 from exoid.leg import Leg
 
 STIFFNESS_DEGREE = 2
@@ -18,6 +18,9 @@ STIFFNESS_DEGREE = 2
 
 SYMBOLS = ("b2", "b1", "b0", "c0", "cs", "d", "Ia")
 """Stiffness, kinetic and static friction, viscous friction, rotor inertia: ``symbol_joint`` in :meth:`Plant.build`."""
+
+SYMBOLS_OF_TERMS = {"armature": ("Ia",), "coulomb": ("c0",), "stiffness": ("b2", "b1", "b0"), "viscous": ("d",)}
+"""Terms that a rig has, by their names, with the symbols of their parameters."""
 
 POSES = 200
 """At which the mass matrix of a new plant is looked at."""
@@ -142,25 +145,38 @@ class Plant:
         *,
         pitch: ArrayLike = 0.0,
         end_stops: bool = True,
+        without: Sequence[str] = (),
     ) -> Plant:
         """Build the truth from an exported leg, or from any URDF with ``<dynamics friction damping>``.
 
-        Offsets are not of the plant but of its sensors: ``Sensors(torque_offset=read_exported(path).offsets)``.
+        Offsets are not of the plant but of its sensors: ``Sensors(torque_offset=read_exported(path).offsets)``. Terms
+        that the rig does not have, such as those from outside exoid, are refused, or left out where that is asked for.
 
         Args:
             path: The URDF; its sidecar is read too, see :func:`exoid.exported.read_exported`.
             joints: Joints that move, where there is no sidecar.
             pitch: See :meth:`build`.
             end_stops: See :meth:`build`.
+            without: Names of terms to leave out, such as "end-stop".
+
+        Returns:
+            The plant.
 
         Raises:
-            ExoidError: The files cannot be read, or say what no plant can have.
+            ExoidError: The files cannot be read, or say what no plant can have: names terms and parameters.
 
         Example:
             >>> plant = Plant.from_urdf("leg.urdf")  # doctest: +SKIP
         """
         leg, resistances, _ = read_exported(path, joints)
-        return cls.build(leg, resistances, pitch=pitch, end_stops=end_stops)
+        terms = parameter_terms(path)
+        unknown = sorted({*without} - {*terms.values()})
+        if unknown:
+            found = ", ".join(dict.fromkeys(terms.values())) or "none"
+            raise ExoidError(f"no terms {', '.join(unknown)} to leave out", where=str(path), remedy=f"it has {found}")
+        kept = {name: value for name, value in resistances.items() if terms.get(name) not in without}
+        _refuse_other_terms(leg, {name: terms[name] for name in kept if name in terms}, str(path))
+        return cls.build(leg, kept, pitch=pitch, end_stops=end_stops)
 
     @property
     def count(self) -> int:
@@ -199,6 +215,30 @@ class Plant:
 
 def _array_names() -> list[str]:
     return [field.name for field in fields(Plant) if field.name != "leg"]
+
+
+def _refuse_other_terms(leg: Leg, terms: Mapping[str, str], where: str) -> None:
+    """Refuse parameters of terms that a rig does not have; their symbols may mean another thing there.
+
+    Args:
+        leg: The leg.
+        terms: Name of the term of each parameter.
+        where: File that they are from.
+    """
+    has = {
+        (term, f"{s}_{label}")
+        for term, symbols in SYMBOLS_OF_TERMS.items()
+        for s in symbols
+        for label in leg.joint_labels
+    }
+    others = {name: term for name, term in terms.items() if (term, name) not in has}
+    if others:
+        named = tuple(dict.fromkeys(others.values()))
+        raise ExoidError(
+            f"the rig has no {', '.join(f'{name} of the term {term}' for name, term in others.items())}",
+            where=where,
+            remedy=f"pass without={named!r} to simulate the leg without {'it' if len(named) == 1 else 'them'}",
+        )
 
 
 def _refuse_indefinite(leg: Leg, parameters: FloatArray, armature: FloatArray) -> None:

@@ -1,20 +1,13 @@
-"""Signals: logs become arrays that can be trusted, and arrays become kinematics."""
+"""Signals: recordings, log files, checks, filters and derivatives."""
 
 from .cluster import Cluster
-from .cutoff import choose_cutoff
+from .default_preparation import ZeroPhase, choose_cutoff
 from .differentiation import Kinematics, central_difference, second_difference
-from .filters import edge_length, exponential_moving_average, noise_bandwidth, zero_phase
-from .parallel_filter import ParallelFilter
+from .filters import ParallelFilter, edge_length, exponential_moving_average, noise_bandwidth, zero_phase
+from .formats import register_format
 from .poses import Approaches, Poses
-from .preparation import (
-    PREPARATIONS,
-    FiniteDifference,
-    MovingAverage,
-    Preparation,
-    Smoothed,
-    ZeroPhase,
-    preparation_by_name,
-)
+from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed
+from .preparation_names import PREPARATIONS, preparation_by_name, register_preparation
 from .recording import Recording
 from .recordings import Recordings
 from .source import Source
@@ -40,6 +33,8 @@ __all__ = [
     "exponential_moving_average",
     "noise_bandwidth",
     "preparation_by_name",
+    "register_format",
+    "register_preparation",
     "second_difference",
     "zero_phase",
 ]

@@ -1,4 +1,4 @@
-"""What a recording is refused for: each function raises one kind of `ExoidError`, or does nothing."""
+"""Checks of a recording: each function raises one kind of `ExoidError`, or does nothing."""
 
 from __future__ import annotations
 
@@ -14,21 +14,28 @@ from exoid.torso import TorsoMotion
 from .source_location import SourceLocation
 
 FEWEST_SAMPLES = 10
-"""Fewer rows than this are no motion."""
+"""Smallest number of samples of a recording."""
 LARGEST_ANGLE = 2.0 * np.pi
-"""A leg's joint does not turn further [rad]; larger values are almost always degrees."""
+"""Largest angle of a leg's joint [rad]; larger values are almost always degrees."""
 LARGEST_VALUE = 1e9
-"""No angle, velocity, acceleration or torque of a leg is larger, in SI units."""
+"""Largest plausible angle, velocity, acceleration or torque of a leg, in SI units."""
 LARGEST_TIME = 1e11
-"""Stamps beyond this many seconds (3000 years) count milli-, micro- or nanoseconds."""
+"""Largest time stamp in seconds (3000 years); larger stamps are milli-, micro- or nanoseconds."""
 SHORTEST_INTERVAL = 1e-9
-"""Stamps closer than this [s] are not in seconds."""
+"""Shortest median interval of time stamps [s]; shorter ones are not in seconds."""
 SMALLEST_MOTION = 1e-3
-"""RMS excursion [rad] below which angle and velocity are not compared: it may be all noise."""
+"""RMS excursion [rad] below which angle and velocity are not compared, as it may be noise."""
 
 
 def as_numbers(values: ArrayLike, name: str) -> FloatArray:
-    """Return a C-contiguous, read-only float64 copy; masked entries become NaN, which are refused by place.
+    """Copy values to a C-contiguous, read-only float64 array.
+
+    Args:
+        values: Numbers in a rectangular array; masked entries become NaN, which a later check refuses.
+        name: Name of the array, for errors.
+
+    Returns:
+        The copy.
 
     Raises:
         ExoidError: The values are not real numbers in a rectangular array.
@@ -49,10 +56,13 @@ def as_numbers(values: ArrayLike, name: str) -> FloatArray:
 
 
 def refuse_names(names: tuple[object, ...]) -> None:
-    """Refuse joint names that are not unique, printable strings fit for a column header.
+    """Refuse joint names that are not unique, printable strings that can head a column.
+
+    Args:
+        names: Joint names.
 
     Raises:
-        ExoidError: Names the offending one.
+        ExoidError: A name is unfit.
     """
     for name in names:
         if not isinstance(name, str) or not name.isprintable() or not name.strip() or name != name.strip():
@@ -67,10 +77,15 @@ def refuse_names(names: tuple[object, ...]) -> None:
 
 
 def refuse_shape(values: FloatArray, shape: tuple[int, ...], name: str) -> None:
-    """Refuse an array whose shape differs from what time stamps and joint names call for.
+    """Refuse an array that does not have the expected shape.
+
+    Args:
+        values: The array.
+        shape: Expected shape.
+        name: Name of the array, for errors.
 
     Raises:
-        ExoidError: Says which array, the shape found and the shape expected.
+        ExoidError: Names the array, its shape and the expected shape.
     """
     if values.shape == shape:
         return
@@ -83,10 +98,14 @@ def refuse_shape(values: FloatArray, shape: tuple[int, ...], name: str) -> None:
 
 
 def refuse_too_few(samples: int, where: SourceLocation) -> None:
-    """Refuse a recording of fewer than `FEWEST_SAMPLES` rows.
+    """Refuse a recording of fewer than `FEWEST_SAMPLES` samples.
+
+    Args:
+        samples: Number of samples.
+        where: Location of the rows.
 
     Raises:
-        ExoidError: With the number of rows found.
+        ExoidError: There are too few.
     """
     if samples < FEWEST_SAMPLES:
         raise ExoidError(
@@ -97,15 +116,15 @@ def refuse_too_few(samples: int, where: SourceLocation) -> None:
 
 
 def refuse_not_finite(values: FloatArray, columns: tuple[str, ...], where: SourceLocation) -> None:
-    """Refuse NaN and infinity, naming the first one.
+    """Refuse NaN and infinity.
 
     Args:
-        values: Any numbers, (N, k).
+        values: Numbers, (N, k).
         columns: Names of the k columns.
-        where: Translates the row.
+        where: Location of the rows.
 
     Raises:
-        ExoidError: Names row (or line) and column.
+        ExoidError: Names row (or line) and column of the first such value.
     """
     bad = ~np.isfinite(values)
     if bad.any():
@@ -113,34 +132,43 @@ def refuse_not_finite(values: FloatArray, columns: tuple[str, ...], where: Sourc
         raise ExoidError(
             f"{values[row, column]} is not a finite number ({np.count_nonzero(bad)} such values in all)",
             where=where.cell(int(row), columns[column]),
-            remedy="drop those rows, or fill them by a method you can defend",
+            remedy="drop those rows, or fill them by a documented method",
         )
 
 
 def refuse_absurd(values: FloatArray, columns: tuple[str, ...], where: SourceLocation) -> None:
-    """Refuse values that no leg can have, (N, k), before arithmetic overflows on them.
+    """Refuse values beyond `LARGEST_VALUE`, with which arithmetic would overflow.
+
+    Args:
+        values: Numbers, (N, k).
+        columns: Names of the k columns.
+        where: Location of the rows.
 
     Raises:
-        ExoidError: Names row (or line) and column.
+        ExoidError: Names row (or line) and column of the largest value.
     """
     if values.size and np.abs(values).max() > LARGEST_VALUE:
         row, column = np.unravel_index(int(np.abs(values).argmax()), values.shape)
         raise ExoidError(
-            f"{values[row, column]:.6g} is beyond anything a leg does (limit {LARGEST_VALUE:.0e}, SI)",
+            f"{values[row, column]:.6g} is not plausible for a leg (limit {LARGEST_VALUE:.0e}, SI)",
             where=where.cell(int(row), columns[column]),
             remedy="check unit and logger, or drop those rows",
         )
 
 
 def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
-    """Refuse time stamps [s] that do not strictly increase, or cannot be seconds.
+    """Refuse time stamps that do not strictly increase, or cannot be seconds.
+
+    Args:
+        time: Time stamps [s], (N,).
+        where: Location of the rows.
 
     Raises:
         ExoidError: Names the row and both stamps, and whether time is repeated or runs backwards.
     """
     if np.abs(time).max() > LARGEST_TIME:
         raise ExoidError(
-            f"time reaches {np.abs(time).max():.6g} s: that looks like milli- or nanoseconds",
+            f"time reaches {np.abs(time).max():.6g} s, which looks like milli- or nanoseconds",
             where=where.row(int(np.abs(time).argmax())),
             remedy="divide the stamps to get seconds",
         )
@@ -152,7 +180,7 @@ def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
         raise ExoidError(
             f"time {kind}: {float(stamp)!r} s after {float(before)!r} s",
             where=where.row(row),
-            remedy="drop repeated rows; split a log that holds several runs and pass the pieces separately",
+            remedy="drop repeated rows; split a log of several runs and pass the parts separately",
         )
     if np.median(np.diff(time)) < SHORTEST_INTERVAL:
         raise ExoidError(
@@ -163,10 +191,16 @@ def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
 
 
 def refuse_degrees(q: FloatArray, columns: tuple[str, ...], largest: float, where: SourceLocation) -> None:
-    """Refuse angles [rad] beyond ``largest`` [rad]: they look like degrees.
+    """Refuse angles that look like degrees.
+
+    Args:
+        q: Angles [rad], (N, n).
+        columns: Names of the n columns.
+        largest: Largest angle that is accepted [rad].
+        where: Location of the rows.
 
     Raises:
-        ExoidError: Names the largest value's row (or line) and column.
+        ExoidError: Names row (or line) and column of the largest angle.
     """
     if not largest > 0.0:
         raise ExoidError(f"largest_angle is {largest}", remedy="pass a positive angle in rad, or math.inf")
@@ -186,15 +220,15 @@ def refuse_velocity_in_other_unit(
 ) -> None:
     """Refuse velocities that are 180/π or π/180 times the rate of change of their angles.
 
-    Compared are q and ∫v dt, not dq/dt and v: differences of a quantised angle are mostly noise, the
-    integral is not. Only a joint that moves, and whose two signals agree in shape, is judged.
+    The check compares q with ∫v dt, because differences of a quantised angle are mostly noise. It skips joints that do
+    not move, and joints whose two signals are not correlated.
 
     Args:
         time: Time stamps [s], (N,).
         q: Angles [rad], (N, n).
         v: Velocities [rad/s], (N, n).
-        joints: The n joint names.
-        where: Names the file.
+        joints: Joint names, (n,).
+        where: Location of the rows.
 
     Raises:
         ExoidError: Names the joint and the ratio.
@@ -217,10 +251,13 @@ def refuse_velocity_in_other_unit(
 
 
 def refuse_moving_torso(torso: TorsoMotion | None) -> None:
-    """Refuse a torso whose motion changes from sample to sample, which slices and filters would lose track of.
+    """Refuse a torso that moves during a recording, as slices and filters do not apply to its motion.
+
+    Args:
+        torso: Motion of the torso; None if it is upright and still.
 
     Raises:
-        ExoidError: An entry has one value a sample.
+        ExoidError: An entry has one value per sample.
     """
     if torso is not None and any(
         np.ndim(getattr(torso, field.name)) > (field.name == "hip_acceleration") for field in fields(torso)

@@ -1,4 +1,4 @@
-"""Recordings that stay on the workers of a Dask cluster."""
+"""Recordings on the workers of a Dask cluster."""
 
 from __future__ import annotations
 
@@ -14,25 +14,24 @@ from exoid._typing import ArrayLike
 from exoid.errors import ExoidError
 
 from .recording import Recording
-from .recordings import Recordings, Stored
+from .recordings import RecordingFile, Recordings
 
-PATIENCE = "10s"
-"""For a scheduler to answer."""
+TIMEOUT = "10s"
+"""Time for a scheduler to answer."""
 
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Cluster:
-    """Recordings on the workers of a Dask cluster, which need exoid installed.
+    """Recordings on the workers of a Dask cluster, on which exoid must be installed.
 
-    Work goes to where the recordings are, and what comes back is small: triangular factors, sums over lags, the
-    covariance of a noise. Rows never leave the workers. Estimators that go over the rows themselves (huber, gls, ml)
-    want recordings in memory or on disk.
+    Work runs where the recordings are and returns small results: R factors, sums over lags, noise covariances. Rows
+    stay on the workers. Estimators that use the rows themselves (huber, gls, ml) need recordings in memory or on disk.
 
     Attributes:
         client: A ``distributed.Client``.
-        futures: One for each recording, or for what was made of it.
+        futures: One future for each recording, or for a result of it.
     """
 
     client: Any
@@ -40,14 +39,17 @@ class Cluster:
 
     @staticmethod
     def of_files(client: Any, recordings: Recordings) -> Cluster:  # noqa: ANN401 - Dask is an extra
-        """Let workers read files, on a disk that all of them see; each is read anew when it is needed, and not kept.
+        """Let workers read files from a shared disk, each time they need them.
 
         Args:
             client: A ``distributed.Client``, or the address of a scheduler.
-            recordings: Such as ``Recordings.from_folder(path)``.
+            recordings: The files, such as ``Recordings.from_folder(path)``.
+
+        Returns:
+            The recordings on the cluster.
 
         Raises:
-            ExoidError: Dask is not installed, or nobody answers at the address.
+            ExoidError: Dask is not installed, or no scheduler answers at the address.
         """
         client = connect(client)
         return Cluster(client, tuple(client.submit(_same, item, pure=False) for item in recordings.items))
@@ -60,6 +62,9 @@ class Cluster:
             client: A ``distributed.Client``, or the address of a scheduler.
             bag: The bag.
 
+        Returns:
+            The recordings on the cluster.
+
         Raises:
             ExoidError: As for :meth:`of_files`.
         """
@@ -71,12 +76,15 @@ class Cluster:
 
     @staticmethod
     def of_array(client: Any, array: Any, columns: Sequence[str]) -> Cluster:  # noqa: ANN401
-        """Take a ``dask.array.Array`` of samples by columns; each chunk of rows is a recording of its own.
+        """Take a ``dask.array.Array`` of samples by columns; each chunk of rows is a separate recording.
 
         Args:
             client: A ``distributed.Client``, or the address of a scheduler.
-            array: (N, k), chunks of many seconds: the filters spoil the ends of each.
-            columns: What its columns are: "time", "q_hip", …, "tau_hip", …, as in a CSV file.
+            array: Samples, (N, k), in chunks of many seconds, as the filters distort the ends of each.
+            columns: Names of the k columns as in a CSV file: "time", "q_hip", …, "tau_hip", ….
+
+        Returns:
+            The recordings on the cluster.
 
         Raises:
             ExoidError: As for :meth:`of_files`, or columns do not fit the array.
@@ -93,38 +101,57 @@ class Cluster:
     def __len__(self) -> int:
         return len(self.futures)
 
+    def __repr__(self) -> str:
+        return f"Cluster({len(self)} recordings)"
+
     def keep(self, work: Callable[[Any], Any]) -> Cluster:
-        """Do work on each, and leave what comes out where it is."""
+        """Apply a function to each recording, and keep the results on the workers.
+
+        Args:
+            work: Function of a recording.
+
+        Returns:
+            The results on the cluster.
+        """
         return Cluster(self.client, tuple(self.client.submit(_work, work, f, pure=False) for f in self.futures))
 
     def map(self, work: Callable[[Any], T]) -> list[T]:
-        """Do work on each, and bring back what comes out.
+        """Apply a function to each recording, and gather the results.
+
+        Args:
+            work: Function of a recording.
+
+        Returns:
+            The results, in the order of the recordings.
 
         Raises:
-            ExoidError: The work's own, or workers die again and again.
+            ExoidError: The function raises it, or workers die repeatedly.
         """
         from distributed import KilledWorker  # noqa: PLC0415 - an extra
 
         try:
             packed = self.client.gather(list(self.keep(partial(_packed, work)).futures))
         except KilledWorker as error:
-            raise ExoidError("workers of the cluster died again and again", remedy="give them more memory") from error
+            raise ExoidError("workers of the cluster died repeatedly", remedy="give them more memory") from error
         return [pickle.loads(each) for each in packed]
 
 
 def _packed(work: Callable[[Any], Any], item: Any) -> bytes:  # noqa: ANN401
-    """Pickle what comes out: Dask's own way to send small things makes plain tuples of named ones."""
+    """Pickle the result, as Dask itself turns small named tuples into plain ones."""
     return pickle.dumps(work(item))
 
 
 def connect(client: Any) -> Any:  # noqa: ANN401
-    """Connect to the scheduler of a Dask cluster, unless that was done.
+    """Connect to the scheduler of a Dask cluster.
 
     Args:
-        client: A ``distributed.Client``, or the address of a scheduler.
+        client: The address of a scheduler, or a ``distributed.Client``, which is returned.
+
+    Returns:
+        The client.
 
     Raises:
-        ExoidError: Dask is not installed, or nobody answers at the address.
+        ExoidError: Dask is not installed, or no scheduler answers at the address.
     """
     if not isinstance(client, str):
         return client
@@ -133,7 +160,7 @@ def connect(client: Any) -> Any:  # noqa: ANN401
     except ImportError:
         raise ExoidError("Dask is not installed", remedy="pip install 'exoid[scale]'") from None
     try:
-        return distributed.Client(client, timeout=PATIENCE)
+        return distributed.Client(client, timeout=TIMEOUT)
     except (OSError, ValueError, TypeError) as error:
         raise ExoidError(
             f"no Dask scheduler answers ({type(error).__name__})",
@@ -144,7 +171,7 @@ def connect(client: Any) -> Any:  # noqa: ANN401
 
 def _work(work: Callable[[Any], T], item: Any) -> T:  # noqa: ANN401
     """Run on a worker."""
-    return work(item.load() if isinstance(item, Stored) else item)
+    return work(item.load() if isinstance(item, RecordingFile) else item)
 
 
 def _same(item: T) -> T:

@@ -1,4 +1,4 @@
-"""Write columns as CSV."""
+"""CSV writer."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ ROWS_AT_ONCE = 4096
 
 
 def write_csv(path: str | os.PathLike[str], header: Sequence[str], table: FloatArray) -> None:
-    """Write a header line and numbers that read back bit by bit (the shortest decimals that do).
+    """Write a header line and numbers, as the shortest decimals that read back exactly.
 
     Args:
-        path: File to write, whole or not at all; an existing one is replaced.
+        path: File to write; an existing one is replaced only when the new one is complete.
         header: Names of the k columns.
         table: Numbers, (N, k).
 

@@ -1,25 +1,30 @@
-"""Low-pass filters: without delay (forward and backward), and the causal one of doc. 2."""
+"""Low-pass filters: zero-phase (forward and backward), and the causal moving average of doc. 2."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import FloatArray
+from exoid._typing import ComplexArray, FloatArray
 from exoid.errors import ExoidError
 
 BLOCK_BYTES = 2**19
-"""Signals are filtered in blocks of about this size, but never less than one, so that temporaries stay small."""
+"""Signals are filtered in blocks of about this size, of one signal at least, which keeps temporaries small."""
 TOLERANCE = 1e-3
-"""Part of a sample's acceleration that the end of the record may spoil; see `edge_length`."""
+"""Relative error of an acceleration that the end of the record may cause; see `edge_length`."""
 ROUNDING = 1e-15
-"""The same part where a record is cut into stretches: below what the filter's own rounding leaves."""
+"""The same error where a record is filtered in segments: below the rounding error of the filter."""
+
+OVERSAMPLING = 4.0
+"""Rows per row of independent noise, so that products of two filtered signals do not alias onto frequency zero."""
 
 
 def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
-    """Low-pass columns forwards and backwards: no delay, and 1/√2 of the amplitude left at ``cutoff``.
+    """Low-pass columns forwards and backwards, without delay and with a gain of 1/√2 at ``cutoff``.
 
     A Butterworth filter of order ``order`` runs over the data twice, so the whole has order 2·``order`` and
     the gain |H|² = 1 / (1 + (Ω/Ω_d)^(2·order)), Ω = tan(π f / rate). For |H|² = 1/√2 at ``cutoff`` each
@@ -27,8 +32,8 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Flo
 
         tan(π f_d / rate) = tan(π cutoff / rate) / (√2 − 1)^(1 / (2·order)).
 
-    Beyond its ends the record is continued by point reflection over `edge_length` samples. The filter is
-    linear: passed over both sides of an equation it keeps the equation true.
+    The record is extended beyond its ends by point reflection over `edge_length` samples. The filter is linear: an
+    equation still holds after both of its sides are filtered.
 
     Args:
         x: Signals in any unit, (N, ...); filtered along the first axis.
@@ -40,8 +45,8 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Flo
         Filtered signals, of the shape of ``x``.
 
     Raises:
-        ExoidError: The cut-off is not between 0 and half the rate, or the record is shorter than the
-            stretch that its end spoils.
+        ExoidError: The cut-off is not between 0 and half the rate, or the record is not longer than
+            `edge_length` samples.
     """
     sections = scipy.signal.butter(order, _design_frequency(rate, cutoff, order), fs=rate, output="sos")
     pad = edge_length(rate, cutoff, order)
@@ -53,45 +58,32 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Flo
         )
     signals = x.reshape(len(x), -1).T
     out = np.empty(signals.shape)
-    start = scipy.signal.sosfilt_zi(sections)[:, np.newaxis, :]
     width = max(1, BLOCK_BYTES // (8 * len(x)))
     for first in range(0, len(signals), width):
         rows = slice(first, first + width)
-        out[rows] = _forth_and_back(sections, start, _reflected(signals[rows], pad))[:, pad : pad + len(x)]
+        out[rows] = scipy.signal.sosfiltfilt(sections, signals[rows], padlen=pad)
     return out.T.reshape(x.shape)
 
 
-def _reflected(signals: FloatArray, pad: int) -> FloatArray:
-    """Continue signals (K, N) beyond their ends by point reflection."""
-    head = 2.0 * signals[:, :1] - signals[:, pad:0:-1]
-    tail = 2.0 * signals[:, -1:] - signals[:, -2 : -pad - 2 : -1]
-    return np.concatenate([head, signals, tail], axis=1)
-
-
-def _forth_and_back(sections: FloatArray, start: FloatArray, signals: FloatArray) -> FloatArray:
-    """Filter along the last axis, each pass from the state in which a constant leaves the filter."""
-    for _ in range(2):
-        state = start * signals[:, 0, np.newaxis]
-        signals = scipy.signal.sosfilt(sections, signals, zi=state)[0][:, ::-1]
-    return signals
-
-
 def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = TOLERANCE) -> int:
-    """Return how many samples at each end of a record `zero_phase` spoils.
+    """Count the samples at each end of a record that `zero_phase` distorts.
 
-    Beyond the end the filter sees a point reflection, which has the right value and slope but curvature
-    −ẍ for +ẍ: m samples inside, a share 2·|Σ_{k>m} h_k| of the acceleration is missing, h the impulse
-    response of both passes. With the poles p_i of one pass, h_k = Σ c_i p_i^(k−1) for k ≥ 1, so
+    The point reflection beyond the end has the right value and slope, but curvature −ẍ instead of +ẍ. At m samples from
+    the end the relative error of the acceleration is 2·|Σ_{k>m} h_k|, with h the impulse response of both passes. With
+    the poles p_i of one pass, h_k = Σ c_i p_i^(k−1) for k ≥ 1, so
 
         2·|Σ_{k>m} h_k| ≤ 2·r^m·Σ |c_i / (1 − p_i)|,   r = max |p_i|.
 
-    The length is where this envelope falls to ``tolerance``.
+    The length is the m at which this bound falls to ``tolerance``.
 
     Args:
         rate: Sampling rate [Hz].
         cutoff: −3 dB frequency of the two passes together [Hz].
         order: Order of one pass.
-        tolerance: Share of the acceleration that may be missing.
+        tolerance: Relative error of the acceleration that is allowed.
+
+    Returns:
+        Number of samples at each end.
 
     Raises:
         ExoidError: The cut-off is not between 0 and half the rate.
@@ -108,57 +100,72 @@ def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = T
 
 
 def reach(rate: float, cutoff: float, order: int = 4) -> int:
-    """Return how many samples away a sample still matters, beyond rounding, to one that `zero_phase` filtered.
+    """Count the samples to each side that affect a sample that `zero_phase` filters, beyond rounding.
 
-    A stretch of a record, filtered with so many more samples at both sides, comes out as in the whole.
+    A segment of a record, filtered with this many samples more at both sides, is the same as in the whole record.
 
     Args:
         rate: Sampling rate [Hz].
         cutoff: −3 dB frequency of the two passes together [Hz].
         order: Order of one pass.
+
+    Returns:
+        Number of samples to each side.
+
+    Raises:
+        ExoidError: The cut-off is not between 0 and half the rate.
     """
     return edge_length(rate, cutoff, order, ROUNDING)
 
 
 def noise_bandwidth(rate: float, cutoff: float, order: int = 4) -> float:
-    """Return the share of white noise power that `zero_phase` lets through, 2/rate · ∫ |H|⁴ df up to rate/2.
+    """Compute the fraction of white-noise power that `zero_phase` passes, 2/rate · ∫ |H|⁴ df up to rate/2.
 
-    Of N filtered samples only this share carries independent noise.
+    Only this fraction of the filtered samples carries independent noise.
 
     Args:
         rate: Sampling rate [Hz].
         cutoff: −3 dB frequency of the two passes together [Hz].
         order: Order of one pass.
+
+    Returns:
+        Noise bandwidth over half the rate, between 0 and 1.
+
+    Raises:
+        ExoidError: The cut-off is not between 0 and half the rate.
     """
     midpoints = (np.arange(20_000, dtype=np.float64) + 0.5) * (0.5 * rate / 20_000)
     return float(np.mean(zero_phase_gain(midpoints, rate, cutoff, order) ** 2))
 
 
 def zero_phase_gain(frequency: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
-    """Return what `zero_phase` leaves of an amplitude, |H|² = 1 / (1 + (Ω/Ω_d)^(2·order)).
+    """Compute the gain of `zero_phase`, |H|² = 1 / (1 + (Ω/Ω_d)^(2·order)).
 
     Args:
-        frequency: From 0 to half the rate [Hz], any shape.
+        frequency: Frequencies from 0 to half the rate [Hz], any shape.
         rate: Sampling rate [Hz].
         cutoff: −3 dB frequency of the two passes together [Hz].
         order: Order of one pass.
+
+    Returns:
+        Gain at each frequency.
 
     Raises:
         ExoidError: The cut-off is not between 0 and half the rate.
     """
     ratio = np.tan(math.pi * frequency / rate) / math.tan(math.pi * _design_frequency(rate, cutoff, order) / rate)
-    with np.errstate(over="ignore"):  # at half the rate nothing is left
+    with np.errstate(over="ignore"):  # the gain at half the rate is 0
         return np.asarray(1.0 / (1.0 + ratio ** (2 * order)))
 
 
 def exponential_moving_average(x: FloatArray, alpha: float) -> FloatArray:
-    """Smooth columns as doc. 2, sec. III does: y_k = α x_k + (1 − α) y_{k−1}, started at y_0 = x_0.
+    """Smooth columns as in doc. 2, sec. III: y_k = α x_k + (1 − α) y_{k−1}, from y_0 = x_0.
 
-    Causal: a ramp comes out (1 − α)/α samples late.
+    The filter is causal: it delays a ramp by (1 − α)/α samples.
 
     Args:
         x: Signals in any unit, (N, ...); filtered along the first axis.
-        alpha: Weight of the newest sample, 0 < α ≤ 1; 1 leaves ``x`` as it is.
+        alpha: Weight of the newest sample, 0 < α ≤ 1; 1 does not change ``x``.
 
     Returns:
         Smoothed signals, of the shape of ``x``.
@@ -173,7 +180,7 @@ def exponential_moving_average(x: FloatArray, alpha: float) -> FloatArray:
 
 
 def _design_frequency(rate: float, cutoff: float, order: int) -> float:
-    """Return f_d [Hz], where one pass has −3 dB so that both together have it at ``cutoff``."""
+    """Cut-off f_d [Hz] of one pass for which both passes together have −3 dB at ``cutoff``."""
     if order < 1 or order != int(order):
         raise ExoidError(f"filter order is {order}", remedy="pass a whole number from 1; 4 is usual")
     if not 0.0 < cutoff < rate / 2.0:
@@ -183,3 +190,81 @@ def _design_frequency(rate: float, cutoff: float, order: int) -> float:
         )
     widened = math.tan(math.pi * cutoff / rate) / (math.sqrt(2.0) - 1.0) ** (0.5 / order)
     return rate / math.pi * math.atan(widened)
+
+
+@dataclass(frozen=True)
+class ParallelFilter:
+    """Zero-phase Butterworth filter, as :func:`exoid.signals.zero_phase`, by its gain in the frequency domain.
+
+    Filtered rows are redundant: of 500 a second, filtered at 8 Hz, sixteen carry independent noise. Sums of squares and
+    products over every :attr:`stride`-th row equal those over all rows, so only these are computed. The filter is
+    linear and the same for all rows, so τ = W β still holds after both sides are filtered.
+
+    Attributes:
+        rate: Sampling rate [Hz].
+        cutoff: −3 dB frequency [Hz].
+        order: Order of one of the two passes.
+    """
+
+    rate: float
+    cutoff: float
+    order: int
+
+    @cached_property
+    def reach(self) -> int:
+        """Number of samples to each side that affect a filtered sample, beyond rounding."""
+        return reach(self.rate, self.cutoff, self.order)
+
+    @cached_property
+    def independent_fraction(self) -> float:
+        """Fraction of the filtered samples that carries independent noise."""
+        return noise_bandwidth(self.rate, self.cutoff, self.order)
+
+    @property
+    def stride(self) -> int:
+        """Decimation factor that loses no information."""
+        return max(1, int(1.0 / (OVERSAMPLING * self.independent_fraction)))
+
+    def __call__(self, signals: FloatArray, rows: range) -> FloatArray:
+        """Filter signals and decimate them to the requested rows.
+
+        The signals are extended beyond their ends by point reflection.
+
+        Args:
+            signals: Signals in any unit, (K, N).
+            rows: Requested samples, evenly spaced, R of them.
+
+        Returns:
+            Filtered signals at these samples, (K, R).
+        """
+        first, last, step = rows[0] - self.reach, rows[-1] + 1 + self.reach, rows.step
+        beyond = max(0, -first), max(0, last - signals.shape[1])
+        window = signals[:, max(0, first) : last]
+        if any(beyond):
+            window = np.pad(window, ((0, 0), beyond), mode="reflect", reflect_type="odd")
+        # y = irfft(gain · rfft(x)) at every step-th sample: its spectrum is the whole one, aliased step times
+        count = scipy.fft.next_fast_len(-(-window.shape[1] // (2 * step)), real=True)
+        gain = _shifted_gain(self, 2 * step * count, self.reach)
+        spectrum = scipy.fft.rfft(window, 2 * step * count, axis=1)
+        spectrum *= gain
+        return np.asarray(scipy.fft.irfft(_fold(spectrum, step), 2 * count, axis=1)[:, : len(rows)])
+
+
+def _fold(spectrum: ComplexArray, step: int) -> ComplexArray:
+    """Spectrum of every step-th sample: the mean over all frequencies that alias onto each other, (K, F)."""
+    width = (spectrum.shape[1] - 1) // step  # half of the remaining samples
+    folded = spectrum[:, : width + 1].copy()
+    for k in range(1, step):  # parts of the spectrum alternate: upwards, then downwards and conjugated
+        part = spectrum[:, k * width : (k + 1) * width + 1]
+        folded += part if k % 2 == 0 else np.conj(part[:, ::-1])
+    return folded / step
+
+
+@lru_cache(maxsize=16)
+def _shifted_gain(filter_: ParallelFilter, samples: int, early: int) -> ComplexArray:
+    """Gain at the frequencies of an FFT of ``samples`` samples, times an advance by ``early`` samples."""
+    turn = np.arange(samples // 2 + 1) / samples
+    gain = zero_phase_gain(turn * filter_.rate, filter_.rate, filter_.cutoff, filter_.order)
+    shifted: ComplexArray = gain * np.exp(2j * np.pi * turn * early)
+    shifted.flags.writeable = False
+    return shifted

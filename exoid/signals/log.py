@@ -1,4 +1,4 @@
-"""Which columns of a log are time, angle, velocity, acceleration and torque of which joint, and can they be trusted."""
+"""Reading a log: finds time, angles, velocities, accelerations and torques among its columns, and checks them."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from .source_location import SourceLocation
 
 
 class Log(NamedTuple):
-    """The checked content of a log file, SI units, as `Recording` takes it.
+    """Checked content of a log file in SI units.
 
     Attributes:
-        time: Stamps [s], (N,), strictly increasing.
-        arrays: By quantity: "q", and those of "v", "a" and "tau" that the file has, each (N, n).
+        time: Time stamps [s], (N,), strictly increasing.
+        arrays: Arrays by quantity, (N, n) each: "q", and those of "v", "a" and "tau" that the file has.
         joint_names: Names of the n columns.
-        source: The file and its SHA-256.
-        where: Translates rows into places in the file.
+        source: File name and SHA-256.
+        where: Location of the rows in the file.
     """
 
     time: FloatArray
@@ -44,8 +44,18 @@ def read_log(
 ) -> Log:
     """Take ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>`` from a table; see `Recording.from_file`.
 
+    Args:
+        table: Columns of the file.
+        joint_names: Joints to read; None for those of the ``q_`` columns.
+        columns: Header in the file of each exoid column whose name differs.
+        angle_unit: Unit of angles in the file, for q, v and a.
+        largest_angle: Limit of the angles [rad].
+
+    Returns:
+        The checked log.
+
     Raises:
-        ExoidError: The file cannot be trusted; names file, row, column and remedy.
+        ExoidError: A check fails; names file, row and column.
     """
     if angle_unit not in ("rad", "deg"):
         raise ExoidError(f"angle_unit is {angle_unit!r}", remedy='pass angle_unit="rad" or angle_unit="deg"')
@@ -53,7 +63,7 @@ def read_log(
     joints = _joints(table, headers) if joint_names is None else _named(joint_names)
     present = _present(table, headers, joints)
     names = ("time", *(f"{quantity}_{joint}" for quantity in present for joint in joints))
-    where = SourceLocation(table.file, table.lines, headers, table.counted)
+    where = SourceLocation(table.file, table.lines, headers, table.row_name)
     checks.refuse_too_few(len(table), where)
     numbers = table.numbers([headers[name] for name in names])
     checks.refuse_not_finite(numbers, names, where)
@@ -72,13 +82,13 @@ def read_log(
 
 
 def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
-    """Map exoid's column names to the headers of the file: those in ``columns``, else by equal name."""
+    """Map exoid's column names to headers of the file: by ``columns``, and by equal name for the others."""
     for name, header in columns.items():
         if name != "time" and not (name.startswith(tuple(f"{quantity}_" for quantity in QUANTITIES))):
             raise ExoidError(
-                f"columns names {name!r}, which is not a column of exoid's",
+                f"columns names {name!r}, which is not an exoid column",
                 where=table.file,
-                remedy="its names are time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>",
+                remedy="exoid columns are time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>",
             )
         if header not in table.header:
             raise _missing(header, f"columns[{name!r}] asks for it", table)
@@ -87,7 +97,7 @@ def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
             raise ExoidError(
                 f"column {header!r} is to be read as {' and '.join(rivals)}",
                 where=table.file,
-                remedy="map each of exoid's columns to a header of its own",
+                remedy="map each exoid column to a different header",
             )
     taken = set(columns.values())
     return {**{header: header for header in table.header if header and header not in taken}, **columns}
@@ -120,7 +130,7 @@ def _named(joint_names: Sequence[str]) -> tuple[str, ...]:
 
 
 def _present(table: Table, headers: Mapping[str, str], joints: Sequence[str]) -> list[str]:
-    """Tell which quantities the file has for these joints: q must be there, the others for all or none."""
+    """List the quantities that the file has for these joints: q, and others that all joints have."""
     if "time" not in headers:
         raise _missing("time", "no time stamps", table)
     present = []
@@ -129,14 +139,14 @@ def _present(table: Table, headers: Mapping[str, str], joints: Sequence[str]) ->
         if quantity == "q" and absent:
             raise _missing(absent[0], "no angle for that joint", table)
         if 0 < len(absent) < len(joints):
-            raise _missing(absent[0], "other joints have theirs: all or none; joint_names chooses joints", table)
+            raise _missing(absent[0], "other joints have one; joint_names selects joints", table)
         if not absent:
             present.append(quantity)
     return present
 
 
 def _missing(column: str, why: str, table: Table) -> ExoidError:
-    """Make the error about a column that is not there: the closest ones, and what exists."""
+    """Make the error about a missing column, which names the closest and the existing ones."""
     close = get_close_matches(column, table.header, n=3, cutoff=0.4)
     nearest = f"; closest: {', '.join(close)}" if close else ""
     exists = ", ".join(table.header[:20]) + (f", … ({len(table.header)} in all)" if len(table.header) > 20 else "")

@@ -1,4 +1,4 @@
-"""Poses: torques that hold a leg still, one row a pose."""
+"""Poses: static torques of a leg, one row per pose."""
 
 from __future__ import annotations
 
@@ -13,16 +13,23 @@ from exoid.torso import TorsoMotion
 from .source import Source
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Poses:
-    """Static measurements of one leg.
+    """Static measurements of one leg: the torques that hold it in K poses.
 
     Attributes:
         q: Angles [rad], (K, n).
         tau: Actuator torques [N·m], (K, n).
         joint_names: Names of the n columns.
-        torso: How the torso was held; None for upright.
-        source: File they came from, or None.
+        torso: Tilt of the torso; None if it is upright.
+        source: File of the data; None for arrays made in memory.
+
+    Raises:
+        ExoidError: Shapes do not fit, or a value is not finite.
+
+    Example:
+        >>> Poses(q=[[0.1, -0.5], [0.3, -0.2]], tau=[[5.0, 1.2], [9.1, 0.4]], joint_names=("hip", "knee"))
+        Poses(2 poses; joints: hip, knee)
     """
 
     q: FloatArray
@@ -51,15 +58,32 @@ class Poses:
             object.__setattr__(self, name, array)
 
     def __len__(self) -> int:
-        """Number of poses."""
+        """Count the poses."""
         return len(self.q)
 
+    def __repr__(self) -> str:
+        """Write one line."""
+        return f"Poses({len(self)} poses; joints: {', '.join(self.joint_names)})"
+
     def take(self, rows: slice) -> Poses:
-        """Return some of the poses."""
+        """Select poses.
+
+        Args:
+            rows: The poses.
+
+        Returns:
+            These poses.
+        """
         return Poses(self.q[rows], self.tau[rows], self.joint_names, self.torso, self.source)
 
     def select(self, joint_names: tuple[str, ...]) -> Poses:
-        """Return the same poses with these joints, in this order.
+        """Select joints.
+
+        Args:
+            joint_names: Names of the joints, in the new order.
+
+        Returns:
+            The poses of these joints.
 
         Raises:
             ExoidError: A joint is missing.
@@ -75,11 +99,14 @@ class Poses:
 
 @dataclass(frozen=True, eq=False)
 class Approaches:
-    """The same poses reached from below (A⁺, joints moving forwards) and from above (A⁻) (doc. 1, sec. III-C).
+    """Poses reached from below (A⁺, joints moving forwards) and from above (A⁻) (doc. 1, sec. III-C).
 
     Attributes:
-        below: Measured after moving up to the pose.
-        above: Measured after moving down to it.
+        below: Poses after a motion upwards.
+        above: The same poses after a motion downwards.
+
+    Raises:
+        ExoidError: They differ in number or joints.
     """
 
     below: Poses
@@ -96,12 +123,12 @@ class Approaches:
 
     @property
     def averaged(self) -> Poses:
-        """Mean of both torques, from which static friction is gone as far as both came to rest within its band."""
+        """Mean of both torques, in which static friction cancels if both are within its band."""
         below, above = self.below, self.above
         tau = 0.5 * (below.tau + above.tau)
         return Poses(0.5 * (below.q + above.q), tau, below.joint_names, below.torso, below.source)
 
     @property
     def band(self) -> FloatArray:
-        """Half the difference ½ (A⁺ − A⁻) of each pose, at most the friction c0 [N·m], (K, n)."""
+        """Half the difference of both torques, ½ (A⁺ − A⁻) [N·m], (K, n): a lower bound of the friction c0."""
         return 0.5 * (self.below.tau - self.above.tau)

@@ -1,345 +1,277 @@
-"""Named ways from a recording to the kinematics and filtered torques that identification compares."""
+"""Preparations: ways from a recording to the kinematics and filtered torques that identification uses."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import asdict, dataclass
+from typing import ClassVar, Protocol
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .differentiation import Accuracy, Kinematics, central_difference, second_difference
-from .filters import TOLERANCE, edge_length, exponential_moving_average, zero_phase
-from .parallel_filter import ParallelFilter
+from .differentiation import Kinematics, derive, inner_samples
+from .filters import TOLERANCE, ParallelFilter, edge_length, exponential_moving_average, zero_phase
 from .recording import Recording
-
-KINEMATICS_MULTIPLE = 2.0
-"""Default kinematics cut-off over the parallel filter's.
-
-The parallel filter falls on torques and columns alike and biases nothing; the kinematics filter falls on q
-alone, inside sines and products, and biases. With order 4, twice the cut-off leaves 0.998 of an amplitude at
-the cut-off and more below it; the noise of an acceleration grows with the cut-off to the power 5/2.
-"""
-LARGEST_SHARE = 0.4
-"""Default kinematics cut-off over the sampling rate, at most."""
 
 
 class Preparation(Protocol):
-    """What identification asks of a way to prepare recordings.
+    """Interface of a preparation.
 
-    Use on a recording with even stamps (`Recording.resampled`): an uneven one is resampled inside, and the
-    rows of the result are then those of ``recording.resampled()``.
+    A recording with uneven time stamps is resampled first: rows of results are those of ``recording.resampled()``. A
+    preparation of another package is a frozen dataclass, whose fields are its settings; see
+    :func:`exoid.signals.register_preparation`.
     """
 
     @property
     def name(self) -> str:
-        """Short name for evidence."""
+        """Short name."""
         ...
 
     def kinematics(self, recording: Recording) -> Kinematics:
-        """Derive what was not recorded, smooth, and say which rows to trust."""
+        """Smooth the motion, and derive what was not recorded.
+
+        Args:
+            recording: The recording.
+
+        Returns:
+            Kinematics at the samples of ``recording.resampled()``.
+        """
         ...
 
     def filter(self, x: FloatArray, rate: float) -> FloatArray:
-        """Filter measured torques [N·m], (N, ...), sampled at ``rate`` [Hz]."""
+        """Filter measured torques.
+
+        Args:
+            x: Measured torques [N·m], (N, ...).
+            rate: Sampling rate [Hz].
+
+        Returns:
+            Filtered torques [N·m], of the shape of ``x``.
+        """
         ...
 
     def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
-        """Filter regressor columns, (N, ...), unless `kinematics` has filtered them like the torques."""
+        """Filter regressor columns like the torques, unless `kinematics` did so.
+
+        Args:
+            x: Columns, (N, ...).
+            rate: Sampling rate [Hz].
+
+        Returns:
+            Filtered columns, of the shape of ``x``.
+        """
         ...
 
     def parallel(self, rate: float) -> ParallelFilter | None:
-        """Return the filter of `filter` and `filter_columns`, if they are alike and it can run on any stretch.
+        """Return the filter that both `filter` and `filter_columns` apply, if it can run on any segment.
 
-        None where torques pass `filter` from the first sample on and columns stay as they are.
+        Args:
+            rate: Sampling rate [Hz].
+
+        Returns:
+            The filter; None if torques are filtered from the first sample on and columns are not filtered.
         """
         ...
 
-    def independence(self, rate: float) -> float:
-        """Return the share of filtered samples at ``rate`` [Hz] that carries independent noise, at most 1."""
+    def independent_fraction(self, rate: float) -> float:
+        """Compute the fraction of the filtered samples that carries independent noise.
+
+        Args:
+            rate: Sampling rate [Hz].
+
+        Returns:
+            Fraction of the samples, between 0 and 1.
+        """
         ...
 
     def describe(self) -> dict[str, float | str]:
-        """Name and settings, for evidence."""
+        """Describe the preparation in a file.
+
+        Returns:
+            The settings, and ``"name"``.
+        """
         ...
 
 
 @dataclass(frozen=True)
-class ZeroPhase:
-    """Smooth the angles without delay, derive, then pass columns and torques through one more filter alike.
-
-    q, and v and a where recorded, are low-passed at the kinematics cut-off; what was not recorded follows by
-    central differences over five points (three would take 1 % off the velocity of a 2 Hz motion sampled at
-    50 Hz, five take 0.01 %). Columns and torques then pass the *parallel filter* at ``cutoff``: it keeps
-    τ = W π true and takes noise away from both sides. Rows that the ends spoil through either filter are not
-    valid.
+class _Unfiltered:
+    """Base class of the preparations without a parallel filter.
 
     Attributes:
-        cutoff: −3 dB frequency of the parallel filter [Hz].
-        kinematics_cutoff: −3 dB frequency for q, v, a [Hz]; None for ``min(2 cutoff, 0.4 rate)``.
-        order: Order of one of the two passes of each filter.
+        name: Short name.
     """
 
-    cutoff: float = 8.0
-    kinematics_cutoff: float | None = None
-    order: int = 4
-
-    def __post_init__(self) -> None:
-        for name in ("cutoff", "kinematics_cutoff"):
-            value = getattr(self, name)
-            if value is not None and not 0.0 < value < math.inf:
-                raise ExoidError(f"{name} is {value}", remedy="pass a positive frequency in Hz")
-
-    @property
-    def name(self) -> str:
-        """``"zero-phase"``."""
-        return "zero-phase"
-
-    def kinematics_cutoff_at(self, rate: float) -> float:
-        """Return the cut-off [Hz] for q, v, a sampled at ``rate`` [Hz]."""
-        if self.kinematics_cutoff is not None:
-            return self.kinematics_cutoff
-        return min(KINEMATICS_MULTIPLE * self.cutoff, LARGEST_SHARE * rate)
-
-    def edge(self, rate: float) -> int:
-        """Return how many rows at each end the two filters spoil."""
-        first = edge_length(rate, self.kinematics_cutoff_at(rate), self.order)
-        return first + edge_length(rate, self.cutoff, self.order)
-
-    def kinematics(self, recording: Recording) -> Kinematics:
-        """Smooth and derive.
-
-        Raises:
-            ExoidError: A cut-off is not below half the rate, or nothing is left between the ends.
-        """
-        recording = recording.resampled()
-        rate = recording.sample_rate
-        cutoff = self.kinematics_cutoff_at(rate)
-        valid = _inner(recording, self.edge(rate), self.edge(rate))
-        return _derive(recording, lambda x: zero_phase(x, rate, cutoff, self.order), valid, accuracy=4)
+    name: ClassVar[str]
 
     def filter(self, x: FloatArray, rate: float) -> FloatArray:
-        """Low-pass torques at ``cutoff``; memory beyond the result does not grow with ``x``.
+        """Return the torques unchanged.
 
-        Raises:
-            ExoidError: The cut-off is not below half the rate, or there are too few samples.
+        Args:
+            x: Measured torques [N·m], (N, ...).
+            rate: Sampling rate [Hz].
+
+        Returns:
+            The torques.
         """
-        return zero_phase(x, rate, self.cutoff, self.order)
+        return x
 
     def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
-        """Low-pass columns exactly as the torques."""
-        return self.filter(x, rate)
+        """Return the columns unchanged.
 
-    def parallel(self, rate: float) -> ParallelFilter:
-        """Low-pass at ``cutoff``."""
-        return ParallelFilter(rate, self.cutoff, self.order)
+        Args:
+            x: Columns, (N, ...).
+            rate: Sampling rate [Hz].
 
-    def independence(self, rate: float) -> float:
-        """Noise bandwidth of the parallel filter over half the rate."""
-        return self.parallel(rate).independence
+        Returns:
+            The columns.
+        """
+        return x
+
+    def parallel(self, rate: float) -> None:
+        """Return None, as there is no parallel filter.
+
+        Args:
+            rate: Sampling rate [Hz].
+        """
+
+    def independent_fraction(self, rate: float) -> float:
+        """Return 1, as torques are not filtered.
+
+        Args:
+            rate: Sampling rate [Hz].
+
+        Returns:
+            Fraction of the samples that carries independent noise.
+        """
+        return 1.0
 
     def describe(self) -> dict[str, float | str]:
-        """Name and settings."""
-        chosen = f"min({KINEMATICS_MULTIPLE:g} cutoff, {LARGEST_SHARE:g} rate)"
-        kinematics = chosen if self.kinematics_cutoff is None else self.kinematics_cutoff
-        return {
-            "name": self.name,
-            "cutoff": self.cutoff,
-            "kinematics_cutoff": kinematics,
-            "order": self.order,
-        }
+        """Describe the preparation in a file.
+
+        Returns:
+            The settings, and ``"name"``.
+        """
+        return {"name": self.name, **asdict(self)}
 
 
 @dataclass(frozen=True)
-class Smoothed:
-    """Smooth the angles without delay and derive, but leave columns and torques as they are.
+class Smoothed(_Unfiltered):
+    """Smooth the angles without delay and derive, but do not filter columns and torques.
 
-    For joints that truly stick and slip: a filter after sgn(v) would smear the jump of friction over rows that are left
-    out on purpose, see :class:`exoid.torques.Coulomb` and its dead band.
+    This preparation is for joints with stick-slip: a filter after sgn(v) would smear the jump of friction over rows
+    that the dead band of :class:`exoid.torques.Coulomb` leaves out.
 
     Attributes:
         cutoff: −3 dB frequency for q, v, a [Hz].
         order: Order of one of the two passes.
     """
 
+    name: ClassVar[str] = "smoothed"
     cutoff: float = 10.0
     order: int = 4
-
-    @property
-    def name(self) -> str:
-        """``"smoothed"``."""
-        return "smoothed"
 
     def kinematics(self, recording: Recording) -> Kinematics:
         """Smooth and derive.
 
+        Args:
+            recording: The recording.
+
+        Returns:
+            Kinematics at the samples of ``recording.resampled()``.
+
         Raises:
-            ExoidError: The cut-off is not below half the rate, or nothing is left between the ends.
+            ExoidError: The cut-off is not below half the rate, time has a gap, or the ends leave no rows.
         """
         recording = recording.resampled()
         rate = recording.sample_rate
         edge = edge_length(rate, self.cutoff, self.order)
-        valid = _inner(recording, edge, edge)
-        return _derive(recording, lambda x: zero_phase(x, rate, self.cutoff, self.order), valid, accuracy=4)
-
-    def filter(self, x: FloatArray, rate: float) -> FloatArray:
-        """Return the torques as they are."""
-        return x
-
-    def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
-        """Return the columns as they are."""
-        return x
-
-    def parallel(self, rate: float) -> None:
-        """None: columns are not filtered."""
-
-    def independence(self, rate: float) -> float:
-        """All samples: no torque is filtered."""
-        return 1.0
-
-    def describe(self) -> dict[str, float | str]:
-        """Name and settings."""
-        return {"name": self.name, "cutoff": self.cutoff, "order": self.order}
+        valid = inner_samples(recording, edge, edge)
+        return derive(recording, lambda x: zero_phase(x, rate, self.cutoff, self.order), valid, accuracy=4)
 
 
 @dataclass(frozen=True)
-class FiniteDifference:
-    """Plain central differences and no filter, as doc. 1, sec. III-B; the first and last sample are dropped.
+class FiniteDifference(_Unfiltered):
+    """Central differences without a filter, as in doc. 1, sec. III-B; the first and last samples are dropped.
 
-    Velocities and accelerations that were recorded are taken as they are.
+    Recorded velocities and accelerations are used unchanged.
     """
 
-    @property
-    def name(self) -> str:
-        """``"finite-difference"``."""
-        return "finite-difference"
+    name: ClassVar[str] = "finite-difference"
 
     def kinematics(self, recording: Recording) -> Kinematics:
-        """Difference the angles.
+        """Differentiate the angles.
+
+        Args:
+            recording: The recording.
+
+        Returns:
+            Kinematics at the samples of ``recording.resampled()``.
 
         Raises:
             ExoidError: Time has a gap.
         """
         recording = recording.resampled()
-        return _derive(recording, lambda x: x, _inner(recording, 1, 1), accuracy=2)
-
-    def filter(self, x: FloatArray, rate: float) -> FloatArray:
-        """Return the torques as they are."""
-        return x
-
-    def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
-        """Return the columns as they are."""
-        return x
-
-    def parallel(self, rate: float) -> None:
-        """None: columns are not filtered."""
-
-    def independence(self, rate: float) -> float:
-        """All samples: nothing is filtered."""
-        return 1.0
-
-    def describe(self) -> dict[str, float | str]:
-        """Name; there are no settings."""
-        return {"name": self.name}
+        return derive(recording, lambda x: x, inner_samples(recording, 1, 1), accuracy=2)
 
 
 @dataclass(frozen=True)
-class MovingAverage:
-    """Smooth every measured signal by an exponential moving average, as doc. 2, sec. III.
+class MovingAverage(_Unfiltered):
+    """Smooth every measured signal by an exponential moving average, as in doc. 2, sec. III.
 
-    Velocity as measured where there is one, else by differences of the smoothed angle. All signals are late
-    by the same (1 − α)/α samples, which biases sines and products. Columns are formed from smoothed signals
-    and not smoothed again. Not valid are the rows until (1 − α)^k has fallen to a thousandth, and the last.
+    Differences of the smoothed angle give the velocity if none was recorded. All signals have the same delay of
+    (1 − α)/α samples, which biases sines and products. Columns are formed from smoothed signals and not smoothed again.
+    The last row, and rows until (1 − α)^k has fallen to a thousandth, are not valid.
 
     Attributes:
-        alpha: Weight of the newest sample, 0 < α ≤ 1. Doc. 2 prints none; 0.2 is an assumption.
+        alpha: Weight of the newest sample, 0 < α ≤ 1. Doc. 2 gives no value; 0.2 is an assumption.
+
+    Raises:
+        ExoidError: α is outside (0, 1].
     """
 
+    name: ClassVar[str] = "moving-average"
     alpha: float = 0.2
 
     def __post_init__(self) -> None:
         if not 0.0 < self.alpha <= 1.0:
             raise ExoidError(f"alpha is {self.alpha}", remedy="pass 0 < alpha ≤ 1, the weight of the newest sample")
 
-    @property
-    def name(self) -> str:
-        """``"moving-average"``."""
-        return "moving-average"
-
     def kinematics(self, recording: Recording) -> Kinematics:
         """Smooth and derive.
+
+        Args:
+            recording: The recording.
+
+        Returns:
+            Kinematics at the samples of ``recording.resampled()``.
 
         Raises:
             ExoidError: Time has a gap, or the average has not settled before the record ends.
         """
         recording = recording.resampled()
         settled = 1 if self.alpha == 1.0 else math.ceil(math.log(TOLERANCE) / math.log(1.0 - self.alpha))
-        valid = _inner(recording, settled, 1)
-        return _derive(recording, lambda x: exponential_moving_average(x, self.alpha), valid, accuracy=2)
+        valid = inner_samples(recording, settled, 1)
+        return derive(recording, lambda x: exponential_moving_average(x, self.alpha), valid, accuracy=2)
 
     def filter(self, x: FloatArray, rate: float) -> FloatArray:
-        """Smooth torques like the angles."""
+        """Smooth torques like the angles.
+
+        Args:
+            x: Measured torques [N·m], (N, ...).
+            rate: Sampling rate [Hz].
+
+        Returns:
+            Smoothed torques [N·m], of the shape of ``x``.
+        """
         return exponential_moving_average(x, self.alpha)
 
-    def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
-        """Return the columns as they are: their signals were smoothed before."""
-        return x
+    def independent_fraction(self, rate: float) -> float:
+        """Compute Σ h² of the average, α / (2 − α).
 
-    def parallel(self, rate: float) -> None:
-        """None: columns are not filtered."""
+        Args:
+            rate: Sampling rate [Hz].
 
-    def independence(self, rate: float) -> float:
-        """Σ h² of the average, α / (2 − α)."""
+        Returns:
+            Fraction of the samples that carries independent noise.
+        """
         return self.alpha / (2.0 - self.alpha)
-
-    def describe(self) -> dict[str, float | str]:
-        """Name and setting."""
-        return {"name": self.name, "alpha": self.alpha}
-
-
-PREPARATIONS: Mapping[str, type[ZeroPhase] | type[Smoothed] | type[FiniteDifference] | type[MovingAverage]] = {
-    "finite-difference": FiniteDifference,
-    "moving-average": MovingAverage,
-    "smoothed": Smoothed,
-    "zero-phase": ZeroPhase,
-}
-"""Preparations by the name they give themselves."""
-
-
-def preparation_by_name(name: str) -> Preparation:
-    """Make a preparation with its default settings.
-
-    Raises:
-        ExoidError: There is none of that name.
-    """
-    if name not in PREPARATIONS:
-        raise ExoidError(f"no preparation {name!r}", remedy=f"use one of {', '.join(PREPARATIONS)}")
-    return PREPARATIONS[name]()
-
-
-def _derive(
-    recording: Recording, smooth: Callable[[FloatArray], FloatArray], valid: slice, accuracy: Accuracy
-) -> Kinematics:
-    """Smooth what was recorded and derive the rest from q.
-
-    The acceleration comes from q even where v was recorded: drives filter the velocity they report, and a lag of 1 ms
-    costs more than the noise of a second difference (measured on the DFKI double pendulum).
-    """
-    rate, q = recording.sample_rate, smooth(recording.q)
-    v = central_difference(q, rate, accuracy) if recording.v is None else smooth(recording.v)
-    a = second_difference(q, rate, accuracy) if recording.a is None else smooth(recording.a)
-    return Kinematics(q, v, a, valid)
-
-
-def _inner(recording: Recording, head: int, tail: int) -> slice:
-    """Return the rows between the ends, or refuse a recording that consists of ends."""
-    samples = len(recording)
-    if samples <= head + tail:
-        raise ExoidError(
-            f"{samples} samples are too few: the filters spoil {head} at the beginning and {tail} at the end",
-            where=recording.source.name if recording.source else "",
-            remedy="record longer or choose a higher cut-off",
-        )
-    return slice(head, samples - tail)

@@ -1,4 +1,4 @@
-"""Recording: a checked, frozen log of one motion."""
+"""Recording: a checked, immutable log of one motion."""
 
 from __future__ import annotations
 
@@ -12,38 +12,42 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.tables import html_table
 from exoid.torso import TorsoMotion
 
 from . import checks, timebase
 from .csv_writer import write_csv
-from .formats import Table, Wanted, open_table, read_text_table
+from .formats import ReadOptions, Table, open_table, read_text_table
 from .log import read_log
 from .source import Source
 from .source_location import SourceLocation
 
+UNITS = {"q": "rad", "v": "rad/s", "a": "rad/s²", "tau": "N·m"}
+"""Unit of each quantity of a joint."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording:
-    """A motion and the torques that made it, checked when it is made and unchangeable afterwards.
+    """Log of a motion and of the torques that caused it, checked when it is made and immutable afterwards.
 
-    Arrays are copied to float64, C-contiguous and read-only; samples are rows, joints are columns. Two
-    recordings are equal only if they are the same object.
+    Arrays are copied to float64, C-contiguous and read-only. Samples are rows, joints are columns. Two recordings are
+    equal only if they are the same object.
 
     Attributes:
-        time: Stamps [s], (N,), strictly increasing, N ≥ 10.
+        time: Time stamps [s], (N,), strictly increasing, N ≥ 10.
         q: Joint angles [rad], (N, n).
-        v: Joint velocities [rad/s], (N, n), or None: derived from ``q`` when needed.
-        a: Joint accelerations [rad/s²], (N, n), or None: derived when needed.
-        tau: Actuator torques [N·m], (N, n), or None: a motion without torques.
+        v: Joint velocities [rad/s], (N, n); None to derive them from ``q``.
+        a: Joint accelerations [rad/s²], (N, n); None to derive them.
+        tau: Actuator torques [N·m], (N, n); None for a motion without torques.
         joint_names: Names of the n columns.
-        source: File the data came from, or None.
-        torso: How the torso was held meanwhile, the same at all samples; None for upright and still.
-        largest_angle: Angles beyond this [rad] are refused as degrees in disguise; ``math.inf`` for a joint
-            that turns round and round.
+        source: File of the data; None for arrays made in memory.
+        torso: Tilt of the torso, the same at all samples; None if it is upright and still.
+        largest_angle: Limit of the angles [rad], beyond which they count as degrees; ``math.inf`` for a joint that
+            makes full turns.
 
     Raises:
-        ExoidError: Shapes disagree, values are missing, time does not increase, units look wrong, or there
-            are too few samples; says where and what to do.
+        ExoidError: Shapes do not fit, values are missing, time does not increase, units look wrong, or there are too
+            few samples. The error says where, and what to do.
 
     Example:
         >>> t = np.arange(100) / 50.0
@@ -103,13 +107,28 @@ class Recording:
     def _with(self, **changes: Any) -> Recording:  # noqa: ANN401 - fields of several types
         return replace(self, **changes)
 
+    def _size(self) -> str:
+        uneven = "" if self.is_uniform else " (uneven)"
+        return f"{len(self)} samples at {self.sample_rate:.4g} Hz, {self.duration:.4g} s{uneven}"
+
     def __len__(self) -> int:
         return len(self.time)
 
     def __repr__(self) -> str:
-        size = f"{len(self)} samples at {self.sample_rate:.4g} Hz, {self.duration:.4g} s"
-        uneven = "" if self.is_uniform else " (uneven)"
-        return f"Recording({size}{uneven}; joints: {', '.join(self.joint_names)}; {', '.join(self._arrays())})"
+        return f"Recording({self._size()}; joints: {', '.join(self.joint_names)}; {', '.join(self._arrays())})"
+
+    def _repr_html_(self) -> str:
+        """Table for notebooks: smallest and largest value of each quantity, joint by joint."""
+        headers = ("joint", *(f"{quantity} [{unit}]" for quantity, unit in UNITS.items()))
+        columns = (self._ranges(getattr(self, quantity)) for quantity in UNITS)
+        name = self.source.name if self.source else "Recording"
+        return html_table(headers, zip(self.joint_names, *columns, strict=True), f"{name}: {self._size()}")
+
+    def _ranges(self, values: FloatArray | None) -> list[str]:
+        """Smallest and largest value of each joint."""
+        if values is None:
+            return ["not recorded"] * self.n_joints
+        return [f"{low:.3g} … {high:.3g}" for low, high in zip(values.min(axis=0), values.max(axis=0), strict=True)]
 
     @property
     def n_joints(self) -> int:
@@ -118,24 +137,30 @@ class Recording:
 
     @property
     def duration(self) -> float:
-        """Time from the first stamp to the last [s]."""
+        """Time from the first to the last sample [s]."""
         return float(self.time[-1] - self.time[0])
 
     @cached_property
     def is_uniform(self) -> bool:
-        """Whether every interval is the median one to within a thousandth of it."""
+        """Whether every sampling interval is within a thousandth of the median."""
         return timebase.is_uniform(self.time)
 
     @cached_property
     def sample_rate(self) -> float:
-        """Sampling rate [Hz]: the mean rate when uniform, else one over the median interval."""
+        """Sampling rate [Hz]: the mean rate if uniform, else one over the median interval."""
         return timebase.sampling_rate(self.time)
 
     def select(self, joint_names: Sequence[str]) -> Recording:
-        """Return the same motion with these joints, in this order.
+        """Select joints.
+
+        Args:
+            joint_names: Names of the joints, in the new order.
+
+        Returns:
+            The recording of these joints.
 
         Raises:
-            ExoidError: A name is not among `joint_names`; lists what exists.
+            ExoidError: A joint is not in the recording.
         """
         names = (joint_names,) if isinstance(joint_names, str) else tuple(joint_names)
         for name in names:
@@ -150,32 +175,49 @@ class Recording:
         return self._with(joint_names=names, **arrays)
 
     def slice(self, start: int | None = None, stop: int | None = None) -> Recording:
-        """Return rows ``start`` to before ``stop``, counted as Python does.
+        """Select consecutive samples, as ``x[start:stop]`` does.
+
+        Args:
+            start: First sample; None for the beginning.
+            stop: Sample after the last one; None for the end.
+
+        Returns:
+            The recording of these samples.
 
         Raises:
-            ExoidError: Fewer than 10 rows are left.
+            ExoidError: Fewer than 10 samples are left.
         """
         arrays = {quantity: values[start:stop] for quantity, values in self._arrays().items()}
         return self._with(time=self.time[start:stop], **arrays)
 
     def between(self, start: float, stop: float) -> Recording:
-        """Return the rows stamped ``start`` ≤ time < ``stop`` [s].
+        """Select the samples with ``start`` ≤ time < ``stop``.
+
+        Args:
+            start: Time of the first sample [s].
+            stop: Time before which the last sample lies [s].
+
+        Returns:
+            The recording of these samples.
 
         Raises:
-            ExoidError: Fewer than 10 rows are left.
+            ExoidError: Fewer than 10 samples are left.
         """
         first, last = np.searchsorted(self.time, [start, stop])
         return self.slice(int(first), int(last))
 
     def resampled(self, rate: float | None = None) -> Recording:
-        """Return the motion on even stamps, starting at the first one.
+        """Resample onto uniform time stamps, starting at the first one.
 
-        Angles and velocities pass a cubic spline; accelerations and torques, which friction lets jump, a
-        monotone cubic (PCHIP) that does not overshoot.
+        Angles and velocities are interpolated by a cubic spline. Accelerations and torques, which friction makes jump,
+        are interpolated by a monotone cubic (PCHIP), which does not overshoot.
 
         Args:
-            rate: New sampling rate [Hz], not below the present one: leaving samples out would fold fast
-                signals onto slow ones. None keeps the present rate, and a uniform recording as it is.
+            rate: New sampling rate [Hz], not below the present one, as a lower one would alias. None keeps the present
+                rate, and returns a uniform recording unchanged.
+
+        Returns:
+            The uniform recording.
 
         Raises:
             ExoidError: Time has a gap, or the rate is not between 0.99 and 100 times the recording's.
@@ -187,7 +229,7 @@ class Recording:
         if not 0.99 * own <= new <= 100.0 * own:
             raise ExoidError(
                 f"cannot resample from {own:.4g} Hz to {new:.4g} Hz",
-                remedy="keep the rate: a lower one folds fast signals onto slow ones",
+                remedy="keep the rate: a lower one aliases fast signals",
             )
         timebase.refuse_gaps(self.time, SourceLocation())
         rows = timebase.uncrowded(self.time)
@@ -200,7 +242,10 @@ class Recording:
         return self._with(time=grid, **arrays)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write ``time, q_<joint>, …`` so that `from_csv` reads it back bit by bit; whole or not at all.
+        """Write columns ``time, q_<joint>, …``, which `from_csv` reads back exactly.
+
+        Args:
+            path: File to write; an existing one is replaced only when the new one is complete.
 
         Raises:
             ExoidError: The file cannot be written.
@@ -220,23 +265,26 @@ class Recording:
         largest_angle: float = checks.LARGEST_ANGLE,
         resample: bool = True,
     ) -> Recording:
-        """Read a log with columns ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>``.
+        """Read a CSV log with columns ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>``.
 
-        Text in UTF-8 with one header line; commas, semicolons or tabs; lines starting with ``#`` are
-        skipped. Velocity, acceleration and torque may be absent, but each for all joints. Other columns
-        are ignored.
+        The file is UTF-8 text with one header line, separated by commas, semicolons or tabs. Lines that start with
+        ``#`` are skipped. Velocity, acceleration and torque may be absent, but each for all joints. Other columns are
+        ignored.
 
         Args:
             path: The file.
-            joint_names: Joints wanted, in order; None for those of the ``q_`` columns, in the file's order.
-            columns: The file's header for exoid's column name where they differ, e.g.
+            joint_names: Joints to read, in order; None for those of the ``q_`` columns, in the file's order.
+            columns: Header in the file of each exoid column whose name differs, e.g.
                 ``{"time": "t", "q_hip": "pos1"}``.
             angle_unit: Unit of angles in the file; "deg" applies to q, v and a.
-            largest_angle: Larger angles [rad] are refused as degrees in disguise.
-            resample: Bring uneven stamps onto an even grid, as `resampled` does.
+            largest_angle: Limit of the angles [rad], beyond which they count as degrees.
+            resample: Whether to resample uneven time stamps, as `resampled` does.
+
+        Returns:
+            The recording.
 
         Raises:
-            ExoidError: The file cannot be trusted; names file, line, column and remedy.
+            ExoidError: The file cannot be read, or its data fail a check. The error names file, line and column.
         """
         table = read_text_table(path)
         return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample)
@@ -254,16 +302,16 @@ class Recording:
         topic: str | None = None,
         stamps: Literal["header", "received"] = "header",
     ) -> Recording:
-        """Read a log of any kind: its first bytes say which.
+        """Read a log of any format: its first bytes say which, or an ending of :func:`register_format`.
 
         * CSV, as :meth:`from_csv`.
         * Parquet, columns named as in CSV (needs ``exoid[io]``).
         * NumPy ``.npz`` and MATLAB ``.mat`` (up to version 7; variables, or the fields of one struct): arrays ``time``,
-          ``q``, ``v``, ``a``, ``tau`` of (samples, joints) and text ``joint_names``, or one array a column. Where the
-          joints are not in the file, ``joint_names`` names the columns of the matrices, all of them. Columns of other
-          matrices are called ``pos[0]``, ``pos[1]``, …; fields in structs ``log.pos[0]``.
-        * ``sensor_msgs/JointState`` in a rosbag2 (folder, ``.mcap`` or ``.db3``) or a bag of ROS 1 (needs
-          ``exoid[io]``), joints in any order; effort is torque. Time counts from the first message.
+          ``q``, ``v``, ``a``, ``tau`` of (samples, joints) and text ``joint_names``, or one array per column. If the
+          file has no ``joint_names``, the argument names the columns of the matrices. Columns of other matrices are
+          called ``pos[0]``, ``pos[1]``, …; fields in structs ``log.pos[0]``.
+        * ``sensor_msgs/JointState`` in a rosbag2 (folder, ``.mcap`` or ``.db3``) or a ROS 1 bag (needs ``exoid[io]``),
+          joints in any order; effort is torque. Time starts at the first message.
 
         Args:
             path: The file, or the folder of a rosbag2.
@@ -272,16 +320,20 @@ class Recording:
             angle_unit: See :meth:`from_csv`.
             largest_angle: See :meth:`from_csv`.
             resample: See :meth:`from_csv`.
-            topic: Of a bag with several topics of joint states.
-            stamps: Of a bag: "header", when the joints were measured, or "received", when the bag got the message.
+            topic: Topic of joint states, for a bag with several.
+            stamps: Time stamps of a bag: "header", when the joints were measured, or "received", when the message was
+                recorded.
+
+        Returns:
+            The recording.
 
         Raises:
-            ExoidError: The file cannot be trusted; names file, row, column and remedy.
+            ExoidError: The file cannot be read, or its data fail a check. The error names file, row and column.
 
         Example:
             >>> Recording.from_file("walk.mcap", columns={"q_hip": "q_left_hip_joint"})  # doctest: +SKIP
         """
-        table = open_table(path, Wanted(joint_names, dict(columns or {}), topic, stamps))
+        table = open_table(path, ReadOptions(joint_names, dict(columns or {}), topic, stamps))
         return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample)
 
     @classmethod
@@ -294,7 +346,7 @@ class Recording:
         largest_angle: float,
         resample: bool,
     ) -> Recording:
-        """Check a table and make a recording of it."""
+        """Make a recording of a table."""
         log = read_log(table, joint_names, columns, angle_unit, largest_angle)
         if resample and not timebase.is_uniform(log.time):
             timebase.refuse_gaps(log.time, log.where)

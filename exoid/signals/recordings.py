@@ -1,4 +1,4 @@
-"""Recordings that stay on disk until their turn comes."""
+"""Recordings on disk, read one at a time."""
 
 from __future__ import annotations
 
@@ -13,49 +13,50 @@ from typing import Literal, NamedTuple, overload
 from exoid.errors import ExoidError
 
 from . import checks
+from .formats import READERS
 from .poses import Poses
 from .recording import Recording
 
-ENDINGS = (".csv", ".txt", ".tsv", ".parquet", ".npz", ".mat", ".mcap", ".db3", ".bag")
-"""Files in a folder whose names end otherwise are no logs."""
 
-
-class Stored(NamedTuple):
+class RecordingFile(NamedTuple):
     """A recording on disk.
 
     Attributes:
-        path: Its file.
-        read: Reads it.
+        path: The file.
+        read: Function that reads the file.
     """
 
     path: Path
     read: Callable[[Path], Recording]
 
     def load(self) -> Recording:
-        """Read it.
+        """Read the file.
+
+        Returns:
+            The recording.
 
         Raises:
-            ExoidError: The file cannot be trusted.
+            ExoidError: The file cannot be read, or its data fail a check.
         """
         return self.read(self.path)
 
 
 @dataclass(frozen=True, eq=False)
 class Recordings(Sequence[Recording | Poses]):
-    """Logs of a folder, each of which is read when it is looked at, and not kept: together they may exceed memory.
+    """Sequence of recordings on disk, which together may exceed memory: each is read at every access and not kept.
 
-    What takes recordings takes these. Each file is a recording of its own: the filters spoil its ends, and friction
-    with a memory begins anew.
+    Functions that take recordings take this sequence. Each file is a separate recording: the filters distort its ends,
+    and internal states of friction start again.
 
     Attributes:
-        items: Files, and recordings or poses that are in memory.
-        watch: Called whenever a file has been read, such as by a progress bar.
+        items: Files, and recordings or poses in memory.
+        watch: Function that is called with the path after each file is read, such as by a progress bar.
 
     Example:
         >>> est = exoid.identify(leg, Recordings.from_folder("logs"))  # doctest: +SKIP
     """
 
-    items: tuple[Stored | Recording | Poses, ...]
+    items: tuple[RecordingFile | Recording | Poses, ...]
     watch: Callable[[Path], None] | None = None
 
     @staticmethod
@@ -69,16 +70,19 @@ class Recordings(Sequence[Recording | Poses]):
         topic: str | None = None,
         stamps: Literal["header", "received"] = "header",
     ) -> Recordings:
-        """Find the logs in a folder, those of its folders not; ``part.10.csv`` comes after ``part.9.csv``.
+        """Find the logs in a folder, without its subfolders; ``part.10.csv`` comes after ``part.9.csv``.
 
         Args:
             folder: The folder.
-            joint_names: See :meth:`Recording.from_file`, which reads each file; the other arguments too.
-            columns: See there.
-            angle_unit: See there.
-            largest_angle: See there.
-            topic: See there.
-            stamps: See there.
+            joint_names: See :meth:`Recording.from_file`, which reads each file.
+            columns: See :meth:`Recording.from_file`.
+            angle_unit: See :meth:`Recording.from_file`.
+            largest_angle: See :meth:`Recording.from_file`.
+            topic: See :meth:`Recording.from_file`.
+            stamps: See :meth:`Recording.from_file`.
+
+        Returns:
+            The recordings; no file is read yet.
 
         Raises:
             ExoidError: There is no such folder, or no log in it.
@@ -104,7 +108,20 @@ class Recordings(Sequence[Recording | Poses]):
         topic: str | None = None,
         stamps: Literal["header", "received"] = "header",
     ) -> Recordings:
-        """Take these files, in this order; arguments as for :meth:`Recording.from_file`, which reads each."""
+        """Make a sequence of files.
+
+        Args:
+            paths: The files, in order.
+            joint_names: See :meth:`Recording.from_file`, which reads each file.
+            columns: See :meth:`Recording.from_file`.
+            angle_unit: See :meth:`Recording.from_file`.
+            largest_angle: See :meth:`Recording.from_file`.
+            topic: See :meth:`Recording.from_file`.
+            stamps: See :meth:`Recording.from_file`.
+
+        Returns:
+            The recordings; no file is read yet.
+        """
         read = partial(
             Recording.from_file,
             joint_names=joint_names,
@@ -114,14 +131,28 @@ class Recordings(Sequence[Recording | Poses]):
             topic=topic,
             stamps=stamps,
         )
-        return Recordings(tuple(Stored(Path(path), read) for path in paths))
+        return Recordings(tuple(RecordingFile(Path(path), read) for path in paths))
 
     def watched(self, watch: Callable[[Path], None]) -> Recordings:
-        """Return the same, calling this whenever a file has been read."""
+        """Add a function that is called after each file is read.
+
+        Args:
+            watch: Function of the path.
+
+        Returns:
+            The same recordings with that function.
+        """
         return replace(self, watch=watch)
 
     def at_rest(self, index: int) -> bool:
-        """Say whether one of them is poses, without reading it."""
+        """Tell whether an item is poses, without reading it.
+
+        Args:
+            index: Index of the item.
+
+        Returns:
+            Whether it is poses.
+        """
         return isinstance(self.items[index], Poses)
 
     def __len__(self) -> int:
@@ -134,11 +165,11 @@ class Recordings(Sequence[Recording | Poses]):
     def __getitem__(self, index: slice) -> Recordings: ...
 
     def __getitem__(self, index: int | slice) -> Recording | Poses | Recordings:
-        """Read one, or choose several."""
+        """Read one item, or select several."""
         if isinstance(index, slice):
             return replace(self, items=self.items[index])
         item = self.items[index]
-        if not isinstance(item, Stored):
+        if not isinstance(item, RecordingFile):
             return item
         recording = item.load()
         if self.watch is not None:
@@ -146,7 +177,7 @@ class Recordings(Sequence[Recording | Poses]):
         return recording
 
     def __iter__(self) -> Iterator[Recording | Poses]:
-        """Read one after the other."""
+        """Read one item after the other."""
         return (self[index] for index in range(len(self)))
 
     def __repr__(self) -> str:
@@ -154,7 +185,13 @@ class Recordings(Sequence[Recording | Poses]):
 
 
 def logs_in(folder: str | os.PathLike[str]) -> list[Path]:
-    """List the logs in a folder, numbers in their names in order.
+    """List the logs in a folder; numbers in their names are sorted by value.
+
+    Args:
+        folder: The folder.
+
+    Returns:
+        Paths of the files that end in one of :data:`ENDINGS`.
 
     Raises:
         ExoidError: There is no such folder, or no log in it.
@@ -165,16 +202,16 @@ def logs_in(folder: str | os.PathLike[str]) -> list[Path]:
     except OSError as error:
         raise ExoidError(f"no such folder ({error.strerror})", where=str(path), remedy="check the path") from None
     if not files:
-        known = ", ".join(ENDINGS)
+        known = ", ".join(f".{ending}" for ending in READERS)
         raise ExoidError("no logs in the folder", where=str(path), remedy=f"give them names that end in {known}")
     return files
 
 
 def _is_log(path: Path) -> bool:
-    return path.suffix.lower() in ENDINGS and not path.name.startswith(".") and path.is_file()
+    return path.suffix.lower().removeprefix(".") in READERS and not path.name.startswith(".") and path.is_file()
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:
-    """Key that sorts numbers in names by their size."""
+    """Sort key by which numbers in names are ordered by value."""
     parts = re.split(r"(\d+)", path.name)
     return [(int(part), "") if k % 2 else (0, part) for k, part in enumerate(parts)]

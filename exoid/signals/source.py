@@ -1,4 +1,4 @@
-"""Evidence of where data came from."""
+"""Source of data: file name and hash."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 
-PIECE = 2**20
-"""Bytes of a file read at once."""
+CHUNK = 2**20
+"""Bytes of a file that are read at once."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """The file some data were read from.
+    """File that data were read from.
 
     Attributes:
         name: Name of the file, without its folder.
-        sha256: SHA-256 of the bytes that were read, as 64 hexadecimal digits. Of a folder (rosbag2), that of the list
-            which ``sha256sum *`` prints there.
+        sha256: SHA-256 of the bytes that were read, as 64 hexadecimal digits. For a folder (rosbag2) it is the hash of
+            the list that ``sha256sum *`` prints there.
     """
 
     name: str
@@ -25,7 +25,13 @@ class Source:
 
     @staticmethod
     def of(path: Path) -> Source:
-        """Take the evidence of a file, or of a folder of files, without holding it in memory.
+        """Hash a file, or a folder of files, without holding it in memory.
+
+        Args:
+            path: The file or folder.
+
+        Returns:
+            Its name and hash.
 
         Raises:
             OSError: It cannot be read.
@@ -41,6 +47,6 @@ class Source:
 def _digest(path: Path) -> str:
     digest = hashlib.sha256()
     with path.open("rb") as file:
-        while piece := file.read(PIECE):
-            digest.update(piece)
+        while chunk := file.read(CHUNK):
+            digest.update(chunk)
     return digest.hexdigest()

@@ -1,4 +1,4 @@
-"""How an error names a place in data: a row of an array, or a line of a file."""
+"""Source location: a row of an array or a line of a file, as errors name it."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class SourceLocation:
-    """Translates row and column of an array into words that its owner can look up.
+    """Names rows and columns of an array by their place in the file.
 
     Attributes:
-        file: Path of the file the rows came from; empty for arrays made in memory.
-        lines: (N,) number of each row in that file; None where rows count from 0, as in arrays.
-        headers: The file's own header of a column, where it is not called as exoid calls it.
-        counted: What a row of the file is called: "line", "row" or "message".
+        file: Path of the file; empty for arrays made in memory.
+        lines: Number of each row in the file, (N,); None if rows count from 0, as in arrays.
+        headers: Header in the file of each exoid column whose name differs.
+        row_name: Word for a row of the file: "line", "row" or "message".
 
     Example:
         >>> SourceLocation().cell(17, "q_knee")
@@ -29,16 +29,16 @@ class SourceLocation:
     file: str = ""
     lines: NDArray[np.int64] | None = None
     headers: Mapping[str, str] = field(default_factory=dict)
-    counted: str = "line"
+    row_name: str = "line"
 
     def row(self, row: int) -> str:
-        """Name a row: "row 17" (counted from 0) of an array, "log.csv, line 19" of a file."""
+        """Name a row: "row 17" (from 0) of an array, or "log.csv, line 19" of a file."""
         if self.lines is not None:
-            return f"{self.file}, {self.counted} {self.lines[row]}"
+            return f"{self.file}, {self.row_name} {self.lines[row]}"
         return f"{self.file}, row {row}" if self.file else f"row {row}"
 
     def column(self, column: str) -> str:
-        """Name a column by the file's header and, if that differs, by exoid's name too."""
+        """Name a column by its header in the file, followed by exoid's name if that differs."""
         header = self.headers.get(column, column)
         return column if header == column else f"{header} ({column})"
 

@@ -1,4 +1,4 @@
-"""Time stamps: how even they are, and how to bring signals onto an even grid."""
+"""Time stamps: uniformity, gaps, and interpolation onto a uniform grid."""
 
 from __future__ import annotations
 
@@ -12,30 +12,43 @@ from exoid.errors import ExoidError
 from .source_location import SourceLocation
 
 EVENNESS = 1e-3
-"""Largest deviation of one interval from the median, relative, at which a log still counts as uniform.
+"""Largest relative deviation of an interval from the median of a uniform log.
 
-At 1 rad/s and 100 Hz it misplaces an angle by 1e-5 rad, less than one count of a 16-bit encoder (1e-4 rad).
+At 1 rad/s and 100 Hz it changes an angle by 1e-5 rad, less than one count of a 16-bit encoder (1e-4 rad).
 """
 LONGEST_INTERVAL = 0.02
-"""A longer interval [s] is a gap: what happened there is unknown."""
+"""Longest interval that is not a gap [s]."""
 GAP_INTERVALS = (10.0, 100.0)
-"""Bounds of that limit in median intervals, for slow and for fast logs."""
+"""Bounds of this limit in median intervals, for slow and for fast logs."""
 CROWDED = 0.25
-"""A stamp nearer than this (median intervals) to the one before brings no news and makes splines swing."""
+"""Shortest interval that interpolation uses, in median intervals: shorter ones make splines oscillate."""
 
 
 def is_uniform(time: FloatArray) -> bool:
-    """Tell whether every interval is the median interval to within `EVENNESS`."""
+    """Tell whether every interval is within `EVENNESS` of the median interval.
+
+    Args:
+        time: Time stamps [s], (N,).
+
+    Returns:
+        Whether the stamps are uniform.
+    """
     intervals = np.diff(time)
     median = np.median(intervals)
     return bool(np.abs(intervals - median).max() <= EVENNESS * median)
 
 
 def sampling_rate(time: FloatArray) -> float:
-    """Return the sampling rate [Hz].
+    """Compute the sampling rate.
 
-    The mean rate of even stamps (exact even when they were printed with few digits); the median rate of
-    uneven ones, which lost samples do not move.
+    For uniform stamps it is the mean rate, which is exact even if they are printed with few digits. For uneven stamps
+    it is the median rate, which lost samples do not change.
+
+    Args:
+        time: Time stamps [s], (N,).
+
+    Returns:
+        Sampling rate [Hz].
     """
     if is_uniform(time):
         return float((len(time) - 1) / (time[-1] - time[0]))
@@ -43,10 +56,14 @@ def sampling_rate(time: FloatArray) -> float:
 
 
 def refuse_gaps(time: FloatArray, where: SourceLocation) -> None:
-    """Refuse stamps [s] with an interval longer than 20 ms, a limit kept within 10 to 100 median intervals.
+    """Refuse time stamps with a gap: an interval longer than 20 ms, or than 10 to 100 median intervals.
+
+    Args:
+        time: Time stamps [s], (N,).
+        where: Location of the rows.
 
     Raises:
-        ExoidError: Names the row after the first gap, the length of the gap and how many there are.
+        ExoidError: Names the row after the first gap, the length of the gap and the number of gaps.
     """
     intervals = np.diff(time)
     shortest, longest = (count * np.median(intervals) for count in GAP_INTERVALS)
@@ -57,17 +74,20 @@ def refuse_gaps(time: FloatArray, where: SourceLocation) -> None:
         raise ExoidError(
             f"a gap of {intervals[row - 1]:.4g} s before this row (limit {limit:.4g} s; {gaps.size} in all)",
             where=where.row(row),
-            remedy="split the log there and pass the pieces as several recordings",
+            remedy="split the log there and pass the parts as several recordings",
         )
 
 
 def uncrowded(time: FloatArray) -> slice | NDArray[np.bool_]:
-    """Select the rows to interpolate from: all, or all but those stamped right after another.
+    """Select the rows to interpolate from: all but those that follow another within `CROWDED` median intervals.
 
-    Stamps given on arrival come in bursts; a spline through two points almost above each other swings.
+    Stamps of arrival come in bursts, and a spline through two points with almost the same stamp oscillates.
+
+    Args:
+        time: Time stamps [s], (N,).
 
     Returns:
-        An index for rows: ``slice(None)``, or a boolean mask (N,).
+        Index for rows: ``slice(None)`` for all, or a mask (N,).
     """
     intervals = np.diff(time, prepend=-np.inf)
     crowded = intervals < CROWDED * np.median(intervals)
@@ -75,22 +95,30 @@ def uncrowded(time: FloatArray) -> slice | NDArray[np.bool_]:
 
 
 def even_grid(time: FloatArray, rate: float) -> FloatArray:
-    """Return even stamps [s] at ``rate`` [Hz] from ``time[0]`` up to at most ``time[-1]``."""
+    """Make uniform time stamps within the range of others.
+
+    Args:
+        time: Time stamps [s], (N,).
+        rate: Sampling rate [Hz].
+
+    Returns:
+        Stamps from ``time[0]`` to at most ``time[-1]`` [s], (M,).
+    """
     steps = int(np.floor((time[-1] - time[0]) * rate * (1.0 + 1e-12)))
     grid: FloatArray = np.minimum(time[0] + np.arange(steps + 1) / rate, time[-1])
     return grid
 
 
 def interpolate(time: FloatArray, values: FloatArray, grid: FloatArray, *, smooth: bool) -> FloatArray:
-    """Bring columns from uneven onto even stamps.
+    """Interpolate columns at other time stamps.
 
     Args:
-        time: Stamps [s], (N,), strictly increasing.
+        time: Time stamps [s], (N,), strictly increasing.
         values: Columns in any unit, (N, n).
-        grid: Stamps asked for [s], (M,), within ``time``.
-        smooth: True for angles and velocities, which inertia keeps smooth: a cubic spline, error O(dt⁴).
-            False for accelerations and torques, which friction lets jump: a monotone cubic (PCHIP), which
-            never leaves the range of its neighbours but errs by O(dt²) at turning points.
+        grid: New time stamps [s], (M,), within ``time``.
+        smooth: True for a cubic spline, error O(dt⁴), for angles and velocities, which inertia keeps smooth. False for
+            a monotone cubic (PCHIP) for accelerations and torques, which friction makes jump. It stays within the range
+            of its neighbours, with an error O(dt²) at turning points.
 
     Returns:
         Columns at ``grid``, (M, n).

@@ -6,7 +6,7 @@ import hashlib
 import itertools
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any, NamedTuple
 
@@ -16,6 +16,7 @@ from exoid._typing import FloatArray
 from exoid.description import describe
 from exoid.errors import ExoidError
 from exoid.identification.estimators import ESTIMATORS
+from exoid.json_values import attributes, json_value, named
 from exoid.leg import Leg
 from exoid.torques import Term, TorqueModel, term_to_json
 from exoid.torso import TorsoMotion
@@ -196,15 +197,14 @@ class Study:
 
     def to_json(self) -> dict[str, Any]:
         """Describe it completely: equal descriptions have equal results."""
-        plain = ("estimators", "replicates", "seed", "rate", "cutoff", "followed", "piece")
         return {
             "schema": SCHEMA,
-            "leg": {**self.leg._asdict(), "locked": dict(self.leg.locked)},
+            "leg": {**json_value(self.leg), "locked": dict(self.leg.locked)},
             "terms": [term_to_json(term) for term in self.terms],
-            "truth": dict(zip(self.model.names, self.truth, strict=True)),
+            "truth": named(self.model.names, self.truth),
             "protocols": [protocol.to_json() for protocol in self.protocols],
-            "noises": [asdict(noise) for noise in self.noises],
-            **{name: getattr(self, name) for name in plain},
+            **attributes(self, "noises", "estimators", "replicates", "seed", "rate", "cutoff", "followed"),
+            "piece": self.chunk,
             **({} if self.course is None else {"course": self.course.to_json()}),
         }
 

@@ -36,9 +36,10 @@ class Folder:
                 f"is no folder for results ({error.strerror or error})", where=str(path), remedy="name a new folder"
             ) from None
         about = path / ABOUT
-        if about.exists():
+        found = [file for file in path.iterdir() if not file.name.startswith(".")]  # others may be writing
+        if about.exists():  # looked for after the chunks, before which it is written
             self._refuse_another(about)
-        elif any(path.iterdir()):
+        elif found:
             raise ExoidError("holds other files", where=str(path), remedy="name a new folder for the results")
         else:
             described = {"sha256": study.sha256, **study.to_json()}
@@ -68,7 +69,7 @@ class Folder:
         write_bytes(self._name(number), [content.getvalue()])
 
     def _name(self, number: int) -> Path:
-        return self.path / f"chunk-{number:05d}.npz"
+        return self.path / f"piece-{number:05d}.npz"
 
     def _refuse_another(self, about: Path) -> None:
         try:

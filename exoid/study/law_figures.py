@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.json_values import attributes, named
 from exoid.tables import DataTable
 
 from .design import TRUTH
@@ -81,19 +82,12 @@ class LawFigures:
 
     def to_json(self) -> dict[str, Any]:
         """Figures by joint."""
-        figures: dict[str, Spread | None] = {name: getattr(self, name) for name in (*MEASURES, "excess_deg")}
+        spreads: dict[str, Spread | None] = {name: getattr(self, name) for name in (*MEASURES, "excess_deg")}
+        columns = {name: np.transpose(spread) for name, spread in spreads.items() if spread is not None}
         return {
-            "protocol": self.protocol,
-            "noise": self.noise,
-            "law": self.law,
-            "knows": self.knows,
-            "diverged": self.diverged,
+            **attributes(self, "protocol", "noise", "law", "knows", "diverged"),
             "joints": {
-                label: {
-                    name: {part: _number(values[k]) for part, values in spread._asdict().items()}
-                    for name, spread in figures.items()
-                    if spread is not None
-                }
+                label: {name: named(Spread._fields, column[k]) for name, column in columns.items()}
                 for k, label in enumerate(self.joint_labels)
             },
         }
@@ -128,7 +122,3 @@ def _spread(values: FloatArray) -> Spread:
         return Spread(none, none, none)
     std = kept.std(axis=0, ddof=1) if len(kept) > 1 else none
     return Spread(kept.mean(axis=0), std, kept.max(axis=0))
-
-
-def _number(value: float) -> float | None:
-    return None if math.isnan(value) else float(value)

@@ -11,6 +11,7 @@ from exoid.errors import ExoidError
 from exoid.experiments import Harmonics, bleex, cuhk
 from exoid.experiments.excitation import Plan
 from exoid.experiments.excitation.fourier import States
+from exoid.json_values import attributes
 from exoid.leg import Leg
 
 
@@ -47,7 +48,7 @@ class Protocol:
     def to_json(self) -> dict[str, Any]:
         """Describe it completely."""
         motions = [motion_to_json(motion) for motion in self.motions]
-        return {"name": self.name, "seconds": self.seconds, "pitches": list(self.pitches), "motions": motions}
+        return {**attributes(self, "name", "seconds", "pitches"), "motions": motions}
 
 
 def motion_to_json(motion: Harmonics) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.json_values import attributes, named
 from exoid.tables import DataTable, make_table, to_text
 
 from .design import Study
@@ -54,16 +55,9 @@ class Combination:
     def to_json(self) -> dict[str, Any]:
         """Figures by parameter."""
         figures = ("bias", "std", "stated", "coverage", "bound", "efficiency")
-        columns = {name: getattr(self, name).tolist() for name in figures}
-        return {
-            "protocol": self.protocol,
-            "noise": self.noise,
-            "estimator": self.estimator,
-            "replicates": self.replicates,
-            "parameters": {
-                name: {figure: column[k] for figure, column in columns.items()} for k, name in enumerate(self.names)
-            },
-        }
+        rows = np.transpose([getattr(self, name) for name in figures])
+        about = attributes(self, "protocol", "noise", "estimator", "replicates")
+        return {**about, "parameters": {name: named(figures, row) for name, row in zip(self.names, rows, strict=True)}}
 
     def __str__(self) -> str:
         """One line for each parameter."""
@@ -97,9 +91,7 @@ class StudyResult:
     def to_json(self) -> dict[str, Any]:
         """Everything, by name."""
         return {
-            "sha256": self.study.sha256,
-            "seed": self.study.seed,
-            "followed": self.study.followed,
+            **attributes(self.study, "sha256", "seed", "followed"),
             "combinations": [combination.to_json() for combination in self.combinations],
             **({"laws": [each.to_json() for each in self.laws]} if self.laws else {}),
         }

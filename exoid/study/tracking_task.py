@@ -14,6 +14,7 @@ from exoid.control.law import RATE
 from exoid.control.standard_laws import refuse_unknown_laws
 from exoid.errors import ExoidError
 from exoid.experiments import Harmonics, refuse_motion_beyond_limits
+from exoid.json_values import attributes
 from exoid.torques import TorqueModel
 
 from .protocol import motion_to_json
@@ -106,14 +107,8 @@ class TrackingTask:
 
     def to_json(self) -> dict[str, Any]:
         """Describe it completely."""
-        plain = ("period", "periods", "rate")
-        return {
-            "laws": list(self.laws),
-            "motion": motion_to_json(self.motion),
-            "kp": list(self.kp),
-            "kd": list(self.kd),
-            **{name: getattr(self, name) for name in plain},
-        }
+        numbers = attributes(self, "kp", "kd", "period", "periods", "rate")
+        return {"laws": list(self.laws), "motion": motion_to_json(self.motion), **numbers}
 
 
 def _each(values: tuple[float, ...], joints: int) -> FloatArray:

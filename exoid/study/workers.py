@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from typing import NamedTuple
+
+from joblib import Parallel, delayed
 
 from exoid.errors import ExoidError
 from exoid.signals.cluster import connect
@@ -38,8 +38,13 @@ def run_serially(study: Study, numbers: Sequence[int]) -> Iterator[Done]:
 def processes(count: int) -> Workers:
     """Use so many processes on this machine; one that is killed is replaced, and its chunk done again.
 
+    joblib keeps the processes for the next study of the same interpreter, and stops idle ones after five minutes.
+
     Args:
         count: Number of processes.
+
+    Returns:
+        What does the chunks.
 
     Raises:
         ExoidError: There is none, or (when used) they die again and again.
@@ -48,10 +53,11 @@ def processes(count: int) -> Workers:
         raise ExoidError(f"{count} workers", remedy="ask for at least one")
 
     def work(study: Study, numbers: Sequence[int]) -> Iterator[Done]:
-        left, failures = list(numbers), 0
+        left, failures = set(numbers), 0
         while left:
+            parallel = Parallel(min(count, len(left)), "loky", return_as="generator_unordered", batch_size=1)
             try:
-                for done in _with_pool(count, study, tuple(left)):
+                for done in parallel(delayed(_done)(study, number) for number in sorted(left)):
                     left.remove(done.number)
                     failures = 0
                     yield done
@@ -66,15 +72,8 @@ def processes(count: int) -> Workers:
     return work
 
 
-def _with_pool(count: int, study: Study, numbers: Sequence[int]) -> Iterator[Done]:
-    context = multiprocessing.get_context("spawn")  # as on every platform, and safe beside threads
-    with ProcessPoolExecutor(min(count, len(numbers)), mp_context=context) as pool:
-        futures = {pool.submit(run_chunk, study, number): number for number in numbers}
-        try:
-            for future in as_completed(futures):
-                yield Done(futures[future], future.result())
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+def _done(study: Study, number: int) -> Done:
+    return Done(number, run_chunk(study, number))
 
 
 def dask_cluster(address: str) -> Workers:

@@ -1,20 +1,15 @@
-"""What acts on a joint besides rigid-body dynamics, and the model that puts both together."""
+"""Joint torques besides rigid-body dynamics (friction, springs, rotors, offsets), and the torque model of a leg."""
 
-from .armature import Armature
-from .catalog import DEFAULT_TERMS, TERMS, term_by_name, term_from_json, term_to_json
-from .coulomb import Coulomb
-from .dry_friction import DryFriction
+from .catalog import DEFAULT_TERMS, TERMS, register_term, term_by_name, term_from_json, term_to_json
+from .columns import Regrouped
+from .internal_state import InternalState
 from .load_friction import LoadFriction
-from .memory import Memory
-from .model import Regrouped, TorqueModel
-from .motion import JointMotion, Motion
-from .nonlinear import NonlinearParameter, NonlinearSetting, nonlinear_settings, with_settings
-from .offset import Offset
+from .model import TorqueModel
+from .nonlinear import NonlinearSetting, nonlinear_settings, with_settings
 from .presliding import Presliding
-from .stiffness import Stiffness
 from .stribeck import Stribeck
-from .term import Term
-from .viscous import Viscous
+from .term import JointMotion, Motion, NonlinearParameter, Term
+from .terms import Armature, Coulomb, DryFriction, Offset, Stiffness, Viscous
 
 __all__ = [
     "DEFAULT_TERMS",
@@ -22,9 +17,9 @@ __all__ = [
     "Armature",
     "Coulomb",
     "DryFriction",
+    "InternalState",
     "JointMotion",
     "LoadFriction",
-    "Memory",
     "Motion",
     "NonlinearParameter",
     "NonlinearSetting",
@@ -37,6 +32,7 @@ __all__ = [
     "TorqueModel",
     "Viscous",
     "nonlinear_settings",
+    "register_term",
     "term_by_name",
     "term_from_json",
     "term_to_json",

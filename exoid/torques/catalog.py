@@ -2,73 +2,130 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar, overload
 
 from exoid.errors import ExoidError
+from exoid.registry import Registry
+from exoid.settings import named_default, named_from_json, named_to_json, refuse_unwritable_class
 
-from .armature import Armature
-from .coulomb import Coulomb
 from .load_friction import LoadFriction
-from .nonlinear import NonlinearParameter
-from .offset import Offset
-from .stiffness import Stiffness
 from .stribeck import Stribeck
-from .term import Term
-from .viscous import Viscous
-
-TERMS: Mapping[str, type[Term]] = {
-    "armature": Armature,
-    "coulomb": Coulomb,
-    "load-friction": LoadFriction,
-    "offset": Offset,
-    "stiffness": Stiffness,
-    "stribeck": Stribeck,
-    "viscous": Viscous,
-}
+from .term import NonlinearParameter, Term
+from .terms import Armature, Coulomb, Offset, Stiffness, Viscous
 
 DEFAULT_TERMS: tuple[Term, ...] = (Coulomb(), Viscous(), Armature(), Offset())
-"""What a leg is assumed to have where the caller does not say: leaving out an effect that exists costs far more
-accuracy than including one that does not."""
+"""Terms of a leg if the caller gives none. Leaving out an effect that exists costs far more accuracy than including one
+that does not."""
+
+KEY = "term"
+"""Key of a term's name in files."""
+
+Kind = TypeVar("Kind", bound=type[Term])
+
+
+def _check(kind: type[Term]) -> None:
+    """Refuse anything that is not a type of term."""
+    if not (isinstance(kind, type) and issubclass(kind, Term)):
+        raise ExoidError(f"{kind!r} is no type of term", remedy="derive a frozen dataclass from exoid.torques.Term")
+    refuse_unwritable_class(KEY, kind)
+
+
+TERMS: Registry[type[Term]] = Registry("term", "exoid.terms", "exoid.torques.register_term", _check)
+"""Types of term by name: those of exoid, those that were registered, and those of installed packages."""
+
+
+@overload
+def register_term(name: str) -> Callable[[Kind], Kind]: ...
+
+
+@overload
+def register_term(name: str, kind: Kind) -> Kind: ...
+
+
+def register_term(name: str, kind: Kind | None = None) -> Kind | Callable[[Kind], Kind]:
+    """Give a type of term a name, for files and the command line.
+
+    An estimate with such a term can be saved. To load it, the name must be registered again. A package that offers the
+    type as an entry point of the group ``exoid.terms`` needs no call: exoid finds it where the package is installed.
+
+    Args:
+        name: Letters, digits, ".", "_" and "-", such as "end-stop".
+        kind: The type, a frozen dataclass derived from :class:`Term`; None for a decorator. Settings that a file can
+            hold are finite numbers, text, True, False, None, :class:`NonlinearParameter` and tuples of these.
+
+    Returns:
+        The type as it is, or the decorator.
+
+    Raises:
+        ExoidError: The name is taken or has another form, or the class is not a type of term.
+
+    Example:
+        >>> from dataclasses import dataclass
+        >>> @register_term("drag")
+        ... @dataclass(frozen=True, kw_only=True)
+        ... class Drag(exoid.Viscous):
+        ...     '''Drag of a fluid, τ = d |v| v.'''
+        ...     def fill(self, motion, out):
+        ...         out[0] = abs(motion.v) * motion.v
+        >>> term_from_json(term_to_json(Drag(joints=("knee",))))
+        Drag(joints=('knee',), asymmetric=False)
+    """
+    if kind is None:
+        return lambda kind: register_term(name, kind)
+    TERMS.register(name, kind)
+    return kind
+
+
+register_term("armature", Armature)
+register_term("coulomb", Coulomb)
+register_term("load-friction", LoadFriction)
+register_term("offset", Offset)
+register_term("stiffness", Stiffness)
+register_term("stribeck", Stribeck)
+register_term("viscous", Viscous)
 
 
 def term_by_name(name: str) -> Term:
     """Make a term with its default settings.
 
+    Args:
+        name: One of :data:`TERMS`.
+
+    Returns:
+        The term.
+
     Raises:
-        ExoidError: There is no such term.
+        ExoidError: There is no such term, its package is broken, or it has settings without defaults.
     """
-    if name not in TERMS:
-        raise ExoidError(f"no term {name!r}", remedy=f"use some of {', '.join(TERMS)}")
-    return TERMS[name]()
+    return named_default(TERMS, name)
 
 
 def term_to_json(term: Term) -> dict[str, Any]:
-    """Describe a term by its name and settings.
+    """Describe a term by its name and settings, and by its module if that is not of exoid.
+
+    Args:
+        term: The term.
+
+    Returns:
+        The description, as JSON can hold it.
 
     Raises:
-        ExoidError: The term is not one of :data:`TERMS`.
+        ExoidError: The type of the term has no name, or a setting cannot be written.
     """
-    names = [known for known, kind in TERMS.items() if type(term) is kind]
-    if not names:
-        raise ExoidError(f"{type(term).__name__} has no name in files", remedy=f"use some of {', '.join(TERMS)}")
-    return {"term": names[0], **asdict(term)}
+    return named_to_json(TERMS, KEY, term, NonlinearParameter)
 
 
 def term_from_json(data: Mapping[str, Any]) -> Term:
     """Make a term from its description.
 
+    Args:
+        data: Description that :func:`term_to_json` made.
+
+    Returns:
+        The term.
+
     Raises:
-        ExoidError: The description is of no known term.
+        ExoidError: There is no term of this name, or its settings are other ones.
     """
-    try:
-        return TERMS[data["term"]](**{key: _setting(value) for key, value in data.items() if key != "term"})
-    except (KeyError, TypeError) as error:
-        raise ExoidError(f"unknown term {dict(data)}", remedy=f"terms are {', '.join(TERMS)}") from error
-
-
-def _setting(value: Any) -> Any:  # noqa: ANN401 - of many types
-    if isinstance(value, Mapping):
-        return NonlinearParameter(**value)
-    return tuple(value) if isinstance(value, list) else value
+    return named_from_json(TERMS, KEY, data, NonlinearParameter)

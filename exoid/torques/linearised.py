@@ -1,4 +1,4 @@
-"""A model that is not linear in its parameters, made linear about a point."""
+"""Linearisation of a torque model that is not linear in its parameters."""
 
 from __future__ import annotations
 
@@ -13,26 +13,27 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg import Leg
 
-from .model import JointTerm, LegMotion, Regrouped, TorqueModel
+from .columns import JointTerm, LoadedMotion, Regrouped, joint_terms, regroup
+from .model import TorqueModel
 from .nonlinear import NonlinearSetting, nonlinear_settings, with_settings
 from .term import Term
 
 STEP = 1e-4
-"""Relative step of differences; columns are smooth in their settings."""
+"""Relative step of the differences by a setting."""
 
-NUDGE = 1e-6
-"""Step of the load, as a part of its largest value."""
+LOAD_STEP = 1e-6
+"""Step of the differences by the load, relative to its largest value."""
 
 
 class Slope(NamedTuple):
     """Derivative of the torque by a setting, as a central difference.
 
     Attributes:
-        value: Of the setting.
+        value: Value of the setting.
         step: Half the difference.
         above: Terms with the setting raised.
-        below: The same terms with it lowered.
-        values: Parameters of each.
+        below: The same terms with the setting lowered.
+        values: Parameters of each of these terms.
     """
 
     value: float
@@ -42,40 +43,33 @@ class Slope(NamedTuple):
     values: tuple[FloatArray, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Linearised(TorqueModel):
-    """τ ≈ J x + rest, x = (β, θ) the parameters and those settings θ of terms that are to be found.
+    """τ ≈ J x + rest, with x = (β, θ) the parameters and the nonlinear settings θ of terms.
 
-    J holds ∂τ/∂β, to which rigid bodies contribute a second time where friction depends on their torque, and ∂τ/∂θ.
-    The regressor has one column more than there are names, the rest, which is known. Where the least-squares solution
-    for J is the point itself, it solves the nonlinear problem, with the covariance of Gauss and Newton.
+    J holds ∂τ/∂β and ∂τ/∂θ. Rigid bodies contribute to ∂τ/∂β a second time where friction depends on their torque. The
+    regressor has one column more than there are names: the rest, which is known. Where the least-squares solution for
+    J is the point itself, it solves the nonlinear problem with the covariance of the Gauss-Newton method.
 
     Attributes:
-        point: β where it is linear, (P,).
+        point: β at which the model is linearised, (P,).
         slopes: Derivatives by the settings, by name.
-        shapes: Settings that are to be found.
-        known_regrouped: What is regrouped, which does not depend on the point.
+        nonlinear: Nonlinear settings that are fitted.
     """
 
     point: FloatArray = field(kw_only=True)
     slopes: Mapping[str, Slope] = field(kw_only=True)
     nonlinear: tuple[NonlinearSetting, ...] = field(kw_only=True)
-    known_regrouped: tuple[Regrouped, ...] = field(kw_only=True)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Parameters, then settings."""
+        """Names of the parameters, then of the settings, (P + S,)."""
         return (*super().names, *self.slopes)
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Their units."""
-        return (*super().units, *(shape.unit for shape in self.nonlinear))
-
-    @cached_property
-    def regrouped(self) -> tuple[Regrouped, ...]:
-        """As it is at every point."""
-        return self.known_regrouped
+        """Units of the parameters and of the settings, (P + S,)."""
+        return (*super().units, *(setting.unit for setting in self.nonlinear))
 
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
@@ -90,7 +84,7 @@ class Linearised(TorqueModel):
         return 1
 
     @property
-    def _remembering(self) -> tuple[JointTerm, ...]:
+    def _stateful(self) -> tuple[JointTerm, ...]:
         moved = (block for slope in self.slopes.values() for block in (*slope.above, *slope.below))
         return (*self.blocks, *moved)
 
@@ -98,9 +92,9 @@ class Linearised(TorqueModel):
     def _values(self) -> dict[str, float]:
         return dict(zip(super().names, self.point.tolist(), strict=True))
 
-    def _fill_terms(self, motion: LegMotion, out: FloatArray, names: tuple[str, ...]) -> None:
-        """Columns ∂τ/∂β and ∂τ/∂θ, and the torque that they leave over."""
-        super()._fill_terms(motion, out, names)
+    def _fill_terms(self, motion: LoadedMotion, out: FloatArray) -> None:
+        """Write the columns ∂τ/∂β and ∂τ/∂θ, and the rest of the torque."""
+        super()._fill_terms(motion, out)
         rest = out[-1]
         for row, slope in enumerate(self.slopes.values(), start=len(self.point)):
             joint = slope.above[0].joint
@@ -116,14 +110,14 @@ class Linearised(TorqueModel):
             rest -= by_load * motion.load
             out[: len(self.leg.parameter_names)] *= 1.0 + by_load
 
-    def _slope_by_load(self, block: JointTerm, motion: LegMotion) -> FloatArray:
+    def _slope_by_load(self, block: JointTerm, motion: LoadedMotion) -> FloatArray:
         """∂τ/∂τ_rb of one term, (N,)."""
         values = np.array([self._values.get(name, 0.0) for name in block.names])
-        nudge = NUDGE * float(np.abs(motion.load[block.joint]).max())
-        if nudge == 0.0:
+        step = LOAD_STEP * float(np.abs(motion.load[block.joint]).max())
+        if step == 0.0:
             return np.zeros(motion.load.shape[1])
-        above, below = (_torque(block, motion._replace(load=motion.load + step), values) for step in (nudge, -nudge))
-        return (above - below) / (2.0 * nudge)
+        above, below = (_torque(block, motion._replace(load=motion.load + each), values) for each in (step, -step))
+        return (above - below) / (2.0 * step)
 
 
 def linearise(
@@ -139,37 +133,43 @@ def linearise(
 
     Args:
         leg: The leg.
-        terms: Terms, of which some settings are :class:`exoid.torques.NonlinearParameter`.
+        terms: Terms, some settings of which are :class:`exoid.torques.NonlinearParameter`.
         values: β, (P,).
         settings: θ by name.
-        held: Settings that are not to be found after all.
-        regrouped: What is regrouped, if that is known already.
+        held: Names of the settings that stay at their values.
+        regrouped: Regrouped parameters of the same leg and terms; None to find them.
+
+    Returns:
+        The linearised model.
     """
     names, labels = leg.joint_names, leg.joint_labels
-    centre = TorqueModel(leg, with_settings(terms, names, labels, settings), values[: len(leg.parameter_names)])
-    regrouped = centre.regrouped if regrouped is None else regrouped
-    gone = {m.name for m in regrouped}
-    known = dict(zip((n for n in centre.every_name if n not in gone), values.tolist(), strict=True))
-    nonlinear = tuple(shape for shape in nonlinear_settings(terms, names, labels) if shape.name not in held)
+
+    def blocks_at(settings: Mapping[str, float]) -> tuple[JointTerm, ...]:
+        return joint_terms(leg, with_settings(terms, names, labels, settings))
+
+    rigid = values[: len(leg.parameter_names)]
+    blocks = blocks_at(settings)
+    if regrouped is None:
+        regrouped = regroup(leg, blocks, rigid)
+    gone = {one.name for one in regrouped}
+    every = (*leg.parameter_names, *(name for block in blocks for name in block.names))
+    known = dict(zip((name for name in every if name not in gone), values.tolist(), strict=True))
+    nonlinear = tuple(each for each in nonlinear_settings(terms, names, labels) if each.name not in held)
     slopes = {}
-    for shape in nonlinear:
-        value = settings[shape.name]
-        above, below = (
-            TorqueModel(leg, with_settings(terms, names, labels, {**settings, shape.name: value * factor})).blocks
-            for factor in (1.0 + STEP, 1.0 - STEP)
-        )
-        moved = [k for k, block in enumerate(above) if block.term != centre.blocks[k].term]
+    for setting in nonlinear:
+        value = settings[setting.name]
+        above, below = (blocks_at({**settings, setting.name: value * factor}) for factor in (1.0 + STEP, 1.0 - STEP))
+        moved = [k for k, block in enumerate(above) if block.term != blocks[k].term]
         parameters = tuple(np.array([known.get(name, 0.0) for name in above[k].names]) for k in moved)
-        slopes[shape.name] = Slope(
+        slopes[setting.name] = Slope(
             value, STEP * value, tuple(above[k] for k in moved), tuple(below[k] for k in moved), parameters
         )
-    return Linearised(
-        leg, centre.terms, centre.rigid, point=values, slopes=slopes, nonlinear=nonlinear, known_regrouped=regrouped
-    )
+    settled = with_settings(terms, names, labels, settings)
+    return Linearised(leg, settled, rigid, regrouped, point=values, slopes=slopes, nonlinear=nonlinear)
 
 
-def _torque(block: JointTerm, motion: LegMotion, values: FloatArray) -> FloatArray:
-    """Torque of one term, (N,)."""
+def _torque(block: JointTerm, motion: LoadedMotion, values: FloatArray) -> FloatArray:
+    """Torque of one term [N·m], (N,)."""
     columns = np.zeros((len(values), motion.q.shape[1]))
-    block.term.fill(motion.of(block), columns)
+    block.term.fill(motion.at(block), columns)
     return values @ columns

@@ -1,4 +1,4 @@
-"""Friction of gears, which grows with the torque that they carry."""
+"""Load-dependent friction of gears."""
 
 from __future__ import annotations
 
@@ -8,52 +8,56 @@ import numpy as np
 
 from exoid._typing import FloatArray
 
-from .dry_friction import DryFriction
-from .motion import JointMotion
+from .term import JointMotion
+from .terms import DryFriction
 
 
 @dataclass(frozen=True, kw_only=True)
 class LoadFriction(DryFriction):
-    """Friction proportional to the torque through the joint, τ = mu |τ_rb| z.
+    """Load-dependent friction, τ = mu |τ_rb| z, proportional to the torque that a gear carries.
 
-    τ_rb is the rigid-body torque of the *model* at its own parameters, which the fit therefore finds in turn with mu.
-    The measured torque, which contains the friction itself, must not stand there: it would predict itself.
+    τ_rb is the rigid-body torque of the *model* at its own parameters, so the fit alternates between them and mu. The
+    measured torque cannot take its place: it contains the friction and would predict itself.
 
-    A gear that drives its load loses another share than one that is driven by it. With ``split``, power τ_rb v that
-    goes out to the leg has the coefficient mu_drive, power that comes back mu_back:
-    τ = |τ_rb| z (mu_drive (1 + z sgn τ_rb) + mu_back (1 − z sgn τ_rb)) / 2, which changes with z and does not jump.
-    Since |τ_rb| z² sgn τ_rb is τ_rb while the joint slides, half the difference mu_drive − mu_back only scales the
-    rigid-body torque of the joint. At a single joint, or at all at once, inertias absorb that, and only reversals tell
-    the two apart: predictions gain, single parameters become uncertain, and the estimate says so.
+    The friction of a gear differs between driving and back-driving. With ``split``, mu_drive applies while power
+    τ_rb v > 0 goes to the leg, and mu_back while it comes back. The torque is a continuous function of z:
+
+        τ = |τ_rb| z (mu_drive (1 + z sgn τ_rb) + mu_back (1 − z sgn τ_rb)) / 2.
+
+    While the joint slides, |τ_rb| z² sgn τ_rb = τ_rb: half of mu_drive − mu_back only scales the rigid-body torque. The
+    inertias of a single joint, or of all joints together, absorb this scale. Only reversals then separate the two
+    coefficients: predictions improve, single parameters become uncertain, and the estimate warns.
 
     Attributes:
-        split: Whether driving and back-driving have coefficients of their own.
+        split: Whether driving and back-driving have separate coefficients.
     """
 
     split: bool = False
 
-    @property
-    def loaded(self) -> bool:
-        """It depends on the rigid-body torque."""
-        return True
+    loaded = True
 
     @property
     def symbols(self) -> tuple[str, ...]:
-        """Return mu, or mu_drive and mu_back."""
+        """Symbol mu, or mu_drive and mu_back."""
         return ("mu_drive", "mu_back") if self.split else ("mu",)
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Pure numbers."""
+        """Dimensionless."""
         return ("1",) * len(self.symbols)
 
     @property
     def nonnegative(self) -> tuple[str, ...]:
-        """Return mu."""
+        """All symbols."""
         return self.symbols
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Column |τ_rb| z, or its driving and its back-driving share."""
+        """Write the column |τ_rb| z, or its driving and its back-driving part.
+
+        Args:
+            motion: Motion of the joint, N samples.
+            out: Receives the columns, (1 or 2, N).
+        """
         self.direction(motion, out[0])
         if self.split:
             outwards = out[0] * np.sign(motion.load)

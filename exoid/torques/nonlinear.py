@@ -1,59 +1,22 @@
-"""Settings of terms that are to be found by the fit."""
+"""Nonlinear parameters: settings of terms that the fit finds."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import NamedTuple
 
 from exoid.errors import ExoidError
 
-from .term import Term
-
-
-@dataclass(frozen=True)
-class NonlinearParameter:
-    """Setting of a term that the fit finds, in place of its number.
-
-    ``Stribeck(velocity=NonlinearParameter(0.1, 0.01, 1.0))`` searches between 0.01 and 1 rad/s.
-
-    Attributes:
-        start: Where to begin.
-        lower: Smallest value, above zero.
-        upper: Largest value.
-    """
-
-    start: float
-    lower: float
-    upper: float
-
-    def __post_init__(self) -> None:
-        """Check the order."""
-        if not 0.0 < self.lower <= self.start <= self.upper < math.inf or self.lower == self.upper:
-            raise ExoidError(
-                f"NonlinearParameter(start={self.start}, lower={self.lower}, upper={self.upper})",
-                remedy="0 < lower ≤ start ≤ upper, and lower < upper",
-            )
-
-
-def number(value: float | NonlinearParameter) -> float:
-    """Return the number of a setting.
-
-    Raises:
-        ExoidError: It is still to be found.
-    """
-    if isinstance(value, NonlinearParameter):
-        raise ExoidError(f"a setting is {value}, not yet a number", remedy="identify, which finds it")
-    return value
+from .term import NonlinearParameter, Term
 
 
 class NonlinearSetting(NamedTuple):
-    """A setting to be found, at one joint.
+    """Nonlinear setting at one joint.
 
     Attributes:
-        name: Symbol and joint, such as delta_knee. Terms at one joint whose settings have one symbol share it.
-        unit: Its unit.
+        name: Symbol and joint, such as delta_knee. Terms of one joint share settings with the same symbol.
+        unit: Unit of the setting.
         free: Start and bounds.
     """
 
@@ -65,24 +28,27 @@ class NonlinearSetting(NamedTuple):
 def nonlinear_settings(
     terms: Sequence[Term], names: Sequence[str], labels: Sequence[str]
 ) -> tuple[NonlinearSetting, ...]:
-    """List the settings to be found, each once.
+    """List the settings that the fit has to find, each once.
 
     Args:
         terms: The terms.
-        names: Joints of the leg.
-        labels: What parameters call them.
+        names: Joints of the leg, (n,).
+        labels: Joint names as they occur in parameter names, (n,).
+
+    Returns:
+        The settings, in the order of the terms.
 
     Raises:
-        ExoidError: Two terms share a setting at a joint but not its start and bounds.
+        ExoidError: Two terms share a setting at a joint but not its start and bounds, or a joint is missing.
     """
     found: dict[str, NonlinearSetting] = {}
     for term in terms:
         for _, symbol, unit, free in _free_settings(term):
             for joint in term.joint_indices(names, labels):
-                shape = NonlinearSetting(f"{symbol}_{labels[joint]}", unit, free)
-                if found.setdefault(shape.name, shape) != shape:
+                setting = NonlinearSetting(f"{symbol}_{labels[joint]}", unit, free)
+                if found.setdefault(setting.name, setting) != setting:
                     raise ExoidError(
-                        f"{shape.name} is {found[shape.name].free} in one term and {free} in another",
+                        f"{setting.name} is {found[setting.name].free} in one term and {free} in another",
                         remedy="it is one quantity: give both the same start and bounds",
                     )
     return tuple(found.values())
@@ -91,13 +57,21 @@ def nonlinear_settings(
 def with_settings(
     terms: Sequence[Term], names: Sequence[str], labels: Sequence[str], values: Mapping[str, float]
 ) -> tuple[Term, ...]:
-    """Put numbers in place of :class:`NonlinearParameter`; a term that has some becomes one for each joint.
+    """Replace each :class:`NonlinearParameter` by a value.
+
+    A term that has nonlinear parameters becomes one term for each joint.
 
     Args:
         terms: The terms.
-        names: Joints of the leg.
-        labels: What parameters call them.
-        values: Value of each shape by name.
+        names: Joints of the leg, (n,).
+        labels: Joint names as they occur in parameter names, (n,).
+        values: Value of each setting by name.
+
+    Returns:
+        The terms.
+
+    Raises:
+        ExoidError: A joint is missing.
     """
     settled: list[Term] = []
     for term in terms:
@@ -112,8 +86,13 @@ def with_settings(
 
 
 def _free_settings(term: Term) -> Iterator[tuple[str, str, str, NonlinearParameter]]:
-    """Field, symbol, unit and bounds of what is free in a term."""
+    """Field, symbol, unit, and start and bounds of each nonlinear parameter of a term."""
     for field in fields(term):
         value = getattr(term, field.name)
         if isinstance(value, NonlinearParameter):
-            yield (field.name, *term.shape_symbols[field.name], value)
+            if field.name not in term.nonlinear_symbols:
+                raise ExoidError(
+                    f"{type(term).__name__}({field.name}={value}): the term has no symbol for this setting",
+                    remedy="give a number, or let nonlinear_symbols of the term name symbol and unit of the setting",
+                )
+            yield (field.name, *term.nonlinear_symbols[field.name], value)

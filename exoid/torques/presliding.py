@@ -1,4 +1,4 @@
-"""Contacts that bend before they slide."""
+"""Presliding: contacts deform before they slide."""
 
 from __future__ import annotations
 
@@ -8,32 +8,38 @@ import numpy as np
 
 from exoid._typing import FloatArray
 
-from .memory import Memory
+from .internal_state import InternalState
 
 
 @dataclass(frozen=True)
-class Presliding(Memory):
+class Presliding(InternalState):
     """Rate-independent hysteresis after Dahl: dz/dq = (1 − z sgn(dq)) / δ, between −1 and 1.
 
-    z takes the place of sgn(v) in dry friction: after a reversal it goes from one sign to the other over a way of a few
-    δ instead of at once. (P. R. Dahl, A solid friction model, 1968, with exponent 1.) It depends on the way, not on how
-    fast it is gone.
+    z replaces sgn(v) in dry friction. After a reversal it changes sign over a distance of a few δ instead of at once
+    (P. R. Dahl, A solid friction model, 1968, with exponent 1). It depends on the path, not on the velocity.
 
-    Between samples, z ← s + (z − s) exp(−|Δq| / δ) with s = sgn(Δq) is exact where the joint does not turn back. Up to
-    the next reversal the ways add up: z = s + (z₀ − s) exp(−Σ|Δq| / δ). From one reversal to the next this is a linear
-    recurrence, which is solved by composing maps in pairs, so that nothing is looped over.
+    Between samples, z ← s + (z − s) exp(−|Δq| / δ) with s = sgn(Δq) is exact if the joint does not reverse in between.
+    Up to the next reversal the distances add up: z = s + (z₀ − s) exp(−Σ|Δq| / δ). From reversal to reversal this is a
+    linear recurrence, which is solved by composing maps in pairs, without a loop over samples.
 
     Attributes:
-        length: δ [rad], about the angle over which the contact bends.
+        length: Presliding length δ [rad].
     """
 
     length: float
 
     def states(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """State z, (N,).
+        """Compute the state z at each sample.
 
-        It starts at sgn(v) of the first sample, as if the joint had come that way: 0 at rest. Where the velocity of two
-        neighbours is zero no way is counted between them, so that poses taken one by one remember nothing.
+        It starts at sgn(v) of the first sample, as if the joint had slid in that direction (0 at rest). It does not
+        change between two samples of zero velocity, so that separate poses do not affect each other.
+
+        Args:
+            q: Angle of the joint [rad], (N,), in time order.
+            v: Velocity of the joint [rad/s], (N,).
+
+        Returns:
+            State between −1 and 1, (N,).
         """
         if len(q) == 0:
             return np.zeros(0)
@@ -43,26 +49,29 @@ class Presliding(Memory):
 
 
 def hysteresis(step: FloatArray, length: float, start: float) -> FloatArray:
-    """State of :class:`Presliding` after each step.
+    """Compute the state of :class:`Presliding` after each step.
 
     Args:
-        step: Way from one sample to the next [rad], (N,).
-        length: δ [rad].
+        step: Displacement from one sample to the next [rad], (N,).
+        length: Presliding length δ [rad].
         start: State before the first step.
+
+    Returns:
+        State after each step, (N,).
     """
     sign = np.sign(step)
     moving = np.flatnonzero(sign)
     if len(moving) == 0:
         return np.full(len(step), start)
-    turns = moving[np.flatnonzero(np.diff(sign[moving], prepend=0.0))]  # first step of each stretch of one sign
-    stretch = np.clip(np.searchsorted(turns, np.arange(len(step)), side="right") - 1, 0, None)
-    way = np.cumsum(np.abs(step)) / length
-    before = np.where(turns > 0, way[turns - 1], 0.0)
+    turns = moving[np.flatnonzero(np.diff(sign[moving], prepend=0.0))]  # first step in each direction
+    segment = np.clip(np.searchsorted(turns, np.arange(len(step)), side="right") - 1, 0, None)
+    path = np.cumsum(np.abs(step)) / length
+    before = np.where(turns > 0, path[turns - 1], 0.0)
     directions = sign[turns]
-    decay = np.exp(before - np.append(before[1:], way[-1]))
+    decay = np.exp(before - np.append(before[1:], path[-1]))
     first = np.append(start, _recurrence(decay, (1.0 - decay) * directions, start)[:-1])
-    s = directions[stretch]
-    z = s + (first[stretch] - s) * np.exp(np.minimum(before[stretch] - way, 0.0))
+    s = directions[segment]
+    z = s + (first[segment] - s) * np.exp(np.minimum(before[segment] - path, 0.0))
     z[: turns[0]] = start
     return np.asarray(z)
 

@@ -1,4 +1,4 @@
-"""What dry friction has in addition while it is slow."""
+"""Stribeck friction."""
 
 from __future__ import annotations
 
@@ -10,19 +10,18 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .dry_friction import DryFriction
-from .motion import JointMotion
-from .nonlinear import NonlinearParameter, number
+from .term import JointMotion, NonlinearParameter, number
+from .terms import DryFriction
 
 
 @dataclass(frozen=True, kw_only=True)
 class Stribeck(DryFriction):
-    """Stribeck's drop of friction with speed, τ = cs exp(−(v / velocity)²) z, beside :class:`Coulomb`.
+    """Stribeck friction, τ = cs exp(−(v / velocity)²) z, in addition to :class:`Coulomb`.
 
-    At breakaway dry friction is c0 + cs, at speed c0. cs below zero is friction that grows with speed and levels off.
+    Dry friction falls from c0 + cs at breakaway to c0 at high speed. With cs < 0 it grows with speed to a limit.
 
     Attributes:
-        velocity: Speed over which it drops [rad/s], or :class:`NonlinearParameter` for the fit to find it.
+        velocity: Stribeck velocity vs [rad/s], or :class:`NonlinearParameter` for the fit to find it.
     """
 
     velocity: float | NonlinearParameter = 0.1
@@ -31,24 +30,27 @@ class Stribeck(DryFriction):
         """Check that all settings make sense."""
         super().__post_init__()
         if not isinstance(self.velocity, NonlinearParameter) and not 0.0 < self.velocity < np.inf:
-            raise ExoidError(f"Stribeck(velocity={self.velocity})", remedy="a velocity in rad/s, positive, or Free")
+            raise ExoidError(
+                f"Stribeck(velocity={self.velocity})", remedy="a velocity in rad/s, positive, or NonlinearParameter"
+            )
+
+    symbols = ("cs",)
+    units = ("N·m",)
 
     @property
-    def symbols(self) -> tuple[str, ...]:
-        """Return cs."""
-        return ("cs",)
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Newton metres."""
-        return ("N·m",)
-
-    @property
-    def shape_symbols(self) -> Mapping[str, tuple[str, str]]:
-        """Those of dry friction, and the velocity."""
-        return {**super().shape_symbols, "velocity": ("vs", "rad/s")}
+    def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
+        """Symbols of dry friction, and vs of the velocity."""
+        return {**super().nonlinear_symbols, "velocity": ("vs", "rad/s")}
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Column exp(−(v / velocity)²) z."""
+        """Write the column exp(−(v / velocity)²) z.
+
+        Args:
+            motion: Motion of the joint, N samples.
+            out: Receives the columns, (1, N).
+
+        Raises:
+            ExoidError: A setting is a :class:`NonlinearParameter`.
+        """
         self.direction(motion, out[0])
         out[0] *= np.exp(-((motion.v / number(self.velocity)) ** 2))

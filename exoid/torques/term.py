@@ -1,32 +1,152 @@
-"""What acts on a joint besides rigid-body dynamics: a sum of columns times parameters."""
+"""Term: base class of the torques that act on a joint besides rigid-body dynamics, and the motion it receives."""
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.torso import TorsoMotion
 
-from .memory import Memory
-from .motion import JointMotion
+from .internal_state import InternalState
+
+
+class Motion(NamedTuple):
+    """Motion of a whole recording, or of some of its rows, from which regressors are formed.
+
+    :meth:`TorqueModel.motion` makes it.
+
+    Attributes:
+        q: Joint angles [rad], (N, n).
+        v: Joint velocities [rad/s], (N, n).
+        a: Joint accelerations [rad/s²], (N, n).
+        torso: Motion of the torso; None if it is upright and still.
+        states: Internal states by joint, (N,) each.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    torso: TorsoMotion | None = None
+    states: Mapping[tuple[int, InternalState], FloatArray] = MappingProxyType({})
+
+    def rows(self, rows: slice) -> Motion:
+        """Select consecutive rows without copying them.
+
+        Args:
+            rows: The rows.
+
+        Returns:
+            Their motion.
+        """
+        torso = None if self.torso is None else _torso_rows(self.torso, len(self.q), rows)
+        states = {key: state[rows] for key, state in self.states.items()}
+        return Motion(self.q[rows], self.v[rows], self.a[rows], torso, states)
+
+    def __repr__(self) -> str:
+        """Write the size in one line."""
+        samples, joints = self.q.shape
+        return f"Motion({samples} samples, {joints} joints, {len(self.states)} internal states)"
+
+
+class JointMotion(NamedTuple):
+    """Motion of one joint over N consecutive samples, as a term receives it.
+
+    Attributes:
+        q: Angle [rad], (N,).
+        v: Velocity [rad/s], (N,).
+        a: Acceleration [rad/s²], (N,).
+        load: Rigid-body torque of the model at this joint [N·m], (N,); never the measured torque.
+        state: Internal state of the term, (N,); None for a term without one.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    load: FloatArray
+    state: FloatArray | None = None
+
+
+@dataclass(frozen=True)
+class NonlinearParameter:
+    """Start and bounds of a setting that the fit finds; pass it instead of a number.
+
+    ``Stribeck(velocity=NonlinearParameter(0.1, 0.01, 1.0))`` starts at 0.1 and searches between 0.01 and 1 rad/s.
+
+    Attributes:
+        start: Start value.
+        lower: Smallest value, above zero.
+        upper: Largest value.
+
+    Raises:
+        ExoidError: They are not in ascending order.
+    """
+
+    start: float
+    lower: float
+    upper: float
+
+    def __post_init__(self) -> None:
+        """Check the order."""
+        if not 0.0 < self.lower <= self.start <= self.upper < math.inf or self.lower == self.upper:
+            raise ExoidError(
+                f"NonlinearParameter(start={self.start}, lower={self.lower}, upper={self.upper})",
+                remedy="0 < lower ≤ start ≤ upper, and lower < upper",
+            )
+
+
+def number(value: float | NonlinearParameter) -> float:
+    """Return the value of a setting.
+
+    Args:
+        value: Value, or start and bounds.
+
+    Returns:
+        The value.
+
+    Raises:
+        ExoidError: It has no value yet.
+    """
+    if isinstance(value, NonlinearParameter):
+        raise ExoidError(f"a setting is {value}, not yet a number", remedy="let exoid.identify find it")
+    return value
 
 
 @dataclass(frozen=True, kw_only=True)
 class Term(ABC):
-    """A resistance of a joint: τ (actuator) = RNEA(q, v, a) + Σ columns · parameters.
+    """Resistance of a joint: τ (actuator) = RNEA(q, v, a) + Σ columns · parameters.
 
-    With this sign every dissipative friction and every restoring spring has positive parameters. (Doc. 1, eq. (13),
-    counts torques acting on the joint instead, so its B and C have the opposite sign.)
+    With this sign every dissipative friction and every restoring spring has positive parameters. Doc. 1, eq. (13), uses
+    torques that act on the joint instead, so its B and C have the opposite sign.
 
-    A term is the same at every joint it acts on, with parameters of its own at each: parameter ``symbol_joint``.
+    A term has the same form at every joint it acts on, and separate parameters ``symbol_joint``.
 
     Attributes:
         joints: Names (or labels) of the joints it acts on; None for all.
+
+    Example:
+        >>> class Quadratic(Term):
+        ...     @property
+        ...     def symbols(self):
+        ...         return ("c2",)
+        ...
+        ...     @property
+        ...     def units(self):
+        ...         return ("N·m·s²/rad²",)
+        ...
+        ...     def fill(self, motion, out):
+        ...         out[0] = motion.v * np.abs(motion.v)
+        >>> from exoid.torques import TorqueModel
+        >>> TorqueModel(exoid.load_leg("cuhk"), (Quadratic(joints=("knee",)),)).names[-1]
+        'c2_knee'
     """
 
     joints: tuple[str, ...] | None = None
@@ -43,27 +163,32 @@ class Term(ABC):
 
     @property
     def nonnegative(self) -> tuple[str, ...]:
-        """Symbols of parameters that cannot be negative in nature."""
+        """Symbols of the parameters that cannot be negative in nature."""
         return ()
 
     @property
     def friction(self) -> bool:
-        """Whether it is friction, which takes energy out of the motion: what figures draw over velocity."""
+        """Whether it is friction, which dissipates energy; figures show it over velocity."""
         return False
 
     @property
     def loaded(self) -> bool:
-        """Whether it depends on the rigid-body torque of its joint, so that the model is no longer linear."""
+        """Whether it depends on the rigid-body torque of its joint, which makes the model nonlinear."""
         return False
 
     @property
-    def memory(self) -> Memory | None:
-        """What it remembers of the motion before a sample; None for a term that depends on the sample alone."""
+    def internal_state(self) -> InternalState | None:
+        """Internal state, which depends on the motion before a sample; None for a term without memory."""
         return None
 
     @property
-    def shape_symbols(self) -> Mapping[str, tuple[str, str]]:
-        """Symbol and unit of each setting that may be :class:`exoid.torques.NonlinearParameter`, by its field."""
+    def nonlinear(self) -> bool:
+        """Whether a setting is a :class:`NonlinearParameter`."""
+        return any(isinstance(getattr(self, name), NonlinearParameter) for name in self.nonlinear_symbols)
+
+    @property
+    def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
+        """Symbol and unit of each field that may be an :class:`exoid.torques.NonlinearParameter`."""
         return {}
 
     @abstractmethod
@@ -71,16 +196,30 @@ class Term(ABC):
         """Write the columns of one joint.
 
         Args:
-            motion: Of the joint, N samples.
+            motion: Motion of the joint, N samples.
             out: Receives torque per unit parameter, (number of symbols, N).
         """
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
-        """Say which samples the term can be identified from, given the velocity [rad/s] of one joint, (N,)."""
+        """Select the samples from which the term can be identified.
+
+        Args:
+            v: Velocity of the joint [rad/s], (N,).
+
+        Returns:
+            Whether each sample is usable, (N,).
+        """
         return np.ones(len(v), dtype=np.bool_)
 
     def joint_indices(self, names: Sequence[str], labels: Sequence[str]) -> tuple[int, ...]:
         """Find the joints it acts on among those of a leg.
+
+        Args:
+            names: Joints of the leg, (n,).
+            labels: Joint names as they occur in parameter names, (n,).
+
+        Returns:
+            Indices of the joints, in ascending order.
 
         Raises:
             ExoidError: A joint is missing.
@@ -95,3 +234,26 @@ class Term(ABC):
                 remedy=f"its joints are {', '.join(names)}",
             )
         return tuple(sorted({known[joint] for joint in self.joints}))
+
+
+def random_motion(samples: int, joints: int) -> FloatArray:
+    """Draw independent normal angles, velocities and accelerations, always the same.
+
+    Args:
+        samples: Number of samples, N.
+        joints: Number of joints, n.
+
+    Returns:
+        q [rad], v [rad/s] and a [rad/s²], (3, N, n).
+    """
+    motion = np.random.default_rng(0).standard_normal((3, samples, joints))
+    return motion * [[[1.0]], [[2.0]], [[5.0]]]
+
+
+def _torso_rows(torso: TorsoMotion, count: int, rows: slice) -> TorsoMotion:
+    """Rows of the entries that have one value a sample."""
+    entries = {field.name: np.asarray(getattr(torso, field.name), dtype=np.float64) for field in fields(torso)}
+    constant = {"hip_acceleration": 1}
+    return TorsoMotion(
+        **{name: x[rows] if x.ndim > constant.get(name, 0) and len(x) == count else x for name, x in entries.items()}
+    )

@@ -4,7 +4,7 @@ from .coverage import plot_coverage, plot_excitation
 from .dynamics import plot_friction, plot_inertial_torque, plot_reference, plot_torques
 from .parameters import plot_correlation, plot_parameters
 from .plans import plot_planned_motion, plot_precision
-from .residuals import plot_prediction, plot_residual_along
+from .residuals import plot_prediction, plot_residual_trend
 from .scenes import Scene, SceneServer, scene
 from .stability import plot_gain_margins, plot_lyapunov, plot_regulation_errors
 from .statics import plot_approaches, plot_stiffness
@@ -31,7 +31,7 @@ __all__ = [
     "plot_prediction",
     "plot_reference",
     "plot_regulation_errors",
-    "plot_residual_along",
+    "plot_residual_trend",
     "plot_stiffness",
     "plot_torques",
     "plot_tracking_errors",

@@ -1,4 +1,4 @@
-"""Figures of how much of a joint space a motion visits."""
+"""Figures of the part of the joint space that a motion covers."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from matplotlib.axes import Axes
 from exoid._typing import FloatArray
 
 from .colours import GUIDE, joint_colour
-
-DRAWN = 4000
-"""Samples drawn, at most."""
+from .style import draw_samples
 
 
 def plot_excitation(ax: Axes, q: FloatArray, v: FloatArray, joint: int, label: str) -> Axes:
-    """Velocity over angle of one joint: a motion that identifies friction and inertia fills the plane.
+    """Plot velocity over angle of one joint: a motion that excites friction and inertia fills the plane.
 
     Args:
-        ax: Where to draw.
+        ax: Axes to draw on.
         q: Angle [rad], (N,).
         v: Velocity [rad/s], (N,).
-        joint: Which joint, for its colour.
-        label: Its name.
+        joint: Index of the joint; selects the colour.
+        label: Name of the joint.
+
+    Returns:
+        The axes.
     """
-    step = max(1, -(-len(q) // DRAWN))
-    ax.plot(np.rad2deg(q[::step]), v[::step], ".", ms=1.0, color=joint_colour(joint), alpha=0.5, rasterized=True)
+    draw_samples(ax, np.rad2deg(q), v, joint_colour(joint), size=1.0)
     ax.axhline(0.0, color=GUIDE, lw=0.8, zorder=0)
     ax.set(xlabel=f"{label} angle [deg]", ylabel=f"{label} velocity [rad/s]")
     return ax
@@ -33,17 +33,19 @@ def plot_excitation(ax: Axes, q: FloatArray, v: FloatArray, joint: int, label: s
 def plot_coverage(
     ax: Axes, q: FloatArray, labels: tuple[str, str], limits: tuple[FloatArray, FloatArray] | None = None
 ) -> Axes:
-    """Angles of two joints against each other: gravity is told apart where they fill the plane.
+    """Plot the angles of two joints against each other: a motion that fills the plane separates gravity parameters.
 
     Args:
-        ax: Where to draw.
-        q: Angles of the two [rad], (N, 2).
-        labels: Their names.
-        limits: Lower and upper joint limits [rad], (2,) each, drawn as a frame where finite.
+        ax: Axes to draw on.
+        q: Angles of the two joints [rad], (N, 2).
+        labels: Names of the two joints.
+        limits: Lower and upper joint limits [rad], (2,) each; drawn as a rectangle if all are finite.
+
+    Returns:
+        The axes.
     """
-    step = max(1, -(-len(q) // DRAWN))
-    first, second = np.rad2deg(q[::step]).T
-    ax.plot(first, second, ".", ms=1.0, color=joint_colour(1), alpha=0.5, rasterized=True)
+    first, second = np.rad2deg(q).T
+    draw_samples(ax, first, second, joint_colour(1), size=1.0)
     if limits is not None and np.isfinite(limits).all():
         (left, bottom), (right, top) = np.rad2deg(limits)
         ax.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color=GUIDE, lw=1.0)

@@ -15,14 +15,17 @@ from .style import legend_above
 
 
 def plot_inertial_torque(ax: Axes, time: FloatArray, measured: FloatArray, fitted: FloatArray, label: str) -> Axes:
-    """Torque left after gravity and springs, and what the fitted inertia makes of the acceleration (doc. 1, Fig. 5).
+    """Plot the torque left after gravity and springs, and the fitted inertial torque (doc. 1, Fig. 5).
 
     Args:
-        ax: Where to draw.
-        time: [s], (N,).
-        measured: Right side of eq. (29) [N·m], (N,).
-        fitted: Left side [N·m], (N,).
+        ax: Axes to draw on.
+        time: Time [s], (N,).
+        measured: Right side of doc. 1, eq. (29) [N·m], (N,).
+        fitted: Left side of doc. 1, eq. (29) [N·m], (N,).
         label: Name of the joint.
+
+    Returns:
+        The axes.
     """
     ax.plot(time, measured, color=MEASURED, lw=0.7, label="measured less known terms")
     ax.plot(time, fitted, color=IDENTIFIED, lw=1.3, label="fitted")
@@ -32,18 +35,21 @@ def plot_inertial_torque(ax: Axes, time: FloatArray, measured: FloatArray, fitte
 
 
 def plot_friction(ax: Axes, velocity: FloatArray, friction: FloatArray, c0: float, label: str) -> Axes:
-    """Friction torque over velocity and the Coulomb friction fitted to it, as doc. 1, Fig. 6 (with the opposite sign).
+    """Plot friction torque over velocity, and the fitted Coulomb friction (doc. 1, Fig. 6, with the opposite sign).
 
     Args:
-        ax: Where to draw.
-        velocity: [rad/s], (N,).
-        friction: Measured torque less everything else [N·m], (N,).
+        ax: Axes to draw on.
+        velocity: Joint velocity [rad/s], (N,).
+        friction: Measured torque less all other terms [N·m], (N,).
         c0: Fitted Coulomb friction [N·m].
         label: Name of the joint.
+
+    Returns:
+        The axes.
     """
     ax.plot(velocity, friction, ".", ms=1.5, color=MEASURED, label="measured less known terms")
-    reach = float(np.abs(velocity).max())
-    ax.plot([-reach, 0, 0, reach], [-c0, -c0, c0, c0], color=IDENTIFIED, lw=1.4, label=f"{c0:.3f} N·m sgn v")
+    fastest = float(np.abs(velocity).max())
+    ax.plot([-fastest, 0, 0, fastest], [-c0, -c0, c0, c0], color=IDENTIFIED, lw=1.4, label=f"{c0:.3f} N·m sgn v")
     ax.set(xlabel=f"{label} velocity [rad/s]", ylabel=f"{label} friction [N·m]")
     legend_above(ax)
     return ax
@@ -56,14 +62,17 @@ def plot_torques(
     predictions: Sequence[tuple[str, FloatArray, str]],
     labels: Sequence[str],
 ) -> Sequence[Axes]:
-    """Measured and predicted torque of each joint, as doc. 1, Fig. 7 and doc. 2, Fig. 3.
+    """Plot measured and predicted torque of each joint (doc. 1, Fig. 7; doc. 2, Fig. 3).
 
     Args:
-        axes: One for each joint.
-        time: [s], (N,).
-        measured: [N·m], (N, n).
+        axes: Axes to draw on, one for each joint.
+        time: Time [s], (N,).
+        measured: Measured torque [N·m], (N, n).
         predictions: Name, torque [N·m], (N, n), and colour of each model.
         labels: Names of the joints.
+
+    Returns:
+        The axes.
     """
     for joint, (ax, label) in enumerate(zip(axes, labels, strict=True)):
         for name, torque, colour in predictions:
@@ -77,13 +86,16 @@ def plot_torques(
 
 
 def plot_reference(ax: Axes, time: FloatArray, q: FloatArray, labels: Sequence[str]) -> Axes:
-    """Angles to be followed, as doc. 2, Fig. 6.
+    """Plot reference angles over time (doc. 2, Fig. 6).
 
     Args:
-        ax: Where to draw.
-        time: [s], (N,).
+        ax: Axes to draw on.
+        time: Time [s], (N,).
         q: Angles [rad], (N, n).
         labels: Names of the joints.
+
+    Returns:
+        The axes.
     """
     for joint, (label, colour) in enumerate(zip(labels, JOINT_COLOURS, strict=False)):
         ax.plot(time, np.rad2deg(q[:, joint]), color=colour, label=label)

@@ -16,10 +16,16 @@ from .style import paper
 
 
 def make_folder(folder: str | Path) -> Path:
-    """Make the folder that figures are to be written to, before anything takes time.
+    """Make the folder for figures, before a computation that takes time.
+
+    Args:
+        folder: Path of the folder; its parents are made too.
+
+    Returns:
+        Path of the folder.
 
     Raises:
-        ExoidError: It cannot be made, or cannot be written into.
+        ExoidError: The folder cannot be made, or is not writable.
     """
     path = Path(folder)
     try:
@@ -28,30 +34,33 @@ def make_folder(folder: str | Path) -> Path:
             raise PermissionError("no permission to write")
     except OSError as error:
         raise ExoidError(
-            f"is no folder to write figures into ({error.strerror or error})",
+            f"cannot write figures into this folder ({error.strerror or error})",
             where=str(folder),
-            remedy="name a new folder, or one that is yours",
+            remedy="name a new folder, or one with write permission",
         ) from None
     return path
 
 
-def write_figures(figures: Mapping[str, Figure], folder: str | Path, form: str = "png") -> list[Path]:
-    """Write figures, all of which are rendered before the first is written.
+def write_figures(figures: Mapping[str, Figure], folder: str | Path, file_format: str = "png") -> list[Path]:
+    """Write figures; all are rendered before the first is written.
 
     Args:
-        figures: By the name of their file.
-        folder: Where to.
-        form: "png" or "pdf".
+        figures: Figures by file name without ending.
+        folder: Path of the folder; made if it does not exist.
+        file_format: "png" or "pdf".
+
+    Returns:
+        Paths of the files.
 
     Raises:
-        ExoidError: The folder cannot be made or written.
+        ExoidError: The folder cannot be made, or a file cannot be written.
     """
     path, images = make_folder(folder), {}
     for name, figure in figures.items():
         image = io.BytesIO()
         with paper():
-            figure.savefig(image, format=form)
-        images[path / f"{name}.{form}"] = image.getvalue()
+            figure.savefig(image, format=file_format)
+        images[path / f"{name}.{file_format}"] = image.getvalue()
     for file, content in images.items():
         write_bytes(file, [content])
     return list(images)

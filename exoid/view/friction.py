@@ -1,4 +1,4 @@
-"""Figure of friction as it was measured and as a model has it."""
+"""Figure of measured and modelled friction."""
 
 from __future__ import annotations
 
@@ -7,33 +7,30 @@ from matplotlib.axes import Axes
 from exoid._typing import FloatArray
 
 from .colours import GUIDE, IDENTIFIED, joint_colour
-from .style import legend_above
-
-DRAWN = 4000
-"""Samples drawn, at most."""
+from .style import draw_samples, legend_above
 
 
 def plot_friction_fit(
     ax: Axes, velocity: FloatArray, measured: FloatArray, fitted: FloatArray, joint: int, label: str
 ) -> Axes:
-    """Friction torque of one joint over its velocity: measured torque less all that is not friction, and the model's.
+    """Plot measured and modelled friction torque of one joint over its velocity.
 
-    Both are points sample by sample: friction that depends on load or on the way since a reversal is no curve.
+    Both are drawn as dots: friction that depends on load, or has memory of the last reversal, is not a function of
+    velocity.
 
     Args:
-        ax: Where to draw.
-        velocity: [rad/s], (N,).
-        measured: [N·m], (N,).
-        fitted: Friction terms of the model, filtered alike [N·m], (N,).
-        joint: Which joint, for its colour.
-        label: Its name.
+        ax: Axes to draw on.
+        velocity: Joint velocity [rad/s], (N,).
+        measured: Measured torque less all modelled torque except friction [N·m], (N,).
+        fitted: Friction terms of the model, through the same filter [N·m], (N,).
+        joint: Index of the joint; selects the colour.
+        label: Name of the joint.
+
+    Returns:
+        The axes.
     """
-    step = max(1, -(-len(velocity) // DRAWN))
-    v, points, model = velocity[::step], measured[::step], fitted[::step]
-    ax.plot(
-        v, points, ".", ms=1.4, color=joint_colour(joint), alpha=0.5, rasterized=True, label="measured less the rest"
-    )
-    ax.plot(v, model, ".", ms=1.4, color=IDENTIFIED, alpha=0.7, rasterized=True, label="fitted")
+    draw_samples(ax, velocity, measured, joint_colour(joint), size=1.4, label="measured less other terms")
+    draw_samples(ax, velocity, fitted, IDENTIFIED, size=1.4, alpha=0.7, label="fitted")
     ax.axhline(0.0, color=GUIDE, lw=0.8, zorder=0)
     ax.set(xlabel=f"{label} velocity [rad/s]", ylabel=f"{label} friction [N·m]")
     legend_above(ax)

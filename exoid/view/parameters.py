@@ -12,45 +12,45 @@ from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.tables import with_error
 
-from .colours import CAD, GUIDE, IDENTIFIED, LEFT_OVER, MEASURED
+from .colours import CAD, GUIDE, IDENTIFIED, MEASURED, RESIDUAL
 from .style import legend_above
 
-MARKERS = ("D", "s", "^", "v")
-"""Of values that stand beside the estimate."""
-
-BESIDE = (CAD, MEASURED, LEFT_OVER)
-"""Their colours."""
+MARKERS = (("D", CAD), ("s", MEASURED), ("^", RESIDUAL))
+"""Marker and colour of each set of other values."""
 
 DIVERGING = LinearSegmentedColormap.from_list("exoid", [CAD, "#ffffff", IDENTIFIED])
-"""From −1 through 0 to 1, in colours that a colour-blind reader tells apart."""
+"""Colours from −1 through 0 to 1 that colour-blind readers can distinguish."""
 
 LONGEST = 20
-"""Letters of a name beside an axis."""
+"""Largest number of letters of a name beside an axis."""
 
 
 def plot_parameters(
     ax: Axes,
     estimate: Estimate,
     names: Sequence[str] | None = None,
-    beside: Mapping[str, Mapping[str, float]] | None = None,
+    other_values: Mapping[str, Mapping[str, float]] | None = None,
     level: float = 0.95,
 ) -> Axes:
-    """Parameters of one unit with their confidence intervals and standard deviations, and other values of them beside.
+    """Plot parameters of one unit with confidence intervals and standard deviations, and other values to compare.
 
     Args:
-        ax: Where to draw.
+        ax: Axes to draw on.
         estimate: The estimate.
-        names: Which parameters, all of one unit; None for all of the unit of the first.
-        beside: Values by name of, for example, CAD or the documents' tables; parameters they lack are left out.
-        level: Probability that an interval contains the true value.
+        names: Names of the parameters, all of one unit; None for all parameters that have the unit of the first.
+        other_values: Values by parameter name, by label, for example of CAD; missing parameters are not drawn.
+        level: Confidence level of the intervals.
+
+    Returns:
+        The axes.
 
     Raises:
-        ExoidError: A name is unknown, or units differ.
+        ExoidError: A name is unknown, or the units differ.
     """
     units = dict(zip(estimate.names, estimate.units, strict=True))
     chosen = [name for name in units if units[name] == estimate.units[0]] if names is None else list(names)
     for name in chosen:
-        estimate.value(name)  # refuses what is unknown
+        estimate.value(name)  # raises an error if the name is unknown
     if len({units[name] for name in chosen}) != 1:
         raise ExoidError("parameters of several units do not share an axis", remedy="draw those of one unit at a time")
     index = [estimate.names.index(name) for name in chosen]
@@ -66,10 +66,10 @@ def plot_parameters(
         label=f"identified, {100 * level:.0f} %",
         zorder=3,
     )
-    for (label, others), marker, colour in zip((beside or {}).items(), MARKERS, BESIDE, strict=False):
-        known = [(others[name], row) for name, row in zip(chosen, rows, strict=True) if name in others]
-        if known:
-            ax.plot(*zip(*known, strict=True), marker, ms=4, mfc="none", color=colour, label=label)
+    for (label, others), (marker, colour) in zip((other_values or {}).items(), MARKERS, strict=False):
+        present = [(others[name], row) for name, row in zip(chosen, rows, strict=True) if name in others]
+        if present:
+            ax.plot(*zip(*present, strict=True), marker, ms=4, mfc="none", color=colour, label=label)
     for row, k in zip(rows, index, strict=True):
         exact = estimate.std[k] == 0.0
         text = f"{estimate.values[k]:.6g}" if exact else " ± ".join(with_error(estimate.values[k], estimate.std[k]))
@@ -88,11 +88,14 @@ def plot_parameters(
 
 
 def plot_correlation(ax: Axes, estimate: Estimate) -> Axes:
-    """Correlation of the errors of any two parameters: pairs near ±1 trade against each other.
+    """Plot the correlation matrix of the parameter errors; only the combination of a pair near ±1 is identifiable.
 
     Args:
-        ax: Where to draw.
+        ax: Axes to draw on.
         estimate: The estimate.
+
+    Returns:
+        The axes.
     """
     names, correlation = [_short(name) for name in estimate.names], estimate.correlation
     image = ax.imshow(correlation, cmap=DIVERGING, vmin=-1.0, vmax=1.0)
@@ -105,5 +108,5 @@ def plot_correlation(ax: Axes, estimate: Estimate) -> Axes:
 
 
 def _short(name: str) -> str:
-    """Name a sum by its first summand, which no other has: those of arms are long."""
+    """Shorten the name of a sum to its first summand, which is unique; base parameters of arms have long names."""
     return name if len(name) <= LONGEST else f"{name.split(' ', maxsplit=1)[0]} + …"

@@ -1,39 +1,41 @@
-"""Figures of stability: what doc. 2's Lyapunov function does, and how far gains may be raised."""
+"""Figures of stability: the Lyapunov function of doc. 2 along runs, and gain margins."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import cycle
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 
+from exoid.control.stability import GainMargins, Lyapunov, Regulation
+
 from .colours import CAD, GUIDE, IDENTIFIED, MEASURED, SHADES
 from .style import legend_above
 
-if TYPE_CHECKING:
-    from exoid.control.stability import GainMargins, Lyapunov, Regulation
-
 LOWEST = 1e-8
-"""Share of V at the beginning below which nothing is drawn: rest on the target."""
+"""Smallest V that is drawn, as a share of the initial V: at rest on the target, V is zero."""
 
 OFTEN = 0.05
-"""Share of the moments at which V rises where it does more than tremble."""
+"""Share of the samples above which an increasing V is more than sampling noise."""
 
-RESTLESS = ("#E69F00", CAD, "#CC79A7")
-"""Colours of runs whose V rises often."""
+CYCLING_COLOURS = ("#E69F00", CAD, "#CC79A7")
+"""Colours of runs whose V increases often, as on a limit cycle."""
 
 
 def plot_lyapunov(ax: Axes, curves: Sequence[Lyapunov], labels: Sequence[str] | None = None) -> Axes:
-    """V of doc. 2, eq. (29), along runs, on a logarithmic scale: falling, resting short of the target, or cycling.
+    """Plot V of doc. 2, eq. (29), along runs on a logarithmic scale.
 
-    Runs whose V rises often stand out.
+    V decreases, stays constant where stiction holds the leg, or oscillates on a limit cycle. Runs whose V increases
+    often have colours that stand out.
 
     Args:
-        ax: Where to draw.
+        ax: Axes to draw on.
         curves: V along each run.
-        labels: What was different in each; None for the names of the laws.
+        labels: Label of each run; None for the names of the control laws.
+
+    Returns:
+        The axes.
     """
     names = [curve.law for curve in curves] if labels is None else list(labels)
     for curve, name, colour in zip(curves, names, _colours(curves), strict=True):
@@ -44,13 +46,16 @@ def plot_lyapunov(ax: Axes, curves: Sequence[Lyapunov], labels: Sequence[str] | 
 
 
 def plot_regulation_errors(ax: Axes, runs: Sequence[Regulation], joint: int, label: str) -> Axes:
-    """Distance of a joint from its target along runs, and the band in which stiction may hold it.
+    """Plot the error of a joint from its target along runs, and the band in which stiction can hold it.
 
     Args:
-        ax: Where to draw.
-        runs: The runs; the band is that of the last one.
+        ax: Axes to draw on.
+        runs: Runs to draw; the band is that of the last one.
         joint: Index of the joint.
-        label: Its name.
+        label: Name of the joint.
+
+    Returns:
+        The axes.
     """
     for run, colour in zip(runs, _colours([run.lyapunov for run in runs]), strict=True):
         ax.plot(run.run.time, np.rad2deg(run.run.error[:, joint]), color=colour, label=run.name)
@@ -62,15 +67,18 @@ def plot_regulation_errors(ax: Axes, runs: Sequence[Regulation], joint: int, lab
 
 
 def plot_gain_margins(ax: Axes, margins: GainMargins) -> Axes:
-    """Largest stable scale of the gains over the rate of the law, one line for each delay.
+    """Plot the largest stable scale of the gains over the control rate, one line for each delay.
 
     Args:
-        ax: Where to draw.
-        margins: What was found.
+        ax: Axes to draw on.
+        margins: Gain margins by rate and delay.
+
+    Returns:
+        The axes.
     """
     for delay, column, colour in zip(margins.delays, margins.margins.T, (IDENTIFIED, CAD, *SHADES), strict=False):
-        late = f"delay of {delay} period{'' if delay == 1 else 's'}" if delay else "no delay"
-        ax.loglog(margins.rates, column, marker="o", ms=3, color=colour, label=late)
+        label = f"delay of {delay} period{'' if delay == 1 else 's'}" if delay else "no delay"
+        ax.loglog(margins.rates, column, marker="o", ms=3, color=colour, label=label)
     ax.axhline(1.0, color=GUIDE, lw=1.2, zorder=0)
     ax.set(xlabel="rate of the law [Hz]", ylabel="largest stable scale of gains")
     legend_above(ax)
@@ -78,5 +86,6 @@ def plot_gain_margins(ax: Axes, margins: GainMargins) -> Axes:
 
 
 def _colours(curves: Sequence[Lyapunov]) -> list[str]:
-    calm, restless = cycle((MEASURED, *SHADES)), cycle(RESTLESS)
-    return [next(restless if curve.share_increasing > OFTEN else calm) for curve in curves]
+    """Colour of each run, by whether its V increases often."""
+    settling, cycling = cycle((MEASURED, *SHADES)), cycle(CYCLING_COLOURS)
+    return [next(cycling if curve.share_increasing > OFTEN else settling) for curve in curves]

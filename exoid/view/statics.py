@@ -15,13 +15,16 @@ from .style import legend_above
 
 
 def plot_approaches(ax: Axes, approaches: Approaches, joint: int, label: str) -> Axes:
-    """Torque that holds a joint, reached from below (circles) and from above (crosses), as doc. 1, Fig. 3.
+    """Plot the holding torque of a joint in poses reached from below (circles) and above (crosses) (doc. 1, Fig. 3).
 
     Args:
-        ax: Where to draw.
-        approaches: The poses.
-        joint: Which joint.
-        label: Its name.
+        ax: Axes to draw on.
+        approaches: Poses reached from both directions.
+        joint: Index of the joint.
+        label: Name of the joint.
+
+    Returns:
+        The axes.
     """
     below, above = approaches.below, approaches.above
     angle = np.rad2deg(below.q[:, joint])
@@ -34,19 +37,22 @@ def plot_approaches(ax: Axes, approaches: Approaches, joint: int, label: str) ->
 
 
 def plot_stiffness(ax: Axes, poses: Poses, sets: FloatArray, totals_deg: FloatArray, joint: int, label: str) -> Axes:
-    """Torque over the angle of a joint in sets of equal gravity, with a parabola through each, as doc. 1, Fig. 4.
+    """Plot torque over the angle of a joint in sets of equal gravity torque, each with a parabola (doc. 1, Fig. 4).
 
     Args:
-        ax: Where to draw.
-        poses: The poses.
-        sets: Which set each belongs to, (K,).
+        ax: Axes to draw on.
+        poses: All poses.
+        sets: Index of the set that each pose belongs to, (K,).
         totals_deg: θ123 of each set [deg].
-        joint: Which joint.
-        label: Its name.
+        joint: Index of the joint.
+        label: Name of the joint.
+
+    Returns:
+        The axes.
     """
     for index, (total, colour) in enumerate(zip(totals_deg, cycle(SHADES), strict=False)):
-        of_set = np.asarray(sets) == index
-        angle, tau = poses.q[of_set, joint], poses.tau[of_set, joint]
+        in_set = np.asarray(sets) == index
+        angle, tau = poses.q[in_set, joint], poses.tau[in_set, joint]
         fine = np.linspace(angle.min(), angle.max(), 60)
         ax.plot(np.rad2deg(fine), np.polyval(np.polyfit(angle, tau, 2), fine), color=colour, lw=0.9)
         ax.plot(np.rad2deg(angle), tau, "o", ms=3, color=colour, label=f"θ₁₂₃ = {total:.0f}°".replace("-", "−"))

@@ -16,7 +16,6 @@ import exoid
 from exoid import Coulomb, Estimate, Recording, Stiffness
 from exoid.cli import app
 from exoid.cli.identify import identify
-from exoid.estimate import estimate_to_json, validation_to_json
 from exoid.view.report import identification_report
 
 TRAIN, TEST = "bleex_swing:train", "bleex_swing:test"
@@ -65,7 +64,7 @@ def test_identify_writes_the_estimate(exoid_, estimate, tmp_path):
 
 def test_json_is_all_there_is_on_standard_output_and_equals_the_api(exoid_, estimate):
     run = exoid_("identify", "bleex", TRAIN, "--json")
-    expected = json.loads(json.dumps(estimate_to_json(estimate)))
+    expected = json.loads(json.dumps(estimate.to_json()))
     del expected["leg"]["urdf"]
     assert (run.code, run.err) == (0, "")
     assert json.loads(run.out) == expected
@@ -169,14 +168,14 @@ def test_identify_predicts_logs_that_it_does_not_fit(exoid_, estimate, data):
     predicted = exoid.validate(estimate, data.test)
     assert exoid_("identify", "bleex", TRAIN, "--test", TEST) == (0, f"{estimate}\n\n{predicted}\n", "")
     found = json.loads(exoid_("identify", "bleex", TRAIN, "--test", TEST, "--test", TRAIN, "--json").out)
-    assert found["tests"] == [validation_to_json(exoid.validate(estimate, each)) for each in (data.test, data.train)]
+    assert found["tests"] == [exoid.validate(estimate, each).to_json() for each in (data.test, data.train)]
     assert found["values"] == pytest.approx(dict(zip(estimate.names, estimate.values, strict=True)))
 
 
 def test_identify_reads_held_out_logs_as_the_others(exoid_, estimate, data):
     run = exoid_("identify", "bleex", TRAIN, "--test", TRAIN, "--start", "5", "--stop", "25", "--json")
     part = data.train.between(5.0, 25.0)
-    assert json.loads(run.out)["tests"] == [validation_to_json(exoid.validate(exoid.identify(data.leg, part), part))]
+    assert json.loads(run.out)["tests"] == [exoid.validate(exoid.identify(data.leg, part), part).to_json()]
 
 
 def test_identify_writes_a_report(exoid_, estimate, data, tmp_path):
@@ -215,7 +214,7 @@ def test_validate_prints_the_validation(exoid_, estimate, data, saved):
 def test_validate_as_json_equals_the_api(exoid_, estimate, data, saved):
     run = exoid_("validate", saved, TEST, "--json")
     assert (run.code, run.err) == (0, "")
-    assert json.loads(run.out) == validation_to_json(exoid.validate(estimate, data.test))
+    assert json.loads(run.out) == exoid.validate(estimate, data.test).to_json()
 
 
 def test_validate_reads_logs_as_identify_does(exoid_, estimate, data, saved, tmp_path):
@@ -358,7 +357,6 @@ def test_bad_input_of_validate_ends_in_one_line(exoid_, estimate_file, log, word
         ("identify", "bleex", TRAIN, "--magic"),
         ("identify", "bleex", TRAIN, "--cutoff", "high"),
         ("validate", "leg.json"),
-        ("validate", "leg.json", TEST, TEST),
     ],
     ids=" ".join,
 )

@@ -11,7 +11,6 @@ import exoid
 from exoid import Leg
 from exoid.cli import main
 from exoid.codegen import c_source_to_json
-from exoid.estimate.export import export_to_json
 
 
 @pytest.fixture
@@ -48,7 +47,7 @@ def test_export_as_json_is_the_sidecar(saved, tmp_path, monkeypatch, capsys):
     code, out, err = run(monkeypatch, capsys, "export", "est.json", "-o", "leg.urdf", "--json")
     assert (code, err) == (0, "")
     assert json.loads(out) == json.loads((tmp_path / "leg.exoid.json").read_text())
-    assert json.loads(out) == json.loads(json.dumps(export_to_json(saved.to_urdf("leg.urdf"))))
+    assert json.loads(out) == json.loads(json.dumps(saved.to_urdf("leg.urdf").to_json()))
 
 
 @pytest.mark.parametrize(

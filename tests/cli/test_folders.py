@@ -65,7 +65,7 @@ def test_a_cluster_reads_the_logs(exoid_, folder, monkeypatch):
         code, far, _ = exoid_("identify", "bleex", folder, "--scheduler", cluster.scheduler_address, "--json")
     assert code == 0
     assert json.loads(far)["values"] == pytest.approx(json.loads(here)["values"], rel=1e-9, abs=1e-12)
-    monkeypatch.setattr("exoid.signals.cluster.PATIENCE", "1s")
+    monkeypatch.setattr("exoid.signals.cluster.TIMEOUT", "1s")
     code, out, err = exoid_("identify", "bleex", folder, "--scheduler", "tcp://127.0.0.1:9")
     assert (code, out) == (2, "")
     assert "no Dask scheduler answers" in err

@@ -9,7 +9,6 @@ import pytest
 
 import exoid
 from exoid import Estimate, Recording
-from exoid.estimate import grouped_to_json
 
 ZERO = (2.0, -1.0, 0.5)
 """By which torque sensors differ between the two logs [N·m]."""
@@ -48,7 +47,7 @@ def test_json_equals_the_api(exoid_, logs):
         (exoid.Coulomb(), exoid.Offset()),
         own=("offset", "c0_hip"),
     )
-    expected = json.loads(json.dumps(grouped_to_json(together), allow_nan=False))
+    expected = json.loads(json.dumps(together.to_json(), allow_nan=False))
     for estimate in expected["groups"].values():
         del estimate["leg"]["urdf"]
     assert (code, err) == (0, "")

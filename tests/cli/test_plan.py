@@ -1,13 +1,12 @@
 """``exoid plan`` plans, writes, draws, assesses and refuses."""
 
 import json
-import sys
+from functools import partial
 
 import numpy as np
 import pytest
 
 import exoid
-from exoid.cli import main
 from exoid.experiments import cuhk
 from exoid.experiments.excitation import MotionLimits, assess, plan_excitation, precision_to_json
 
@@ -16,16 +15,8 @@ LEG = exoid.load_leg("cuhk")
 
 
 @pytest.fixture
-def run(capsys, monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["exoid", "plan", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        return (int(stop.value.code or 0), *capsys.readouterr())
-
-    return run
+def run(exoid_):
+    return partial(exoid_, "plan")
 
 
 def slow_log(path):

@@ -56,4 +56,4 @@ def test_a_friction_model_that_does_not_exist_is_refused_with_those_that_do(monk
     assert stop.value.code == 2
     printed = capsys.readouterr()
     assert printed.out == ""
-    assert f"no friction model magnet. To mend it: use some of {', '.join(FRICTION)}" in printed.err
+    assert f"no friction model magnet. To fix it: use some of {', '.join(FRICTION)}" in printed.err

@@ -1,7 +1,6 @@
 """``exoid track``: laws side by side on an estimate, on BLEEX, and document 2's comparison."""
 
 import json
-import sys
 from functools import partial
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 
 import exoid
 from exoid import control, published, reproduce
-from exoid.cli import main
 from exoid.estimate import Estimate
 from exoid.experiments import healthy_gait
 from exoid.rig import Plant
@@ -21,17 +19,9 @@ METRICS = ["peak_deg", "rms_deg", "rms_torque", "torque_variation"]
 
 
 @pytest.fixture
-def track(capsys, monkeypatch, tmp_path):
+def track(exoid_):
     """Run ``exoid track ARGUMENTS`` in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["exoid", "track", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        return int(stop.value.code or 0), *capsys.readouterr()
-
-    return run
+    return partial(exoid_, "track")
 
 
 @pytest.fixture
@@ -146,7 +136,7 @@ def test_document_2s_comparison_is_printed(track, monkeypatch):
         (("bleex", "--payload", "-1"), "no such payload"),
         (("bleex", "--friction", "-1"), "times the friction"),
         (("bleex", "--rate", "0"), "0 Hz"),
-        (("est.json", "--figures", "est.json"), "no folder to write figures"),
+        (("est.json", "--figures", "est.json"), "cannot write figures"),
     ],
     ids=lambda x: " ".join(x) if isinstance(x, tuple) else "",
 )

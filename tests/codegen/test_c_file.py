@@ -123,7 +123,7 @@ def test_the_comment_says_where_the_numbers_come_from():
     head = source_of(estimate).text.split("*/")[0]
     for word in (
         *("cuhk.urdf", CUHK.description.sha256, "monday.csv", "0123" * 16, "500 samples at 50 Hz", "it limped"),
-        *(exoid.__version__, "left_hip, left_knee", "N m", "rad", "M(q) a", "double", "Ia_hip cannot be told from J1"),
+        *(exoid.__version__, "left_hip, left_knee", "N m", "rad", "M(q) a", "double", "Ia_hip is regrouped into J1"),
     ):
         assert word in head
     for name, value, unit in zip(estimate.names, estimate.values, ("kg m", "kg m", "kg m^2"), strict=False):

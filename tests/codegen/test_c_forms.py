@@ -164,7 +164,7 @@ class TestRefusals:
     @pytest.mark.parametrize(
         ("term", "why"),
         [
-            (Coulomb(presliding=1e-3), r"Coulomb \(c0\).*remembers the motion"),
+            (Coulomb(presliding=1e-3), r"Coulomb \(c0\).*depends on the motion before"),
             (LoadFriction(), r"LoadFriction.*depends on the load"),
         ],
     )

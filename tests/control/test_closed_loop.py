@@ -7,7 +7,6 @@ from scipy.integrate import solve_ivp
 
 from exoid.control import ControlModel, State, gravity_friction_pd, pd, simulate, simulate_many
 from exoid.control.closed_loop import plant_step
-from exoid.control.tracking import tracking_to_json
 from exoid.errors import ExoidError
 from exoid.experiments import Hold, healthy_gait
 from exoid.rig import Plant, Sensors, Target
@@ -90,7 +89,7 @@ def test_metrics_are_what_their_names_say():
     np.testing.assert_allclose(run.torque_variation, np.abs(np.diff(run.tau[late], axis=0)).sum(axis=0) / 5.0)
     power = np.abs(run.tau * run.v)[late]
     np.testing.assert_allclose(run.energy, (power[1:] + power[:-1]).sum(axis=0) / 200.0)
-    assert tracking_to_json(run)["peak_deg"] == run.peak_deg.tolist()
+    assert run.to_json()["peak_deg"] == run.peak_deg.tolist()
 
 
 def test_the_recording_is_what_the_sensors_said():

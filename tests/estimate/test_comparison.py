@@ -10,7 +10,6 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import ExoidError, Offset, Viscous
-from exoid.estimate import comparison_to_json
 from exoid.signals import FiniteDifference
 
 EXACT = FiniteDifference()
@@ -90,7 +89,7 @@ def test_estimates_from_one_recording_are_refused(leg):
 
 def test_a_comparison_is_json_and_cannot_be_changed(leg):
     comparison = exoid.compare(estimate_of(leg, 10), estimate_of(leg, 11))
-    data = json.loads(json.dumps(comparison_to_json(comparison), allow_nan=False))
+    data = json.loads(json.dumps(comparison.to_json(), allow_nan=False))
     assert data["difference"]["J1"] == comparison.difference[2]
     with pytest.raises(ValueError, match="read-only"):
         comparison.difference[0] = 0.0

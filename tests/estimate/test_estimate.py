@@ -4,13 +4,14 @@ import dataclasses
 import json
 from pathlib import Path
 
+import lxml.html
 import numpy as np
 import pytest
 from swings import TERMS, Swing
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Offset, Stiffness, Validation, Viscous
-from exoid.estimate import Input, estimate_from_json, estimate_to_json, validation_to_json
+from exoid.estimate import Input
 from exoid.regression import JointNoise
 from exoid.signals import PREPARATIONS, FiniteDifference, MovingAverage, ZeroPhase
 from exoid.torques import TorqueModel
@@ -117,7 +118,7 @@ def test_validation_predicts_what_the_estimate_predicts(estimate, swing):
 
 def test_validation_json_has_null_where_there_is_no_number():
     flat = np.ones((3, 1))
-    text = json.dumps(validation_to_json(Validation(("hip",), np.arange(3.0), flat, flat, "x")), allow_nan=False)
+    text = json.dumps(Validation(("hip",), np.arange(3.0), flat, flat, "x").to_json(), allow_nan=False)
     assert json.loads(text)["nrmse"] == [None]
 
 
@@ -237,7 +238,7 @@ def test_every_preparation_has_a_name_that_files_can_hold():
 
 @pytest.mark.parametrize("key", ["noise", "sizes", "calm_sizes", "collinearity", "warnings", "trends", "prior"])
 def test_a_file_without_its_evidence_is_refused(estimate, tmp_path, key):
-    data = estimate_to_json(estimate)
+    data = estimate.to_json()
     del data[key]
     path = tmp_path / "leg.json"
     path.write_text(json.dumps(data), encoding="utf-8")
@@ -322,7 +323,7 @@ DAMAGE = {
 @pytest.mark.parametrize("damage", DAMAGE, ids=lambda name: name.replace(" ", "-"))
 def test_a_damaged_file_is_refused(estimate, tmp_path, damage):
     path, value = DAMAGE[damage]
-    data = json.loads(json.dumps(estimate_to_json(estimate)))
+    data = json.loads(json.dumps(estimate.to_json()))
     place = data
     for key in path[:-1]:
         place = place[key]
@@ -406,7 +407,7 @@ def test_saving_replaces_a_file_whole_or_not_at_all(estimate, tmp_path, monkeypa
 
 
 def test_json_in_memory_is_the_file(estimate):
-    again = estimate_from_json(estimate_to_json(estimate))
+    again = Estimate.from_json(estimate.to_json())
     assert (again.values == estimate.values).all()
 
 
@@ -422,3 +423,16 @@ def test_a_parameter_is_looked_up_by_name(estimate):
     with pytest.raises(ExoidError, match=r"no parameter 'X9'.*names are X1, Y1"):
         estimate["X9"]
     assert "X9" not in estimate
+
+
+def test_results_show_themselves_as_tables_in_notebooks(swing, recording, estimate):
+    """The same cells and lines as in the printed text, in HTML that an XML parser reads, with nothing unescaped."""
+    validation = exoid.validate(estimate, recording)
+    grouped = exoid.identify(swing.leg, {"<a>": recording}, TERMS, own="c0")
+    for result in (estimate, validation, grouped):
+        page = lxml.html.fragment_fromstring(result._repr_html_(), create_parent="div")
+        cells = [cell.text_content() for cell in page.iter("td")]
+        assert len(cells) > 5
+        assert all(cell in str(result) for cell in cells)
+        assert all(" ".join(line.text_content().split()) in " ".join(str(result).split()) for line in page.iter("p"))
+    assert "<a>" not in grouped._repr_html_()

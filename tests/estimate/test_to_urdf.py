@@ -15,7 +15,7 @@ import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Offset, Recording, Stiffness, Viscous
 from exoid.catalog import URDFS, urdf_folder
 from exoid.description import describe
-from exoid.lift.lumping import share_out
+from exoid.lift.lumping import distribute_bodies
 from exoid.lift.pseudo_inertia import margins
 from exoid.rewriting import read_inertials
 from exoid.signals import ZeroPhase
@@ -203,7 +203,7 @@ def test_what_is_locked_gives_way_where_the_link_itself_cannot(tmp_path):
     leg = Leg.from_urdf(urdf_folder() / URDFS["bleex", "cad"], ("left_hip", "left_knee"), locked={"left_ankle": 0.3})
     bodies = np.array([inertia.toDynamicParameters() for inertia in list(leg.model.inertias)[1:]])
     bodies[1] *= 0.3
-    shares = share_out(leg, bodies)
+    shares = distribute_bodies(leg, bodies)
     assert set(shares) == {"left_thigh", "left_shank", "left_foot"}
     assert all(margins(parameters)[0] > 0.0 for parameters in shares.values())
     estimate = estimate_of(leg, rigid=leg.reduction.parameters(bodies.ravel()))

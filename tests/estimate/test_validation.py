@@ -5,7 +5,6 @@ import pytest
 
 import exoid
 from exoid import ExoidError
-from exoid.estimate import validation_to_json
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +28,7 @@ def test_several_recordings_are_judged_over_all_samples_and_one_by_one(swing, es
     for part, one in zip(both.parts, alone, strict=True):
         np.testing.assert_array_equal(part.rmse, one.rmse)
         assert part.source in str(both)
-    data = validation_to_json(both)
+    data = both.to_json()
     assert data["samples"] == sum(part["samples"] for part in data["recordings"])
     assert [part["rmse"] for part in data["recordings"]] == [one.rmse.tolist() for one in alone]
 
@@ -38,7 +37,7 @@ def test_one_recording_in_a_list_is_that_recording(swing, estimate):
     one, listed = exoid.validate(estimate, swing.test), exoid.validate(estimate, [swing.test])
     assert str(one) == str(listed)
     assert not listed.parts
-    assert "recordings" not in validation_to_json(listed)
+    assert "recordings" not in listed.to_json()
 
 
 @pytest.mark.parametrize(("given", "match"), [([], "no recordings"), (["log.csv"], "'log.csv' is no recording")])

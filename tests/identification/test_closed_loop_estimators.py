@@ -8,8 +8,7 @@ import pytest
 import exoid
 from exoid import Coulomb, ExoidError, Viscous
 from exoid.experiments.references import Harmonics
-from exoid.identification.estimators import ClosedLoop, InstrumentalVariables, OutputError
-from exoid.identification.estimators.instrumental import simulated_recording
+from exoid.identification.estimators import ClosedLoop, OutputError
 from exoid.rig import HydraulicServo, IdealTorque, Plant, Proportional, ProportionalDerivative, Rates, simulate
 from exoid.signals import Poses
 from exoid.torques import Offset, Stiffness, Term, TorqueModel
@@ -35,7 +34,8 @@ def log(loop=LOOP, terms=TERMS, truth=TRUTH):
     time = 1.5 + np.arange(round(SECONDS * RATE)) / RATE
     zeros = np.zeros((len(time), 2))
     empty = exoid.Recording(time, zeros, joint_names=LEG.joint_names)
-    return simulated_recording(TorqueModel(LEG, terms), loop, truth, empty)
+    ran = loop.simulate(TorqueModel(LEG, terms), truth[:, None], empty)
+    return dataclasses.replace(empty, q=ran.q[..., 0], tau=ran.tau[..., 0])
 
 
 @pytest.fixture(scope="module")
@@ -81,31 +81,6 @@ def test_output_error_says_how_wrong_it_is(exact):
     z = (estimate.values - TRUTH) / estimate.std
     assert np.abs(z).max() < 4.0
     assert estimate.std.max() < 0.2
-
-
-def test_instrumental_variables_remove_the_bias_that_noisy_angles_give_least_squares(exact):
-    """Behind a filter that lets much noise of the angles through, inertias come out too small; not so with instruments.
-
-    Viscous friction only: the noise of a smooth sign of the velocity is not additive.
-    """
-    terms, truth = (Viscous(),), np.concatenate([LEG.parameters, FRICTION[2:]])
-    recording = log(terms=terms, truth=truth)
-    inertias = [k for k, name in enumerate(LEG.parameter_names) if name.startswith("J")]
-    errors = {"wls": [], "iv": []}
-    for seed in range(4):
-        data = noisy(recording, 1e-3, 0.02, seed)
-        for name, estimator in (("wls", "wls"), ("iv", InstrumentalVariables(LOOP))):
-            estimate = exoid.identify(LEG, data, terms, estimator, cutoff=18.0)
-            assert estimate.estimator == name
-            errors[name].append(estimate.values / truth - 1.0)
-    bias = {name: np.abs(np.mean(each, axis=0))[inertias].max() for name, each in errors.items()}
-    assert bias["wls"] > 0.2
-    assert bias["iv"] < 0.1 * bias["wls"]
-
-
-def test_without_noise_instrumental_variables_are_least_squares(exact):
-    instrumental, weighted = (exoid.identify(LEG, exact, TERMS, e) for e in (InstrumentalVariables(LOOP), "wls"))
-    np.testing.assert_allclose(instrumental.values, weighted.values, rtol=2e-3)
 
 
 def sticking(control_rate=1000.0):
@@ -161,15 +136,8 @@ def test_output_error_takes_what_is_known_and_believed(exact):
     assert abs(told.value("J2") - LEG.parameters[5]) < 3e-5
 
 
-def test_instrumental_variables_refuse_what_they_cannot_take(exact):
-    with pytest.raises(ExoidError, match="no known parameters, priors or bounds"):
-        exoid.identify(LEG, exact, TERMS, InstrumentalVariables(LOOP), known={"X1": TRUTH[0]})
-
-
-@pytest.mark.parametrize("name", ["iv", "output-error"])
-@pytest.mark.parametrize("by_name", [True, False])
-def test_without_a_loop_they_say_what_to_give(exact, name, by_name):
-    estimator = name if by_name else {"iv": InstrumentalVariables, "output-error": OutputError}[name]()
+@pytest.mark.parametrize("estimator", ["output-error", OutputError()])
+def test_without_a_loop_output_error_says_what_to_give(exact, estimator):
     with pytest.raises(ExoidError, match=r"controller and reference.*ClosedLoop\(controller, reference\)"):
         exoid.identify(LEG, exact, TERMS, estimator)
 

@@ -12,7 +12,6 @@ from sessions import TERMS, Noise, Session, truth_of
 
 import exoid
 from exoid import Estimate, ExoidError, Recording, compare, identify
-from exoid.estimate import grouped_to_json
 from exoid.regression.rows import make_rows
 from exoid.signals import FiniteDifference, Poses, Recordings
 from exoid.torques import TorqueModel
@@ -269,7 +268,7 @@ def test_the_estimate_of_a_group_does_all_that_an_estimate_does(legs, sides, tmp
     estimate.to_urdf(tmp_path / "right.urdf")
     back = exoid.Leg.from_urdf(tmp_path / "right.urdf", joints=legs["right"].joint_names)
     np.testing.assert_allclose(back.parameters, estimate.values[:9], rtol=1e-9, atol=1e-9)
-    json.dumps(grouped_to_json(together), allow_nan=False)
+    json.dumps(together.to_json(), allow_nan=False)
 
 
 def test_recordings_alone_are_groups_with_the_names_of_their_files(leg, days, tmp_path):

@@ -207,7 +207,7 @@ def test_errors_on_a_worker_come_back_as_they_are(client, folder):
 
 def test_nobody_at_the_address_is_one_line(folder, monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("exoid.signals.cluster.PATIENCE", "1s")
+    monkeypatch.setattr("exoid.signals.cluster.TIMEOUT", "1s")
     with pytest.raises(ExoidError, match="no Dask scheduler answers"):
         Cluster.of_files("tcp://127.0.0.1:9", Recordings.from_folder(folder))
 

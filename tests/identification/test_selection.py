@@ -16,7 +16,6 @@ from exoid.identification.selection import (
     estimator_candidates,
     filter_candidates,
     friction_candidates,
-    selection_to_json,
 )
 from exoid.identification.selection.cross_validation import GAP, blocked_folds, evaluation, fast_blocks
 from exoid.signals import MovingAverage, Poses, Smoothed, ZeroPhase
@@ -86,7 +85,7 @@ def test_a_selection_prints_itself_and_turns_into_json(selection):
     text = str(selection)
     assert "* presliding+load" in text
     assert "3 blocked folds" in text
-    data = json.loads(json.dumps(selection_to_json(selection), allow_nan=False))
+    data = json.loads(json.dumps(selection.to_json(), allow_nan=False))
     assert data["chosen"] == "presliding+load"
     assert [each["name"] for each in data["candidates"]] == list(NAMES)
     assert {term["term"] for term in data["terms"]} >= {"coulomb", "load-friction", "viscous"}
@@ -138,7 +137,7 @@ def test_a_candidate_that_cannot_be_fitted_is_named_and_not_chosen(leg, plain):
     chosen = select_terms(leg, plain, candidates, folds=3, tune=False)
     assert chosen.candidate.name == "plain"
     assert "dead: no sample of left_hip, left_knee is faster" in str(chosen)
-    assert selection_to_json(chosen)["candidates"][0]["nrmse"] == [None, None]
+    assert chosen.to_json()["candidates"][0]["nrmse"] == [None, None]
     with pytest.raises(ExoidError, match="no candidate can be fitted: no sample"):
         select_terms(leg, plain, candidates[:1], folds=3, tune=False)
 
@@ -176,7 +175,7 @@ def test_where_seconds_are_too_few_to_extrapolate_it_is_said(selection):
     short = dataclasses.replace(selection, scores=tuple(nothing))
     assert "do not suffice to predict the faster ones" in short.warnings[0]
     assert "nan" not in str(short)
-    assert selection_to_json(short)["candidates"][0]["fast"] == [None, None]
+    assert short.to_json()["candidates"][0]["fast"] == [None, None]
 
 
 def test_torques_are_compared_behind_one_filter_whatever_the_fit_used():

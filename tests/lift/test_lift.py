@@ -1,4 +1,4 @@
-"""Lifted links can exist, reproduce what can be reproduced, and are those that a semidefinite program finds."""
+"""Lifted links are physically consistent, reproduce the parameters, and are those that a semidefinite program finds."""
 
 import numpy as np
 import pinocchio as pin
@@ -14,7 +14,7 @@ from exoid.lift import Lift, lift
 from exoid.lift.pseudo_inertia import (
     congruence,
     link_parameters,
-    made_possible,
+    make_consistent,
     margins,
     pseudo_inertias,
     upper_factors,
@@ -141,7 +141,7 @@ def test_infeasible_estimates_lift_to_the_optimum_of_the_semidefinite_program(ro
         if lifted.feasible:
             continue
         infeasible += 1
-        optimum = nearest_to_estimate(leg, values, covariance, lifted.heaviest)
+        optimum = nearest_to_estimate(leg, values, covariance, lifted.mass_limits)
         assert lifted.distance == pytest.approx(optimum.value, rel=1e-4, abs=1e-4)
         difference = lifted.values - leg.reduction.parameters(optimum.links)
         assert np.sqrt(difference @ np.linalg.solve(covariance, difference)) < 1e-2 * max(optimum.value, 1.0)
@@ -174,7 +174,7 @@ def test_parameters_that_are_known_exactly_do_not_move(bleex):
 
 
 @pytest.mark.parametrize("part", [0, *(pytest.param(part, marks=pytest.mark.slow) for part in (1, 2, 3))])
-def test_a_thousand_noisy_estimates_lift_to_links_that_can_exist(bleex, part):
+def test_a_thousand_noisy_estimates_lift_to_consistent_links(bleex, part):
     rng = np.random.default_rng(100 + part)
     feasible = 0
     for share in np.repeat([0.05, 0.2, 0.5, 1.0, 3.0], 50):
@@ -190,7 +190,7 @@ def test_a_thousand_noisy_estimates_lift_to_links_that_can_exist(bleex, part):
 
 
 @pytest.mark.parametrize("share", [0.01, 0.3, 3.0])
-def test_noisy_estimates_of_an_arm_lift_to_links_that_can_exist(arm, share):
+def test_noisy_estimates_of_an_arm_lift_to_consistent_links(arm, share):
     rng = np.random.default_rng(5)
     for _ in range(5):
         assert_possible(lift(arm, *noisy(arm, rng, share)))
@@ -215,13 +215,13 @@ def rod(inertia):
     ],
     ids=["point", "rod", "no triangle"],
 )
-def test_links_that_cannot_exist_gain_a_little_extent(inertia):
+def test_links_without_a_mass_distribution_get_a_small_extent(inertia):
     leg = rod(inertia)
     own = dynamic_parameters(leg.model)
-    repaired = made_possible(own)
+    repaired = make_consistent(own)
     assert margins(own)[0] < 1e-9 < margins(repaired)[0]
     np.testing.assert_array_equal(repaired[:4], own[:4])
-    np.testing.assert_array_equal(made_possible(repaired), repaired)
+    np.testing.assert_array_equal(make_consistent(repaired), repaired)
     lifted = lift(leg, leg.parameters * [1.0, 1.0, 1.2])
     assert lifted.feasible
     assert_possible(lifted)
@@ -248,7 +248,7 @@ def with_masses(text, factor):
 
 def test_possible_links_are_not_repaired(built_in_leg):
     own = dynamic_parameters(built_in_leg.model)
-    np.testing.assert_array_equal(made_possible(own), own)
+    np.testing.assert_array_equal(make_consistent(own), own)
 
 
 def test_pseudo_inertias_are_pinocchios():
@@ -281,7 +281,7 @@ def test_a_lift_says_what_had_to_give_way(bleex):
     assert "J3" in text
     assert "left_shank" in text
     assert "feasible=False" in repr(lifted)
-    assert "exactly the parameters asked for" in str(lift(bleex, bleex.parameters))
+    assert "exactly the requested parameters" in str(lift(bleex, bleex.parameters))
     with pytest.raises(ValueError, match="read-only"):
         lifted.values[0] = 1.0
 

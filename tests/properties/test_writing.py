@@ -131,7 +131,7 @@ def test_a_full_disk_ends_in_one_line_and_leaves_nothing(estimate, tmp_path, wha
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, old)
         signal.signal(signal.SIGXFSZ, handler)
-    assert "disk with room" in str(caught.value)
+    assert "disk with free space" in str(caught.value)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -144,7 +144,7 @@ def test_a_read_only_folder_ends_in_one_line(estimate, tmp_path, what):
             WRITES[what](estimate, tmp_path)
     finally:
         tmp_path.chmod(0o700)
-    assert "folder that is yours" in str(caught.value)
+    assert "folder for which you have permission" in str(caught.value)
     assert list(tmp_path.iterdir()) == []
 
 

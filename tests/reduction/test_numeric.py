@@ -131,10 +131,10 @@ def test_clearly_offset_and_clearly_coaxial_joints_have_their_number_of_paramete
 
 @pytest.mark.parametrize(
     ("offset", "last", "what"),
-    [(5e-10, True, "number of base parameters"), (1e-9, False, "which parameters move the joints")],
+    [(5e-10, True, "number of base parameters"), (1e-9, False, "set of parameters that act on the torques")],
 )
-def test_a_rank_that_is_a_matter_of_opinion_is_refused(offset, last, what):
-    with pytest.raises(ExoidError, match=f"{what} is not clear-cut.* kept, .* dropped.*To mend it: round away"):
+def test_an_ambiguous_rank_is_refused(offset, last, what):
+    with pytest.raises(ExoidError, match=f"{what} is ambiguous.* kept, .* dropped.*To fix it: round away"):
         nearly_coaxial(offset, last=last)
 
 

@@ -175,7 +175,7 @@ def test_intervals_that_count_filtered_samples_as_independent_must_be_too_narrow
     """Without the noise bandwidth of the filter, 95 % intervals contain the truth far less often."""
 
     class Naive(ZeroPhase):
-        def independence(self, rate):
+        def independent_fraction(self, rate):
             return 1.0
 
     swing = Swing(exoid.load_leg("bleex", inertias="identified"), seconds=12.0, base=0.15)

@@ -1,32 +1,22 @@
 """``exoid reproduce``: the same seed gives the same bytes, and bad folders are refused before anything runs."""
 
 import json
-import sys
 from functools import partial
 
 import pytest
 
 from exoid import reproduce
-from exoid.cli import main
 from exoid.errors import ExoidError
 
 SHORT = reproduce.Extent(duration=5.0, poses=20)
 
 
 @pytest.fixture
-def command(capsys, monkeypatch, tmp_path):
+def command(exoid_, monkeypatch):
     """Run ``exoid reproduce ARGUMENTS`` on short replays, in an empty folder."""
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(reproduce, "reproduce_bleex", partial(reproduce.reproduce_bleex, extent=SHORT))
     monkeypatch.setattr(reproduce, "reproduce_cuhk", partial(reproduce.reproduce_cuhk, duration=6.0))
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["exoid", "reproduce", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        return int(stop.value.code or 0), *capsys.readouterr()
-
-    return run
+    return partial(exoid_, "reproduce")
 
 
 def test_the_same_seed_gives_the_same_bytes(command, tmp_path):

@@ -154,7 +154,7 @@ def test_what_document_2_steps_claim_agrees_with_the_scatter(cuhk_leg):
 def test_a_moving_average_leaves_fewer_independent_samples(cuhk_leg):
     recording = cuhk_data(cuhk_leg).row3
     model = cuhk_steps.document_model(cuhk_leg)
-    assert rows_in_motion(model, [recording], 0, MovingAverage(0.2)).independence == pytest.approx(1.0 / 9.0)
+    assert rows_in_motion(model, [recording], 0, MovingAverage(0.2)).independent_fraction == pytest.approx(1.0 / 9.0)
 
 
 # ------------------------------------------------------------------------------------------ refusals

@@ -419,8 +419,8 @@ def test_a_joint_named_twice_in_a_message_is_refused(tmp_path):
 
 def test_topic_and_stamps_are_refused_for_other_files(tmp_path):
     swing().to_csv(tmp_path / "log.csv")
-    refused(tmp_path / "log.csv", "of bags", topic="/joint_states")
-    refused(tmp_path / "log.csv", "of bags", stamps="received")
+    refused(tmp_path / "log.csv", "apply to bags", topic="/joint_states")
+    refused(tmp_path / "log.csv", "apply to bags", stamps="received")
 
 
 # What cannot be read

@@ -28,9 +28,9 @@ def test_rows_near_the_ends_are_those_of_the_filter_too_but_for_what_any_continu
     parallel, rate = ParallelFilter(500.0, 8.0, 4), 500.0
     t = np.arange(5_000) / rate
     smooth = np.array([np.sin(2.0 * t), t, 0 * t + 3.0])
-    found = parallel(smooth, range(0, 5_000, parallel.pace))
-    whole = zero_phase(smooth.T, rate, 8.0).T[:, :: parallel.pace]
-    np.testing.assert_allclose(found[1:], smooth[1:, :: parallel.pace], atol=1e-12)  # straight lines stay as they are
+    found = parallel(smooth, range(0, 5_000, parallel.stride))
+    whole = zero_phase(smooth.T, rate, 8.0).T[:, :: parallel.stride]
+    np.testing.assert_allclose(found[1:], smooth[1:, :: parallel.stride], atol=1e-12)  # straight lines stay as they are
     np.testing.assert_allclose(found[:, 80:-80], whole[:, 80:-80], atol=1e-9)
     np.testing.assert_allclose(found, whole, atol=1e-4)
 
@@ -50,17 +50,17 @@ def test_sums_of_products_over_every_pace_th_row_are_those_over_all_rows(rate, c
     parallel, rng = ParallelFilter(rate, cutoff, 4), np.random.default_rng(1)
     x = np.sign(np.cumsum(rng.standard_normal((4, 60_000)), axis=1))
     x[3] = rng.standard_normal(60_000)
-    assert parallel.pace > 5
-    rows = range(2_000, 2_000 + 56_000 // parallel.pace * parallel.pace)
+    assert parallel.stride > 5
+    rows = range(2_000, 2_000 + 56_000 // parallel.stride * parallel.stride)
     every = parallel(x, rows)
-    few = parallel(x, rows[:: parallel.pace])
+    few = parallel(x, rows[:: parallel.stride])
     scale = np.sqrt(np.multiply.outer(np.mean(every**2, axis=1), np.mean(every**2, axis=1)))
     np.testing.assert_allclose(few @ few.T / few.shape[1] / scale, every @ every.T / every.shape[1] / scale, atol=2e-3)
 
 
 def test_it_is_linear():
     parallel, x = ParallelFilter(200.0, 8.0, 4), signals(2)
-    rows = range(0, 20_011, parallel.pace)
+    rows = range(0, 20_011, parallel.stride)
     both = parallel(np.array([2.0 * x[0] - 3.0 * x[1]]), rows)[0]
     np.testing.assert_allclose(both, [2.0, -3.0] @ parallel(x, rows), atol=1e-12)
 

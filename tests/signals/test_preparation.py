@@ -160,7 +160,7 @@ def test_a_preparation_is_found_by_its_name(way):
 @pytest.mark.parametrize("way", WAYS, ids=lambda way: way.name)
 def test_the_share_of_independent_samples_is_the_noise_power_left_by_the_filter(way):
     noise = np.random.default_rng(11).normal(size=(200_000, 1))
-    assert np.var(way.filter(noise, 100.0)) == pytest.approx(way.independence(100.0), rel=0.05)
+    assert np.var(way.filter(noise, 100.0)) == pytest.approx(way.independent_fraction(100.0), rel=0.05)
 
 
 def test_settings_appear_in_the_evidence():
@@ -198,7 +198,7 @@ def test_the_moving_average_delays_every_signal_alike_and_smooths_columns_only_o
 
 def test_a_recording_that_is_all_edges_is_refused():
     with pytest.raises(
-        ExoidError, match=r"100 samples are too few: the filters spoil \d+ at the beginning.*record longer"
+        ExoidError, match=r"100 samples are too few: the filters distort \d+ at the beginning.*record longer"
     ):
         ZeroPhase().kinematics(recording(200.0, 0.5))
     with pytest.raises(ExoidError, match="20 samples are too few"):

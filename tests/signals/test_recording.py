@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
 
 from exoid import ExoidError
-from exoid.signals import Recording, Source
+from exoid.signals import Approaches, FiniteDifference, Poses, Recording, Source
 
 JOINTS = ("hip", "left_knee")
 TIME = np.arange(60) / 50.0
@@ -179,7 +180,7 @@ def test_a_limit_on_angles_that_is_not_positive_is_refused(limit):
 
 
 def test_values_that_no_leg_can_have_are_refused_before_they_overflow():
-    refused(r"^row 3, column tau_hip: 1e\+300 is beyond anything", **with_cell("tau", 3, 0, 1e300))
+    refused(r"^row 3, column tau_hip: 1e\+300 is not plausible", **with_cell("tau", 3, 0, 1e300))
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-3])
@@ -243,3 +244,30 @@ def test_slices_by_row_and_by_time_agree_and_share_no_row():
 def test_a_slice_that_leaves_too_little_is_refused():
     with pytest.raises(ExoidError, match="too few samples: 0"):
         Recording(**arrays()).between(50.0, 60.0)
+
+
+def test_a_notebook_shows_the_ranges_of_each_joint():
+    t = np.arange(100) / 50.0
+    q = np.column_stack([0.5 * np.sin(3.0 * t), np.full(100, -0.25)])
+    recording = Recording(time=t, q=q, tau=40.0 * q, joint_names=("hip", "<knee>"), source=Source("a&b.csv", "0" * 64))
+    table = ET.fromstring(recording._repr_html_())
+    assert table.findtext("caption") == "a&b.csv: 100 samples at 50 Hz, 1.98 s"
+    assert [cell.text for cell in table.iter("th")] == ["joint", "q [rad]", "v [rad/s]", "a [rad/s²]", "tau [N·m]"]
+    hip, knee = ([cell.text for cell in row] for row in table.find("tbody"))
+    assert hip == ["hip", "-0.5 … 0.5", "not recorded", "not recorded", "-20 … 20"]
+    assert knee == ["<knee>", "-0.25 … -0.25", "not recorded", "not recorded", "-10 … -10"]
+
+
+def test_an_uneven_recording_in_memory_says_so_in_a_notebook():
+    t = np.cumsum(np.where(np.arange(50) % 7, 0.01, 0.013))
+    shown = Recording(time=t, q=np.zeros((50, 1)), joint_names=("knee",))._repr_html_()
+    assert "Recording: 50 samples at 100 Hz, " in shown
+    assert "s (uneven)</caption>" in shown
+
+
+def test_data_of_many_samples_print_one_line():
+    poses = Poses(np.zeros((5000, 2)), np.ones((5000, 2)), ("hip", "knee"))
+    assert repr(poses) == "Poses(5000 poses; joints: hip, knee)"
+    assert repr(Approaches(poses, poses)) == f"Approaches(below={poses!r}, above={poses!r})"
+    motion = Recording(time=np.arange(5000) / 100.0, q=poses.q, joint_names=poses.joint_names)
+    assert repr(FiniteDifference().kinematics(motion)) == "Kinematics(5000 samples, 2 joints, valid: 1 to 4999)"

@@ -9,12 +9,13 @@ import sys
 import threading
 import time
 from dataclasses import replace
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import exoid
-from exoid.cli import main
 from exoid.errors import ExoidError
 from exoid.experiments import cuhk
 from exoid.experiments.excitation import MotionLimits, Scales
@@ -214,6 +215,11 @@ def test_a_folder_of_another_study_is_refused(tmp_path):
         run_study(study(replicates=2), tmp_path)
 
 
+def test_a_folder_in_which_another_run_writes_its_first_file_is_used(result, tmp_path):
+    (tmp_path / ".study.json.1.part").write_text("{")
+    assert same(run_study(study(), tmp_path), result)
+
+
 def kill_a_child_once(folder, after, killed):
     """Kill one process that this one has started, as soon as there are so many chunks."""
     for _ in range(20_000):
@@ -234,6 +240,34 @@ def test_killing_a_worker_changes_nothing_but_time(result, tmp_path):
     killer.join(timeout=1.0)
     assert len(killed) == 1
     assert same(found, result)
+
+
+class DeadlyNoise(Noise):
+    """Noise that kills the process that draws it."""
+
+    def draw(self, rng, samples, rate):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_workers_that_die_again_and_again_end_in_one_error_and_the_study_goes_on_later(result, monkeypatch, tmp_path):
+    monkeypatch.setattr("exoid.study.workers.ATTEMPTS", 2)
+    with pytest.raises(ExoidError, match="workers died 2 times without finishing a chunk"):
+        run_study(study(noises=(DeadlyNoise("mixed", STD, share=0.8),)), tmp_path / "kept", processes(2))
+    assert same(run_study(study(), tmp_path / "kept", processes(2)), result)
+
+
+def test_scripts_need_no_main_guard_for_processes(tmp_path):
+    """Workers do not run the script anew, as multiprocessing's own do."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import sys\n"
+        f"sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+        "from test_virtual_identifications import *\n"
+        "print(json.dumps(run_study(study(), workers=processes(2)).to_json()))\n",
+        encoding="utf-8",
+    )
+    ran = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=200, check=True)
+    assert ran.stdout == json.dumps(run_study(study()).to_json()) + "\n"
 
 
 @pytest.mark.slow
@@ -278,7 +312,7 @@ def test_a_dask_cluster_gives_the_same_bits_even_if_a_worker_dies(tmp_path):
 
 def test_nobody_at_the_address_of_a_scheduler_is_one_line(monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("exoid.signals.cluster.PATIENCE", "1s")
+    monkeypatch.setattr("exoid.signals.cluster.TIMEOUT", "1s")
     with pytest.raises(ExoidError, match="no Dask scheduler answers"):
         run_study(study(), None, dask_cluster("tcp://127.0.0.1:9"))
 
@@ -302,16 +336,9 @@ def test_studies_that_make_no_sense_are_refused(changes, words):
         processes(0)
 
 
-def test_the_command_prints_a_table_or_json(capsys, monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
+def test_the_command_prints_a_table_or_json(exoid_):
     options = ["--replicates", "2", "--duration", "12", "--protocols", "document", "--noise", "0.3"]
-
-    def run(*more):
-        monkeypatch.setattr(sys, "argv", ["exoid", "study", "cuhk", *options, *more])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        return (int(stop.value.code or 0), *capsys.readouterr())
-
+    run = partial(exoid_, "study", "cuhk", *options)
     code, out, _ = run("-o", "kept", "--parameters")
     assert code == 0
     assert "document, mixed, wls" in out

@@ -41,7 +41,7 @@ seeds = st.integers(0, 2**32 - 1)
 def motion_of(term, q=0.0, v=0.0, load=0.0):
     """Motion of one joint, with its hidden state."""
     q, v, load = (np.array(x, dtype=float) for x in np.broadcast_arrays(np.atleast_1d(q), v, load))
-    memory = None if term.memory is None else term.memory.states(q, v)
+    memory = None if term.internal_state is None else term.internal_state.states(q, v)
     return JointMotion(q, v, np.zeros_like(q), load, memory)
 
 
@@ -222,8 +222,8 @@ def test_friction_survives_a_round_trip_through_json(first, second, band, yes):
         (lambda: NonlinearParameter(0.1, 0.2, 1.0), "0 < lower ≤ start ≤ upper"),
         (lambda: NonlinearParameter(0.1, 0.0, 1.0), "0 < lower ≤ start ≤ upper"),
         (lambda: NonlinearParameter(0.1, 0.1, np.inf), "0 < lower ≤ start ≤ upper"),
-        (lambda: term_from_json({"term": "stribeck", "velocity": {"start": 1.0}}), "terms are"),
-        (lambda: TorqueModel(exoid.load_leg("cuhk"), (Stribeck(velocity=VS),)), "still to be found: vs_hip, vs_knee"),
+        (lambda: term_from_json({"term": "stribeck", "velocity": {"start": 1.0}}), "settings are"),
+        (lambda: TorqueModel(exoid.load_leg("cuhk"), (Stribeck(velocity=VS),)), "no value yet: vs_hip, vs_knee"),
         (lambda: columns(Stribeck(velocity=VS)), "not yet a number"),
     ],
 )
@@ -235,7 +235,11 @@ def test_a_setting_that_makes_no_sense_is_refused(make, what):
 def test_one_quantity_of_a_joint_is_one_setting():
     names, labels = ("left_hip", "left_knee"), ("hip", "knee")
     terms = (Coulomb(presliding=DELTA), Offset(), Stribeck(presliding=DELTA, velocity=VS, joints=("knee",)))
-    assert [shape.name for shape in nonlinear_settings(terms, names, labels)] == ["delta_hip", "delta_knee", "vs_knee"]
+    assert [setting.name for setting in nonlinear_settings(terms, names, labels)] == [
+        "delta_hip",
+        "delta_knee",
+        "vs_knee",
+    ]
     settled = with_settings(terms, names, labels, {"delta_hip": 1e-3, "delta_knee": 2e-3, "vs_knee": 0.3})
     assert settled == (
         Coulomb(joints=("left_hip",), presliding=1e-3),

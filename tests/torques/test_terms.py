@@ -149,7 +149,7 @@ def test_a_joint_that_the_leg_does_not_have_is_refused_with_those_it_has():
         Viscous(joints=("knee", "toe", "right_hip")).joint_indices(NAMES, LABELS)
     assert str(caught.value) == (
         "Viscous acts on toe, right_hip, which the leg does not have. "
-        "To mend it: its joints are left_hip, left_knee, left_ankle"
+        "To fix it: its joints are left_hip, left_knee, left_ankle"
     )
 
 
@@ -180,7 +180,7 @@ def test_every_term_has_a_name_and_the_defaults_are_among_them():
 
 
 def test_an_unknown_term_is_refused_with_the_known_ones():
-    with pytest.raises(ExoidError, match=r"no term 'magnet'\. To mend it: use some of .*coulomb"):
+    with pytest.raises(ExoidError, match=r"no term 'magnet'\. To fix it: use some of .*coulomb"):
         term_by_name("magnet")
 
 

@@ -1,4 +1,6 @@
-"""Rigid bodies and terms in one linear model: names, order, columns, merging and refusals."""
+"""Rigid bodies and terms in one linear model: names, order, columns, regrouping and refusals."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -7,7 +9,8 @@ from planar_chains import assert_relative, random_chain, random_motion
 import exoid
 from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Stiffness, TorsoMotion, Viscous
 from exoid.description import describe
-from exoid.torques import DEFAULT_TERMS, Regrouped, Term, TorqueModel
+from exoid.torques import DEFAULT_TERMS, LoadFriction, Regrouped, Term, TorqueModel
+from exoid.torques.linearised import linearise
 from exoid.torques.model import BLOCK
 
 
@@ -130,7 +133,7 @@ def test_arrays_of_the_wrong_shape_are_refused(leg):
         model_of(leg, Coulomb()).regressor(*np.zeros((3, 5, 2)))
 
 
-# ------------------------------------------------------------------------------------------- merging
+# ---------------------------------------------------------------------------------------- regrouping
 
 
 @pytest.mark.parametrize("name", ["bleex", "cuhk"])
@@ -140,11 +143,11 @@ def test_a_rotor_at_the_hip_is_part_of_j1_and_at_the_others_a_parameter_of_its_o
     (regrouped,) = model.regrouped
     assert regrouped.name == "Ia_hip"
     assert regrouped.into == {"J1": pytest.approx(1.0, abs=1e-9)}
-    assert str(regrouped) == "Ia_hip cannot be told from J1 by any motion: it is part of it"
+    assert str(regrouped) == "Ia_hip is regrouped into J1: no motion distinguishes them"
     assert model.names == (*leg.parameter_names, *(f"Ia_{joint}" for joint in leg.joint_labels[1:]))
 
 
-def test_a_merged_rotor_keeps_the_torque(leg):
+def test_a_regrouped_rotor_keeps_the_torque(leg):
     """J1 + Ia_hip gives what both apart would."""
     q, v, a = random_motion(np.random.default_rng(6), 3)
     model = model_of(leg, Armature())
@@ -171,7 +174,7 @@ def test_a_b0_after_an_offset_is_the_offset_and_the_other_columns_stay_in_place(
 
 
 class GearedRotor(Term):
-    """Twice a rotor, beside a constant and something of its own: merging must keep scales and columns apart."""
+    """Twice a rotor, beside a constant and something of its own: regrouping must keep scales and columns apart."""
 
     @property
     def symbols(self) -> tuple[str, ...]:
@@ -185,13 +188,13 @@ class GearedRotor(Term):
         out[0], out[1], out[2] = 3.0, 2.0 * motion.a, motion.v**3
 
 
-def test_merged_parameters_state_their_share_and_leave_the_others_their_columns(leg):
+def test_regrouped_parameters_state_their_share_and_leave_the_others_their_columns(leg):
     model = model_of(leg, Offset(), GearedRotor(joints=("hip",)))
     assert model.regrouped == (
         Regrouped("constant_hip", {"offset_hip": pytest.approx(3.0, abs=1e-9)}),
         Regrouped("rotor_hip", {"J1": pytest.approx(2.0, abs=1e-9)}),
     )
-    assert str(model.regrouped[1]).startswith("rotor_hip cannot be told from J1 (× 2) by any motion")
+    assert str(model.regrouped[1]).startswith("rotor_hip is regrouped into J1 (× 2)")
     assert model.names[9:] == ("offset_hip", "offset_knee", "offset_ankle", "cube_hip")
     q, v, a = random_motion(np.random.default_rng(9), 3)
     W = model.regressor(q, v, a)
@@ -199,8 +202,51 @@ def test_merged_parameters_state_their_share_and_leave_the_others_their_columns(
     assert_relative(W[:, :, 2] * 2.0, np.stack([2.0 * a[:, 0], 0 * q[:, 1], 0 * q[:, 2]], axis=1), 1e-15)
 
 
-def test_two_kinds_of_friction_that_differ_are_not_merged(leg):
+def test_two_kinds_of_friction_that_differ_are_not_regrouped(leg):
     assert model_of(leg, Coulomb(), Viscous(), Offset()).regrouped == ()
+
+
+@pytest.fixture
+def qr_calls(monkeypatch):
+    """Shapes of the matrices that np.linalg.qr is called with."""
+    calls, qr = [], np.linalg.qr
+    monkeypatch.setattr(np.linalg, "qr", lambda A, *args, **kwargs: (calls.append(A.shape), qr(A, *args, **kwargs))[1])
+    return calls
+
+
+def test_construction_regroups_once_and_attributes_look_up(leg, qr_calls):
+    model = model_of(leg, *DEFAULT_TERMS)
+    assert len(qr_calls) == 1
+    assert len(model.names) == len(model.units) == model.acting.shape[1] == len(model.friction)
+    assert [one.name for one in model.regrouped] == ["Ia_hip"]
+    assert len(qr_calls) == 1
+
+
+def test_copies_of_a_model_carry_what_is_regrouped(leg, qr_calls):
+    terms = (LoadFriction(), Armature())
+    model = model_of(leg, *terms)
+    values = np.append(2.0 * leg.parameters, np.zeros(5))
+    copies = [
+        model.loaded_by(values),
+        replace(model, rigid=leg.parameters),
+        TorqueModel(leg, terms, None, model.regrouped),
+    ]
+    copies.append(linearise(leg, terms, values, {}, regrouped=model.regrouped))
+    assert all(copy.regrouped is model.regrouped and copy.names == model.names for copy in copies)
+    assert len(qr_calls) == 1
+
+
+def test_regrouping_of_other_terms_is_refused(leg):
+    model = model_of(leg, Armature())
+    with pytest.raises(ExoidError, match="Ia_hip of regrouped are no parameters"):
+        replace(model, terms=(Viscous(),))
+
+
+def test_models_and_motions_print_one_line(leg):
+    model = model_of(leg, Viscous(joints=("knee",)), Offset(joints=("hip",)))
+    names = ", ".join(leg.parameter_names)
+    assert repr(model) == f"TorqueModel('bleex.urdf', terms: Viscous, Offset; {names}, d_knee, offset_hip)"
+    assert repr(model.motion(*np.zeros((3, 5000, 3)))) == "Motion(5000 samples, 3 joints, 0 internal states)"
 
 
 def test_what_is_left_is_independent(leg):
@@ -213,7 +259,7 @@ def test_what_is_left_is_independent(leg):
 
 def test_a_share_other_than_one_is_stated():
     assert str(Regrouped("a", {"b": 1.0, "c": -0.25})) == (
-        "a cannot be told from b, c (× -0.25) by any motion: it is part of it"
+        "a is regrouped into b, c (× -0.25): no motion distinguishes them"
     )
 
 
@@ -230,7 +276,7 @@ def test_a_share_other_than_one_is_stated():
 )
 def test_a_term_twice_at_one_joint_is_refused(leg, terms, repeated):
     with pytest.raises(
-        ExoidError, match=f"parameters occur twice: {repeated}\\. To mend it: give each term once a joint"
+        ExoidError, match=f"parameters occur twice: {repeated}\\. To fix it: give each term once a joint"
     ):
         TorqueModel(leg, terms)
 

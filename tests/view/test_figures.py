@@ -25,13 +25,13 @@ from exoid.view import (
     plot_peak_errors,
     plot_prediction,
     plot_reference,
-    plot_residual_along,
+    plot_residual_trend,
     plot_stiffness,
     plot_torques,
     plot_tracking_errors,
 )
 from exoid.view.colours import MEASURED
-from exoid.view.stability import RESTLESS
+from exoid.view.stability import CYCLING_COLOURS
 from exoid.view.style import COLUMN
 
 NAMES = ("hip", "knee", "ankle")
@@ -98,13 +98,13 @@ def test_gain_margins_are_drawn_over_the_rate_with_a_line_for_each_delay():
     assert inside(figure, ax)
 
 
-def test_runs_whose_energy_rises_again_and_again_have_colours_of_their_own():
+def test_runs_whose_energy_often_rises_have_other_colours():
     _, ax = drawn(PLOTS["energy"])
     assert ax.lines[0].get_color() == MEASURED
-    assert ax.lines[1].get_color() == RESTLESS[0]
+    assert ax.lines[1].get_color() == CYCLING_COLOURS[0]
 
 
-def test_torques_of_each_joint_have_axes_of_their_own():
+def test_torques_of_each_joint_have_separate_axes():
     measured = np.column_stack([np.sin(TIME), np.cos(TIME), TIME])
     models = [("CAD", 1.2 * measured, "red"), ("identified", measured, "blue")]
     figure, axes = drawn(lambda axes: plot_torques(axes, TIME, measured, models, NAMES), rows=3)
@@ -171,14 +171,14 @@ def test_the_mean_residual_shows_what_the_dots_hide():
     rng = np.random.default_rng(1)
     velocity = rng.uniform(-1.0, 1.0, 20_000)
     residual = 0.3 * velocity + rng.normal(0.0, 1.0, len(velocity))
-    _, ax = drawn(lambda ax: plot_residual_along(ax, velocity, residual, 0, "velocity [rad/s]", "hip"))
+    _, ax = drawn(lambda ax: plot_residual_trend(ax, velocity, residual, 0, "velocity [rad/s]", "hip"))
     centre, mean = ax.containers[0].lines[0].get_xydata().T
     np.testing.assert_allclose(mean, 0.3 * centre, atol=0.15)
     assert len(ax.lines[0].get_xdata()) <= 5000, "not every sample is drawn"
 
 
 def test_few_samples_have_dots_but_no_mean():
-    _, ax = drawn(lambda ax: plot_residual_along(ax, TIME[:5], TIME[:5], 0, "velocity [rad/s]", "hip"))
+    _, ax = drawn(lambda ax: plot_residual_trend(ax, TIME[:5], TIME[:5], 0, "velocity [rad/s]", "hip"))
     assert not ax.containers
 
 

@@ -1,4 +1,4 @@
-"""Figures of plans show the motion, its limits, and how well each parameter will be known."""
+"""Figures of plans show the motion, its limits, and the expected precision of each parameter."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ def test_a_planned_motion_is_drawn_for_one_period_between_its_limits(plan):
     assert [text.get_text() for text in axes[0].get_legend().get_texts()] == ["hip", "knee"]
 
 
-def test_bars_end_where_parameters_are_known_and_are_coloured_by_verdict(plan):
+def test_bars_end_where_parameters_are_known_and_are_coloured_by_identifiability(plan):
     still = plan.recordings[0]
     held = exoid.Recording(still.time, still.q * [1.0, 0.0], joint_names=LEG.joint_names)
     precision = assess(LEG, held, noise=0.3).precision

@@ -1,4 +1,4 @@
-"""The report tells what the estimate holds, in one valid page that needs nothing beside it."""
+"""The report states what the estimate holds, in one valid self-contained page."""
 
 from dataclasses import replace
 
@@ -8,13 +8,15 @@ from html_pages import check, undrawn
 
 import exoid
 from exoid.experiments.excitation import assess
+from exoid.regression import Prior
+from exoid.regression.trends import trend_warnings
 from exoid.signals import Source
 from exoid.tables import DataTable
 from exoid.torques import Armature, Coulomb, NonlinearParameter, Offset, Stribeck, Viscous
-from exoid.view.report import Embedded, Page, Section, Words, identification_report, picture
-from exoid.view.report import text as words
-from exoid.view.report.evidence import gather
+from exoid.view.report import EmbeddedPage, Page, Section, Text, draw_picture, identification_report
 from exoid.view.report.pictures import prediction_pictures
+from exoid.view.report.recording_prediction import predict_recording
+from exoid.view.report.text import trend_notes
 
 
 @pytest.fixture(scope="module")
@@ -49,21 +51,21 @@ def test_every_parameter_stands_in_the_table_with_its_interval_and_the_urdfs_val
     assert rows["c0_hip"][-1] == "–"
 
 
-def test_the_verdict_counts_and_says_how_well_an_unseen_recording_is_predicted(page, swing):
+def test_the_summary_counts_parameters_and_gives_the_error_on_a_held_out_recording(page, swing):
     data, estimate = swing
     nrmse = exoid.validate(estimate, data.test).nrmse
-    words = " ".join(page.verdict)
-    assert f"{estimate.identifiability.count('well')} well determined" in words
-    assert all(f"{100 * error:.1f} %" in words for error in nrmse)
+    summary = " ".join(page.summary)
+    assert f"{estimate.identifiability.count('well')} well identified" in summary
+    assert all(f"{100 * error:.1f} %" in summary for error in nrmse)
 
 
 def test_without_a_held_out_recording_the_report_says_so(swing):
     data, estimate = swing
     with undrawn():
-        assert "not tested" in " ".join(identification_report(estimate, [data.train]).verdict)
+        assert "no held-out recording" in " ".join(identification_report(estimate, [data.train]).summary)
 
 
-def test_where_everything_comes_from_is_told(page, swing):
+def test_inputs_and_settings_are_listed(page, swing):
     _, estimate = swing
     text = text_of(check(page.html()))
     assert estimate.inputs[0].sha256 in text
@@ -80,16 +82,16 @@ def short(swing):
         return part, estimate, text_of(check(identification_report(estimate, [part]).html()))
 
 
-def test_what_is_not_determined_is_named_with_what_it_trades_against(short):
+def test_poorly_identified_parameters_are_named_with_those_they_correlate_with(short):
     _, estimate, text = short
-    poor = [name for name, verdict in zip(estimate.names, estimate.identifiability, strict=True) if verdict != "well"]
+    poor = [name for name, grade in zip(estimate.names, estimate.identifiability, strict=True) if grade != "well"]
     assert poor
     assert all(f"{name} is " in text for name in poor)
-    assert "trades most against" in text
+    assert "its error correlates most with that of" in text
 
 
 def test_the_advice_is_that_of_assessing_the_recordings(short):
-    """Gravity at small hip angles does not tell a spring; the report names the experiment that does."""
+    """Gravity at small hip angles resembles a spring; the report names the experiment that separates them."""
     part, estimate, text = short
     assert estimate.identifiability[estimate.names.index("b1_hip")] != "well"
     found = assess(estimate.model.leg, part, estimate.model.terms, noise=estimate.residual_rms).advice
@@ -100,55 +102,55 @@ def test_the_advice_is_that_of_assessing_the_recordings(short):
 
 @pytest.fixture(scope="module")
 def particular(swing):
-    """An estimate with everything that is told beside parameters, and the page about it."""
+    """An estimate with all kinds of prior knowledge, and the page about it."""
     data, _ = swing
     parts = [replace(data.train.slice(k * 1000, (k + 1) * 1000), source=Source(f"run{k}.csv", f"{k}")) for k in (0, 1)]
     terms = (Coulomb(), Stribeck(velocity=NonlinearParameter(0.1, 0.01, 1.0)), Viscous(), Armature(), Offset())
-    prior = exoid.regression.Prior({"J3": (0.05, 1e-4)})
+    prior = Prior({"J3": (0.05, 1e-4)})
     estimate = exoid.identify(data.leg, parts, terms, known={"X1": 3.98}, prior=prior, nonnegative=True)
     with undrawn():
         return estimate, identification_report(estimate, parts)
 
 
-def test_what_was_known_and_believed_is_told_and_nothing_is_advised_for_it(particular):
+def test_prior_knowledge_is_listed_and_gets_no_advice(particular):
     estimate, page = particular
     assert set(estimate.identifiability) >= {"known", "prior"}
     text = text_of(check(page.html()))
     assert "Known: X1 = 3.98" in text
     assert "Prior: J3 = 0.05 ± 0.0001" in text
-    assert "1 held at what is known" in " ".join(page.verdict)
+    assert "1 fixed at a known value" in " ".join(page.summary)
     assert estimate.bounded
     assert f"Kept at zero: {', '.join(estimate.bounded)}" in text
     assert "X1 is " not in text
     assert "brings X1" not in text
 
 
-def test_fitted_settings_stand_below_the_parameters(particular):
+def test_nonlinear_parameters_stand_below_the_linear_ones(particular):
     estimate, page = particular
     rows = [[cell.text for cell in row] for row in check(page.html()).find(".//table").iter("tr")]
     assert [row[0] for row in rows[1:]] == [*estimate.names, *estimate.nonlinear.names]
-    settings = rows[-len(estimate.nonlinear) :]
-    np.testing.assert_allclose([float(row[1]) for row in settings], estimate.nonlinear.values, rtol=5e-2)
+    nonlinear = rows[-len(estimate.nonlinear) :]
+    np.testing.assert_allclose([float(row[1]) for row in nonlinear], estimate.nonlinear.values, rtol=5e-2)
 
 
-def test_every_recordings_part_is_told(particular):
+def test_the_influence_of_every_recording_is_listed(particular):
     estimate, page = particular
     tables = {table.findtext("caption"): table for table in check(page.html()).iter("table")}
-    rows = [[cell.text for cell in row] for row in tables["What each recording contributes"].find("tbody")]
+    rows = [[cell.text for cell in row] for row in tables["Influence of each recording"].find("tbody")]
     assert [row[0] for row in rows] == ["run0.csv", "run1.csv"]
     for row, change in zip(rows, estimate.influence.change, strict=True):
-        moved = change[estimate.names.index(row[2])]
-        assert row[3] in (f"{moved:+.1f}".replace("-", "−"), "not known without")
+        largest = change[estimate.names.index(row[2])]
+        assert row[3] in (f"{largest:+.1f}".replace("-", "−"), "not identifiable")
 
 
-def test_residuals_that_depend_on_velocity_are_told_with_a_hint(swing):
+def test_residuals_that_depend_on_velocity_are_named_with_a_hint(swing):
     """Without Coulomb friction the residual has its shape."""
     data, estimate = swing
     poor = exoid.identify(data.leg, data.train, (Viscous(), Offset()))
-    text = " ".join(words.dependence(poor))
-    assert "depends on its velocity by more than noise explains" in text
-    assert "friction is not of the form of the terms" in text
-    assert words.dependence(estimate)[0].startswith("No residual depends on velocity or angle")
+    text, warnings = " ".join(trend_notes(poor).lines), trend_warnings(poor.trends)
+    assert any("velocity" in warning for warning in warnings)
+    assert all(warning[1:] in text for warning in warnings)
+    assert trend_notes(estimate).lines[0].startswith("No residual depends on velocity or angle")
 
 
 def test_a_leg_without_friction_terms_has_no_friction_section(swing):
@@ -157,19 +159,19 @@ def test_a_leg_without_friction_terms_has_no_friction_section(swing):
     with undrawn():
         titles = [section.title for section in identification_report(rigid, [data.train]).sections]
     assert "Friction" not in titles
-    assert "What the model leaves over" in titles
+    assert "Residuals" in titles
 
 
-def test_bands_contain_as_many_new_torques_as_they_say(swing):
-    """On data of the same leg; and far fewer where the leg is another."""
+def test_bands_contain_95_percent_of_new_torques(swing):
+    """On data of the same leg; far fewer on data of another leg."""
     data, estimate = swing
-    np.testing.assert_allclose(gather(estimate, data.test).inside, 0.95, atol=0.03)
+    np.testing.assert_allclose(predict_recording(estimate, data.test).coverage, 0.95, atol=0.03)
     loaded = replace(data.test, tau=data.test.tau + np.array([1.0, 0.5, 0.2]))
-    assert (gather(estimate, loaded).inside < 0.1).all()
+    assert (predict_recording(estimate, loaded).coverage < 0.1).all()
 
 
-def test_friction_is_what_the_terms_say_and_what_the_torque_has_beside_the_rest():
-    """A leg of known friction: what is measured less the rest is that friction, filtered."""
+def test_modelled_and_measured_friction_are_those_of_the_leg():
+    """A leg of known friction: measured torque less the other terms is that friction, filtered."""
     leg = exoid.load_leg("bleex")
     time = np.arange(3000) / 100.0
     q = 0.3 * np.sin(np.outer(time, [1.0, 1.7, 2.3])) + [0.3, -0.7, 0.0]
@@ -180,7 +182,7 @@ def test_friction_is_what_the_terms_say_and_what_the_torque_has_beside_the_rest(
     tau = leg.inverse_dynamics(q, v, a) + friction + noise
     recording = exoid.Recording(time, q, v, a, tau, joint_names=leg.joint_names)
     estimate = exoid.identify(leg, recording, (Coulomb(), Viscous()))
-    found = gather(estimate, recording)
+    found = predict_recording(estimate, recording)
     start = len(time) // 2 - len(found.friction) // 2
     expected = estimate.preparation.filter(friction, 100.0)[start : start + len(found.friction)]
     np.testing.assert_allclose(found.friction, expected, atol=0.05)
@@ -195,7 +197,7 @@ def test_a_long_recording_is_drawn_by_a_few_thousand_points(swing):
         name: np.column_stack([np.interp(time, fast.time, x) for x in getattr(fast, name).T]) for name in ("q", "tau")
     }
     thick = exoid.Recording(time, columns["q"], tau=columns["tau"], joint_names=fast.joint_names)
-    thin, thick = (list(prediction_pictures(estimate, gather(estimate, each))) for each in (fast, thick))
+    thin, thick = (list(prediction_pictures(estimate, predict_recording(estimate, each))) for each in (fast, thick))
     assert all(len(more.svg) < 1.5 * len(less.svg) for more, less in zip(thick, thin, strict=True))
 
 
@@ -207,10 +209,10 @@ def test_the_same_estimate_gives_the_same_page(page, swing):
 def test_names_from_files_cannot_break_the_page():
     evil = "<script>alert(1)</script>\"'&"
     parts = [
-        Words([evil]),
+        Text([evil]),
         DataTable(evil, [evil, "b"], [[evil, "1"]]),
-        Embedded(f"<!DOCTYPE html><title>{evil}</title>", evil),
-        picture(lambda figure: figure.add_subplot(), evil, evil),
+        EmbeddedPage(f"<!DOCTYPE html><title>{evil}</title>", evil),
+        draw_picture(lambda figure: figure.add_subplot(), evil, evil),
     ]
     html = Page(evil, [evil], [Section(evil, parts)]).html()
     tree = check(html)

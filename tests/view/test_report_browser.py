@@ -33,7 +33,7 @@ def frame(page):
 
 
 def scene_picture(page, name):
-    """The scene's part of a screenshot, once the leg stands in it."""
+    """The scene's part of a screenshot, once the leg is drawn."""
     top, bottom, left, right = frame(page)
     until = time.monotonic() + 60.0
     while True:
@@ -43,7 +43,7 @@ def scene_picture(page, name):
 
 
 @pytest.mark.parametrize(("size", "name"), [(WIDE, "report_wide"), (PHONE, "report_phone")])
-def test_the_report_shows_its_scene_and_asks_nobody(browser, url, size, name):
+def test_the_report_shows_its_scene_and_requests_nothing(browser, url, size, name):
     with browser.page(url, size) as page:
         page.wait_for("[...document.images].every(i => i.complete && i.naturalWidth > 0)")
         page.screenshot(f"{name}_top")
@@ -55,7 +55,7 @@ def test_the_report_shows_its_scene_and_asks_nobody(browser, url, size, name):
 
 
 @pytest.mark.parametrize("width", [320, 390, 700, 1100])
-def test_nothing_sticks_out_of_windows_of_any_width(browser, url, width):
+def test_the_page_fits_windows_of_any_width(browser, url, width):
     """Wide tables scroll by themselves; the page does not scroll sideways."""
     with browser.page(url, (width, 844)) as page:
         page.wait_for("[...document.images].every(i => i.complete && i.naturalWidth > 0)")
@@ -63,8 +63,8 @@ def test_nothing_sticks_out_of_windows_of_any_width(browser, url, width):
         assert page.evaluate("document.documentElement.clientWidth") == width
 
 
-def test_a_page_that_sticks_out_is_noticed(browser, tmp_path):
-    """The check of the check above."""
+def test_a_page_that_does_not_fit_is_detected(browser, tmp_path):
+    """The test above can fail."""
     meta = '<meta name="viewport" content="width=device-width, initial-scale=1">'
     (tmp_path / "wide.html").write_text(f"<!DOCTYPE html>{meta}<div style='width: 600px'>wide</div>", "utf-8")
     with browser.page((tmp_path / "wide.html").as_uri(), PHONE) as page:

@@ -48,7 +48,7 @@ def leg(request):
 
 def body_paths(leg, drawn):
     """Path of each moving body, from the torso outwards."""
-    return list(drawn.legs[0].mounts), [f"{mount}/body" for mount in drawn.legs[0].mounts]
+    return list(drawn.legs[0].joint_paths), [f"{mount}/body" for mount in drawn.legs[0].joint_paths]
 
 
 def motion(leg, time=TIME):
@@ -70,7 +70,7 @@ def test_bodies_stand_where_pinocchio_puts_them(leg):
         np.testing.assert_allclose(found[path][:3, 3], translation[0, j], atol=1e-4)
 
 
-def test_a_replay_shows_each_moment_when_it_was(leg):
+def test_a_replay_shows_each_pose_at_its_time(leg):
     recording = motion(leg)
     drawn = scene(leg, recording=recording)
     assert drawn.duration == pytest.approx(recording.duration, abs=1.0 / 30.0)
@@ -82,7 +82,7 @@ def test_a_replay_shows_each_moment_when_it_was(leg):
             np.testing.assert_allclose(found[path][:3, 3], translation[0, j], atol=2e-4)
 
 
-def test_axes_lie_along_the_joints(leg):
+def test_axes_are_drawn_along_the_joint_axes(leg):
     drawn = scene(leg)
     found = places(drawn)
     data = leg.model.createData()
@@ -98,7 +98,7 @@ def test_axes_lie_along_the_joints(leg):
 
 
 def test_ellipsoids_have_the_inertia_and_balls_the_mass_of_the_body(leg):
-    """Pinocchio's inertia of a solid ellipsoid is the truth; bodies thinner than flat are left out."""
+    """Pinocchio's inertia of a solid ellipsoid is the truth; bodies that cannot exist are left out."""
     drawn = scene(leg)
     for j, path in enumerate(body_paths(leg, drawn)[1], start=1):
         inertia = leg.model.inertias[j]
@@ -118,7 +118,7 @@ def test_ellipsoids_have_the_inertia_and_balls_the_mass_of_the_body(leg):
         np.testing.assert_allclose(solid.lever, inertia.lever, atol=1e-5)
 
 
-def test_an_ellipsoid_of_a_body_that_cannot_exist_is_drawn_flat_not_refused():
+def test_a_body_that_cannot_exist_has_a_flat_ellipsoid():
     leg = exoid.load_leg("bleex").with_parameters(np.array([0.0, 0.1, 0.01] * 3))
     axes = np.linalg.norm(meshes(objects(scene(leg))["/exoid/left leg/left_hip/body/inertia CAD"])[0][2], axis=0)
     assert np.isfinite(axes).all()
@@ -150,7 +150,7 @@ def test_the_heaviest_body_has_the_longest_arrow_in_proportion():
 
 
 def test_torque_arrows_grow_and_turn_with_the_measured_torque():
-    """The area is in proportion to the torque; a positive one runs round the axis by the right hand."""
+    """The area is in proportion to the torque; the arrow of a positive torque follows the right-hand rule."""
     leg = exoid.load_leg("bleex")
     recording = motion(leg)
     drawn = scene(leg, recording=recording)
@@ -158,7 +158,7 @@ def test_torque_arrows_grow_and_turn_with_the_measured_torque():
     assert "measured torque" in [layer.label for layer in drawn.layers]
     for frame in (3, 17, 31):
         found = places(drawn, frame / 30.0)
-        for j, mount in enumerate(drawn.legs[0].mounts):
+        for j, mount in enumerate(drawn.legs[0].joint_paths):
             tau, scale = recording.tau[2 * frame, j], found[f"{mount}/torque/arrow"][:3, :3]
             assert np.linalg.norm(scale[:, 0]) ** 2 == pytest.approx(abs(tau) / largest, rel=2e-3)
             (_, _, _), (_, _, head) = meshes(objects(drawn)[f"{mount}/torque/arrow"])
@@ -176,7 +176,7 @@ def test_without_recorded_torque_the_arrows_hold_the_leg_against_gravity():
     assert "torque against gravity" in [layer.label for layer in drawn.layers]
     gravity = leg.gravity([0.5, 0.0, 0.0])[0]
     found = places(drawn)
-    for j, mount in enumerate(drawn.legs[0].mounts):
+    for j, mount in enumerate(drawn.legs[0].joint_paths):
         squared = np.linalg.norm(found[f"{mount}/torque/arrow"][:3, 0]) ** 2
         assert squared == pytest.approx(abs(gravity[j]) / np.abs(gravity).max(), rel=1e-3, abs=1e-5)
 
@@ -187,7 +187,7 @@ def test_an_estimate_shows_its_links_beside_those_of_cad():
     drawn = scene(estimate, recording=data.test)
     p = len(data.leg.parameter_names)
     lifted = exoid.lift.lift(data.leg, estimate.values[:p], estimate.covariance[:p, :p])
-    for mount, row in zip(drawn.legs[0].mounts, lifted.link_parameters, strict=True):
+    for mount, row in zip(drawn.legs[0].joint_paths, lifted.link_parameters, strict=True):
         ((_, material, place),) = meshes(objects(drawn)[f"{mount}/body/mass identified"])
         np.testing.assert_allclose(place[:3, 3], row[1:4] / row[0], atol=1e-5)
         assert material["color"] == int(IDENTIFIED[1:], 16)
@@ -201,11 +201,11 @@ def test_published_legs_stand_beside_cad_by_their_joints():
     identified = [exoid.load_leg("bleex", side, "identified") for side in ("right", "left")]
     drawn = scene(*legs, identified=identified)
     for leg, standing in zip(identified[::-1], drawn.legs, strict=True):
-        ((_, _, place),) = meshes(objects(drawn)[f"{standing.mounts[0]}/body/mass identified"])
+        ((_, _, place),) = meshes(objects(drawn)[f"{standing.joint_paths[0]}/body/mass identified"])
         np.testing.assert_allclose(place[:3, 3], leg.model.inertias[1].lever, atol=1e-5)
 
 
-def test_the_second_leg_is_translucent_and_moves_as_it_is_told():
+def test_the_ghost_is_translucent_and_follows_its_recording():
     leg = exoid.load_leg("bleex")
     recording = motion(leg)
     ghost = Recording(time=TIME, q=0.5 * recording.q, joint_names=leg.joint_names)
@@ -239,11 +239,11 @@ def test_a_recording_of_one_leg_leaves_the_other_as_posed():
     (animation,) = [c for c in drawn.commands if c["type"] == "set_animation"]
     assert all(a["path"].startswith("/exoid/left leg") for a in animation["animations"])
     rotation, _ = right.forward_kinematics([0.0, -0.5, 0.0])
-    found = places(drawn, 0.5)[f"{drawn.legs[1].mounts[1]}/body"]
+    found = places(drawn, 0.5)[f"{drawn.legs[1].joint_paths[1]}/body"]
     np.testing.assert_allclose(found[:3, :3], rotation[0, 1], atol=1e-4)
 
 
-def test_what_hangs_on_a_locked_joint_is_drawn():
+def test_links_fixed_by_locked_joints_are_drawn():
     """A thigh that carries the moving knee, and the fingers of a hand."""
     knee = Leg.from_urdf(Path(__file__).parents[2] / "urdf" / "bleex.urdf", ("left_knee", "left_ankle"))
     hip = objects(scene(knee))[f"/exoid/{scene(knee).legs[0].root.rsplit('/')[-1]}/shape"]
@@ -252,7 +252,7 @@ def test_what_hangs_on_a_locked_joint_is_drawn():
     assert len(meshes(hip)) == count
     panda = robot("panda", [f"panda_joint{k}" for k in range(1, 8)])
     drawn = scene(panda, meshes=folder_of_panda())
-    hand = meshes(objects(drawn)[f"{drawn.legs[0].mounts[-1]}/body/shape"])
+    hand = meshes(objects(drawn)[f"{drawn.legs[0].joint_paths[-1]}/body/shape"])
     assert len(hand) == 4  # the last link, the hand and two fingers
     assert drawn.notes == ()
 
@@ -266,7 +266,7 @@ def test_the_camera_has_everything_in_sight():
     leg = exoid.load_leg("bleex")
     drawn = scene(leg, recording=motion(leg))
     camera = drawn.camera
-    towards, up = np.array(camera.towards), np.array([0.0, 0.0, 1.0])
+    towards, up = np.array(camera.direction), np.array([0.0, 0.0, 1.0])
     across = np.cross(up, towards) / np.linalg.norm(np.cross(up, towards))
     assert np.linalg.norm(towards) == pytest.approx(1.0)
     assert towards[1] > 0.3  # a left leg is looked at from the left
@@ -279,7 +279,7 @@ def test_the_camera_has_everything_in_sight():
 
 
 def test_a_right_leg_is_looked_at_from_the_right():
-    assert scene(exoid.load_leg("bleex", "right")).camera.towards[1] < -0.3
+    assert scene(exoid.load_leg("bleex", "right")).camera.direction[1] < -0.3
 
 
 def test_the_ground_is_below_the_lowest_point_of_the_motion():
@@ -291,7 +291,7 @@ def test_the_ground_is_below_the_lowest_point_of_the_motion():
     assert ground < ankles.min() - 0.05
 
 
-# What the page holds
+# The page
 
 
 def test_the_page_is_the_scene_with_meshcats_viewer_and_its_licence():
@@ -312,7 +312,7 @@ def test_a_minute_of_replay_stays_below_a_megabyte():
     assert len(scene(leg, recording=recording, ghost=recording).html()) < 1e6
 
 
-def test_notebooks_show_the_page_in_a_frame_of_its_own():
+def test_notebooks_show_the_page_in_a_frame():
     drawn = scene(exoid.load_leg("cuhk"))
     html = drawn._repr_html_()
     assert html.startswith("<iframe ")
@@ -329,10 +329,10 @@ def test_nothing_of_meshcats_server_is_imported():
     assert subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout == "[]\n"
 
 
-# What is refused
+# Errors
 
 
-def test_what_cannot_be_shown_is_refused():
+def test_scenes_that_cannot_be_drawn_raise_errors():
     leg = exoid.load_leg("bleex")
     recording = motion(leg)
     with pytest.raises(ExoidError, match="no leg"):
@@ -345,14 +345,14 @@ def test_what_cannot_be_shown_is_refused():
         scene(leg, recording=recording.select(("left_hip", "left_knee")))
     with pytest.raises(ExoidError, match="no time in common"):
         scene(leg, recording=recording, ghost=Recording(time=TIME + 9.0, q=recording.q, joint_names=leg.joint_names))
-    with pytest.raises(ExoidError, match="second motion beside none"):
+    with pytest.raises(ExoidError, match="ghost without a recording"):
         scene(leg, ghost=recording)
     long = Recording(time=np.arange(20) * 60.0, q=np.zeros((20, 3)), joint_names=leg.joint_names)
     with pytest.raises(ExoidError, match="longest is 600 s"):
         scene(leg, recording=long)
 
 
-def test_a_visual_that_is_no_number_is_named():
+def test_a_visual_with_an_attribute_that_is_not_a_number_is_named():
     text = exoid.load_leg("bleex").description.text.replace('radius="0.05"', 'radius="five"', 1)
     with pytest.raises(ExoidError, match=r"thigh.*'five'"):
         scene(Leg.from_description(describe(text), ("left_hip", "left_knee")))
@@ -364,7 +364,7 @@ def test_a_urdf_in_millimetres_is_refused():
         scene(Leg.from_description(describe(text), ("left_hip", "left_knee")))
 
 
-def test_the_same_leg_twice_stands_twice():
+def test_the_same_leg_is_drawn_twice_if_given_twice():
     leg = exoid.load_leg("cuhk")
     first, second = scene(leg, leg).legs
     assert first.root != second.root

@@ -1,4 +1,4 @@
-"""Scenes in a real Chromium: drawn by WebGL, without an error, without a word to the network."""
+"""Scenes in a real Chromium: drawn by WebGL, without an error, without a network request."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from exoid import Leg
 from exoid.estimate import predict_motion
 from exoid.view import scene
 from exoid.view.colours import CAD, IDENTIFIED, JOINT_COLOURS
-from exoid.view.report import Embedded, Page, Section
+from exoid.view.report import EmbeddedPage, Page, Section
 
 READY = "window.exoid !== undefined && window.exoid.viewer.renderer.info.render.frame > 0"
 UNRESOLVED = "Failed to load resource: net::ERR_NAME_NOT_RESOLVED"
@@ -134,7 +134,7 @@ def scrubbed(page, time):
     return page.screenshot()
 
 
-def test_a_page_can_start_at_a_moment(browser, tmp_path, bleex):
+def test_a_page_can_start_at_a_time(browser, tmp_path, bleex):
     scene(bleex.leg, recording=bleex.test).save(tmp_path / "leg.html")
     with browser.page((tmp_path / "leg.html").as_uri() + "#t=2.5") as page:
         page.wait_for(READY)
@@ -143,7 +143,7 @@ def test_a_page_can_start_at_a_moment(browser, tmp_path, bleex):
         assert page.evaluate("document.querySelector('#player output').textContent").startswith("2.50 s")
 
 
-def test_a_second_leg_elsewhere_is_seen(browser, tmp_path, bleex):
+def test_a_ghost_in_another_pose_is_visible(browser, tmp_path, bleex):
     """A translucent one in the colour of the model."""
     apart = exoid.Recording(
         time=bleex.test.time, q=bleex.test.q + np.array([0.5, -0.3, 0.0]), joint_names=bleex.test.joint_names
@@ -183,7 +183,7 @@ def framed(scenes):
 def reported(scenes):
     """A report with scenes, whose frames may do nothing but draw."""
     return Page(
-        "Two legs", ["Both stand."], [Section("Scenes", [Embedded(each.html(), each.title) for each in scenes])]
+        "Two legs", ["Both stand."], [Section("Scenes", [EmbeddedPage(each.html(), each.title) for each in scenes])]
     ).html()
 
 
@@ -205,9 +205,9 @@ def test_two_scenes_live_side_by_side_in_one_page(browser, tmp_path, write):
         assert_quiet(page, url)
 
 
-def test_errors_within_a_frame_are_noticed(browser, tmp_path):
-    """The check of the check above."""
-    broken = Embedded("<script>console.error('lost'); fetch('http://example.com/b.js')</script>", "broken")
+def test_errors_within_a_frame_are_detected(browser, tmp_path):
+    """The test above can fail."""
+    broken = EmbeddedPage("<script>console.error('lost'); fetch('http://example.com/b.js')</script>", "broken")
     (tmp_path / "page.html").write_text(Page("x", [], [Section("y", [broken])]).html(), "utf-8")
     with browser.page((tmp_path / "page.html").as_uri()) as page:
         until = time.monotonic() + 30.0
@@ -240,7 +240,7 @@ def test_a_seven_joint_arm_with_meshes(browser, tmp_path):
 
 
 def test_a_scene_that_breaks_says_so(browser, tmp_path):
-    """The check of the checks: an error in the page is seen by these tests and by its reader."""
+    """The tests above can fail: they see an error in the page, and so does its reader."""
     page_text = (
         scene(exoid.load_leg("cuhk"))
         .html()
@@ -253,7 +253,7 @@ def test_a_scene_that_breaks_says_so(browser, tmp_path):
         assert "cannot show" in page.evaluate("document.querySelector('#legend summary').textContent")
 
 
-def test_a_request_that_would_leave_the_machine_is_noticed(browser, tmp_path):
+def test_a_request_that_would_leave_the_machine_is_detected(browser, tmp_path):
     (tmp_path / "page.html").write_text("<img src='http://example.com/a.png'>", "utf-8")
     with browser.page((tmp_path / "page.html").as_uri()) as page:
         assert "http://example.com/a.png" in page.requests

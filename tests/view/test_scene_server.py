@@ -75,7 +75,7 @@ def own_addresses():
     return [*(pair for pair in reachable if pair[0] in families), *([(socket.AF_INET6, "::1")] * socket.has_ipv6)]
 
 
-def test_a_foreign_page_cannot_reach_it_by_a_name_of_its_own(drawn):
+def test_a_foreign_page_cannot_reach_it_through_another_host_name(drawn):
     with drawn.serve(0) as server:
         assert get(server.port, host=f"localhost:{server.port}").status == 200
         for path in ("/", "/events"):

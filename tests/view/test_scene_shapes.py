@@ -1,4 +1,4 @@
-"""Links look as their URDF says; where it says nothing or the mesh is gone, a leg still looks like a leg."""
+"""Links are drawn by their URDF; links without visuals, or with missing meshes, get placeholders."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ KINDS = ("BoxGeometry", "CylinderGeometry", "SphereGeometry")
 
 
 def without_visuals(leg):
-    """The same leg from a URDF that only says how heavy it is."""
+    """The same leg from a URDF with inertias only."""
     text = re.sub(r"<visual>.*?</visual>", "", leg.description.text, flags=re.DOTALL)
     return Leg.from_description(describe(text), leg.joint_names)
 
@@ -40,7 +40,7 @@ def test_visuals_are_drawn_one_by_one_where_the_urdf_has_them():
         assert material["color"] == expected
 
 
-def test_a_cylinder_lies_along_its_own_z():
+def test_a_cylinder_is_drawn_along_its_z_axis():
     """URDF's cylinders are along z, three.js's along y."""
     text = exoid.load_leg("bleex").description.text
     cylinder = '<visual><geometry><cylinder radius="0.01" length="0.4"/></geometry></visual>'
@@ -62,7 +62,7 @@ def test_a_cylinder_lies_along_its_own_z():
 def test_bars_join_the_joints_of_a_leg_without_visuals(name):
     leg = without_visuals(exoid.load_leg(name))
     drawn = scene(leg)
-    mounts = drawn.legs[0].mounts
+    mounts = drawn.legs[0].joint_paths
     thigh = meshes(objects(drawn)[f"{mounts[0]}/body/shape"])
     (bar,) = [(g, place) for g, _, place in thigh if g["type"] == "BoxGeometry"]
     length = np.linalg.norm(leg.model.jointPlacements[2].translation)
@@ -74,7 +74,7 @@ def test_bars_join_the_joints_of_a_leg_without_visuals(name):
 def test_the_last_body_of_a_leg_with_an_ankle_is_a_foot_that_points_forward():
     leg = without_visuals(exoid.load_leg("bleex"))
     drawn = scene(leg)
-    path = f"{drawn.legs[0].mounts[-1]}/body"
+    path = f"{drawn.legs[0].joint_paths[-1]}/body"
     boxes = [
         (g, places(drawn)[f"{path}/shape"] @ place)
         for g, _, place in meshes(objects(drawn)[f"{path}/shape"])
@@ -103,7 +103,7 @@ def test_a_foot_that_rolls_points_forward_too():
     )
     joints += joint.format("roll", "bracket", "foot", -0.05, "1 0 0")
     drawn = scene(Leg.from_description(describe(f'<robot name="leg"><link name="base"/>{links}{joints}</robot>')))
-    shapes = objects(drawn)[f"{drawn.legs[0].mounts[2]}/body/shape"]
+    shapes = objects(drawn)[f"{drawn.legs[0].joint_paths[2]}/body/shape"]
     sole = max((pair for pair in meshes(shapes) if pair[0]["type"] == "BoxGeometry"), key=lambda pair: pair[0]["width"])
     assert sole[2][0, 0] == pytest.approx(1.0)  # its length is along x
     assert sole[2][0, 3] > 0.0
@@ -138,9 +138,9 @@ def test_a_mesh_keeps_its_shape_and_gets_outward_normals(tmp_path):
     points, faces = sphere(0.1)
     write_stl(tmp_path / "ball.stl", points, faces)
     mesh = load_mesh(tmp_path / "ball.stl", np.array([1.0, 1.0, 2.0]))
-    round_again = mesh.points / np.array([0.1, 0.1, 0.2])
-    np.testing.assert_allclose(np.linalg.norm(round_again, axis=1), 1.0, atol=0.02)
-    normals = round_again / np.array([1.0, 1.0, 2.0])
+    scaled_back = mesh.points / np.array([0.1, 0.1, 0.2])
+    np.testing.assert_allclose(np.linalg.norm(scaled_back, axis=1), 1.0, atol=0.02)
+    normals = scaled_back / np.array([1.0, 1.0, 2.0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     assert np.einsum("ij,ij->i", normals, mesh.normals).min() > 0.9
     assert mesh.triangles.max() < len(mesh.points)
@@ -155,7 +155,7 @@ def test_a_cube_keeps_its_edges(tmp_path):
     np.testing.assert_allclose(np.abs(mesh.normals).max(axis=1), 1.0, atol=1e-12)
 
 
-def test_a_fine_mesh_becomes_as_coarse_as_a_screen(tmp_path):
+def test_a_fine_mesh_is_simplified(tmp_path):
     points, faces = sphere(0.1, 150, 300)
     header = f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n"
     header += "".join(f"property float {axis}\n" for axis in "xyz")
@@ -199,7 +199,7 @@ def test_packages_are_found_on_the_path_of_ros(tmp_path, monkeypatch):
     assert find_mesh("package://other/a.stl", None) is None
 
 
-@pytest.mark.parametrize("content", [None, "this is no mesh"])
+@pytest.mark.parametrize("content", [None, "this is not a mesh"])
 def test_a_missing_or_broken_mesh_becomes_a_bar_and_a_note(content, tmp_path):
     if content is not None:
         (tmp_path / "gone.stl").write_text(content)

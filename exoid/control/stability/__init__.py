@@ -4,8 +4,8 @@ from .equilibrium import Equilibrium, find_equilibrium
 from .gain_margin import GainMargins, gain_margins, spectral_radius
 from .limit_cycle import LimitCycle, find_limit_cycle
 from .lyapunov import Lyapunov, lyapunov
-from .properties import ModelProperties, check_properties, properties_to_json
-from .regulation import Regulation, Regulations, regulate, regulations_to_json
+from .properties import ModelProperties, check_properties
+from .regulation import Regulation, Regulations, regulate
 
 __all__ = [
     "Equilibrium",
@@ -20,8 +20,6 @@ __all__ = [
     "find_limit_cycle",
     "gain_margins",
     "lyapunov",
-    "properties_to_json",
     "regulate",
-    "regulations_to_json",
     "spectral_radius",
 ]

@@ -13,6 +13,7 @@ from exoid.control.law import Law, State, refuse_rate
 from exoid.control.linearise import Linear, discretise, linearise
 from exoid.control.model import ControlModel
 from exoid.errors import ExoidError
+from exoid.json_values import attributes
 from exoid.rig import Plant, Target
 from exoid.tables import make_table, to_text
 
@@ -61,8 +62,7 @@ class GainMargins:
 
     def to_json(self) -> dict[str, Any]:
         """Turn into what JSON can hold; null stands for a margin without bound."""
-        finite = [[float(m) if np.isfinite(m) else None for m in row] for row in self.margins]
-        return {"rates_hz": list(self.rates), "delays": list(self.delays), "margins": finite}
+        return {"rates_hz": list(self.rates), **attributes(self, "delays", "margins")}
 
 
 def gain_margins(

@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control.model import ControlModel
+from exoid.control.model import ControlModel, ModelSource
 from exoid.errors import ExoidError
-from exoid.estimate import Estimate
-from exoid.leg import Leg
-from exoid.rig import Plant
+from exoid.json_values import attributes
 from exoid.tables import make_table, to_text
 
 EXACT = 1e-9
@@ -76,6 +74,16 @@ class ModelProperties:
         """Property 3: C, G and F_r are all bounded for all θ and θ̇."""
         return self.coriolis_bounded and self.friction_bounded
 
+    def to_json(self) -> dict[str, Any]:
+        """Turn verdicts and evidence into what JSON can hold.
+
+        Returns:
+            Both by name.
+        """
+        verdicts = ("symmetric_positive_definite", "skew_symmetric", "bounded")
+        evidence = ("smallest_inertia", "skewness", "speeds", "coriolis", "friction", "gravity")
+        return attributes(self, *verdicts, *evidence)
+
     def __repr__(self) -> str:
         """Name what holds."""
         verdicts = (self.symmetric_positive_definite, self.skew_symmetric, self.bounded)
@@ -109,9 +117,7 @@ class ModelProperties:
         return to_text(table, f"at {self.poses} random poses and velocities")
 
 
-def check_properties(
-    source: Estimate | Leg | Plant | ControlModel, *, poses: int = 500, seed: int | np.random.Generator = 0
-) -> ModelProperties:
+def check_properties(source: ModelSource, *, poses: int = 500, seed: int | np.random.Generator = 0) -> ModelProperties:
     """Look for counterexamples to doc. 2's Properties 1 to 3.
 
     The rate of M is a numerical derivative along the motion, so that Property 2 is not read off the formula for C.
@@ -145,21 +151,6 @@ def check_properties(
         gravity=float(np.abs(model.leg.gravity(q)).max()),
         friction=np.array([_friction_at(model, q, speed) for speed in SPEEDS]),
     )
-
-
-def properties_to_json(properties: ModelProperties) -> dict[str, Any]:
-    """Turn verdicts and evidence into what JSON can hold."""
-    return {
-        "symmetric_positive_definite": properties.symmetric_positive_definite,
-        "skew_symmetric": properties.skew_symmetric,
-        "bounded": properties.bounded,
-        "smallest_inertia": properties.smallest_inertia,
-        "skewness": properties.skewness,
-        "speeds": properties.speeds.tolist(),
-        "coriolis": properties.coriolis.tolist(),
-        "friction": properties.friction.tolist(),
-        "gravity": properties.gravity,
-    }
 
 
 def _mass_matrix(model: ControlModel, q: FloatArray) -> FloatArray:

@@ -18,6 +18,7 @@ from exoid.control.side_by_side import SideBySide
 from exoid.control.tracking import Tracking
 from exoid.errors import ExoidError
 from exoid.experiments import Hold
+from exoid.json_values import attributes, json_value
 from exoid.rig import Plant
 from exoid.tables import make_table, to_text
 
@@ -77,6 +78,21 @@ class Regulation:
             return "stops" if self.equilibrium.holds(self.run.q[-1]) else "stops elsewhere"
         return "limit cycle" if self.cycle.exists else "still settling"
 
+    def to_json(self) -> dict[str, Any]:
+        """Turn the figures of the run into what JSON can hold.
+
+        Returns:
+            Figures by name.
+        """
+        energy = self.lyapunov.sampled()
+        return {
+            "never_increases": energy.never_increases(),
+            **attributes(energy, "largest_increase", "share_increasing"),
+            **attributes(self, "outcome", "final_error_deg"),
+            "band_deg": json_value(np.rad2deg(self.equilibrium.band)),
+            **attributes(self.cycle, "peak_to_peak_deg"),
+        }
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Regulations:
@@ -104,6 +120,19 @@ class Regulations:
             if run.name == name:
                 return run
         raise ExoidError(f"no run {name!r}", remedy=f"there are {', '.join(run.name for run in self.runs)}")
+
+    def to_json(self) -> dict[str, Any]:
+        """Turn the table into what JSON can hold.
+
+        Returns:
+            Gains, rate, and the figures of each run by its name.
+        """
+        return {
+            **attributes(self, "kp", "kd"),
+            "rate_hz": self.rate,
+            "tolerance": TOLERANCE,
+            "runs": {run.name: run.to_json() for run in self.runs},
+        }
 
     def __repr__(self) -> str:
         """Name outcomes."""
@@ -235,25 +264,3 @@ def _simulate(
         simulate(plant, law, reference, duration, start=start, log_rate=log_rate, name=name)
         for plant, law, name in zip(plants, laws, names, strict=True)
     )
-
-
-def regulations_to_json(regulations: Regulations) -> dict[str, Any]:
-    """Turn the table into what JSON can hold."""
-    return {
-        "kp": regulations.kp.tolist(),
-        "kd": regulations.kd.tolist(),
-        "rate_hz": regulations.rate,
-        "tolerance": TOLERANCE,
-        "runs": {
-            run.name: {
-                "never_increases": run.lyapunov.sampled().never_increases(),
-                "largest_increase": run.lyapunov.sampled().largest_increase,
-                "share_increasing": run.lyapunov.sampled().share_increasing,
-                "outcome": run.outcome,
-                "final_error_deg": run.final_error_deg.tolist(),
-                "band_deg": np.rad2deg(run.equilibrium.band).tolist(),
-                "peak_to_peak_deg": run.cycle.peak_to_peak_deg.tolist(),
-            }
-            for run in regulations.runs
-        },
-    }

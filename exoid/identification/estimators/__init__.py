@@ -3,11 +3,10 @@
 from exoid.regression.fit import Fit
 from exoid.regression.problem import LeastSquaresProblem
 
-from .by_name import ESTIMATORS, Estimator, find_estimator, name_of
+from .by_name import ESTIMATORS, Estimator, find_estimator, fit_by, name_of, register_estimator
 from .closed_loop import ClosedLoop
 from .gls import gls
 from .huber import huber
-from .instrumental import InstrumentalVariables
 from .joint_ml import JointML
 from .least_squares import ols, wls
 from .output_error import OutputError
@@ -17,14 +16,15 @@ __all__ = [
     "ClosedLoop",
     "Estimator",
     "Fit",
-    "InstrumentalVariables",
     "JointML",
     "LeastSquaresProblem",
     "OutputError",
     "find_estimator",
+    "fit_by",
     "gls",
     "huber",
     "name_of",
     "ols",
+    "register_estimator",
     "wls",
 ]

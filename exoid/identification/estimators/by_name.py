@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import TypeVar, overload
 
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
+from exoid.registry import Registry
 from exoid.regression.fit import Fit
 
 from .gls import gls
 from .huber import huber
-from .instrumental import InstrumentalVariables
 from .joint_ml import JointML
 from .least_squares import ols, wls
 from .output_error import OutputError
@@ -18,11 +19,72 @@ from .output_error import OutputError
 Estimator = Callable[[Problem], Fit]
 """A function, or an object with settings such as :class:`exoid.identification.estimators.JointML`."""
 
-ESTIMATORS: Mapping[str, Estimator] = {"gls": gls, "huber": huber, "ml": JointML(), "ols": ols, "wls": wls}
-"""Estimators that need no settings."""
+AnyEstimator = TypeVar("AnyEstimator", bound=Estimator)
 
-NEED_LOOP: Mapping[str, Estimator] = {"iv": InstrumentalVariables(), "output-error": OutputError()}
+NEED_LOOP: Mapping[str, Estimator] = {"output-error": OutputError()}
 """Estimators that need a :class:`ClosedLoop`, and say so when they are used without."""
+
+
+def _check(estimator: Estimator) -> None:
+    """Refuse what cannot be called, and a class in place of its object."""
+    if not callable(estimator) or isinstance(estimator, type):
+        raise ExoidError(
+            f"{estimator!r} is no estimator", remedy="pass a function of a problem, or an object that can be called"
+        )
+
+
+ESTIMATORS: Registry[Estimator] = Registry(
+    "estimator", "exoid.estimators", "exoid.identification.register_estimator", _check
+)
+"""Estimators that need no settings, by name: exoid's, those that were registered, and those of installed packages."""
+
+
+@overload
+def register_estimator(name: str) -> Callable[[AnyEstimator], AnyEstimator]: ...
+
+
+@overload
+def register_estimator(name: str, estimator: AnyEstimator) -> AnyEstimator: ...
+
+
+def register_estimator(
+    name: str, estimator: AnyEstimator | None = None
+) -> AnyEstimator | Callable[[AnyEstimator], AnyEstimator]:
+    """Give an estimator a name, for ``identify(..., estimator="name")`` and the command line.
+
+    A package that offers it as an entry point of the group ``exoid.estimators`` needs no call: exoid finds it where the
+    package is installed. Loading an estimate needs no estimator.
+
+    Args:
+        name: Letters, digits, ".", "_" and "-", such as "ridge".
+        estimator: A function, or an object with ``__call__``, of a problem. It returns a
+            :class:`exoid.identification.estimators.Fit`. With no more than the members of
+            :class:`exoid.regression.problem.RowProblem` it works for groups of recordings too. None for a decorator.
+
+    Returns:
+        The estimator as it is, or the decorator.
+
+    Raises:
+        ExoidError: The name is taken or has another form, or the estimator cannot be called.
+
+    Example:
+        >>> @register_estimator("plain")
+        ... def plain(problem):
+        ...     return Fit(problem.solve(stack(problem.r_factors)), [1.0] * len(problem.r_factors))
+    """
+    if name in NEED_LOOP:
+        raise ExoidError(f"the estimator {name!r} exists: it needs a ClosedLoop", remedy="choose another name")
+    if estimator is None:
+        return lambda estimator: register_estimator(name, estimator)
+    ESTIMATORS.register(name, estimator)
+    return estimator
+
+
+register_estimator("gls", gls)
+register_estimator("huber", huber)
+register_estimator("ml", JointML())
+register_estimator("ols", ols)
+register_estimator("wls", wls)
 
 
 def find_estimator(given: str | Estimator) -> Estimator:
@@ -35,16 +97,45 @@ def find_estimator(given: str | Estimator) -> Estimator:
         The estimator.
 
     Raises:
-        ExoidError: There is none of that name.
+        ExoidError: There is none of that name, or its package is broken.
     """
     if callable(given):
         return given
-    known = {**ESTIMATORS, **NEED_LOOP}
-    if given not in known:
-        raise ExoidError(f"no estimator {given!r}", remedy=f"use one of {', '.join(ESTIMATORS)}")
-    return known[given]
+    return NEED_LOOP[given] if given in NEED_LOOP else ESTIMATORS.find(given)
 
 
 def name_of(estimator: Estimator) -> str:
-    """Name of an estimator, for evidence."""
-    return str(getattr(estimator, "name", None) or getattr(estimator, "__name__", type(estimator).__name__))
+    """Name an estimator, for evidence.
+
+    Args:
+        estimator: The estimator.
+
+    Returns:
+        Its own attribute ``name``, else the name that it is registered by, else that of its function or class.
+    """
+    registered = (name for name in ESTIMATORS.registered if ESTIMATORS.find(name) is estimator)
+    own = getattr(estimator, "name", None) or next(registered, None)
+    return str(own or getattr(estimator, "__name__", type(estimator).__name__))
+
+
+def fit_by(estimator: Estimator, problem: Problem) -> Fit:
+    """Let an estimator solve a problem, and check that it returns a fit.
+
+    Args:
+        estimator: The estimator.
+        problem: The problem.
+
+    Returns:
+        The fit.
+
+    Raises:
+        ExoidError: The estimator's own, or it returns no fit.
+    """
+    fit = estimator(problem)
+    if not isinstance(fit, Fit) or len(fit.weights) != len(problem.r_factors):
+        found = f"{len(fit.weights)} weights" if isinstance(fit, Fit) else type(fit).__name__
+        raise ExoidError(
+            f"the estimator {name_of(estimator)} returned {found}",
+            remedy=f"let it return a Fit with one weight for each of the {len(problem.r_factors)} R factors",
+        )
+    return fit

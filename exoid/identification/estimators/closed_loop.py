@@ -25,14 +25,14 @@ from exoid.rig import (
 )
 from exoid.rig.continuous import follow
 from exoid.signals import Recording
-from exoid.torques import TorqueModel
-from exoid.torques.dry_friction import DryFriction
-from exoid.torques.nonlinear import number
+from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
+from exoid.torques.term import number
+from exoid.torques.terms import DryFriction
 
-DISSIPATIVE = ("c0", "d", "Ia")
+DISSIPATIVE: dict[type[Term], str] = {Coulomb: "c0", Viscous: "d", Armature: "Ia"}
 """Symbols of parameters that are kept from being negative: no simulation runs on friction that feeds energy in."""
 
-SPRINGS = {"b2": 0, "b1": 1, "b0": 2, "offset": 2}
+SPRINGS: dict[type[Term], dict[str, int]] = {Stiffness: {"b2": 0, "b1": 1, "b0": 2}, Offset: {"offset": 2}}
 """Rows of a plant's stiffness; an offset of the torque is a spring of constant torque."""
 
 
@@ -129,17 +129,20 @@ def as_plant(
 ) -> tuple[Plant, type[PlanarStepper] | partial[SmoothStepper]]:
     """Build the rigs of B models, and choose how friction is simulated: smooth, or such that joints stick."""
     leg, count, rigid = model.leg, values.shape[1], len(model.leg.parameter_names)
-    labels, shape = leg.joint_labels, (len(model.leg.joint_labels), values.shape[1])
-    stiffness, arrays = np.zeros((3, *shape)), {symbol: np.zeros(shape) for symbol in DISSIPATIVE}
-    for name, row in zip(model.names[rigid:], values[rigid:], strict=True):
-        symbol, _, label = name.partition("_")
-        joint = labels.index(label)
-        if symbol in SPRINGS:
-            stiffness[SPRINGS[symbol], joint] += row
-        elif symbol in arrays:
-            arrays[symbol][joint] += np.maximum(row, 0.0)
-        else:
-            raise ExoidError(f"no rig has the parameter {name}", remedy="use terms that can be simulated, or wls")
+    shape = (len(model.leg.joint_labels), values.shape[1])
+    stiffness, arrays = np.zeros((3, *shape)), {symbol: np.zeros(shape) for symbol in DISSIPATIVE.values()}
+    rows = dict(zip(model.names[rigid:], values[rigid:], strict=True))
+    for block in model.blocks:
+        kind = type(block.term)  # by its type: another one may mean another thing by the same symbol
+        for symbol, name in zip(block.term.symbols, block.names, strict=True):
+            if name not in rows:
+                continue
+            if symbol in SPRINGS.get(kind, {}):
+                stiffness[SPRINGS[kind][symbol], block.joint] += rows[name]
+            elif DISSIPATIVE.get(kind) == symbol:
+                arrays[symbol][block.joint] += np.maximum(rows[name], 0.0)
+            else:
+                raise ExoidError(f"no rig has the parameter {name}", remedy="use terms that can be simulated, or wls")
     pitch = 0.0 if recording.torso is None else float(np.asarray(recording.torso.pitch).flat[0])
     plant = Plant(
         leg=leg,

@@ -35,7 +35,9 @@ def refuse_other_friction(model: TorqueModel, estimator: str) -> None:
     Raises:
         ExoidError: A term remembers, depends on load, or has settings that are to be found.
     """
-    plain = type(model) is TorqueModel and not any(term.loaded or term.memory is not None for term in model.terms)
+    plain = type(model) is TorqueModel and not any(
+        term.loaded or term.internal_state is not None for term in model.terms
+    )
     if not plain:
         raise ExoidError(
             f"{estimator} takes no friction that remembers, depends on load or has free settings",

@@ -68,10 +68,10 @@ def _reweighted(problem: RowProblem, values: FloatArray, scales: FloatArray) -> 
     found: list[list[RFactor]] = [[] for _ in scales]
     inside, total = np.zeros((2, len(scales)))
     count = len(problem.names)
-    for index, columns, table, independence in _tables(problem):
+    for index, columns, table, independent_fraction in _tables(problem):
         r = np.abs(table[-1] - values[columns] @ table[:-1]) / scales[index]
         scaled = table * (np.sqrt(TUNING / np.maximum(r, TUNING)) / scales[index])
-        r_factor = factorize(scaled.T, len(r), len(r) * independence)
+        r_factor = factorize(scaled.T, len(r), len(r) * independent_fraction)
         found[index] = [stack([*found[index], r_factor.among(np.append(columns, count), count + 1)])]
         inside[index] += np.count_nonzero(r <= TUNING)
         total[index] += len(r)
@@ -79,8 +79,13 @@ def _reweighted(problem: RowProblem, values: FloatArray, scales: FloatArray) -> 
 
 
 def _tables(problem: RowProblem) -> Iterator[tuple[int, NDArray[np.intp], FloatArray, float]]:
-    """Go over usable rows [W τ] joint by joint: place among the R factors, parameters, rows, their independence."""
+    """Go over usable rows [W τ] joint by joint: place among the R factors, parameters, rows, independent fraction."""
     for kind, rows, _, _, first in problem.blocks():
         for joint in range(rows.tau.shape[1]):
             _, table = joint_table(rows, joint)
-            yield problem.weight_index(kind, first + joint), problem.columns[first + joint], table, rows.independence
+            yield (
+                problem.weight_index(kind, first + joint),
+                problem.columns[first + joint],
+                table,
+                rows.independent_fraction,
+            )

@@ -17,7 +17,7 @@ from exoid.regression.residuals import Point, fit_noise
 from exoid.regression.rows import for_leg, make_rows
 from exoid.signals import Poses, Recording, ZeroPhase
 from exoid.torques import Term, TorqueModel
-from exoid.torques.dry_friction import DryFriction
+from exoid.torques.terms import DryFriction
 
 from .default_start import default_preparation, default_start, refuse_other_friction
 from .least_squares import wls

@@ -1,7 +1,7 @@
 """Terms, filter and estimator chosen by how well they predict what they were not fitted to."""
 
 from .candidates import Candidate, estimator_candidates, filter_candidates, friction_candidates
-from .selection import Score, Selection, select_terms, selection_to_json
+from .selection import Score, Selection, select_terms
 
 __all__ = [
     "Candidate",
@@ -11,5 +11,4 @@ __all__ = [
     "filter_candidates",
     "friction_candidates",
     "select_terms",
-    "selection_to_json",
 ]

@@ -12,7 +12,6 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.estimate import Estimate
-from exoid.estimate.file import preparation_to_json
 from exoid.estimate.validation import Validation, validate
 from exoid.identification.estimators import find_estimator
 from exoid.identification.fitting import Start, Task
@@ -21,6 +20,7 @@ from exoid.identification.identify import fit_model, identify
 from exoid.identification.recording_summary import refuse_dead_torques, refuse_still_joints, summarize
 from exoid.leg import Leg
 from exoid.signals import Recording
+from exoid.signals.preparation_names import preparation_to_json
 from exoid.tables import make_table, to_text
 from exoid.torques import TorqueModel, term_to_json
 
@@ -125,6 +125,34 @@ class Selection:
         preparation = evaluation(estimate.preparation, self.cutoff, recording.sample_rate)
         return validate(estimate, recording, preparation=preparation)
 
+    def to_json(self) -> dict[str, Any]:
+        """Turn a selection into what JSON can hold.
+
+        Returns:
+            Scores of all candidates, and the choice.
+        """
+        return {
+            "cutoff": self.cutoff,
+            "folds": self.folds,
+            "joint_names": list(self.joint_names),
+            "chosen": self.candidate.name,
+            "terms": [term_to_json(term) for term in self.candidate.terms],
+            "estimator": self.candidate.estimator,
+            "preparation": preparation_to_json(self.candidate.preparation),
+            "warnings": list(self.warnings),
+            "candidates": [
+                {
+                    "name": score.candidate.name,
+                    "numbers": score.numbers,
+                    "nrmse": _list(score.nrmse),
+                    "folds": _list(score.folds),
+                    "fast": _list(score.extrapolation),
+                    "failure": score.failure,
+                }
+                for score in self.scores
+            ],
+        }
+
     def __repr__(self) -> str:
         """Name the choice."""
         return f"Selection({self.candidate.name!r} of {len(self.scores)})"
@@ -208,31 +236,6 @@ def select_terms(
         chosen = chosen if choice == 0 else len(scores) + choice - 1
         scores = (*scores, *later)
     return Selection(leg, leg.joint_names, scores, chosen, cutoff, folds)
-
-
-def selection_to_json(selection: Selection) -> dict[str, Any]:
-    """Turn a selection into what JSON can hold."""
-    return {
-        "cutoff": selection.cutoff,
-        "folds": selection.folds,
-        "joint_names": list(selection.joint_names),
-        "chosen": selection.candidate.name,
-        "terms": [term_to_json(term) for term in selection.candidate.terms],
-        "estimator": selection.candidate.estimator,
-        "preparation": preparation_to_json(selection.candidate.preparation),
-        "warnings": list(selection.warnings),
-        "candidates": [
-            {
-                "name": score.candidate.name,
-                "numbers": score.numbers,
-                "nrmse": _list(score.nrmse),
-                "folds": _list(score.folds),
-                "fast": _list(score.extrapolation),
-                "failure": score.failure,
-            }
-            for score in selection.scores
-        ],
-    }
 
 
 class _Bench(NamedTuple):

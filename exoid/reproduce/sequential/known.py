@@ -70,7 +70,7 @@ class Known:
             raise ExoidError(f"{', '.join(again)} is known already", remedy="start from what was known before")
         W_new = np.column_stack([rows.columns[name] for name in names])
         W = W_new if nuisance is None else np.column_stack([W_new, nuisance])
-        dof = len(rows.tau) * rows.independence - W.shape[1]
+        dof = len(rows.tau) * rows.independent_fraction - W.shape[1]
         if dof <= 0.0:
             raise ExoidError(
                 f"too few measurements for {', '.join(names)}: {len(rows.tau)}", remedy="measure more poses or longer"

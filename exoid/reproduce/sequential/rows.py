@@ -22,18 +22,18 @@ class JointRows(NamedTuple):
         columns: Regressor column of every parameter, (M,) each.
         tau: Measured torque [N·m], (M,).
         v: Velocity of the joint [rad/s], (M,).
-        independence: Share of the rows that carries independent noise; a filter leaves fewer.
+        independent_fraction: Share of the rows that carries independent noise; a filter leaves fewer.
     """
 
     columns: Mapping[str, FloatArray]
     tau: FloatArray
     v: FloatArray
-    independence: float = 1.0
+    independent_fraction: float = 1.0
 
     def where(self, mask: NDArray[np.bool_]) -> JointRows:
         """Keep only some rows."""
         columns = {name: column[mask] for name, column in self.columns.items()}
-        return JointRows(columns, self.tau[mask], self.v[mask], self.independence)
+        return JointRows(columns, self.tau[mask], self.v[mask], self.independent_fraction)
 
     def neglecting(self, prefix: str) -> JointRows:
         """Take the parameters whose names begin like this as zero."""
@@ -78,9 +78,11 @@ def rows_in_motion(
         np.concatenate([rows.W[:, joint] for rows in each]),
         np.concatenate([rows.tau[:, joint] for rows in each]),
         np.concatenate([motion.v[motion.valid, joint] for motion in motions]),
-        min(rows.independence for rows in each),
+        min(rows.independent_fraction for rows in each),
     )
 
 
-def _of_joint(model: TorqueModel, W: FloatArray, tau: FloatArray, v: FloatArray, independence: float) -> JointRows:
-    return JointRows(dict(zip(model.names, W.T, strict=True)), tau, v, independence)
+def _of_joint(
+    model: TorqueModel, W: FloatArray, tau: FloatArray, v: FloatArray, independent_fraction: float
+) -> JointRows:
+    return JointRows(dict(zip(model.names, W.T, strict=True)), tau, v, independent_fraction)

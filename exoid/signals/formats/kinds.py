@@ -1,4 +1,4 @@
-"""Which kind of log a file is: its first bytes say so, and only where they are silent its name does."""
+"""Kind of a log file: given by a registered ending, else by its first bytes, else by its name."""
 
 from __future__ import annotations
 
@@ -7,31 +7,29 @@ from pathlib import Path
 
 from exoid.errors import ExoidError
 
-from .mat import read_mat
-from .npz import read_npz
-from .parquet import read_parquet
-from .rosbag import read_rosbag
-from .table import Table, Wanted
-from .text import read_text_table
+from .by_ending import BUILT_IN, READERS, read_as
+from .table import ReadOptions, Table
 
 MARKS = {
     b"PAR1": "parquet",
     b"PK\x03\x04": "npz",
     b"PK\x05\x06": "npz",
     b"\x93NUMPY": "npy",
-    b"\x89MCAP": "bag",
-    b"SQLite format 3\0": "bag",
+    b"\x89MCAP": "mcap",
+    b"SQLite format 3\0": "db3",
     b"#ROSBAG": "bag",
     b"\x89HDF\r\n\x1a\n": "hdf5",
     b"MATLAB 5.0": "mat",
     b"MATLAB 7.3": "hdf5",
 }
-"""What files begin with."""
-
-NAMES = {".parquet": "parquet", ".npz": "npz", ".mat": "mat", ".mcap": "bag", ".db3": "bag", ".bag": "bag"}
-"""How the names of files end whose beginning says nothing: damaged ones, and MATLAB's of version 4."""
+"""Ending of the kind of file that begins with these bytes."""
 
 LONGEST_MARK = max(map(len, MARKS))
+
+BAGS = ("bag", "db3", "mcap")
+
+TEXT = "csv"
+"""Kind of any other file; the text reader reports files that cannot be read."""
 
 REFUSED = {
     "npy": ("a single array", "write a log with np.savez(path, time=..., q=..., tau=..., joint_names=[...])"),
@@ -39,45 +37,63 @@ REFUSED = {
 }
 
 
-def open_table(path: str | os.PathLike[str], wanted: Wanted | None = None) -> Table:
-    """Open a log of any kind that exoid reads.
+def open_table(path: str | os.PathLike[str], options: ReadOptions | None = None) -> Table:
+    """Open a log of any kind that exoid reads, or that :func:`register_format` registered.
+
+    Args:
+        path: The file, or the folder of a rosbag2.
+        options: What the caller requests.
+
+    Returns:
+        The table.
 
     Raises:
         ExoidError: The file is missing, damaged, or of no such kind.
     """
-    wanted, file = wanted or Wanted(), os.fsdecode(path)
+    options, file = options or ReadOptions(), os.fsdecode(path)
     kind = kind_of(Path(file), file)
-    if kind != "bag" and (wanted.topic is not None or wanted.stamps != "header"):
-        raise ExoidError("topic and stamps are of bags, which this is not", where=file, remedy="leave them out")
-    if wanted.stamps not in ("header", "received"):
-        raise ExoidError(f"stamps is {wanted.stamps!r}", remedy='pass stamps="header" or stamps="received"')
+    if kind not in BAGS and (options.topic is not None or options.stamps != "header"):
+        raise ExoidError("topic and stamps apply to bags only", where=file, remedy="leave them out")
+    if options.stamps not in ("header", "received"):
+        raise ExoidError(f"stamps is {options.stamps!r}", remedy='pass stamps="header" or stamps="received"')
     if kind in REFUSED:
         what, remedy = REFUSED[kind]
         raise ExoidError(what, where=file, remedy=remedy)
-    if kind == "parquet":
-        return read_parquet(Path(file), file)
-    if kind == "npz":
-        return read_npz(Path(file), file, wanted)
-    if kind == "mat":
-        return read_mat(Path(file), file, wanted)
-    return read_rosbag(Path(file), file, wanted) if kind == "bag" else read_text_table(file)
+    return read_as(kind, file, options)
 
 
 def kind_of(path: Path, file: str) -> str:
-    """Tell the kind of a log: "parquet", "npz", "mat", "bag", "text", or one of those that are refused."""
+    """Tell the kind of a log.
+
+    Registered endings of other packages are checked before the first bytes, because formats may be based on zip or
+    HDF5. Endings of exoid are checked after them: they decide for damaged files, and for MATLAB files of version 4.
+
+    Args:
+        path: The file.
+        file: Path as the caller gave it.
+
+    Returns:
+        Ending of the kind, such as "parquet" or "csv", or a key of :data:`REFUSED`.
+
+    Raises:
+        ExoidError: It is a folder, but not a rosbag2.
+    """
     try:
         if path.is_dir():
             return _kind_of_folder(path, file)
         if not path.is_file():
-            return "text"  # whose reader says what is wrong
+            return TEXT
         with path.open("rb") as opened:
             first = opened.read(LONGEST_MARK)
     except (OSError, ValueError):
-        return "text"
+        return TEXT
+    ending = path.suffix.lower().removeprefix(".")
+    if ending and ending not in BUILT_IN and ending in READERS:
+        return ending
     for mark, kind in MARKS.items():
         if first.startswith(mark):
             return kind
-    return NAMES.get(path.suffix.lower(), "text") if first else "text"
+    return ending if first and ending in BUILT_IN else TEXT
 
 
 def _kind_of_folder(path: Path, file: str) -> str:

@@ -1,4 +1,4 @@
-"""MATLAB files up to version 7, through scipy: variables, or the fields of one struct."""
+"""MATLAB files up to version 7, read by scipy: variables, or the fields of one struct."""
 
 from __future__ import annotations
 
@@ -16,30 +16,38 @@ from exoid.errors import ExoidError
 from exoid.signals.source import Source
 
 from .mat_elements import expanded_size, readable_variables
-from .table import ArrayTable, Wanted, reading, refuse_expansion, to_columns
+from .table import ArrayTable, ReadOptions, reading, refuse_expansion, to_columns
 
 REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_names', '-v7')"
 
 DEEPEST = 20
-"""Structs in structs, at most."""
+"""Largest nesting of structs."""
 
 
-def read_mat(path: Path, file: str, wanted: Wanted) -> ArrayTable:
-    """Read numbers and text; other variables are passed over. Rows count from 1, as in MATLAB.
+def read_mat(file: str, options: ReadOptions) -> ArrayTable:
+    """Read numbers and text; other variables are skipped. Rows count from 1, as in MATLAB.
+
+    Args:
+        file: Path as the caller gave it.
+        options: What the caller requests.
+
+    Returns:
+        The table.
 
     Raises:
         ExoidError: The file is damaged, of version 7.3, or has no time.
     """
+    path = Path(file)
     with reading(file, "a MATLAB file", REMEDY), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         data = path.read_bytes()
         refuse_expansion(expanded_size(data), path, file)
-        names, stream = readable_variables(data), cast("Any", io.BytesIO(data))  # of which scipy's annotations know not
+        names, stream = readable_variables(data), cast("Any", io.BytesIO(data))  # a type that scipy's annotations lack
         content = scipy.io.loadmat(stream, variable_names=names, simplify_cells=True, chars_as_strings=True)
         variables = {name: value for name, value in content.items() if not name.startswith("__")}
         if len(variables) == 1 and isinstance(only := next(iter(variables.values())), dict):
             variables = only
-        columns = to_columns(_flat(variables, file), file, wanted)
+        columns = to_columns(_flat(variables, file), file, options)
         rows = len(next(iter(columns.values())))
         return ArrayTable(file, Source.of(path), columns, np.arange(1, rows + 1))
 
@@ -47,7 +55,7 @@ def read_mat(path: Path, file: str, wanted: Wanted) -> ArrayTable:
 def _flat(variables: Mapping[str, Any], file: str, depth: int = 0) -> dict[str, NDArray[Any]]:
     """Name the fields of structs ``struct.field``; cells of text become arrays of text."""
     if depth > DEEPEST:
-        raise ExoidError(f"structs lie more than {DEEPEST} deep in each other", where=file, remedy=REMEDY)
+        raise ExoidError(f"structs are nested more than {DEEPEST} deep", where=file, remedy=REMEDY)
     found: dict[str, NDArray[Any]] = {}
     for name, value in variables.items():
         if isinstance(value, dict):

@@ -1,8 +1,8 @@
-"""Which variables of a MATLAB file can be read: scipy's compiled reader believes tags, and crashes on wrong ones.
+"""Check of the elements of a MATLAB file, because scipy's compiled reader crashes on inconsistent ones.
 
-A file of version 5 to 7 is a header and elements, each a tag (type, size) and its content, padded to 8 bytes; up to
-four bytes may stand in the tag itself. A matrix is an element of elements: flags, dimensions, name, and what its class
-has.
+A file of version 5 to 7 is a header and elements. An element is a tag (type, size) and its content, padded to 8 bytes;
+the tag itself may hold up to four bytes of content. A matrix is an element of elements: flags, dimensions, name, and
+the content of its class.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ HEADER = 128
 """Bytes before the first element."""
 
 TEXT = (1, 2, 4, 16, 17, 18)
-"""Types of elements that are characters: bytes, 16 bits, UTF-8, -16, -32."""
+"""Types of elements with characters: bytes, 16 bits, UTF-8, -16, -32."""
 
 NUMBERS = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13)
-"""Those that are numbers."""
+"""Types of elements with numbers."""
 
 INT8, INT32, UINT32, MATRIX, COMPRESSED = 1, 5, 6, 14, 15
 
@@ -28,21 +28,21 @@ CELL, STRUCT, CHAR = 1, 2, 4
 """Classes of matrices."""
 
 NUMERIC = range(6, 16)
-"""Those of numbers; sparse ones, objects and functions are none."""
+"""Classes of numeric matrices, without sparse ones, objects and functions."""
 
 COMPLEX = 1 << 11
-"""Among the flags of a matrix."""
+"""Flag of a complex matrix."""
 
 DEEPEST = 200
-"""Matrices in matrices."""
+"""Largest nesting of matrices."""
 
 
 class Element(NamedTuple):
     """One element.
 
     Attributes:
-        kind: Its type.
-        content: Without tag and padding.
+        kind: Type of the element.
+        content: Content without tag and padding.
     """
 
     kind: int
@@ -50,11 +50,11 @@ class Element(NamedTuple):
 
 
 class Matrix(NamedTuple):
-    """A variable, or what a cell or a field holds.
+    """A variable, or the content of a cell or a field.
 
     Attributes:
-        name: Empty but for variables.
-        readable: Whether it is made of numbers, text, cells and structs.
+        name: Name of a variable; empty for others.
+        readable: Whether it consists of numbers, text, cells and structs.
     """
 
     name: str
@@ -62,12 +62,26 @@ class Matrix(NamedTuple):
 
 
 def byte_order(data: bytes) -> str:
-    """As scipy decides it, "<" or ">"."""
+    """Tell the byte order as scipy does.
+
+    Args:
+        data: Content of the file.
+
+    Returns:
+        "<" or ">".
+    """
     return "<" if data[126:128] == b"IM" else ">"
 
 
 def expanded_size(data: bytes) -> int:
-    """Bytes that compressed elements say they will become."""
+    """Sum the sizes that compressed elements declare.
+
+    Args:
+        data: Content of the file.
+
+    Returns:
+        Size in memory [bytes].
+    """
     place, total, order = HEADER, 0, byte_order(data)
     while place + 8 <= len(data):
         kind, size = struct.unpack_from(f"{order}II", data, place)
@@ -80,17 +94,23 @@ def expanded_size(data: bytes) -> int:
 
 
 def readable_variables(data: bytes) -> list[str] | None:
-    """Names of the variables that are made of numbers, text, cells and structs; None for another version of the format.
+    """List the variables that consist of numbers, text, cells and structs.
+
+    Args:
+        data: Content of the file.
+
+    Returns:
+        Their names; None for another version of the format.
 
     Raises:
-        ValueError: The elements do not fit into each other.
+        ValueError: The elements are inconsistent.
     """
     if len(data) < HEADER or 0 in data[:4] or data[125 if data[126:127] == b"I" else 124] != 1:
         return None
     order = byte_order(data)
     found = [_matrix(element.content, order) for element in _variables(memoryview(data)[HEADER:], order)]
-    passed_over = {variable.name for variable in found if not variable.readable}
-    return [variable.name for variable in found if variable.name and variable.name not in passed_over]
+    unreadable = {variable.name for variable in found if not variable.readable}
+    return [variable.name for variable in found if variable.name and variable.name not in unreadable]
 
 
 def _variables(data: memoryview, order: str) -> Iterator[Element]:
@@ -125,11 +145,7 @@ def _elements(data: memoryview, order: str) -> Iterator[Element]:
 
 
 def _matrix(data: memoryview, order: str, depth: int = 0) -> Matrix:
-    """Look through a matrix and all that is in it.
-
-    Raises:
-        ValueError: It does not have the elements of its class.
-    """
+    """Check a matrix and all of its content; raises ValueError for elements that its class does not have."""
     if depth > DEEPEST:
         raise ValueError(f"matrices lie more than {DEEPEST} deep in each other")
     if not data and depth:
@@ -148,11 +164,7 @@ def _matrix(data: memoryview, order: str, depth: int = 0) -> Matrix:
 
 
 def _has_class(bits: int, count: int, rest: list[Element], order: str, depth: int) -> bool:
-    """Whether all that a matrix holds can be read.
-
-    Raises:
-        ValueError: It is not what belongs to its class.
-    """
+    """Whether the content of a matrix can be read; raises ValueError for content that its class does not have."""
     kind = bits & 0xFF
     kinds = [element.kind for element in rest]
     if kind in NUMERIC and len(kinds) == 1 + bool(bits & COMPLEX) and set(kinds) <= set(NUMBERS):

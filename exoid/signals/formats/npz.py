@@ -9,20 +9,28 @@ import numpy as np
 
 from exoid.signals.source import Source
 
-from .table import ArrayTable, Wanted, reading, refuse_expansion, to_columns
+from .table import ArrayTable, ReadOptions, reading, refuse_expansion, to_columns
 
 REMEDY = "write it with np.savez(path, time=..., q=..., tau=..., joint_names=[...]), all arrays of numbers or text"
 
 
-def read_npz(path: Path, file: str, wanted: Wanted) -> ArrayTable:
-    """Read an archive of arrays; pickled ones are refused unread, as pickles run what is in them.
+def read_npz(file: str, options: ReadOptions) -> ArrayTable:
+    """Read an archive of arrays; pickled arrays are refused, because unpickling runs code from the file.
+
+    Args:
+        file: Path as the caller gave it.
+        options: What the caller requests.
+
+    Returns:
+        The table.
 
     Raises:
         ExoidError: The file is damaged, or holds objects.
     """
+    path = Path(file)
     with reading(file, "a NumPy archive", REMEDY):
         with zipfile.ZipFile(path) as archive:
             refuse_expansion(sum(member.file_size for member in archive.infolist()), path, file)
         with np.load(path, allow_pickle=False) as data:
             arrays = {name: np.asarray(data[name]) for name in data.files}
-        return ArrayTable(file, Source.of(path), to_columns(arrays, file, wanted))
+        return ArrayTable(file, Source.of(path), to_columns(arrays, file, options))

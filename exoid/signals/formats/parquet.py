@@ -1,4 +1,4 @@
-"""Parquet files, through polars."""
+"""Parquet files, read by polars."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals.source import Source
 
-from .table import as_column, needs, reading, refuse_expansion
+from .table import ReadOptions, as_column, needs, reading, refuse_expansion
 
-REMEDY = "check that the writer closed it; write it anew"
+REMEDY = "check that the writer closed it; write it again"
 
 
 @dataclass(frozen=True, eq=False)
 class ParquetTable:
-    """A Parquet file, of which only the columns asked for are read; attributes as those of ``Table``.
+    """A Parquet file, of which only the requested columns are read; attributes as those of ``Table``.
 
     Attributes:
         length: Number of rows.
@@ -32,13 +32,23 @@ class ParquetTable:
     header: tuple[str, ...]
     length: int
     lines: NDArray[np.int64] | None = None
-    counted: str = "row"
+    row_name: str = "row"
 
     def __len__(self) -> int:
         return self.length
 
     def numbers(self, columns: Sequence[str]) -> FloatArray:
-        """Read some columns; empty cells become NaN."""
+        """Read columns; empty cells become NaN.
+
+        Args:
+            columns: Names of k columns.
+
+        Returns:
+            Numbers, (N, k).
+
+        Raises:
+            ExoidError: A column does not hold numbers, or the file is damaged.
+        """
         polars = _polars(self.file)
         refuse_expansion(8 * self.length * len(columns), Path(self.file), self.file)
         with reading(self.file, "Parquet", REMEDY):
@@ -55,8 +65,15 @@ class ParquetTable:
         return as_column(series.to_numpy(), where)
 
 
-def read_parquet(path: Path, file: str) -> ParquetTable:
+def read_parquet(file: str, options: ReadOptions) -> ParquetTable:
     """Read the header of a Parquet file.
+
+    Args:
+        file: Path as the caller gave it.
+        options: What the caller requests; columns are selected later.
+
+    Returns:
+        The table.
 
     Raises:
         ExoidError: polars is missing, or the file is damaged.
@@ -65,7 +82,7 @@ def read_parquet(path: Path, file: str) -> ParquetTable:
     with reading(file, "Parquet", REMEDY):
         names = tuple(polars.read_parquet_schema(file))
         rows = polars.scan_parquet(file, glob=False, hive_partitioning=False).select(polars.len()).collect().item()
-        return ParquetTable(file, Source.of(path), names, int(rows))
+        return ParquetTable(file, Source.of(Path(file)), names, int(rows))
 
 
 def _polars(file: str) -> Any:  # noqa: ANN401 - a module

@@ -1,4 +1,4 @@
-"""``sensor_msgs/JointState`` in bags of ROS: rosbag2 folders, MCAP and sqlite3 files, and bags of ROS 1."""
+"""``sensor_msgs/JointState`` in ROS bags: rosbag2 folders, MCAP and sqlite3 files, and ROS 1 bags."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals.source import Source
 
-from .table import ArrayTable, Wanted, needs, reading
+from .table import ArrayTable, ReadOptions, needs, reading
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 
@@ -33,22 +33,30 @@ class _Message(NamedTuple):
     effort: NDArray[np.float64]
 
 
-def read_rosbag(path: Path, file: str, wanted: Wanted) -> ArrayTable:
+def read_rosbag(file: str, options: ReadOptions) -> ArrayTable:
     """Read the joint states of one topic: ``time``, ``q_<joint>`` and, where messages have them, ``v_`` and ``tau_``.
 
-    Time counts from the first message. Messages may name their joints in any order; those of none of the wanted joints
-    are passed over. A field that is empty, or NaN throughout, in all messages was not measured. Of what the bag itself
-    says about message types nothing is used.
+    Time starts at the first message. Messages may list their joints in any order. Messages without any requested joint
+    are skipped. A field that is empty or NaN in all messages was not measured. Message definitions stored in the bag
+    are ignored.
+
+    Args:
+        file: Path as the caller gave it.
+        options: What the caller requests.
+
+    Returns:
+        The table.
 
     Raises:
         ExoidError: rosbags is missing, the bag is damaged, no topic or several fit, or messages disagree on joints.
     """
+    path = Path(file)
     with reading(file, "a bag", REMEDY):
-        messages = list(_messages(path, file, wanted))
+        messages = list(_messages(path, file, options))
         if not messages:
             raise ExoidError("no joint states in the topic", where=file, remedy="choose another topic")
-        joints, messages = _common_joints(messages, file, wanted)
-        columns: dict[str, NDArray[Any]] = {"time": _seconds(messages, file, wanted)}
+        joints, messages = _common_joints(messages, file, options)
+        columns: dict[str, NDArray[Any]] = {"time": _seconds(messages, file, options)}
         for symbol, field in FIELDS.items():
             values = _matrix(messages, joints, field, file)
             if values is not None:
@@ -57,8 +65,8 @@ def read_rosbag(path: Path, file: str, wanted: Wanted) -> ArrayTable:
         return ArrayTable(file, Source.of(path), columns, numbers, "message")
 
 
-def _messages(path: Path, file: str, wanted: Wanted) -> Iterator[_Message]:
-    """Go over the joint states of the topic, numbered from 0 within it."""
+def _messages(path: Path, file: str, options: ReadOptions) -> Iterator[_Message]:
+    """Joint states of the topic, numbered from 0."""
     try:
         from rosbags import rosbag1, rosbag2  # noqa: PLC0415 - an extra
         from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
@@ -68,18 +76,18 @@ def _messages(path: Path, file: str, wanted: Wanted) -> Iterator[_Message]:
     store = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)
     decode = store.deserialize_ros1 if first else store.deserialize_cdr
     with (rosbag1.Reader if first else rosbag2.Reader)(path) as bag:
-        topic = _topic({connection.topic: connection.msgtype for connection in bag.connections}, file, wanted.topic)
+        topic = _topic({connection.topic: connection.msgtype for connection in bag.connections}, file, options.topic)
         chosen = [connection for connection in bag.connections if connection.topic == topic]
         for number, (_, received, raw) in enumerate(bag.messages(connections=chosen)):
             state: Any = decode(raw, JOINT_STATE)
             stamp = state.header.stamp
-            since = received if wanted.stamps == "received" else int(stamp.sec) * 10**9 + int(stamp.nanosec)
+            since = received if options.stamps == "received" else int(stamp.sec) * 10**9 + int(stamp.nanosec)
             fields = (np.array(getattr(state, field), dtype=np.float64) for field in FIELDS.values())
             yield _Message(number, since, tuple(state.name), *fields)
 
 
 def _topic(kinds: Mapping[str, str], file: str, asked: str | None) -> str:
-    """Choose the topic asked for, or the only one of joint states."""
+    """Select the requested topic, or the only one of joint states."""
     fit = [topic for topic, kind in kinds.items() if kind == JOINT_STATE]
     listed = ", ".join(f"{topic} ({kind})" for topic, kind in sorted(kinds.items())[:20]) or "no topics"
     if asked is not None and asked not in fit:
@@ -93,17 +101,17 @@ def _topic(kinds: Mapping[str, str], file: str, asked: str | None) -> str:
     return asked if asked is not None else fit[0]
 
 
-def _common_joints(messages: list[_Message], file: str, wanted: Wanted) -> tuple[tuple[str, ...], list[_Message]]:
-    """Joints to read, and the messages that have them."""
+def _common_joints(messages: list[_Message], file: str, options: ReadOptions) -> tuple[tuple[str, ...], list[_Message]]:
+    """Joints to read, and the messages with these joints."""
     layouts = {message.joints: message.number for message in messages}
     for joints, number in layouts.items():
         if len(set(joints)) < len(joints):
             raise ExoidError(
                 f"a joint is named twice: {', '.join(joints)}",
                 where=f"{file}, message {number}",
-                remedy="mend the publisher",
+                remedy="correct the publisher",
             )
-    if wanted.joint_names is None:
+    if options.joint_names is None:
         if len({frozenset(joints) for joints in layouts}) > 1:
             found = "; ".join(", ".join(joints) for joints in layouts)
             raise ExoidError(
@@ -111,7 +119,7 @@ def _common_joints(messages: list[_Message], file: str, wanted: Wanted) -> tuple
             )
         return messages[0].joints, messages
     every = dict.fromkeys(joint for joints in layouts for joint in joints)
-    asked = {wanted.columns.get(f"q_{joint}", f"q_{joint}")[2:] for joint in wanted.joint_names}
+    asked = {options.columns.get(f"q_{joint}", f"q_{joint}")[2:] for joint in options.joint_names}
     joints = tuple(joint for joint in every if joint in asked) or tuple(every)
     kept = [message for message in messages if not set(joints).isdisjoint(message.joints)]
     for message in kept:
@@ -125,10 +133,10 @@ def _common_joints(messages: list[_Message], file: str, wanted: Wanted) -> tuple
     return joints, kept
 
 
-def _seconds(messages: Sequence[_Message], file: str, wanted: Wanted) -> FloatArray:
+def _seconds(messages: Sequence[_Message], file: str, options: ReadOptions) -> FloatArray:
     """Time since the first message [s]."""
     stamps = np.array([message.stamp for message in messages], dtype=np.int64)
-    if wanted.stamps == "header" and not stamps.any():
+    if options.stamps == "header" and not stamps.any():
         raise ExoidError(
             "the headers have no time stamps",
             where=file,
@@ -138,7 +146,7 @@ def _seconds(messages: Sequence[_Message], file: str, wanted: Wanted) -> FloatAr
 
 
 def _matrix(messages: Sequence[_Message], joints: Sequence[str], field: str, file: str) -> FloatArray | None:
-    """One field of all messages, (N, n), joints in one order; None where no message has it."""
+    """One field of all messages, (N, n), joints in one order; None if no message has it."""
     given = np.array([len(getattr(message, field)) > 0 for message in messages])
     if not given.any():
         return None
@@ -157,7 +165,7 @@ def _matrix(messages: Sequence[_Message], joints: Sequence[str], field: str, fil
             raise ExoidError(
                 f"{len(values)} values of {field} for {len(message.joints)} joints",
                 where=f"{file}, message {message.number}",
-                remedy="mend the publisher",
+                remedy="correct the publisher",
             )
         if message.joints not in columns:
             columns[message.joints] = [message.joints.index(joint) for joint in joints]

@@ -1,4 +1,4 @@
-"""What a log file is to the rest: named columns of numbers, and words for the place of each."""
+"""Table of a log file: named columns of numbers, with the place of each row in the file."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,20 +19,20 @@ QUANTITIES = ("q", "v", "a", "tau")
 """Prefixes of column names: ``q_<joint>`` [rad], ``v_`` [rad/s], ``a_`` [rad/s²], ``tau_`` [N·m]."""
 
 MOST_MEMORY = 2**29
-"""Files that would take more than these bytes in memory,"""
+"""Size in memory from which on the expansion of a compressed file is checked [bytes]."""
 MOST_EXPANSION = 200
-"""and more than so many times their own size, hold no measurements: noise does not compress that well."""
+"""Largest ratio of size in memory to size on disk; measurements contain noise and compress less."""
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """What the caller asks of a file, where its format needs to know before it can be read.
+class ReadOptions:
+    """Options of the caller that some formats need before a file can be read.
 
     Attributes:
-        joint_names: Joints wanted, or None for those in the file.
-        columns: The file's name for exoid's column name, where they differ.
-        topic: Topic of a bag; None for the only one that fits.
-        stamps: Which time a message of a bag counts at: that in its header, or when the bag received it.
+        joint_names: Joints to read; None for those in the file.
+        columns: Name in the file of each exoid column whose name differs.
+        topic: Topic of a bag; None for the only one of joint states.
+        stamps: Time stamps of a bag: "header", or "received" when the message was recorded.
     """
 
     joint_names: Sequence[str] | None = None
@@ -41,6 +41,7 @@ class Wanted:
     stamps: Literal["header", "received"] = "header"
 
 
+@runtime_checkable
 class Table(Protocol):
     """Columns of a log file, not yet checked."""
 
@@ -65,14 +66,20 @@ class Table(Protocol):
         ...
 
     @property
-    def counted(self) -> str:
-        """What a row is called: "line", "row" or "message"."""
+    def row_name(self) -> str:
+        """Word for a row: "line", "row" or "message"."""
         ...
 
     def __len__(self) -> int: ...
 
     def numbers(self, columns: Sequence[str]) -> FloatArray:
-        """Return some columns, (N, k); NaN and infinity pass.
+        """Read columns; NaN and infinity are allowed.
+
+        Args:
+            columns: Names of k columns.
+
+        Returns:
+            Numbers, (N, k).
 
         Raises:
             ExoidError: A column does not hold numbers.
@@ -85,14 +92,28 @@ class ArrayTable:
     """A table whose columns are in memory; attributes as those of :class:`Table`.
 
     Attributes:
-        columns: The columns by name, all of one length.
+        columns: The columns by name, all of one length, (N,).
+
+    Raises:
+        ExoidError: Columns are not of one length.
     """
 
     file: str
     source: Source
     columns: Mapping[str, NDArray[Any]]
     lines: NDArray[np.int64] | None = None
-    counted: str = "row"
+    row_name: str = "row"
+
+    def __post_init__(self) -> None:
+        """Check that columns are of one length."""
+        columns = {name: np.asarray(values) for name, values in self.columns.items()}
+        shapes = {values.shape for values in columns.values()}
+        if len(shapes) > 1 or any(len(shape) != 1 for shape in shapes):
+            found = ", ".join(f"{name} {values.shape}" for name, values in list(columns.items())[:20])
+            raise ExoidError(
+                f"columns are not of one length: {found}", where=self.file, remedy="give each one number a sample"
+            )
+        object.__setattr__(self, "columns", columns)
 
     @property
     def header(self) -> tuple[str, ...]:
@@ -103,7 +124,7 @@ class ArrayTable:
         return len(next(iter(self.columns.values()), ()))
 
     def numbers(self, columns: Sequence[str]) -> FloatArray:
-        """Return some columns as they are; calendar stamps as seconds since the first one."""
+        """Read columns; dates become seconds since the first one."""
         return np.column_stack([self._column(name) for name in columns])
 
     def _column(self, name: str) -> FloatArray:
@@ -111,7 +132,14 @@ class ArrayTable:
 
 
 def as_column(values: NDArray[Any], where: str) -> FloatArray:
-    """Turn an array of any real type, or of dates or durations, into float64; dates become seconds since the first.
+    """Convert an array of any real type, or of dates or durations, to float64; dates become seconds since the first.
+
+    Args:
+        values: The array, (N,).
+        where: Place of the column, for messages.
+
+    Returns:
+        Numbers, (N,).
 
     Raises:
         ExoidError: The elements are something else.
@@ -125,16 +153,24 @@ def as_column(values: NDArray[Any], where: str) -> FloatArray:
     return np.asarray(values, dtype=np.float64)
 
 
-def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, wanted: Wanted) -> dict[str, NDArray[Any]]:
-    """Spread arrays of (samples,) and (samples, joints) over named columns; the length of ``time`` tells samples.
+def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, options: ReadOptions) -> dict[str, NDArray[Any]]:
+    """Split arrays of (samples,) and (samples, joints) into named columns; ``time`` gives the number of samples.
 
-    A matrix q of the joints named in the file, or else by the caller, gives ``q_<joint>``; any other gives
-    ``name[0]``, ``name[1]``, … Joints come from an array ``joint_names``. What has another length is left out.
+    A matrix q becomes ``q_<joint>``, with the joints of the array ``joint_names`` or of the caller. Any other matrix
+    becomes ``name[0]``, ``name[1]``, …. Arrays of another length are left out.
+
+    Args:
+        arrays: Arrays by name.
+        file: Path as the caller gave it, for messages.
+        options: What the caller requests.
+
+    Returns:
+        Columns by name, (N,) each.
 
     Raises:
         ExoidError: There is no time, or joint names do not fit the matrices.
     """
-    time = wanted.columns.get("time", "time")
+    time = options.columns.get("time", "time")
     if time not in arrays:
         exists = ", ".join(f"{name} {values.shape}" for name, values in list(arrays.items())[:20]) or "nothing"
         raise ExoidError(
@@ -144,20 +180,20 @@ def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, wanted: Wanted) ->
         )
     samples = arrays[time].size
     if samples != max(arrays[time].shape, default=1):
-        raise ExoidError(f"{time} has shape {arrays[time].shape}", where=file, remedy="give one time stamp a sample")
+        raise ExoidError(f"{time} has shape {arrays[time].shape}", where=file, remedy="give one time stamp per sample")
     named = _joint_names(arrays, file)
     columns: dict[str, NDArray[Any]] = {time: arrays[time].reshape(-1)}
     for name, values in arrays.items():
         matrix = None if name in (time, "joint_names") else _samples_first(values, samples)
         if matrix is None:
             continue
-        labels = _labels(name, matrix.shape[1], named, wanted.joint_names, file)
+        labels = _labels(name, matrix.shape[1], named, options.joint_names, file)
         columns.update(zip(labels, matrix.T, strict=True))
     return columns
 
 
 def _samples_first(values: NDArray[Any], samples: int) -> NDArray[Any] | None:
-    """Turn an array so that samples are rows; None where no axis is as long as time."""
+    """Transpose an array so that samples are rows; None if no axis is as long as time."""
     if values.ndim == 1:
         values = values[:, np.newaxis]
     if values.ndim != 2 or samples not in values.shape:
@@ -171,7 +207,7 @@ def _joint_names(arrays: Mapping[str, NDArray[Any]], file: str) -> tuple[str, ..
         return None
     if names.dtype.kind != "U":
         raise ExoidError(
-            f"joint_names holds {names.dtype}, not text", where=file, remedy="write an array of strings, one a joint"
+            f"joint_names holds {names.dtype}, not text", where=file, remedy="write an array of strings, one per joint"
         )
     return tuple(str(name).strip() for name in np.atleast_1d(names).reshape(-1))
 
@@ -194,26 +230,36 @@ def _labels(
 
 
 def refuse_expansion(memory: int, path: Path, file: str) -> None:
-    """Refuse a file that claims to become far larger than it is: one made to fill the memory.
+    """Refuse a file whose declared content is far larger than the file, which may be made to fill the memory.
+
+    Args:
+        memory: Size in memory [bytes].
+        path: The file.
+        file: Path as the caller gave it, for messages.
 
     Raises:
-        ExoidError: With both sizes.
+        ExoidError: Names both sizes.
     """
     size = path.stat().st_size
     if memory > MOST_MEMORY and memory > MOST_EXPANSION * size:
         raise ExoidError(
-            f"{size} bytes would become {memory / 1e6:.0f} MB in memory, which no measurements do",
+            f"{size} bytes would become {memory / 1e6:.0f} MB in memory, which is not plausible for measurements",
             where=file,
-            remedy="check where the file comes from; write it without compression if it is sound",
+            remedy="check where the file comes from; write it without compression if it is valid",
         )
 
 
 @contextmanager
 def reading(file: str, kind: str, remedy: str) -> Iterator[None]:
-    """Turn whatever a library throws at a damaged file into one line.
+    """Turn any exception that a library raises on a damaged file into one line.
+
+    Args:
+        file: Path as the caller gave it, for messages.
+        kind: Kind of file, with its article.
+        remedy: Remedy for the message.
 
     Raises:
-        ExoidError: Something was thrown.
+        ExoidError: An exception was raised inside.
     """
     try:
         yield
@@ -221,13 +267,22 @@ def reading(file: str, kind: str, remedy: str) -> Iterator[None]:
         raise
     except MemoryError:
         raise ExoidError(f"too large for the memory, or a damaged {kind}", where=file, remedy=remedy) from None
-    except BaseException as problem:  # polars' panics are no Exception
+    except BaseException as problem:  # panics of polars are not of class Exception
         what = " ".join(str(problem).split())[:200] or type(problem).__name__
         raise ExoidError(f"cannot be read as {kind}: {what}", where=file, remedy=remedy) from None
 
 
 def needs(package: str, kind: str, file: str) -> ExoidError:
-    """Make the error about a package that is not installed."""
+    """Make the error about a package that is not installed.
+
+    Args:
+        package: Name of the package.
+        kind: Kind of file that needs it.
+        file: Path as the caller gave it.
+
+    Returns:
+        The error.
+    """
     return ExoidError(
         f"reading {kind} needs {package}", where=file, remedy="pip install 'exoid[io]', or convert to CSV"
     )

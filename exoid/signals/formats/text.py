@@ -1,4 +1,4 @@
-"""A text file as header and numbers: delimiters, comments, and which line is bad. Knows nothing of joints."""
+"""Text files as header and numbers: delimiters, comments, and the line of an error."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ DELIMITERS = (",", ";", "\t")
 
 @dataclass(frozen=True)
 class TextTable:
-    """Header and data lines of a delimited text file, not yet numbers.
+    """Header and data lines of a delimited text file.
 
     Attributes:
         file: Path as the caller gave it, for messages.
         source: Name and SHA-256 of the file.
         header: Column names without outer spaces.
-        rows: The data lines.
-        lines: (N,) line number of each data line, counted from 1.
-        delimiter: One of ``DELIMITERS``.
+        rows: Data lines, N of them.
+        lines: Line number of each data line, from 1, (N,).
+        delimiter: Delimiter, one of ``DELIMITERS``.
     """
 
     file: str
@@ -41,34 +41,34 @@ class TextTable:
     delimiter: str
 
     @property
-    def counted(self) -> str:
-        """What rows are called in messages."""
+    def row_name(self) -> str:
+        """Word for a row in messages."""
         return "line"
 
     def __len__(self) -> int:
         return len(self.rows)
 
     def numbers(self, columns: Sequence[str]) -> FloatArray:
-        """Parse some columns; text in the others does not matter.
+        """Parse columns; other columns may hold text.
 
         Args:
-            columns: Headers, k of them.
+            columns: Names of k columns.
 
         Returns:
-            Numbers, (N, k); NaN and infinity pass, as they are numbers to a parser.
+            Numbers, (N, k), which may be NaN or infinite.
 
         Raises:
-            ExoidError: A row is ragged or a cell is empty or not a number; names line and column.
+            ExoidError: A row has a wrong number of cells, or a cell is empty or not a number; names line and column.
         """
         self._refuse_ragged()
-        wanted = [self.header.index(column) for column in columns]
+        places = [self.header.index(column) for column in columns]
         quote = '"' if any('"' in row for row in self.rows) else None
         try:
             table = np.loadtxt(
-                self.rows, delimiter=self.delimiter, usecols=wanted, ndmin=2, comments=None, quotechar=quote
+                self.rows, delimiter=self.delimiter, usecols=places, ndmin=2, comments=None, quotechar=quote
             )
         except ValueError as problem:
-            raise self._bad_cell(wanted, problem) from None
+            raise self._bad_cell(places, problem) from None
         if len(table) != len(self.rows):
             raise ExoidError("a quotation mark opens and does not close", where=self.file, remedy="remove the quotes")
         return np.asarray(table, dtype=np.float64)
@@ -81,20 +81,20 @@ class TextTable:
                 raise ExoidError(
                     f"{width} cells, but the header has {len(self.header)} columns",
                     where=where,
-                    remedy="mend or drop that row (decimal commas split cells: write 0.5, not 0,5)",
+                    remedy="correct or drop that row (decimal commas split cells: write 0.5, not 0,5)",
                 )
 
-    def _bad_cell(self, wanted: Sequence[int], problem: ValueError) -> ExoidError:
-        """Find the cell that is not a number, once the fast reader has failed."""
+    def _bad_cell(self, places: Sequence[int], problem: ValueError) -> ExoidError:
+        """Make the error about the first cell that is not a number, after the fast reader has failed."""
         for line, row in zip(self.lines, self.rows, strict=True):
             cells = _cells(row, self.delimiter, f"{self.file}, line {line}")
-            for column in wanted:
+            for column in places:
                 cell = cells[column] if column < len(cells) else ""
                 if _is_number(cell):
                     continue
-                what, remedy = f"{cell[:40]!r} is not a number", "mend or drop that row"
+                what, remedy = f"{cell[:40]!r} is not a number", "correct or drop that row"
                 if not cell:
-                    what, remedy = "the cell is empty", "drop that row, or fill it by a method you can defend"
+                    what, remedy = "the cell is empty", "drop that row, or fill it by a documented method"
                 elif _is_number(cell.replace(",", ".")):
                     remedy = "write numbers with a decimal point"
                 return ExoidError(what, where=f"{self.file}, line {line}, column {self.header[column]}", remedy=remedy)
@@ -104,11 +104,17 @@ class TextTable:
 def read_text_table(path: str | os.PathLike[str]) -> TextTable:
     """Read a UTF-8 text file with a header line, delimited by comma, semicolon or tab.
 
-    Lines that start with ``#`` and blank lines are skipped, a byte-order mark and any line ending are
-    understood. When the first line is all numbers, a ``#`` line of as many cells before it is the header.
+    Blank lines and lines that start with ``#`` are skipped. A byte-order mark and any line ending are accepted. If the
+    first line has only numbers, the ``#`` line before it with the same number of cells is the header.
+
+    Args:
+        path: The file.
+
+    Returns:
+        The table.
 
     Raises:
-        ExoidError: The file is missing, empty, not text, or has no header or a repeated one.
+        ExoidError: The file is missing, empty or not text, or its header is missing or has repeated names.
     """
     file = os.fsdecode(path)
     data = _read_bytes(Path(file), file)

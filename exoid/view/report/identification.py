@@ -1,4 +1,4 @@
-"""The report of an identification: what was found, how far to trust it, and what to record next."""
+"""Report of an identification: parameters, predicted torque, residuals, excitation, and advice."""
 
 from __future__ import annotations
 
@@ -9,32 +9,33 @@ from exoid.estimate import Estimate, predict_motion
 from exoid.signals import Recording
 from exoid.view.scenes import scene
 
-from . import text as words
-from .evidence import Evidence, gather
-from .page import Embedded, Page, Part, Section, Words
+from . import text
+from .advice import advice
+from .page import Block, EmbeddedPage, Page, Section, Text
 from .pictures import (
-    SHOWN,
+    SHOWN_SECONDS,
     excitation_pictures,
     friction_pictures,
     parameter_pictures,
     prediction_pictures,
     residual_pictures,
 )
+from .recording_prediction import RecordingPrediction, predict_recording
 
 
 def identification_report(
     estimate: Estimate,
     recordings: Sequence[Recording],
     held_out: Sequence[Recording] = (),
-    beside: Mapping[str, Mapping[str, float]] | None = None,
+    other_values: Mapping[str, Mapping[str, float]] | None = None,
 ) -> Page:
-    """Tell what was identified from what, how well, and what is missing.
+    """Report an estimate: its parameters, their uncertainty, its fit, and advice on what to record next.
 
     Args:
         estimate: The estimate.
-        recordings: What it was fitted to.
+        recordings: Recordings that it was fitted to.
         held_out: Recordings that it was not fitted to, to test the prediction.
-        beside: Other values by parameter name, such as those of CAD; None for the leg's own before identification.
+        other_values: Values by parameter name, by label, for comparison; None for those of the leg's URDF.
 
     Returns:
         A page: ``identification_report(...).write("report.html")``.
@@ -44,70 +45,72 @@ def identification_report(
     """
     if not recordings:
         raise ExoidError("a report without recordings", remedy="pass those that the estimate was made from")
-    if beside is None:
+    if other_values is None:
         leg = estimate.model.leg
-        beside = {"URDF": dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))}
-    fitted = [gather(estimate, recording) for recording in recordings]
-    tested = [gather(estimate, recording) for recording in held_out]
-    sections = [
-        Section("Parameters", [words.parameter_table(estimate, beside), *parameter_pictures(estimate, beside)]),
-        Section("Measured and predicted torque", list(_torque(estimate, tested or fitted, bool(tested)))),
-        Section("Friction", list(_friction(estimate, fitted))),
-        Section("What the model leaves over", list(_left_over(estimate, fitted))),
-        Section("The leg in motion", list(_scene(estimate, (tested or fitted)[0].recording))),
-        Section("What the motion excites", list(excitation_pictures(estimate, fitted))),
-        Section(
-            "What to record next",
-            [Words(lines) for lines in words.advice(estimate, [each.recording for each in fitted])],
-        ),
-        Section("From what, and how", list(_origin(estimate))),
-    ]
+        other_values = {"URDF": dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))}
+    fitted = [predict_recording(estimate, recording) for recording in recordings]
+    tested = [predict_recording(estimate, recording) for recording in held_out]
+    contents: dict[str, Iterator[Block]] = {
+        "Parameters": _parameters(estimate, other_values),
+        "Measured and predicted torque": _torque(estimate, tested or fitted, bool(tested)),
+        "Friction": _friction(estimate, fitted),
+        "Residuals": _residuals(estimate, fitted),
+        "Replay": _replay(estimate, (tested or fitted)[0].recording),
+        "Excitation": excitation_pictures(estimate, fitted),
+        "What to record next": advice(estimate, [each.recording for each in fitted]),
+        "Inputs and settings": _inputs_and_settings(estimate),
+    }
+    sections = [Section(title, blocks) for title, content in contents.items() if (blocks := list(content))]
     title = f"{estimate.model.leg.description.name}: identified from {_count(len(estimate.inputs), 'recording')}"
-    return Page(title, words.summary(estimate, tested), [section for section in sections if section.parts])
+    return Page(title, text.summary(estimate, tested), sections)
 
 
-def _torque(estimate: Estimate, evidence: Sequence[Evidence], held_out: bool) -> Iterator[Part]:
-    yield words.error_table(estimate, evidence, held_out)
-    yield Words([words.BAND])
-    yield from prediction_pictures(estimate, evidence[0])
+def _parameters(estimate: Estimate, other_values: Mapping[str, Mapping[str, float]]) -> Iterator[Block]:
+    yield text.parameter_table(estimate, other_values)
+    yield from parameter_pictures(estimate, other_values)
 
 
-def _friction(estimate: Estimate, evidence: Sequence[Evidence]) -> Iterator[Part]:
-    if pictures := list(friction_pictures(estimate, evidence)):
-        yield Words([words.FRICTION])
+def _torque(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> Iterator[Block]:
+    yield text.error_table(estimate, predictions, held_out)
+    yield Text([text.BAND_NOTE])
+    yield from prediction_pictures(estimate, predictions[0])
+
+
+def _friction(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Block]:
+    if pictures := list(friction_pictures(estimate, predictions)):
+        yield Text([text.FRICTION_NOTE])
         yield from pictures
 
 
-def _left_over(estimate: Estimate, evidence: Sequence[Evidence]) -> Iterator[Part]:
+def _residuals(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Block]:
     if estimate.trends:
-        yield words.trend_table(estimate)
-    yield Words(words.dependence(estimate))
-    yield from residual_pictures(estimate, evidence)
+        yield text.trend_table(estimate)
+    yield text.trend_notes(estimate)
+    yield from residual_pictures(estimate, predictions)
 
 
-def _scene(estimate: Estimate, recording: Recording) -> Iterator[Part]:
-    """Replay the beginning of a recording, beside what the estimate makes of its torques unless that diverges."""
-    shown = recording.between(recording.time[0], recording.time[0] + SHOWN)
+def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:
+    """Replay the beginning of a recording, with the motion that the estimate predicts unless that diverges."""
+    shown = recording.between(recording.time[0], recording.time[0] + SHOWN_SECONDS)
     try:
-        ghost, said = predict_motion(estimate, shown), "the translucent leg moves as the estimate predicts"
+        ghost, note = predict_motion(estimate, shown), "the translucent leg moves as the estimate predicts"
     except ExoidError as error:
-        ghost, said = None, f"no prediction of the motion: {error.what}"
+        ghost, note = None, f"no prediction of the motion: {error.what}"
     try:
-        drawn = scene(estimate, recording=shown, ghost=ghost, ghost_label="predicted")
+        replay = scene(estimate, recording=shown, ghost=ghost, ghost_label="predicted")
     except ExoidError as error:
-        yield Words([f"The leg cannot be drawn: {error.what}."])
+        yield Text([f"The leg cannot be drawn: {error.what}."])
         return
     source = recording.source.name if recording.source else "array"
-    yield Words([f"The first {SHOWN:.0f} s of {source}; {said}. Drag to turn it, scroll to come nearer."])
-    yield Embedded(drawn.html(), f"{drawn.title} in three dimensions")
+    yield Text([f"The first {SHOWN_SECONDS:.0f} s of {source}; {note}. Drag to turn the view, scroll to zoom."])
+    yield EmbeddedPage(replay.html(), f"{replay.title} in three dimensions")
 
 
-def _origin(estimate: Estimate) -> Iterator[Part]:
-    yield words.inputs(estimate)
-    for part in words.influence_parts(estimate):
-        yield Words(part) if isinstance(part, list) else part
-    yield Words(words.settings(estimate))
+def _inputs_and_settings(estimate: Estimate) -> Iterator[Block]:
+    yield text.input_table(estimate)
+    yield from text.influence_blocks(estimate)
+    yield text.settings(estimate)
 
 
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}" + ("" if number == 1 else "s")
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" + ("" if number == 1 else "s")

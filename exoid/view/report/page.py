@@ -1,4 +1,4 @@
-"""One HTML page that needs nothing beside it: what it is made of, and how it becomes text."""
+"""A self-contained HTML page: its blocks, and how it is rendered."""
 
 from __future__ import annotations
 
@@ -21,75 +21,95 @@ from exoid.tables import DataTable
 from exoid.view.style import COLUMN, paper
 
 UNQUOTED = " /:;=,+()!*$@?"
-"""Characters that may stand in a data URL within an attribute, beside letters and digits."""
+"""Characters, besides letters and digits, that a data URL within an attribute may contain unquoted."""
 
-
-CLOUD_DPI = 130
-"""Resolution of clouds of points, which are pixels within the drawing."""
-
+SCATTER_DPI = 130
+"""Resolution of scatter plots, which are bitmaps within the drawing."""
 
 PATH, DIGITS = re.compile(rb' d="[^"]*"'), re.compile(rb"(\.\d\d)\d+")
-"""Coordinates of a drawing, and their digits."""
+"""Paths of a drawing, and the digits of their coordinates beyond hundredths."""
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure.
+    """A figure on a page.
 
     Attributes:
-        svg: The drawing.
-        alternative: What it shows, for those who do not see it.
-        caption: Below it.
+        svg: Drawing as SVG.
+        alt_text: Description for readers who do not see the drawing.
+        caption: Text below the drawing.
     """
 
     svg: bytes
-    alternative: str
+    alt_text: str
     caption: str = ""
 
+    @classmethod
+    def of(cls, figure: Figure, alt_text: str, caption: str = "") -> Picture:
+        """Render a figure.
+
+        Args:
+            figure: Figure that has been drawn.
+            alt_text: Description for readers who do not see the drawing.
+            caption: Text below the drawing.
+
+        Returns:
+            The picture; equal figures give equal bytes.
+        """
+        file = io.BytesIO()
+        with paper(), rc_context({"svg.hashsalt": "exoid"}):
+            figure.savefig(file, format="svg", dpi=SCATTER_DPI, metadata={"Date": None})
+        return cls(PATH.sub(_rounded, file.getvalue()), alt_text, caption)
+
     @property
-    def source(self) -> str:
-        """The drawing as a data URL: quoted, as base64 would make what is mostly text a third longer."""
+    def data_url(self) -> str:
+        """Drawing as a data URL. It is quoted: base64 makes text a third longer."""
         return "data:image/svg+xml," + quote(self.svg, safe=UNQUOTED)
 
 
 @dataclass(frozen=True)
-class Words:
-    """A paragraph, or several as a list.
+class Text:
+    """A paragraph or a list.
 
     Attributes:
-        lines: One makes a paragraph, several make a list.
+        lines: One line makes a paragraph, several make a list.
     """
 
     lines: Sequence[str]
 
 
 @dataclass(frozen=True)
-class Embedded:
-    """Another self-contained page within this one.
+class EmbeddedPage:
+    """A self-contained page inside another page.
 
     Attributes:
-        html: That page.
-        title: What it shows.
+        html: Text of the page.
+        title: Title of its frame.
     """
 
     html: str
     title: str
 
 
-Part = Picture | DataTable | Words | Embedded
+Block = Picture | DataTable | Text | EmbeddedPage
 
 
 @dataclass(frozen=True)
 class Section:
-    """A part of a page under a heading of its own."""
+    """A heading and the blocks below it.
+
+    Attributes:
+        title: Heading.
+        blocks: Content, from top to bottom.
+    """
 
     title: str
-    parts: Sequence[Part]
+    blocks: Sequence[Block]
 
     @property
-    def groups(self) -> list[list[Part]]:
-        """The parts, neighbours of one kind together: pictures stand side by side."""
-        return [list(group) for _, group in groupby(self.parts, key=type)]
+    def groups(self) -> list[list[Block]]:
+        """Blocks, grouped with neighbours of the same kind: pictures stand side by side."""
+        return [list(group) for _, group in groupby(self.blocks, key=type)]
 
 
 @dataclass(frozen=True)
@@ -97,23 +117,30 @@ class Page:
     """A page.
 
     Attributes:
-        title: Of the page.
-        verdict: What a reader in a hurry takes away.
-        sections: The rest.
+        title: Title and first heading.
+        summary: Main results, one paragraph each.
+        sections: Sections below the summary.
     """
 
     title: str
-    verdict: Sequence[str]
+    summary: Sequence[str]
     sections: Sequence[Section]
 
     def html(self) -> str:
-        """Write the page as HTML that loads nothing from anywhere."""
+        """Render the page as HTML.
+
+        Returns:
+            Text of a page that loads nothing from any other address.
+        """
         environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
         template = resources.files(__package__).joinpath("page.html.jinja").read_text(encoding="utf-8")
         return environment.from_string(template).render(page=self, version=__version__, kind=_kind)
 
     def write(self, path: str | Path) -> None:
-        """Write the page, whole or not at all.
+        """Write the page to a file, whole or not at all.
+
+        Args:
+            path: Path of the file.
 
         Raises:
             ExoidError: The file cannot be written.
@@ -121,37 +148,32 @@ class Page:
         write_whole(path, [self.html()])
 
 
-def _kind(part: Part) -> str:
-    """Name what a part is, for the template."""
-    return type(part).__name__
-
-
-def picture(
-    draw: Callable[[Figure], object], alternative: str, caption: str = "", *, columns: float = 1.0, aspect: float = 0.7
+def draw_picture(
+    draw: Callable[[Figure], object], alt_text: str, caption: str = "", *, columns: float = 1.0, aspect: float = 0.7
 ) -> Picture:
     """Draw a figure for a page.
 
     Args:
-        draw: Draws on the figure.
-        alternative: What it shows, in words.
-        caption: Below it.
+        draw: Function that draws on the figure.
+        alt_text: Description for readers who do not see the drawing.
+        caption: Text below the drawing.
         columns: Width in columns of a paper.
         aspect: Height over the width of one column.
+
+    Returns:
+        The picture.
     """
     with paper():
         figure = Figure(figsize=(columns * COLUMN, aspect * COLUMN))
         draw(figure)
-        return picture_of(figure, alternative, caption)
+        return Picture.of(figure, alt_text, caption)
 
 
-def picture_of(figure: Figure, alternative: str, caption: str = "") -> Picture:
-    """Take a figure that is drawn already."""
-    file = io.BytesIO()
-    with paper(), rc_context({"svg.hashsalt": "exoid"}):  # the same drawing gives the same bytes
-        figure.savefig(file, format="svg", dpi=CLOUD_DPI, metadata={"Date": None})
-    return Picture(PATH.sub(_rounded, file.getvalue()), alternative, caption)
+def _kind(block: Block) -> str:
+    """Name of a block's class, for the template."""
+    return type(block).__name__
 
 
 def _rounded(path: re.Match[bytes]) -> bytes:
-    """Write the numbers of a path to hundredths of a point, which is finer than any screen and half as long."""
+    """Cut the coordinates of a path to hundredths of a point: finer than a screen, half as long."""
     return DIGITS.sub(rb"\1", path[0])

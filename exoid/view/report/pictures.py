@@ -2,142 +2,127 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from exoid._typing import FloatArray
 from exoid.estimate import Estimate
-from exoid.regression import Trend
 from exoid.view.coverage import plot_coverage, plot_excitation
 from exoid.view.friction import plot_friction_fit
 from exoid.view.parameters import plot_correlation, plot_parameters
-from exoid.view.residuals import plot_prediction, plot_residual_along, plot_residual_band
+from exoid.view.residuals import plot_prediction, plot_residual_band, plot_residual_trend
+from exoid.view.style import decimation
 
-from .evidence import Evidence
-from .page import Picture, picture
+from .page import Picture, draw_picture
+from .recording_prediction import RecordingPrediction
 
-SHOWN = 20.0
-"""Of a recording [s], as torque over time and in motion."""
+SHOWN_SECONDS = 20.0
+"""Length of the part of a recording that is drawn over time and replayed [s]."""
 
-DRAWN = 1000
-"""Samples of a line, at most: 50 a second."""
+MAX_LINE_POINTS = 1000
+"""Largest number of samples of a line: 50 per second."""
 
 
-def parameter_pictures(estimate: Estimate, beside: Mapping[str, Mapping[str, float]]) -> Iterator[Picture]:
-    """Draw intervals, unit by unit, and correlations."""
+def parameter_pictures(estimate: Estimate, other_values: Mapping[str, Mapping[str, float]]) -> Iterator[Picture]:
+    """Draw the parameters of each unit with their intervals, and the correlation matrix."""
     for unit in dict.fromkeys(estimate.units):
-        names = [name for name, own in zip(estimate.names, estimate.units, strict=True) if own == unit]
-        yield picture(
-            lambda figure, names=names: plot_parameters(figure.add_subplot(), estimate, names, beside),  # type: ignore[misc]
+        names = [name for name, its_unit in zip(estimate.names, estimate.units, strict=True) if its_unit == unit]
+        yield _plot(
+            plot_parameters,
+            (estimate, names, other_values),
             f"Parameters in {unit} with 95 % intervals: {', '.join(names)}",
             f"Parameters in {unit} with 95 % intervals",
             aspect=max(0.5, 0.2 + 0.08 * len(names)),
         )
-    yield picture(
-        lambda figure: plot_correlation(figure.add_subplot(), estimate),
+    yield _plot(
+        plot_correlation,
+        (estimate,),
         f"Correlation matrix of the errors of {len(estimate.names)} parameters",
-        "Correlation of the errors: strong colours trade against each other",
+        "Correlation of the errors; strong colours mark pairs that are hard to separate",
         aspect=0.9,
     )
 
 
-def prediction_pictures(estimate: Estimate, evidence: Evidence) -> Iterator[Picture]:
-    """Draw the torque of each joint at the beginning of a recording."""
+def prediction_pictures(estimate: Estimate, prediction: RecordingPrediction) -> Iterator[Picture]:
+    """Draw the torque of each joint at the beginning of a recording, and the residual on its own scale."""
     for joint, label in enumerate(estimate.model.leg.joint_labels):
-        yield picture(
-            partial(_draw_prediction, evidence=evidence, joint=joint, label=label),
+        yield draw_picture(
+            partial(_draw_prediction, prediction=prediction, joint=joint, label=label),
             f"Measured and predicted {label} torque over time with a 95 % band and the residual",
-            f"{label}, the first {SHOWN:.0f} s of {evidence.validation.source}, and the residual enlarged",
+            f"{label}, the first {SHOWN_SECONDS:.0f} s of {prediction.validation.source}, and the residual enlarged",
             aspect=0.9,
         )
 
 
-def friction_pictures(estimate: Estimate, evidence: Sequence[Evidence]) -> Iterator[Picture]:
+def friction_pictures(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Picture]:
     """Draw friction over velocity, of joints that have friction terms."""
     model = estimate.model
+    v, measured, fitted = (
+        np.concatenate(parts)
+        for parts in zip(*((p.v, p.measured_friction, p.friction) for p in predictions), strict=True)
+    )
     for joint, label in enumerate(model.leg.joint_labels):
-        if not model.friction[model.acting[joint]].any():
-            continue
-        v, measured, fitted = (
-            np.concatenate([x[:, joint] for x in each])
-            for each in zip(*((e.v, e.measured_friction, e.friction) for e in evidence), strict=True)
-        )
-        yield picture(
-            partial(_draw_friction, v=v, measured=measured, fitted=fitted, joint=joint, label=label),
-            f"Friction torque of {label} over its velocity, measured and fitted",
-        )
+        if model.friction[model.acting[joint]].any():
+            yield _plot(
+                plot_friction_fit,
+                (v[:, joint], measured[:, joint], fitted[:, joint], joint, label),
+                f"Friction torque of {label} over its velocity, measured and fitted",
+            )
 
 
-def residual_pictures(estimate: Estimate, evidence: Sequence[Evidence]) -> Iterator[Picture]:
-    """Draw what is left over, against velocity and angle."""
-    q, v = (np.concatenate([getattr(e, name) for e in evidence]) for name in ("q", "v"))
-    residual = np.concatenate([e.validation.residual for e in evidence])
+def residual_pictures(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Picture]:
+    """Draw residuals against velocity and angle."""
+    q, v, residual = (
+        np.concatenate(parts) for parts in zip(*((p.q, p.v, p.validation.residual) for p in predictions), strict=True)
+    )
     trends = {(trend.joint, trend.against): trend for trend in estimate.trends}
     for joint, (name, label) in enumerate(zip(estimate.joint_names, estimate.model.leg.joint_labels, strict=True)):
-        axes = ((v, "velocity", "velocity [rad/s]"), (np.rad2deg(q), "angle", "angle [deg]"))
-        for x, against, words in axes:
-            draw = partial(
-                _draw_residual,
-                x=x[:, joint],
-                residual=residual[:, joint],
-                joint=joint,
-                xlabel=f"{label} {words}",
-                label=label,
-                trend=trends.get((name, against)),  # type: ignore[arg-type]
+        velocity = (v, trends.get((name, "velocity")), "velocity [rad/s]")
+        angle = (np.rad2deg(q), trends.get((name, "angle")), "angle [deg]")
+        for x, trend, quantity in (velocity, angle):
+            yield _plot(
+                plot_residual_trend,
+                (x[:, joint], residual[:, joint], joint, f"{label} {quantity}", label, trend),
+                f"Residual {label} torque against {label} {quantity}",
             )
-            yield picture(draw, f"Residual {label} torque against {label} {words}")
 
 
-def excitation_pictures(estimate: Estimate, evidence: Sequence[Evidence]) -> Iterator[Picture]:
-    """Draw where the joints have been, and how fast."""
-    q, v = (np.concatenate([getattr(e, name) for e in evidence]) for name in ("q", "v"))
+def excitation_pictures(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Picture]:
+    """Draw the angles and velocities that the recordings cover."""
+    q, v = (np.concatenate(parts) for parts in zip(*((p.q, p.v) for p in predictions), strict=True))
     labels, limits = estimate.model.leg.joint_labels, estimate.model.leg.limits
     for joint, label in enumerate(labels):
-        yield picture(
-            partial(_draw_excitation, q=q[:, joint], v=v[:, joint], joint=joint, label=label),
+        yield _plot(
+            plot_excitation,
+            (q[:, joint], v[:, joint], joint, label),
             f"{label} velocity over {label} angle of all recordings",
         )
     for joint in range(len(labels) - 1):
-        pair, span = (labels[joint], labels[joint + 1]), slice(joint, joint + 2)
-        yield picture(
-            partial(_draw_coverage, q=q[:, span], labels=pair, limits=(limits.lower[span], limits.upper[span])),
-            f"Angles of {pair[0]} and {pair[1]} against each other",
+        both = slice(joint, joint + 2)
+        yield _plot(
+            plot_coverage,
+            (q[:, both], labels[both], (limits.lower[both], limits.upper[both])),
+            f"Angles of {labels[joint]} and {labels[joint + 1]} against each other",
         )
 
 
-def _draw_prediction(figure: Figure, evidence: Evidence, joint: int, label: str) -> None:
-    validation = evidence.validation
+def _plot(
+    plot: Callable[..., object], arguments: Sequence[object], alt_text: str, caption: str = "", *, aspect: float = 0.7
+) -> Picture:
+    """Draw a picture of single axes by ``plot(ax, *arguments)``."""
+    return draw_picture(lambda figure: plot(figure.add_subplot(), *arguments), alt_text, caption, aspect=aspect)
+
+
+def _draw_prediction(figure: Figure, prediction: RecordingPrediction, joint: int, label: str) -> None:
+    """Draw torque with its band above, and the residual on its own scale below."""
+    validation = prediction.validation
     time = validation.time - validation.time[0]
-    count = int(np.searchsorted(time, SHOWN))
-    shown = slice(0, count, max(1, -(-count // DRAWN)))
+    shown = decimation(int(np.searchsorted(time, SHOWN_SECONDS)), MAX_LINE_POINTS)
     measured, predicted = validation.measured[shown, joint], validation.predicted[shown, joint]
-    half = evidence.half_width[shown, joint]
+    half = prediction.band_half_width[shown, joint]
     band = np.column_stack([predicted - half, predicted + half])
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.4, 1.0))
     plot_prediction(above, time[shown], measured, predicted, label, band).set_xlabel("")
     plot_residual_band(below, time[shown], measured - predicted, half)
-
-
-def _draw_friction(
-    figure: Figure, v: FloatArray, measured: FloatArray, fitted: FloatArray, joint: int, label: str
-) -> None:
-    plot_friction_fit(figure.add_subplot(), v, measured, fitted, joint, label)
-
-
-def _draw_residual(
-    figure: Figure, x: FloatArray, residual: FloatArray, joint: int, xlabel: str, label: str, trend: Trend | None
-) -> None:
-    plot_residual_along(figure.add_subplot(), x, residual, joint, xlabel, label, trend)
-
-
-def _draw_excitation(figure: Figure, q: FloatArray, v: FloatArray, joint: int, label: str) -> None:
-    plot_excitation(figure.add_subplot(), q, v, joint, label)
-
-
-def _draw_coverage(
-    figure: Figure, q: FloatArray, labels: tuple[str, str], limits: tuple[FloatArray, FloatArray]
-) -> None:
-    plot_coverage(figure.add_subplot(), q, labels, limits)

@@ -1,4 +1,4 @@
-"""Arrows: straight ones for weights, round ones about the axis of a joint for torques."""
+"""Arrows: straight ones for weights, circular ones around joint axes for torques."""
 
 from __future__ import annotations
 
@@ -6,51 +6,53 @@ import numpy as np
 
 from exoid._typing import FloatArray
 
-from .parts import Look, Part, cylinder, moved, ring, towards
+from .transforms import align_z, homogeneous
+from .visual import Material, Visual, cylinder, torus
 
-WEIGHT = "#7a3b9a"
+WEIGHT_COLOUR = "#7a3b9a"
 """Colour of weights."""
 
 ARC = np.deg2rad(250.0)
-"""How far a round arrow goes round."""
+"""Angle that a circular arrow spans [rad]."""
 
-LEAST = 1e-3
-"""Scale of an arrow for nothing: a scale of 0 has no inverse."""
+SMALLEST_SCALE = 1e-3
+"""Scale of an arrow of zero torque: a scale of 0 has no inverse."""
 
 
-def straight(length: float, thickness: float, colour: str) -> list[Part]:
-    """Draw an arrow of a length [m] along z, from the origin."""
-    look, head = Look(colour, finish="flat"), min(5.0 * thickness, 0.5 * length)
+def straight_arrow(length: float, thickness: float, colour: str) -> list[Visual]:
+    """Make an arrow from the origin along z, of a length and a thickness [m]."""
+    material, head = Material(colour, finish="flat"), min(5.0 * thickness, 0.5 * length)
+    shaft = cylinder(0.5 * thickness, length - head, material)
+    tip = cylinder(1.5 * thickness, head, material, top_radius=0.0)
     return [
-        cylinder(0.5 * thickness, length - head, look).at(moved((0.0, 0.0, 0.5 * (length - head)))),
-        cylinder(1.5 * thickness, head, look, tip=0.0).at(moved((0.0, 0.0, length - 0.5 * head))),
+        shaft.placed(homogeneous((0.0, 0.0, 0.5 * (length - head)))),
+        tip.placed(homogeneous((0.0, 0.0, length - 0.5 * head))),
     ]
 
 
-def around(radius: float, thickness: float, colour: str) -> list[Part]:
-    """Draw an arrow of a radius [m] around z, counter-clockwise, its gap opposite to x."""
-    look, head = Look(colour, finish="flat"), 5.5 * thickness
-    tangent = towards((-np.sin(0.5 * ARC), np.cos(0.5 * ARC), 0.0), (0.0, 0.0, 1.0))
-    tip = np.array([np.cos(0.5 * ARC), np.sin(0.5 * ARC), 0.0]) * radius + 0.45 * head * tangent[:, 2]
-    turned = moved(np.zeros(3), _about_z(-0.5 * ARC))
+def circular_arrow(radius: float, thickness: float, colour: str) -> list[Visual]:
+    """Make an arrow of a radius and a thickness [m] around z, counter-clockwise, with its gap at negative x."""
+    material, head = Material(colour, finish="flat"), 5.5 * thickness
+    c, s = np.cos(0.5 * ARC), np.sin(0.5 * ARC)
+    tangent = align_z((-s, c, 0.0), (0.0, 0.0, 1.0))
+    end = np.array([c, s, 0.0]) * radius + 0.45 * head * tangent[:, 2]
+    backward = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])  # rotation by half the arc
     return [
-        ring(radius, 0.5 * thickness, ARC, look).at(turned),
-        cylinder(1.6 * thickness, head, look, tip=0.0).at(moved(tip, tangent)),
+        torus(radius, 0.5 * thickness, ARC, material).placed(homogeneous(np.zeros(3), backward)),
+        cylinder(1.6 * thickness, head, material, top_radius=0.0).placed(homogeneous(end, tangent)),
     ]
 
 
 def torque_scale(torque: FloatArray, largest: float) -> FloatArray:
-    """Scale of the round arrow for each torque, (N, 3): its area is the torque, and it turns round with the sign.
+    """Scale of the circular arrow for each torque: its area is proportional to the torque, its direction the sign.
 
     Args:
-        torque: [N·m], (N,).
-        largest: Torque whose arrow has the scale 1 [N·m].
+        torque: Torque [N·m], (N,).
+        largest: Torque of an arrow of scale 1 [N·m].
+
+    Returns:
+        Scales along x, y and z, (N, 3).
     """
     size = np.sqrt(np.abs(torque) / largest) if largest > 0.0 else np.zeros_like(torque)
-    size = np.maximum(size, LEAST)
+    size = np.maximum(size, SMALLEST_SCALE)
     return np.column_stack([size, np.where(torque < 0.0, -size, size), size])
-
-
-def _about_z(angle: float) -> FloatArray:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

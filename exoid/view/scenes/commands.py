@@ -1,4 +1,4 @@
-"""The drawing commands of meshcat's viewer, as data."""
+"""Drawing commands of meshcat's viewer, as data."""
 
 from __future__ import annotations
 
@@ -9,54 +9,58 @@ import numpy as np
 
 from exoid._typing import FloatArray
 
-from .parts import Part, to_three
+from .visual import Visual, to_threejs
 
 Command = dict[str, Any]
-"""One command: "type", "path", and what belongs to it."""
+"""One command: "type", "path", and the arguments of that type."""
 
 Tracks = dict[str, dict[str, FloatArray]]
-"""What moves at which path: "quaternion" (F, 4), "position" (F, 3) or "scale" (F, 3)."""
+"""Keyframes of each path: "quaternion" (F, 4), "position" (F, 3) or "scale" (F, 3)."""
 
 FRAMES_PER_SECOND = 30.0
 
+ROOT = "/exoid"
+"""Path above everything that exoid draws."""
 
-def child(path: str, name: str) -> str:
-    """Path of a child; a slash in its name would make two of it."""
+
+def child_path(path: str, name: str) -> str:
+    """Path of a child. Slashes in its name are replaced, as they separate the names of a path."""
     return f"{path}/{name.replace('/', '|')}"
 
 
-def show(path: str, parts: Sequence[Part], *, shadows: bool = True) -> Command:
-    """Draw parts at a path."""
-    return {"type": "set_object", "path": path, "object": to_three(parts, shadows=shadows)}
+def set_object(path: str, visuals: Sequence[Visual], *, shadows: bool = True) -> Command:
+    """Command that draws visuals at a path."""
+    return {"type": "set_object", "path": path, "object": to_threejs(visuals, shadows=shadows)}
 
 
-def place(path: str, transform: FloatArray) -> Command:
-    """Put what is at a path to a place in its parent's frame, (4, 4)."""
+def set_transform(path: str, transform: FloatArray) -> Command:
+    """Command that sets the transform from the frame of a path to that of its parent, (4, 4)."""
     return {"type": "set_transform", "path": path, "matrix": _rounded(transform.T.ravel())}
 
 
 def set_property(path: str, name: str, value: object) -> Command:
-    """Set a property of what is at a path."""
+    """Command that sets a property of the object at a path."""
     return {"type": "set_property", "path": path, "property": name, "value": value}
 
 
-def animate(tracks: Tracks) -> Command:
-    """Move what is at paths, at :data:`FRAMES_PER_SECOND`, over and over."""
+def set_animation(tracks: Tracks) -> Command:
+    """Command that animates the objects at paths, at :data:`FRAMES_PER_SECOND`, in a loop."""
     animations = [
         {
             "path": path,
             "clip": {
                 "fps": FRAMES_PER_SECOND,
                 "name": "replay",
-                "tracks": [_track(name, values) for name, values in of_path.items()],
+                "tracks": [_track(name, values) for name, values in quantities.items()],
             },
         }
-        for path, of_path in tracks.items()
+        for path, quantities in tracks.items()
     ]
     return {"type": "set_animation", "animations": animations, "options": {"play": True, "repetitions": 1_000_000}}
 
 
 def _track(name: str, values: FloatArray) -> dict[str, Any]:
+    """Describe keyframes of one quantity in three.js's format."""
     kind = "quaternion" if name == "quaternion" else "vector3"
     keys = [{"time": frame, "value": _rounded(value)} for frame, value in enumerate(values)]
     return {"name": f".{name}", "type": kind, "keys": keys}

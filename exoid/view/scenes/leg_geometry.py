@@ -1,10 +1,9 @@
-"""A leg as it stands in a scene: the tree of its bodies and what each of them looks like."""
+"""Geometry of a leg in a scene: its bodies, their visuals, and the commands that draw them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import cycle
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,23 +14,24 @@ from exoid._typing import FloatArray
 from exoid.estimate import Estimate
 from exoid.leg import SIDES, Leg
 from exoid.lift import lift
-from exoid.view.colours import CAD, IDENTIFIED, JOINT_COLOURS
+from exoid.view.colours import CAD, IDENTIFIED, joint_colour
 
-from .bars import bars, mount
-from .commands import Command, child, place, show
-from .inertias import ball, shell
-from .parts import Look, Part, cylinder, moved, towards
+from .commands import ROOT, Command, child_path, set_object, set_transform
+from .inertias import inertia_ellipsoid, mass_ball
+from .placeholders import body_placeholder, torso_placeholder
 from .skeleton import Skeleton
-from .visuals import read_visuals
+from .transforms import align_z, homogeneous
+from .urdf_visuals import read_visuals
+from .visual import Material, Visual, cylinder
 
 
 class Inertias(NamedTuple):
     """Inertias of the moving bodies from one source.
 
     Attributes:
-        label: Where they come from.
-        colour: Theirs.
-        bodies: About the frames of the joints, n of them.
+        label: Name of the source.
+        colour: Colour of their visuals.
+        bodies: Inertias about the frames of the joints, n of them.
     """
 
     label: str
@@ -40,43 +40,48 @@ class Inertias(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Figure:
+class LegGeometry:
     """A leg in a scene.
 
     Attributes:
-        skeleton: Its bodies.
-        root: Path of its torso.
-        shapes: What each body looks like, the torso first.
-        inertias: From one source or two.
-        notes: What could not be drawn as asked.
+        skeleton: Bodies and joints.
+        root: Path of the torso.
+        visuals: Visuals of each body in its frame, the torso first.
+        inertias: Inertias from one or two sources.
+        notes: One sentence for each visual that could not be drawn.
     """
 
     skeleton: Skeleton
     root: str
-    shapes: tuple[tuple[Part, ...], ...]
+    visuals: tuple[tuple[Visual, ...], ...]
     inertias: tuple[Inertias, ...]
     notes: tuple[str, ...]
 
     @classmethod
-    def of(cls, drawn: Leg | Estimate, identified: Sequence[Leg], folder: Path | None, above: str) -> Figure:
-        """Make one of a leg, or of an estimate with the links nearest to its parameters.
+    def of(cls, source: Leg | Estimate, identified: Sequence[Leg], folder: Path | None) -> LegGeometry:
+        """Make the geometry of a leg, or of an estimate with the physically consistent links nearest to it.
 
         Args:
-            drawn: The leg or estimate.
-            identified: Legs with other inertias; that with the same joints counts.
-            folder: Where meshes are.
-            above: Path that the figure is a child of.
+            source: The leg or estimate.
+            identified: Legs with identified inertias; the one with the same joints is used.
+            folder: Folder in which meshes are searched.
+
+        Returns:
+            The geometry.
+
+        Raises:
+            ExoidError: An attribute of a ``<visual>`` is not a number.
         """
-        leg = drawn if isinstance(drawn, Leg) else drawn.model.leg
+        leg = source if isinstance(source, Leg) else source.model.leg
         skeleton = Skeleton(leg)
-        shapes, notes = _shapes(skeleton, folder)
+        visuals, notes = _visuals(skeleton, folder)
         inertias = [Inertias("CAD", CAD, tuple(leg.model.inertias)[1:])]
-        if isinstance(drawn, Estimate):
-            inertias.append(Inertias("identified", IDENTIFIED, _lifted(drawn)))
+        if isinstance(source, Estimate):
+            inertias.append(Inertias("identified", IDENTIFIED, _lifted(source)))
         else:
             others = [other for other in identified if other.joint_names == leg.joint_names]
             inertias += [Inertias("identified", IDENTIFIED, tuple(other.model.inertias)[1:]) for other in others[:1]]
-        return cls(skeleton, child(above, _name(leg)), shapes, tuple(inertias), notes)
+        return cls(skeleton, child_path(ROOT, _name(leg)), visuals, tuple(inertias), notes)
 
     @property
     def leg(self) -> Leg:
@@ -84,74 +89,82 @@ class Figure:
         return self.skeleton.leg
 
     @property
-    def colours(self) -> list[str]:
-        """Of the joints."""
-        return [colour for colour, _ in zip(cycle(JOINT_COLOURS), self.leg.joint_names, strict=False)]
+    def joint_colours(self) -> list[str]:
+        """Colour of each joint."""
+        return [joint_colour(joint) for joint in range(len(self.leg.joint_names))]
 
-    def without_torso(self) -> Figure:
-        """Return the same without the torso, which another figure draws."""
-        return replace(self, shapes=((), *self.shapes[1:]))
+    def without_torso(self) -> LegGeometry:
+        """Return the geometry without visuals of the torso, which another leg draws."""
+        return replace(self, visuals=((), *self.visuals[1:]))
 
-    def mounts(self, root: str) -> tuple[str, ...]:
-        """Path of each joint's frame, in which its body moves, below a root."""
+    def joint_paths(self, root: str) -> tuple[str, ...]:
+        """Path of each joint's frame below a root; its body is the child "body"."""
         paths = [root]
         for name, parent in zip(self.leg.joint_names, self.skeleton.parents, strict=True):
-            paths.append(child(paths[parent] if parent == 0 else f"{paths[parent]}/body", name))
+            paths.append(child_path(paths[parent] if parent == 0 else f"{paths[parent]}/body", name))
         return tuple(paths[1:])
 
-    def frames(self, root: str) -> Iterator[Command]:
-        """Commands that put the frames of the joints where they belong."""
-        for path, transform in zip(self.mounts(root), self.skeleton.placements, strict=True):
-            yield place(path, transform)
+    def place_joints(self, root: str) -> Iterator[Command]:
+        """Commands that place the frames of the joints on their parent bodies."""
+        for path, placement in zip(self.joint_paths(root), self.skeleton.placements, strict=True):
+            yield set_transform(path, placement)
 
-    def draw(self, root: str, look: Look | None = None) -> Iterator[tuple[str, Command]]:
-        """Paths and commands that draw the bodies, all with one look where that is given."""
-        for path, parts in zip([root, *(f"{m}/body" for m in self.mounts(root))], self.shapes, strict=True):
-            drawn = [part if look is None else part.looking(look) for part in parts]
+    def draw_bodies(self, root: str, material: Material | None = None) -> Iterator[Command]:
+        """Commands that draw the bodies; all of one material if that is given."""
+        for path, visuals in zip(
+            [root, *(f"{joint}/body" for joint in self.joint_paths(root))], self.visuals, strict=True
+        ):
+            drawn = [visual if material is None else visual.with_material(material) for visual in visuals]
             if drawn:
-                yield f"{path}/shape", show(f"{path}/shape", drawn, shadows=look is None)
+                yield set_object(f"{path}/shape", drawn, shadows=material is None)
 
-    def draw_axes(self) -> Iterator[tuple[str, Command]]:
-        """Paths and commands that draw the axes of the joints."""
-        length = 0.3 * self.skeleton.reach
-        for path, axis, colour in zip(self.mounts(self.root), self.skeleton.axes, self.colours, strict=True):
-            rod = cylinder(0.004 * self.skeleton.reach, length, Look(colour, finish="flat"))
-            yield f"{path}/axis", show(f"{path}/axis", [rod.at(moved(np.zeros(3), towards(axis)))], shadows=False)
+    def draw_axes(self) -> Iterator[Command]:
+        """Commands that draw the axes of the joints as rods."""
+        reach = self.skeleton.reach
+        for path, axis, colour in zip(self.joint_paths(self.root), self.skeleton.axes, self.joint_colours, strict=True):
+            rod = cylinder(0.004 * reach, 0.3 * reach, Material(colour, finish="flat"))
+            yield set_object(f"{path}/axis", [rod.placed(homogeneous(np.zeros(3), align_z(axis)))], shadows=False)
 
-    def draw_inertias(self, inertias: Inertias, what: str) -> Iterator[tuple[str, Command]]:
-        """Paths and commands that draw "mass" or "inertia" from one source."""
-        draw = {"mass": ball, "inertia": shell}[what]
-        for path, inertia in zip(self.mounts(self.root), inertias.bodies, strict=True):
-            where = f"{path}/body/{what} {inertias.label}"
-            yield where, show(where, [draw(inertia, inertias.colour)], shadows=False)
+    def draw_masses(self) -> Iterator[Command]:
+        """Commands that draw the centres of mass from all sources as balls."""
+        for inertias in self.inertias:
+            for path, inertia in zip(self.joint_paths(self.root), inertias.bodies, strict=True):
+                ball = mass_ball(inertia, inertias.colour)
+                yield set_object(f"{path}/body/mass {inertias.label}", [ball], shadows=False)
 
-    def extent(self, q: FloatArray) -> FloatArray:
-        """Points whose hull contains the leg in all poses, (N, n), in the torso's frame, (k, 3)."""
-        places = self.skeleton.bodies(q)
+    def draw_inertias(self, inertias: Inertias) -> Iterator[Command]:
+        """Commands that draw the inertias from one source as ellipsoids."""
+        for path, inertia in zip(self.joint_paths(self.root), inertias.bodies, strict=True):
+            ellipsoid = inertia_ellipsoid(inertia, inertias.colour)
+            yield set_object(f"{path}/body/inertia {inertias.label}", [ellipsoid], shadows=False)
+
+    def bounding_points(self, q: FloatArray) -> FloatArray:
+        """Points of the torso's frame whose convex hull contains the leg at all angles (F, n) [rad], (k, 3)."""
+        placements = self.skeleton.body_placements(q)
         points = [
-            np.einsum("fij,kj->fki", places[:, body, :3, :3], corners) + places[:, body, np.newaxis, :3, 3]
-            for body, parts in enumerate(self.shapes)
-            if parts
-            for corners in [np.vstack([part.extent for part in parts])]
+            np.einsum("fij,kj->fki", placements[:, body, :3, :3], corners) + placements[:, body, np.newaxis, :3, 3]
+            for body, visuals in enumerate(self.visuals)
+            if visuals
+            for corners in [np.vstack([visual.bounding_points for visual in visuals])]
         ]
         return np.vstack([each.reshape(-1, 3) for each in points])
 
 
-def _shapes(skeleton: Skeleton, folder: Path | None) -> tuple[tuple[tuple[Part, ...], ...], tuple[str, ...]]:
-    """Shape every body: as the URDF says, else by bars."""
-    wanted = [name for links in skeleton.links for name in links]
-    parts, notes = read_visuals(skeleton.leg.description, wanted, folder)
-    colours = cycle(JOINT_COLOURS)
-    shapes = []
-    for body, links in enumerate(skeleton.links):
-        drawn = [part.at(where) for name, where in links.items() for part in parts.get(name, ())]
-        colour = "" if body == 0 else next(colours)
-        shapes.append(tuple(drawn or (bars(skeleton, body, colour) if body else mount(skeleton))))
-    return tuple(shapes), notes
+def _visuals(skeleton: Skeleton, folder: Path | None) -> tuple[tuple[tuple[Visual, ...], ...], tuple[str, ...]]:
+    """Visuals of every body from the URDF, else placeholders; and notes."""
+    links = [name for links in skeleton.links for name in links]
+    by_link, notes = read_visuals(skeleton.leg.description, links, folder)
+    bodies = []
+    for body, placements in enumerate(skeleton.links):
+        visuals = [visual.placed(where) for name, where in placements.items() for visual in by_link.get(name, ())]
+        if not visuals:
+            visuals = body_placeholder(skeleton, body, joint_colour(body - 1)) if body else torso_placeholder(skeleton)
+        bodies.append(tuple(visuals))
+    return tuple(bodies), notes
 
 
 def _lifted(estimate: Estimate) -> tuple[pin.Inertia, ...]:
-    """Inertias that can exist and are nearest to the estimate."""
+    """Physically consistent inertias nearest to the estimate."""
     leg = estimate.model.leg
     p = len(leg.parameter_names)
     lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p])
@@ -159,7 +172,7 @@ def _lifted(estimate: Estimate) -> tuple[pin.Inertia, ...]:
 
 
 def _name(leg: Leg) -> str:
-    """Name of a leg: its side, if it has one."""
+    """Name of a leg: its side if it has one, else that of the URDF."""
     for side in SIDES:
         if all(name.startswith(side) for name in leg.joint_names):
             return f"{side.removesuffix('_')} leg"

@@ -1,4 +1,4 @@
-"""What one leg does in a scene: drawn, posed or moving, with its forces."""
+"""Drawing of one leg in a scene: posed or moving, with its forces."""
 
 from __future__ import annotations
 
@@ -10,92 +10,104 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.view.colours import IDENTIFIED
 
-from .arrows import WEIGHT
-from .commands import Command, Tracks, child, place
-from .forces import Poses, force_places, force_tracks, torques, weights
-from .leg_geometry import Figure
-from .parts import Look
+from .arrows import WEIGHT_COLOUR
+from .commands import Command, Tracks, child_path, set_transform
+from .forces import animate_arrows, draw_torques, draw_weights, place_arrows
+from .leg_geometry import LegGeometry
+from .leg_trajectory import LegTrajectory
 from .replay import Replay
-from .scene import Layer, Standing
-from .visuals import PLAIN
+from .scene import Layer, PosableLeg
+from .urdf_visuals import PLAIN
+from .visual import Material
 
-GHOST = Look(IDENTIFIED, 0.35, behind=True)
-"""Of the second leg."""
+GHOST = Material(IDENTIFIED, 0.35, behind=True)
+"""Material of the second leg."""
 
 
 class LegView(NamedTuple):
-    """A leg in a scene.
+    """Drawing of one leg in a scene.
 
     Attributes:
-        commands: That draw it.
-        layers: That can be switched on and off.
-        tracks: How it moves.
-        extent: Points whose hull contains it [m], (k, 3).
-        standing: The leg, to be posed later.
+        commands: Commands that draw it.
+        layers: Groups of objects that can be hidden.
+        tracks: Keyframes of its motion; empty for a leg that stands still.
+        bounding_points: Points whose convex hull contains it [m], (k, 3).
+        posable: The leg, for poses that are set later.
     """
 
     commands: list[Command]
     layers: list[Layer]
     tracks: Tracks
-    extent: FloatArray
-    standing: Standing
+    bounding_points: FloatArray
+    posable: PosableLeg
+
+    @classmethod
+    def of(cls, geometry: LegGeometry, q: FloatArray, replay: Replay | None, ghost_label: str) -> LegView:
+        """Draw a leg in a pose, or replaying a recording.
+
+        Args:
+            geometry: The leg.
+            q: Pose [rad], (n,), of a leg that is not replayed.
+            replay: The replay, or None.
+            ghost_label: Name of the second leg in the legend.
+
+        Returns:
+            The drawing.
+        """
+        trajectory = LegTrajectory.of(geometry.leg, q, replay)
+        torso = geometry.skeleton.torso_placement(trajectory.pitch)
+        posable = PosableLeg(geometry.skeleton, geometry.root, geometry.joint_paths(geometry.root))
+        commands = [
+            set_transform(geometry.root, torso),
+            *geometry.place_joints(geometry.root),
+            *posable.pose(trajectory.q[0]),
+        ]
+        layers = []
+        for label, colours, drawing in _layers(geometry, trajectory):
+            drawn = list(drawing)
+            commands += drawn
+            layers.append(Layer(label, colours, tuple(command["path"] for command in drawn)))
+        commands += place_arrows(geometry, trajectory)
+        points, tracks = geometry.bounding_points(trajectory.q), {}
+        if len(trajectory.q) > 1:
+            tracks = _joint_tracks(geometry, geometry.root, trajectory.q) | animate_arrows(geometry, trajectory)
+        ghost = None if replay is None else replay.ghost_angles(geometry.leg)
+        if ghost is not None:
+            root = child_path(geometry.root, "ghost")
+            commands += [*geometry.place_joints(root), *geometry.without_torso().draw_bodies(root, GHOST)]
+            layers.insert(1, Layer(ghost_label, (GHOST.colour,), (root,)))
+            tracks |= _joint_tracks(geometry, root, ghost)
+            points = np.vstack([points, geometry.bounding_points(ghost)])
+        return cls(commands, layers, tracks, points @ torso[:3, :3].T + torso[:3, 3], posable)
 
 
-class _Group(NamedTuple):
-    """What one layer shows: paths, and the command that draws something there."""
+class _LayerDrawing(NamedTuple):
+    """Label and colours of a layer, and the commands that draw it."""
 
     label: str
     colours: tuple[str, ...]
-    drawn: Iterable[tuple[str, Command]]
+    commands: Iterable[Command]
 
 
-def act(figure: Figure, q: FloatArray, replay: Replay | None, ghost_label: str) -> LegView:
-    """Draw a leg in a pose, or replaying a recording.
-
-    Args:
-        figure: The leg.
-        q: Pose [rad], (n,), where nothing is replayed.
-        replay: What is.
-        ghost_label: What the legend calls the second leg.
-    """
-    poses = Poses.of(figure, q, replay)
-    upright = figure.skeleton.upright(poses.pitch)
-    standing = Standing(figure.skeleton, figure.root, figure.mounts(figure.root))
-    commands = [place(figure.root, upright), *figure.frames(figure.root), *standing.pose(poses.q[0])]
-    layers, tracks, extent = [], {}, figure.extent(poses.q)
-    for label, colours, drawn in _groups(figure, poses):
-        paths, drawing = zip(*drawn, strict=True)
-        commands += drawing
-        layers.append(Layer(label, colours, paths))
-    commands += force_places(figure, poses)
-    if len(poses.q) > 1:
-        tracks = _moving(figure, figure.root, poses.q) | force_tracks(figure, poses)
-    ghost = None if replay is None else replay.ghost_angles(figure.leg)
-    if ghost is not None:
-        root = child(figure.root, "ghost")
-        commands += [*figure.frames(root), *(command for _, command in figure.without_torso().draw(root, GHOST))]
-        layers.insert(1, Layer(ghost_label, (GHOST.colour,), (root,)))
-        tracks |= _moving(figure, root, ghost)
-        extent = np.vstack([extent, figure.extent(ghost)])
-    return LegView(commands, layers, tracks, extent @ upright[:3, :3].T + upright[:3, 3], standing)
+def _layers(geometry: LegGeometry, trajectory: LegTrajectory) -> Iterator[_LayerDrawing]:
+    """Layers of the legend, from top to bottom."""
+    colours = tuple(dict.fromkeys(geometry.joint_colours))
+    yield _LayerDrawing("leg", (PLAIN,), geometry.draw_bodies(geometry.root))
+    yield _LayerDrawing("joint axes", colours, geometry.draw_axes())
+    sources = tuple(inertias.colour for inertias in geometry.inertias)
+    yield _LayerDrawing("centres of mass", sources, geometry.draw_masses())
+    for inertias in geometry.inertias:
+        yield _LayerDrawing(f"{inertias.label} inertia", (inertias.colour,), geometry.draw_inertias(inertias))
+    yield _LayerDrawing("weights", (WEIGHT_COLOUR,), draw_weights(geometry))
+    torque = "measured torque" if trajectory.measured else "torque against gravity"
+    yield _LayerDrawing(torque, colours, draw_torques(geometry))
 
 
-def _groups(figure: Figure, poses: Poses) -> Iterator[_Group]:
-    colours = tuple(dict.fromkeys(figure.colours))
-    masses = [each for inertias in figure.inertias for each in figure.draw_inertias(inertias, "mass")]
-    yield _Group("leg", (PLAIN,), figure.draw(figure.root))
-    yield _Group("joint axes", colours, figure.draw_axes())
-    yield _Group("centres of mass", tuple(inertias.colour for inertias in figure.inertias), masses)
-    for inertias in figure.inertias:
-        yield _Group(f"{inertias.label} inertia", (inertias.colour,), figure.draw_inertias(inertias, "inertia"))
-    yield _Group("weights", (WEIGHT,), weights(figure))
-    yield _Group("measured torque" if poses.measured else "torque against gravity", colours, torques(figure))
-
-
-def _moving(figure: Figure, root: str, q: FloatArray) -> Tracks:
-    motion = figure.skeleton.motion(q)
+def _joint_tracks(geometry: LegGeometry, root: str, q: FloatArray) -> Tracks:
+    """Keyframes of the joints' motion at angles (F, n) [rad]."""
+    keyframes = geometry.skeleton.joint_keyframes(q)
     tracks: Tracks = {}
-    for joint, (path, turns) in enumerate(zip(figure.mounts(root), figure.skeleton.turning, strict=True)):
-        name, values = ("quaternion", motion.quaternion) if turns else ("position", motion.position)
+    for joint, (path, revolute) in enumerate(zip(geometry.joint_paths(root), geometry.skeleton.revolute, strict=True)):
+        name, values = ("quaternion", keyframes.quaternion) if revolute else ("position", keyframes.position)
         tracks[f"{path}/body"] = {name: values[:, joint]}
     return tracks

@@ -1,4 +1,4 @@
-"""Meshes that a URDF refers to: where they lie, and what is left of them at the size of a screen."""
+"""Meshes that a URDF refers to: finding their files, and simplifying them to the resolution of a screen."""
 
 from __future__ import annotations
 
@@ -14,24 +14,25 @@ from exoid._typing import FloatArray
 
 IndexArray = NDArray[np.int64]
 
-FINENESS = (160.0, 110.0, 80.0, 56.0, 40.0)
-"""Points closer than a mesh's size over this become one: a screen does not show more. The first that leaves no more
-than :data:`MOST` triangles is taken."""
+GRID_CELLS = (160, 110, 80, 56, 40)
+"""Cells along a mesh's longest side; vertices of one cell become one. A screen does not show more.
 
-MOST = 20_000
-"""Triangles of a mesh."""
+The first number that leaves at most :data:`MAX_TRIANGLES` is used."""
+
+MAX_TRIANGLES = 20_000
+"""Largest number of triangles of a mesh."""
 
 CREASE = np.cos(np.deg2rad(40.0))
-"""Faces that meet at a sharper angle keep their edge."""
+"""Cosine of the crease angle: faces that meet at a larger angle keep a sharp edge."""
 
 
 class Mesh(NamedTuple):
-    """Triangles with a normal at each of their points.
+    """Triangles with a normal at each vertex.
 
     Attributes:
-        points: [m], (V, 3).
-        normals: (V, 3).
-        triangles: Three points each, (F, 3).
+        points: Vertices [m], (V, 3).
+        normals: Unit normal at each vertex, (V, 3).
+        triangles: Indices of three vertices each, (F, 3).
     """
 
     points: FloatArray
@@ -40,62 +41,69 @@ class Mesh(NamedTuple):
 
 
 def find_mesh(name: str, folder: Path | None) -> Path | None:
-    """Find the file that a URDF calls a mesh; None where it is not.
+    """Find the file of a mesh.
 
     Args:
-        name: A path, ``file://…``, or ``package://package/…``.
-        folder: Where the URDF is, or the package, or a folder of packages; ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are
+        name: Name in the URDF: a path, ``file://…``, or ``package://package/…``.
+        folder: Folder of the URDF, of the package, or of several packages. ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are
             searched too.
+
+    Returns:
+        Path of the file, or None if it does not exist.
     """
-    places = [] if folder is None else [folder.resolve(), *folder.resolve().parents]
+    folders = [] if folder is None else [folder.resolve(), *folder.resolve().parents]
     if name.startswith("package://"):
-        places += [Path(p) for p in os.environ.get("ROS_PACKAGE_PATH", "").split(":") if p]
-        places += [Path(p) / "share" for p in os.environ.get("AMENT_PREFIX_PATH", "").split(":") if p]
+        folders += [Path(p) for p in os.environ.get("ROS_PACKAGE_PATH", "").split(":") if p]
+        folders += [Path(p) / "share" for p in os.environ.get("AMENT_PREFIX_PATH", "").split(":") if p]
         package, _, rest = name.removeprefix("package://").partition("/")
-        tries = [place / package / rest for place in places]
-        tries += [place / rest for place in places if place.name == package]
+        candidates = [place / package / rest for place in folders]
+        candidates += [place / rest for place in folders if place.name == package]
     else:
         plain = name.removeprefix("file://")
-        tries = [place / plain for place in places[:1]] or [Path(plain)]
-    return next((path for path in tries if path.is_file()), None)
+        candidates = [place / plain for place in folders[:1]] or [Path(plain)]
+    return next((path for path in candidates if path.is_file()), None)
 
 
 def load_mesh(path: Path, scale: FloatArray) -> Mesh:
-    """Read a mesh (STL, DAE, OBJ, ...), as coarse as a screen allows.
+    """Read a mesh (STL, DAE, OBJ, ...), simplified to the resolution of a screen.
 
     Args:
-        path: The file.
-        scale: Along x, y and z, (3,).
+        path: Path of the file.
+        scale: Scale along x, y and z, (3,).
+
+    Returns:
+        The mesh.
 
     Raises:
-        Exception: Whatever the reader throws at a file that is no mesh.
+        ValueError: The file is not a mesh that Assimp can read.
     """
     read = coal.MeshLoader().load(str(path.resolve()), scale)
     indices = [read.tri_indices(i) for i in range(read.num_tris)]
     triangles = np.array([(t[0], t[1], t[2]) for t in indices])
-    coarser = (_coarser(np.asarray(read.vertices()), triangles, fineness) for fineness in FINENESS)
-    joined, left = next(coarser)
-    while len(left) > MOST and (pair := next(coarser, None)) is not None:
-        joined, left = pair
-    return _with_normals(joined, left)
+    vertices = np.asarray(read.vertices())
+    for cells in GRID_CELLS:
+        points, simplified = _simplify(vertices, triangles, cells)
+        if len(simplified) <= MAX_TRIANGLES:
+            break
+    return _with_normals(points, simplified)
 
 
-def _coarser(points: FloatArray, triangles: IndexArray, fineness: float) -> tuple[FloatArray, IndexArray]:
-    """Join points of one cell of a grid, and drop the triangles that vanish with them."""
-    cell = float(np.ptp(points, axis=0).max()) / fineness
+def _simplify(points: FloatArray, triangles: IndexArray, grid_cells: int) -> tuple[FloatArray, IndexArray]:
+    """Cluster the vertices in each cell of a grid, and drop triangles that degenerate."""
+    cell = float(np.ptp(points, axis=0).max()) / grid_cells
     cells = np.rint((points - points.min(axis=0)) / cell).astype(int)
     _, owner, counts = np.unique(_keys(cells), return_inverse=True, return_counts=True)
     owner = owner.ravel()
-    joined = np.column_stack([np.bincount(owner, points[:, axis]) for axis in range(3)]) / counts[:, np.newaxis]
+    means = np.column_stack([np.bincount(owner, points[:, axis]) for axis in range(3)]) / counts[:, np.newaxis]
     faces = owner[triangles]
     a, b, c = faces.T
     faces = faces[(a != b) & (b != c) & (c != a)]
     _, first = np.unique(_keys(np.sort(faces, axis=1)), return_index=True)
-    return joined, faces[np.sort(first)]
+    return means, faces[np.sort(first)]
 
 
 def _with_normals(points: FloatArray, triangles: IndexArray) -> Mesh:
-    """Give every corner of a triangle the mean normal of the faces there that it does not meet at a crease."""
+    """Give every corner of a triangle the mean normal of the adjacent faces that it does not meet at a crease."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
     areas = np.cross(b - a, c - a)
     unit = areas / np.maximum(np.linalg.norm(areas, axis=1, keepdims=True), 1e-30)
@@ -115,7 +123,7 @@ def _with_normals(points: FloatArray, triangles: IndexArray) -> Mesh:
 
 
 def _keys(rows: IndexArray) -> IndexArray:
-    """One number for each row of numbers that are not negative: sorting those is quick."""
+    """Encode rows of non-negative numbers as one number each, which sorts faster."""
     keys = np.zeros(len(rows), dtype=np.int64)
     for column in rows.T:
         keys = keys * (int(column.max(initial=0)) + 1) + column

@@ -18,11 +18,17 @@ from exoid.errors import ExoidError
 
 
 def write_page(scene: Mapping[str, Any], *, live: bool = False) -> str:
-    """Write the page of a scene.
+    """Render the page of a scene.
 
     Args:
-        scene: What :meth:`.Scene.to_json` returns.
-        live: Whether a server stands behind the page and may move the legs.
+        scene: Scene as :meth:`.Scene.to_json` describes it.
+        live: Whether the page receives poses from a server.
+
+    Returns:
+        Text of the page.
+
+    Raises:
+        ExoidError: meshcat is not installed, or its viewer is missing.
     """
     data = json.dumps(scene, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     pieces = {
@@ -38,17 +44,13 @@ def write_page(scene: Mapping[str, Any], *, live: bool = False) -> str:
 
 @lru_cache(maxsize=4)
 def _packed(text: str) -> str:
-    """Compress, a third of the size, in letters that need no escape; the page unpacks it."""
+    """Compress to a third of the size, as base64, which needs no escape; the page unpacks it."""
     return base64.b64encode(zlib.compress(text.encode(), 6)).decode()
 
 
 @cache
 def _viewer_file(name: str) -> str:
-    """Read a file of meshcat's viewer without importing meshcat, which would load ZMQ, Tornado and IPython.
-
-    Raises:
-        ExoidError: meshcat is not installed, or without its viewer.
-    """
+    """Read a file of meshcat's viewer without importing meshcat, which would load ZMQ, Tornado and IPython."""
     found = find_spec("meshcat")
     for folder in [] if found is None else found.submodule_search_locations or []:
         path = Path(folder) / "viewer" / name

@@ -1,4 +1,4 @@
-"""A recording as frames of a film."""
+"""A recording, sampled at the frames of an animation."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from exoid.signals import Recording
 from .commands import FRAMES_PER_SECOND
 
 LONGEST = 600.0
-"""Longer replays [s] make pages that browsers struggle with."""
+"""Longest replay [s]; browsers struggle with larger pages."""
 
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """A recording at :data:`FRAMES_PER_SECOND`, and a second motion beside it.
+    """A recording at :data:`FRAMES_PER_SECOND`, with an optional second motion.
 
     Attributes:
         recording: Motion of the leg.
         ghost: Motion of the translucent leg, or None.
-        time: Of the frames [s], (F,).
+        time: Time of each frame [s], (F,).
     """
 
     recording: Recording
@@ -33,10 +33,17 @@ class Replay:
 
     @classmethod
     def of(cls, recording: Recording, ghost: Recording | None = None) -> Replay:
-        """Cut a recording into frames.
+        """Choose the frames of a replay.
+
+        Args:
+            recording: Motion of the leg.
+            ghost: Motion of the translucent leg, or None.
+
+        Returns:
+            The replay, from the first sample of the recording to the last.
 
         Raises:
-            ExoidError: It is too long, or the second motion is at other times.
+            ExoidError: The recording is too long, or the two motions have no time in common.
         """
         if recording.duration > LONGEST:
             raise ExoidError(
@@ -45,7 +52,7 @@ class Replay:
             )
         if ghost is not None and (ghost.time[-1] <= recording.time[0] or ghost.time[0] >= recording.time[-1]):
             raise ExoidError(
-                f"the second motion ({ghost.time[0]:g} to {ghost.time[-1]:g} s) has no time in common with the "
+                f"the ghost motion ({ghost.time[0]:g} to {ghost.time[-1]:g} s) has no time in common with the "
                 f"recording ({recording.time[0]:g} to {recording.time[-1]:g} s)",
                 remedy="give both the same time axis",
             )
@@ -54,28 +61,29 @@ class Replay:
 
     @property
     def duration(self) -> float:
-        """From the first frame to the last [s]."""
+        """Time from the first frame to the last [s]."""
         return float(self.time[-1] - self.time[0])
 
     @property
     def pitch(self) -> float:
-        """Of the torso [rad]."""
+        """Pitch of the torso [rad]."""
         torso = self.recording.torso
         return 0.0 if torso is None else float(torso.samples(1).pitch[0])
 
     def angles(self, leg: Leg) -> FloatArray | None:
         """Angles of a leg's joints [rad], (F, n); None for a leg that was not recorded."""
-        return self._frames(self.recording, leg, "q")
+        return self._at_frames(self.recording, leg, "q")
 
     def ghost_angles(self, leg: Leg) -> FloatArray | None:
-        """Angles of the translucent leg [rad], (F, n), or None."""
-        return None if self.ghost is None else self._frames(self.ghost, leg, "q")
+        """Angles of the translucent leg's joints [rad], (F, n), or None."""
+        return None if self.ghost is None else self._at_frames(self.ghost, leg, "q")
 
     def torques(self, leg: Leg) -> FloatArray | None:
-        """Recorded torques [N·m], (F, n), or None."""
-        return None if self.recording.tau is None else self._frames(self.recording, leg, "tau")
+        """Recorded torques of a leg's joints [N·m], (F, n), or None."""
+        return None if self.recording.tau is None else self._at_frames(self.recording, leg, "tau")
 
-    def _frames(self, recording: Recording, leg: Leg, quantity: str) -> FloatArray | None:
+    def _at_frames(self, recording: Recording, leg: Leg, quantity: str) -> FloatArray | None:
+        """Interpolate a quantity of a leg at the frames; None if the recording has none of its joints."""
         if not set(leg.joint_names) & set(recording.joint_names):
             return None
         values = getattr(recording.select(leg.joint_names), quantity)

@@ -1,91 +1,90 @@
-"""A scene: drawing commands, what can be switched on and off, and where to look from."""
+"""A scene: drawing commands, layers that can be hidden, and the camera."""
 
 from __future__ import annotations
 
 import html
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
 from exoid.files import write_whole
 
-from .commands import Command, place
+from .commands import Command, set_transform
 from .page import write_page
 from .server import SceneServer
-from .skeleton import Skeleton, joint_angles
+from .skeleton import Skeleton, pose_angles
 
 
 class Layer(NamedTuple):
-    """Something that can be switched on and off.
+    """Objects that the legend shows and hides together.
 
     Attributes:
-        label: What the legend calls it.
-        colours: Of its swatch, one or several.
-        paths: Where it is drawn.
-        shown: Whether it is at first.
+        label: Name in the legend.
+        colours: Colours in the legend, one or several.
+        paths: Paths of the objects.
+        visible: Whether they are visible at first.
     """
 
     label: str
     colours: tuple[str, ...]
     paths: tuple[str, ...]
-    shown: bool = True
+    visible: bool = True
 
 
 class Camera(NamedTuple):
-    """Where to look from so that everything is in the picture, however wide the window.
+    """Camera position, given by the volume to be seen; the page fits it to windows of any shape.
 
     Attributes:
-        centre: Looked at [m].
-        towards: Direction from there to the camera.
-        half_width: Of what is to be seen, across the picture [m].
-        half_height: And upwards [m].
-        half_depth: And towards the camera [m].
+        centre: Centre of the volume [m].
+        direction: Direction from the centre to the camera.
+        half_width: Half the size of the volume across the picture [m].
+        half_height: Half its size upwards [m].
+        half_depth: Half its size towards the camera [m].
     """
 
     centre: tuple[float, float, float]
-    towards: tuple[float, float, float]
+    direction: tuple[float, float, float]
     half_width: float
     half_height: float
     half_depth: float
 
 
 @dataclass(frozen=True, eq=False)
-class Standing:
-    """A leg in a scene.
+class PosableLeg:
+    """A leg in a scene whose joints can be moved.
 
     Attributes:
-        skeleton: Its bodies.
-        root: Path of its torso.
-        mounts: Path of the frame of each joint, in which its body moves.
+        skeleton: Bodies and joints.
+        root: Path of the torso.
+        joint_paths: Path of each joint's frame; its body is the child "body".
     """
 
     skeleton: Skeleton
     root: str
-    mounts: tuple[str, ...]
+    joint_paths: tuple[str, ...]
 
     def pose(self, q: FloatArray) -> list[Command]:
-        """Commands that put the joints to these angles [rad], (n,)."""
-        within = self.skeleton.within(q)[0]
-        return [place(f"{mount}/body", each) for mount, each in zip(self.mounts, within, strict=True)]
+        """Commands that move the joints to angles [rad], (n,)."""
+        transforms = self.skeleton.joint_transforms(q)[0]
+        return [set_transform(f"{path}/body", each) for path, each in zip(self.joint_paths, transforms, strict=True)]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Scene:
-    """A leg in three dimensions, to be looked at in a browser; made by :func:`exoid.view.scene`.
+    """Legs in three dimensions, drawn in a browser; made by :func:`exoid.view.scene`.
 
-    The last expression of a notebook's cell, it shows itself there. The page needs no network and no server.
+    As the last expression of a notebook's cell it is displayed. Its page needs no network and no server.
 
     Attributes:
-        title: Of the page.
-        commands: What meshcat's viewer draws.
-        layers: What can be switched on and off.
-        camera: Where to look from.
-        duration: Of the replay [s]; 0 for a leg that stands still.
-        legs: The legs in it.
-        notes: What could not be drawn as asked.
+        title: Title of the page.
+        commands: Drawing commands of meshcat's viewer.
+        layers: Objects that can be hidden.
+        camera: Camera position.
+        duration: Duration of the replay [s]; 0 for legs that stand still.
+        legs: Legs in the scene.
+        notes: One sentence for each visual that could not be drawn.
     """
 
     title: str
@@ -93,18 +92,25 @@ class Scene:
     layers: tuple[Layer, ...]
     camera: Camera
     duration: float = 0.0
-    legs: tuple[Standing, ...] = ()
-    notes: tuple[str, ...] = field(default=())
+    legs: tuple[PosableLeg, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def html(self) -> str:
-        """Write the scene as one self-contained HTML page, which opens without a network."""
+        """Render the scene as a self-contained HTML page.
+
+        Returns:
+            Text of a page that opens without a network.
+        """
         return write_page(self.to_json())
 
     def iframe(self, height: int = 480) -> str:
-        """Write the scene as an HTML element to put into another page; several of them do not disturb each other.
+        """Render the scene as an HTML element for another page; several of them do not interfere.
 
         Args:
-            height: [pixels].
+            height: Height of the element [pixels].
+
+        Returns:
+            An ``<iframe>`` element.
         """
         source = html.escape(self.html(), quote=True)
         style = f"width: 100%; height: {height:d}px; border: 0"
@@ -113,22 +119,25 @@ class Scene:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write :meth:`html` to a file, whole or not at all.
 
+        Args:
+            path: Path of the file.
+
         Raises:
             ExoidError: The file cannot be written.
         """
         write_whole(path, [self.html()])
 
     def serve(self, port: int | None = None) -> SceneServer:
-        """Serve the scene to browsers of this machine, and to no one else, until the server is closed.
+        """Serve the scene to browsers of this machine only, until the server is closed.
 
         Args:
-            port: To listen on; None for meshcat's 7000, or any that is free where that is taken.
+            port: Port to listen on, 0 for any free port; None for 7000, or any free port if that is taken.
 
         Returns:
             The server, a context manager.
 
         Raises:
-            ExoidError: The port is taken.
+            ExoidError: The port is taken, or not a port number.
 
         Example:
             >>> with exoid.view.scene(exoid.load_leg("bleex")).serve() as server:  # doctest: +SKIP
@@ -137,21 +146,26 @@ class Scene:
         return SceneServer(self, port)
 
     def pose(self, angles: Mapping[str, float]) -> list[Command]:
-        """Commands that put joints to angles [rad] and all others of their legs to zero.
+        """Commands that move joints to angles, and all other joints to zero.
+
+        Args:
+            angles: Angles by joint name [rad].
+
+        Returns:
+            Drawing commands.
 
         Raises:
             ExoidError: There is no such joint.
         """
-        names = [name for leg in self.legs for name in leg.skeleton.leg.joint_names]
-        unknown = sorted(set(angles) - set(names))
-        if unknown:
-            raise ExoidError(f"no joint {', '.join(unknown)}", remedy=f"the scene has {', '.join(names)}")
-        return [
-            command for leg in self.legs for command in leg.pose(joint_angles(leg.skeleton.leg.joint_names, angles))
-        ]
+        poses = pose_angles([leg.skeleton.leg for leg in self.legs], angles)
+        return [command for leg, q in zip(self.legs, poses, strict=True) for command in leg.pose(q)]
 
     def to_json(self) -> dict[str, Any]:
-        """Everything that the page needs."""
+        """Describe the scene as data for its page.
+
+        Returns:
+            Title, commands, layers, camera, duration and notes.
+        """
         return {
             "title": self.title,
             "commands": self.commands,
@@ -165,6 +179,6 @@ class Scene:
         return self.iframe()
 
     def __repr__(self) -> str:
-        """Name what is in it."""
+        """Title, duration and layers."""
         replay = f", {self.duration:.4g} s" if self.duration else ""
         return f"Scene({self.title!r}{replay}; {', '.join(layer.label for layer in self.layers)})"

@@ -1,8 +1,8 @@
-"""A server for browsers of this machine only: the page of a scene, and changes to it as they come.
+"""A server for browsers of this machine only: the page of a scene, and its changes as server-sent events.
 
-meshcat's own server listens on every interface of the machine. This one listens on 127.0.0.1, answers only requests
-that name this machine (a foreign page cannot reach it by a name of its own), and runs in threads of this process, so
-that nothing is left when the process ends.
+meshcat's own server listens on every interface of the machine. This one listens on 127.0.0.1 and answers only requests
+for "127.0.0.1" or "localhost": a foreign page cannot reach it through another host name. It runs in threads of this
+process and ends with it.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ LOOPBACK = "127.0.0.1"
 
 DEFAULT_PORT = 7000
 
-BEAT = 5.0
-"""Seconds after which a browser that has gone away is noticed."""
+HEARTBEAT = 5.0
+"""Time after which a closed browser is noticed [s]."""
 
 
-class Posable(Protocol):
-    """What a server shows: a scene that describes itself, and says what changes with a pose."""
+class PosableScene(Protocol):
+    """A scene that a server can show: it describes itself, and the changes that a pose makes."""
 
     def pose(self, angles: Mapping[str, float]) -> list[Command]:
-        """Commands that put joints to angles [rad]."""
+        """Commands that move joints to angles [rad]."""
         ...
 
     def to_json(self) -> dict[str, Any]:
-        """Describe the scene as its page reads it."""
+        """Describe the scene as data for its page."""
         ...
 
 
@@ -45,12 +45,12 @@ class SceneServer:
     """Serves a scene on 127.0.0.1 until it is closed; made by :meth:`.Scene.serve`.
 
     Attributes:
-        url: Where to point a browser.
-        port: It listens on.
+        url: Address for a browser.
+        port: Port that it listens on.
     """
 
-    def __init__(self, scene: Posable, port: int | None = None) -> None:
-        """Start to listen."""
+    def __init__(self, scene: PosableScene, port: int | None = None) -> None:
+        """Start listening."""
         self._scene = scene
         self._listeners: set[queue.Queue[str | None]] = set()
         self._latest: dict[tuple[object, ...], Command] = {}
@@ -63,7 +63,10 @@ class SceneServer:
         self._thread.start()
 
     def pose(self, angles: Mapping[str, float]) -> None:
-        """Put joints to angles [rad] in every browser that looks, all others to zero.
+        """Move joints to angles in every open page, and all other joints to zero.
+
+        Args:
+            angles: Angles by joint name [rad].
 
         Raises:
             ExoidError: There is no such joint.
@@ -71,7 +74,11 @@ class SceneServer:
         self.send(self._scene.pose(angles))
 
     def send(self, commands: list[Command]) -> None:
-        """Send drawing commands to every browser that looks."""
+        """Send drawing commands to every open page.
+
+        Args:
+            commands: Commands of meshcat's viewer.
+        """
         text = json.dumps(commands, separators=(",", ":"))
         with self._lock:
             self._latest |= {(c["type"], c.get("path"), c.get("property")): c for c in commands}
@@ -79,7 +86,7 @@ class SceneServer:
                 listener.put(text)
 
     def wait(self) -> None:
-        """Wait until the server is closed or someone presses Ctrl-C."""
+        """Wait until the server is closed or Ctrl-C is pressed."""
         try:
             while self._thread.is_alive():
                 self._thread.join(0.5)
@@ -96,19 +103,31 @@ class SceneServer:
         self._thread.join()
 
     def page(self) -> bytes:
-        """The page that browsers get."""
+        """Render the page of the scene.
+
+        Returns:
+            HTML as UTF-8.
+        """
         return write_page(self._scene.to_json(), live=True).encode()
 
-    def listen(self) -> queue.Queue[str | None]:
-        """Register a browser: what it has missed, commands as they come, then None."""
+    def subscribe(self) -> queue.Queue[str | None]:
+        """Register a page for changes of the scene.
+
+        Returns:
+            Queue of commands as JSON: first all changes so far, then each change, and None at the end.
+        """
         listener: queue.Queue[str | None] = queue.Queue()
         with self._lock:
             listener.put(json.dumps(list(self._latest.values())))
             self._listeners.add(listener)
         return listener
 
-    def leave(self, listener: queue.Queue[str | None]) -> None:
-        """Forget a browser."""
+    def unsubscribe(self, listener: queue.Queue[str | None]) -> None:
+        """End the registration of a page.
+
+        Args:
+            listener: Queue that :meth:`subscribe` returned.
+        """
         with self._lock:
             self._listeners.discard(listener)
 
@@ -129,14 +148,14 @@ class _Server(ThreadingHTTPServer):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    """Answers "/" with the page and "/events" with commands as they come (server-sent events)."""
+    """Answers "/" with the page, and "/events" with commands as server-sent events."""
 
     server: _Server
     server_version = "exoid"
     sys_version = ""
 
     def do_GET(self) -> None:
-        """Answer a browser."""
+        """Answer a request."""
         host = (self.headers.get("Host") or "").rsplit(":", 1)[0]
         if host not in (LOOPBACK, "localhost"):
             self.send_error(HTTPStatus.FORBIDDEN)
@@ -149,7 +168,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_error(HTTPStatus.NOT_FOUND)
 
     def log_message(self, format: str, *args: object) -> None:
-        """Say nothing."""
+        """Log nothing."""
 
     def _answer(self, kind: str, body: bytes = b"") -> None:
         self.send_response(HTTPStatus.OK)
@@ -161,12 +180,13 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(body)
 
     def _stream(self) -> None:
+        """Send commands as they come, until the server ends or the page is closed."""
         scene_server = self.server.scene_server
-        listener = scene_server.listen()
+        listener = scene_server.subscribe()
         try:
             while True:
                 try:
-                    text = listener.get(timeout=BEAT)
+                    text = listener.get(timeout=HEARTBEAT)
                 except queue.Empty:
                     self.wfile.write(b": still here\n\n")
                     continue
@@ -174,18 +194,19 @@ class _Handler(BaseHTTPRequestHandler):
                 self.wfile.write(message.encode())
                 if text is None:
                     break
-        except OSError:  # the browser has gone
+        except OSError:  # the browser has closed
             pass
         finally:
-            scene_server.leave(listener)
+            scene_server.unsubscribe(listener)
 
 
 def _bind(port: int | None) -> _Server:
-    for wanted in (DEFAULT_PORT, 0) if port is None else (port,):
+    """Listen on a port; for None on the default port or, if that is taken, on any free port."""
+    for number in (DEFAULT_PORT, 0) if port is None else (port,):
         try:
-            return _Server((LOOPBACK, wanted), _Handler)
+            return _Server((LOOPBACK, number), _Handler)
         except OverflowError:
-            raise ExoidError(f"port {wanted}", remedy="choose one from 1 to 65535, or 0 for any that is free") from None
+            raise ExoidError(f"port {number}", remedy="choose one from 1 to 65535, or 0 for any that is free") from None
         except OSError as problem:
             reason = problem.strerror or str(problem)
-    raise ExoidError(f"cannot listen on port {wanted} ({reason})", remedy="choose another port")
+    raise ExoidError(f"cannot listen on port {number} ({reason})", remedy="choose another port")

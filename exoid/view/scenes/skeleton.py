@@ -1,4 +1,4 @@
-"""Bodies of a leg: what each joint carries, where the next joints sit, and how it all moves."""
+"""Tree of the bodies of a leg: their links, the placements of the joints on them, and their motion."""
 
 from __future__ import annotations
 
@@ -13,17 +13,18 @@ import pinocchio as pin
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
 from exoid.leg import Leg
 
-from .parts import moved
+from .transforms import homogeneous
 
 
-class Motion(NamedTuple):
-    """Where each joint stands within its own frame, as three.js writes it.
+class JointKeyframes(NamedTuple):
+    """Joint transforms of each frame, as three.js expects them.
 
     Attributes:
-        quaternion: (x, y, z, w), (N, n, 4).
-        position: [m], (N, n, 3).
+        quaternion: Rotation (x, y, z, w), (F, n, 4).
+        position: Translation [m], (F, n, 3).
     """
 
     quaternion: FloatArray
@@ -32,7 +33,7 @@ class Motion(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """The tree of bodies of a leg. Body 0 is the torso, body j is what joint j carries, as in Pinocchio.
+    """Tree of the bodies of a leg. As in Pinocchio, joint j carries body j, and body 0 is the torso.
 
     Attributes:
         leg: The leg.
@@ -42,21 +43,21 @@ class Skeleton:
 
     @cached_property
     def links(self) -> tuple[dict[str, FloatArray], ...]:
-        """Links of each body with their places in its frame, (4, 4); without other limbs of the torso."""
+        """Links of each body by name, with their placements on the body, (4, 4); other limbs of the torso left out."""
         model = self.leg.model
         bodies: tuple[dict[str, FloatArray], ...] = tuple({} for _ in range(model.njoints))
-        wanted = self._carrying_or_carried()
+        links = self._links_of_leg()
         for frame in model.frames:
             if frame.type != pin.FrameType.BODY:
                 continue
-            name = frame.name if frame.name in wanted else re.sub(r" \d+$", "", frame.name)
-            if name in wanted:
+            name = frame.name if frame.name in links else re.sub(r" \d+$", "", frame.name)
+            if name in links:
                 bodies[frame.parentJoint][name] = np.asarray(frame.placement.homogeneous)
         return bodies
 
     @property
     def axes(self) -> FloatArray:
-        """Direction of each joint in its own frame, (n, 3)."""
+        """Direction of each joint's axis in its own frame, (n, 3)."""
         data = self.leg.model.createData()
         pin.computeJointJacobians(self.leg.model, data, pin.neutral(self.leg.model))
         columns = []
@@ -67,77 +68,77 @@ class Skeleton:
         return np.array(columns)
 
     @property
-    def turning(self) -> tuple[bool, ...]:
-        """Whether each joint is one that turns; others slide."""
+    def revolute(self) -> tuple[bool, ...]:
+        """Whether each joint is revolute; the others are prismatic."""
         return tuple("JointModelP" not in joint.shortname() for joint in list(self.leg.model.joints)[1:])
 
     @property
     def parents(self) -> tuple[int, ...]:
-        """Body that each joint hangs on, n of them."""
+        """Index of the body that holds each joint, (n,)."""
         return tuple(self.leg.model.parents)[1:]
 
     @property
     def placements(self) -> tuple[FloatArray, ...]:
-        """Place of each joint on its parent body, (4, 4), n of them."""
+        """Placement of each joint on its parent body, n of (4, 4)."""
         return tuple(np.asarray(p.homogeneous) for p in list(self.leg.model.jointPlacements)[1:])
 
     @cached_property
     def reach(self) -> float:
-        """How far the leg reaches from its first joint [m]."""
+        """Distance from the first joint to the end of the leg [m]."""
         lengths = [0.0]
-        for parent, place in zip(self.parents[1:], self.placements[1:], strict=True):
-            lengths.append(lengths[parent - 1] + float(np.linalg.norm(place[:3, 3])) if parent else 0.0)
-        coms = [2.0 * float(np.linalg.norm(self.leg.model.inertias[j + 1].lever)) for j in range(len(lengths))]
-        return max(1e-2, *(a + b for a, b in zip(lengths, coms, strict=True)))
+        for parent, placement in zip(self.parents[1:], self.placements[1:], strict=True):
+            lengths.append(lengths[parent - 1] + float(np.linalg.norm(placement[:3, 3])) if parent else 0.0)
+        ends = [2.0 * float(np.linalg.norm(self.leg.model.inertias[j + 1].lever)) for j in range(len(lengths))]
+        return max(1e-2, *(a + b for a, b in zip(lengths, ends, strict=True)))
 
-    def bodies(self, q: ArrayLike) -> FloatArray:
-        """Place of every body in the torso's frame, the torso first, (N, n + 1, 4, 4)."""
+    def body_placements(self, q: ArrayLike) -> FloatArray:
+        """Placement of every body in the torso's frame at angles (N, n) [rad], the torso first, (N, n + 1, 4, 4)."""
         rotation, translation = self.leg.forward_kinematics(q)
-        places = np.tile(np.eye(4), (len(rotation), len(self.parents) + 1, 1, 1))
-        places[:, 1:, :3, :3], places[:, 1:, :3, 3] = rotation, translation
-        return places
+        placements = np.tile(np.eye(4), (len(rotation), len(self.parents) + 1, 1, 1))
+        placements[:, 1:, :3, :3], placements[:, 1:, :3, 3] = rotation, translation
+        return placements
 
-    def within(self, q: ArrayLike) -> FloatArray:
-        """Place of every body that a joint carries in the frame of that joint, (N, n, 4, 4)."""
-        places = self.bodies(q)
-        joints = places[:, list(self.parents)] @ np.array(self.placements)
-        return np.asarray(np.linalg.inv(joints) @ places[:, 1:])
+    def joint_transforms(self, q: ArrayLike) -> FloatArray:
+        """Placement of every body in the frame of the joint that carries it, at angles (N, n) [rad], (N, n, 4, 4)."""
+        bodies = self.body_placements(q)
+        joints = bodies[:, list(self.parents)] @ np.array(self.placements)
+        return np.asarray(np.linalg.inv(joints) @ bodies[:, 1:])
 
-    def motion(self, q: ArrayLike) -> Motion:
-        """What each joint does to its body."""
-        within = self.within(q)
-        rotations = scipy.spatial.transform.Rotation.from_matrix(within[..., :3, :3].reshape(-1, 3, 3))
-        return Motion(rotations.as_quat().reshape(*within.shape[:2], 4), within[..., :3, 3])
+    def joint_keyframes(self, q: ArrayLike) -> JointKeyframes:
+        """Keyframes of :meth:`joint_transforms` at angles (F, n) [rad]."""
+        transforms = self.joint_transforms(q)
+        rotations = scipy.spatial.transform.Rotation.from_matrix(transforms[..., :3, :3].reshape(-1, 3, 3))
+        return JointKeyframes(rotations.as_quat().reshape(*transforms.shape[:2], 4), transforms[..., :3, 3])
 
-    def upright(self, pitch: float) -> FloatArray:
-        """Place of a torso tilted by ``pitch`` [rad] about the first joint, (4, 4)."""
+    def torso_placement(self, pitch: float) -> FloatArray:
+        """Placement of a torso pitched by an angle [rad] about the first joint, (4, 4)."""
         lateral = self.leg.chain.plane.lateral if self.leg.chain is not None else np.array([0.0, 1.0, 0.0])
         hip = self.placements[0][:3, 3]
         rotation = np.asarray(pin.exp3(-pitch * lateral))
-        return moved(hip - rotation @ hip, rotation)
+        return homogeneous(hip - rotation @ hip, rotation)
 
-    def _carrying_or_carried(self) -> set[str]:
-        """Links that carry moving joints or are carried by them, and what is fixed to the former."""
+    def _links_of_leg(self) -> set[str]:
+        """Links above and below the moving joints, and links fixed to those above."""
         joints = [
             (j.get("name", ""), parent.get("link", ""), child.get("link", ""), j.get("type") == "fixed")
             for j in self.leg.description.parse().findall("joint")
             if (parent := j.find("parent")) is not None and (child := j.find("child")) is not None
         ]
-        above = {child: parent for _, parent, child, _ in joints}
+        parent_of = {child: parent for _, parent, child, _ in joints}
         moving = {child for name, _, child, _ in joints if name in self.leg.joint_names}
-        carrying: set[str] = set()
+        above: set[str] = set()
         for link in moving:
-            carrier = above.get(link)
-            while carrier is not None:
-                carrying.add(carrier)
-                carrier = above.get(carrier)
-        carried = _with_all_below(moving, [(parent, child) for _, parent, child, _ in joints])
+            ancestor = parent_of.get(link)
+            while ancestor is not None:
+                above.add(ancestor)
+                ancestor = parent_of.get(ancestor)
+        below = _with_descendants(moving, [(parent, child) for _, parent, child, _ in joints])
         fixed = [(parent, child) for _, parent, child, is_fixed in joints if is_fixed]
-        return carried | _with_all_below(carrying, fixed)
+        return below | _with_descendants(above, fixed)
 
 
-def _with_all_below(links: set[str], pairs: list[tuple[str, str]]) -> set[str]:
-    """Links, and those that hang on them by pairs (parent, child)."""
+def _with_descendants(links: set[str], pairs: list[tuple[str, str]]) -> set[str]:
+    """Links and all their descendants by pairs (parent, child)."""
     found, fresh = set(links), set(links)
     while fresh:
         fresh = {child for parent, child in pairs if parent in fresh} - found
@@ -145,6 +146,21 @@ def _with_all_below(links: set[str], pairs: list[tuple[str, str]]) -> set[str]:
     return found
 
 
-def joint_angles(names: Sequence[str], angles: Mapping[str, float]) -> FloatArray:
-    """Angles [rad] of joints in their order, zero where none is given, (n,)."""
-    return np.array([float(angles.get(name, 0.0)) for name in names])
+def pose_angles(legs: Sequence[Leg], pose: Mapping[str, float]) -> list[FloatArray]:
+    """Angles of the joints of each leg, in their order; zero for joints that are not named.
+
+    Args:
+        legs: The legs.
+        pose: Angles by joint name [rad].
+
+    Returns:
+        Angles of each leg [rad], (n,).
+
+    Raises:
+        ExoidError: No leg has a joint of that name.
+    """
+    names = [name for leg in legs for name in leg.joint_names]
+    unknown = sorted(set(pose) - set(names))
+    if unknown:
+        raise ExoidError(f"no joint {', '.join(unknown)}", remedy=f"the joints are {', '.join(names)}")
+    return [np.array([float(pose.get(name, 0.0)) for name in leg.joint_names]) for leg in legs]

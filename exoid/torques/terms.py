@@ -1,0 +1,257 @@
+"""Built-in terms: Coulomb and viscous friction, rotor inertia, sensor offset and stiffness."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
+from .internal_state import InternalState
+from .presliding import Presliding
+from .term import JointMotion, NonlinearParameter, Term, number
+
+
+@dataclass(frozen=True, kw_only=True)
+class DryFriction(Term):
+    """Friction proportional to the direction z of motion: sgn(v), tanh(v / smoothing), or a presliding state.
+
+    Attributes:
+        smoothing: Velocity over which the sign changes [rad/s]; 0 for a sharp sign.
+        presliding: Presliding length δ of :class:`exoid.torques.Presliding` [rad], about 1 mrad in gears; it replaces
+            the smoothing. 0 for none.
+        dead_band: Speed up to which samples are left out of the fit [rad/s], as in doc. 1, sec. III-G; the columns are
+            zero there.
+
+    Raises:
+        ExoidError: A setting is negative or not finite, or smoothing is nonlinear beside presliding.
+    """
+
+    smoothing: float | NonlinearParameter = 0.02
+    presliding: float | NonlinearParameter = 0.0
+    dead_band: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the settings."""
+        for name, unit in (("smoothing", "a velocity in rad/s"), ("presliding", "an angle in rad")):
+            value = getattr(self, name)
+            if not isinstance(value, NonlinearParameter) and not 0.0 <= value < np.inf:
+                raise ExoidError(
+                    f"{type(self).__name__}({name}={value})", remedy=f"{unit}, zero or positive, or NonlinearParameter"
+                )
+        if not 0.0 <= self.dead_band < np.inf:
+            raise ExoidError(
+                f"{type(self).__name__}(dead_band={self.dead_band})", remedy="a velocity in rad/s, zero or positive"
+            )
+        if isinstance(self.smoothing, NonlinearParameter) and self.presliding != 0.0:
+            raise ExoidError(
+                f"{type(self).__name__} has a nonlinear smoothing, which presliding replaces",
+                remedy="leave out one of the two",
+            )
+
+    friction = True
+
+    @property
+    def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
+        """Symbols ws of the smoothing and delta of presliding."""
+        return {"smoothing": ("ws", "rad/s"), "presliding": ("delta", "rad")}
+
+    @property
+    def internal_state(self) -> InternalState | None:
+        """Presliding state; None without presliding."""
+        length = number(self.presliding)
+        return Presliding(length) if length > 0.0 else None
+
+    def direction(self, motion: JointMotion, out: FloatArray) -> None:
+        """Write the direction z, between −1 and 1, zero in the dead band.
+
+        Args:
+            motion: Motion of the joint, N samples.
+            out: Receives z, (N,).
+
+        Raises:
+            ExoidError: A setting is a :class:`NonlinearParameter`.
+        """
+        if motion.state is not None:
+            out[:] = motion.state
+        elif (smoothing := number(self.smoothing)) > 0.0:
+            with np.errstate(over="ignore"):  # a tiny smoothing: tanh of infinity is 1
+                np.tanh(np.divide(motion.v, smoothing, out=out), out=out)
+        else:
+            np.sign(motion.v, out=out)
+        if self.dead_band > 0.0:
+            out[~self.usable(motion.v)] = 0.0
+
+    def usable(self, v: FloatArray) -> NDArray[np.bool_]:
+        """Select the samples outside the dead band.
+
+        Args:
+            v: Velocity of the joint [rad/s], (N,).
+
+        Returns:
+            Whether each sample is outside, (N,).
+        """
+        return np.asarray(np.abs(v) > self.dead_band) if self.dead_band > 0.0 else super().usable(v)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coulomb(DryFriction):
+    """Coulomb friction τ = c0 z, z = tanh(v / smoothing) (doc. 1, eqs. (34)-(35), with the opposite sign).
+
+    Attributes:
+        asymmetric: Whether each direction has a coefficient, τ = c0p max(z, 0) + c0n min(z, 0). Half the difference is
+            nearly equivalent to an offset of the torque sensor: leave :class:`Offset` out then.
+    """
+
+    asymmetric: bool = False
+
+    @property
+    def symbols(self) -> tuple[str, ...]:
+        """Symbol c0, or c0p forwards and c0n backwards."""
+        return ("c0p", "c0n") if self.asymmetric else ("c0",)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Newton metres."""
+        return ("N·m",) * len(self.symbols)
+
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """All symbols."""
+        return self.symbols
+
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
+        """Write the column z, or its positive and its negative part.
+
+        Args:
+            motion: Motion of the joint, N samples.
+            out: Receives the columns, (1 or 2, N).
+        """
+        self.direction(motion, out[0])
+        if self.asymmetric:
+            np.minimum(out[0], 0.0, out=out[1])
+            np.maximum(out[0], 0.0, out=out[0])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Viscous(Term):
+    """Viscous friction τ = d v; d > 0 dissipates.
+
+    Attributes:
+        asymmetric: Whether each direction has a coefficient, τ = dp max(v, 0) + dn min(v, 0).
+    """
+
+    asymmetric: bool = False
+
+    friction = True
+
+    @property
+    def symbols(self) -> tuple[str, ...]:
+        """Symbol d, or dp forwards and dn backwards."""
+        return ("dp", "dn") if self.asymmetric else ("d",)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Newton metre seconds over radians."""
+        return ("N·m·s/rad",) * len(self.symbols)
+
+    @property
+    def nonnegative(self) -> tuple[str, ...]:
+        """All symbols."""
+        return self.symbols
+
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
+        """Write the column v, or its positive and its negative part.
+
+        Args:
+            motion: Motion of the joint, N samples.
+            out: Receives the columns, (1 or 2, N).
+        """
+        if self.asymmetric:
+            np.maximum(motion.v, 0.0, out=out[0])
+            np.minimum(motion.v, 0.0, out=out[1])
+        else:
+            out[0] = motion.v
+
+
+@dataclass(frozen=True, kw_only=True)
+class Armature(Term):
+    """Rotor inertia reflected to the joint (armature), τ = Ia a, for torque computed on the motor's side of the gear.
+
+    At the first joint of a planar leg it is regrouped into J1. At the other joints it is a separate parameter. It is
+    zero where torque is measured behind the gear.
+    """
+
+    symbols = ("Ia",)
+    units = ("kg·m²",)
+    nonnegative = ("Ia",)
+
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
+        """Write the column a.
+
+        Args:
+            motion: Motion of the joint, N samples.
+            out: Receives the columns, (1, N).
+        """
+        out[0] = motion.a
+
+
+@dataclass(frozen=True, kw_only=True)
+class Offset(Term):
+    """Constant torque τ = offset: the zero of a torque sensor, or friction that differs between the directions."""
+
+    symbols = ("offset",)
+    units = ("N·m",)
+
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
+        """Write a column of ones.
+
+        Args:
+            motion: Motion of the joint, N samples.
+            out: Receives the columns, (1, N).
+        """
+        out[0] = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stiffness(Term):
+    """Polynomial stiffness τ = b2 q² + b1 q + b0 (doc. 1, eqs. (21), (26), with the opposite sign).
+
+    b1 > 0 pulls the joint back to zero. b0 is equivalent to an offset of the torque sensor: use only one of them.
+
+    Attributes:
+        degree: Degree of the polynomial, 0 to 8.
+    """
+
+    degree: int = 2
+
+    def __post_init__(self) -> None:
+        """Check the degree."""
+        if not isinstance(self.degree, int) or not 0 <= self.degree <= 8:
+            raise ExoidError(f"stiffness of degree {self.degree}", remedy="use a whole number between 0 and 8")
+
+    @property
+    def symbols(self) -> tuple[str, ...]:
+        """Symbols b2, b1, b0 for degree 2."""
+        return tuple(f"b{power}" for power in range(self.degree, -1, -1))
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Newton metres over powers of radians."""
+        units = {0: "N·m", 1: "N·m/rad"}
+        return tuple(units.get(power, f"N·m/rad^{power}") for power in range(self.degree, -1, -1))
+
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
+        """Write the columns q^degree, …, q, 1.
+
+        Args:
+            motion: Motion of the joint, N samples.
+            out: Receives the columns, (degree + 1, N).
+        """
+        out[-1] = 1.0
+        for k in range(self.degree - 1, -1, -1):
+            out[k] = out[k + 1] * motion.q

@@ -1,0 +1,49 @@
+"""Angles and torques of a leg at each frame of a scene."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.leg import Leg
+from exoid.torso import TorsoMotion
+
+from .replay import Replay
+
+
+class LegTrajectory(NamedTuple):
+    """Angles and torques of a leg, frame by frame.
+
+    Attributes:
+        q: Angles [rad], (F, n); one frame for a leg that stands still.
+        tau: Actuator torques [N·m], (F, n).
+        measured: Whether the torques were measured; otherwise they hold the leg against gravity.
+        pitch: Pitch of the torso [rad].
+    """
+
+    q: FloatArray
+    tau: FloatArray
+    measured: bool
+    pitch: float
+
+    @classmethod
+    def of(cls, leg: Leg, q: FloatArray, replay: Replay | None) -> LegTrajectory:
+        """Take the trajectory of a leg from a replay.
+
+        Args:
+            leg: The leg.
+            q: Pose of a leg that is not replayed [rad], (n,).
+            replay: The replay, or None.
+
+        Returns:
+            The trajectory.
+        """
+        recorded = None if replay is None else replay.angles(leg)
+        tau = None if replay is None else replay.torques(leg)
+        angles = q[np.newaxis] if recorded is None else recorded
+        pitch = 0.0 if replay is None else replay.pitch
+        if tau is not None:
+            return cls(angles, tau, True, pitch)
+        return cls(angles, leg.gravity(angles, TorsoMotion(pitch) if pitch else None), False, pitch)

@@ -1,0 +1,129 @@
+"""Placeholders for bodies without visuals in the URDF: bars, joint housings, a foot, a belt."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import FloatArray
+
+from .skeleton import Skeleton
+from .transforms import align_z, homogeneous
+from .visual import Material, Visual, box, cylinder, torus
+
+BAR, FRAME, RUBBER = Material("#b3b8bf"), Material("#4a4e55"), Material("#1c1d20")
+"""Materials of bars, of joint housings and belts, and of soles and straps."""
+
+FEET = ("foot", "ankle", "toe", "sole")
+"""Words in the name of a link or joint that identify the last body as a foot."""
+
+
+def body_placeholder(skeleton: Skeleton, body: int, colour: str) -> list[Visual]:
+    """Make a joint housing, and bars to the next joints or through the centre of mass.
+
+    Args:
+        skeleton: Bodies of the leg.
+        body: Index of the body, from 1 on.
+        colour: Colour of the joint that carries it.
+
+    Returns:
+        Visuals in the body's frame.
+    """
+    leg, size = skeleton.leg, _segment_length(skeleton)
+    axis = skeleton.axes[body - 1]
+    at_joint = homogeneous(np.zeros(3), align_z(axis))
+    visuals = [
+        cylinder(0.115 * size, 0.13 * size, FRAME).placed(at_joint),
+        cylinder(0.075 * size, 0.145 * size, Material(colour)).placed(at_joint),
+    ]
+    ends = [
+        placement[:3, 3]
+        for parent, placement in zip(skeleton.parents, skeleton.placements, strict=True)
+        if parent == body and np.linalg.norm(placement[:3, 3]) > 0.05 * size
+    ]
+    names = (leg.joint_names[body - 1] + leg.link_names[body - 1]).lower()
+    if not ends and any(word in names for word in FEET):
+        return [*visuals, *_foot(skeleton, body, size)]
+    if not ends:
+        lever = np.asarray(leg.model.inertias[body].lever)
+        end = 2.0 * lever if np.linalg.norm(lever) > 0.02 * size else 0.25 * size * _down(skeleton, body)
+        cap = cylinder(0.07 * size, 0.1 * size, RUBBER).placed(homogeneous(end, align_z(axis)))
+        return [*visuals, _bar(end, axis, size), cap]
+    for end in ends:
+        visuals.append(_bar(end, axis, size))
+        if skeleton.leg.chain is not None:
+            visuals.append(_brace(end, axis, size))
+    return visuals
+
+
+def torso_placeholder(skeleton: Skeleton) -> list[Visual]:
+    """Make a belt with a back plate for a planar leg that hangs down, and a socket for any other."""
+    hip, size = skeleton.placements[0][:3, 3], _segment_length(skeleton)
+    chain = skeleton.leg.chain
+    if chain is None or not _hangs_down(skeleton):
+        axis = skeleton.placements[0][:3, :3] @ skeleton.axes[0]
+        return [cylinder(0.16 * size, 0.1 * size, FRAME).placed(homogeneous(hip, align_z(axis)))]
+    forward, lateral, up = chain.plane
+    offset = float(hip @ lateral)
+    width = max(abs(offset), 0.35 * size)
+    middle = hip - (offset if abs(offset) > 0.05 * size else width) * lateral  # beside a leg in the middle
+    axes = np.column_stack([forward, lateral, up])
+    belt = torus(0.9 * width, 0.045 * size, 2.0 * np.pi, FRAME).placed(homogeneous(middle + 0.1 * size * up, axes))
+    behind = middle - 0.9 * width * forward + 0.6 * size * up
+    return [belt, box((0.06 * size, 1.3 * width, 1.1 * size), BAR).placed(homogeneous(behind, axes))]
+
+
+def _hangs_down(skeleton: Skeleton) -> bool:
+    """Whether the centre of mass is below the first joint with all joints at zero."""
+    model = skeleton.leg.model
+    centre = pin.centerOfMass(model, model.createData(), pin.neutral(model))
+    return bool((centre - skeleton.placements[0][:3, 3]) @ model.gravity.linear > 0.0)
+
+
+def _bar(end: FloatArray, axis: FloatArray, size: float) -> Visual:
+    """Make a bar from the joint to a point of the body."""
+    length = float(np.linalg.norm(end))
+    return box((0.09 * size, 0.055 * size, length), BAR).placed(homogeneous(0.5 * end, align_z(end, axis)))
+
+
+def _brace(end: FloatArray, axis: FloatArray, size: float) -> Visual:
+    """Make half a ring behind the bar, where a strap would hold the limb."""
+    axes = align_z(end, axis)
+    if axes[0, 0] < 0.0:
+        axes = np.column_stack([-axes[:, 1], axes[:, 0], axes[:, 2]])
+    return torus(0.17 * size, 0.022 * size, np.pi, RUBBER).placed(homogeneous(0.45 * end, axes))
+
+
+def _foot(skeleton: Skeleton, body: int, size: float) -> list[Visual]:
+    """Make a sole below the joint that points along x of the URDF, or backwards if the mass is there."""
+    down, chain = _down(skeleton, body), skeleton.leg.chain
+    rotation = _placement_at_zero(skeleton, body)[:3, :3]
+    forward = rotation.T @ (np.array([1.0, 0.0, 0.0]) if chain is None else chain.plane.forward)
+    if forward @ skeleton.leg.model.inertias[body].lever < -0.02 * size:
+        forward = -forward
+    axes = align_z(-down, np.cross(-down, forward))
+    height = 0.24 * size
+    ankle = box((0.1 * size, 0.05 * size, height), FRAME)
+    sole = box((0.6 * size, 0.22 * size, 0.04 * size), RUBBER)
+    return [
+        ankle.placed(homogeneous(0.5 * height * down, axes)),
+        sole.placed(homogeneous(height * down + 0.14 * size * forward, axes)),
+    ]
+
+
+def _down(skeleton: Skeleton, body: int) -> FloatArray:
+    """Direction of gravity in a body's frame with all joints at zero, (3,)."""
+    gravity = _placement_at_zero(skeleton, body)[:3, :3].T @ skeleton.leg.model.gravity.linear
+    return np.asarray(gravity / max(float(np.linalg.norm(gravity)), 1e-9))
+
+
+def _placement_at_zero(skeleton: Skeleton, body: int) -> FloatArray:
+    """Placement of a body in the torso's frame with all joints at zero, (4, 4)."""
+    return np.asarray(skeleton.body_placements(np.zeros(len(skeleton.parents)))[0, body])
+
+
+def _segment_length(skeleton: Skeleton) -> float:
+    """Typical length of a segment [m]."""
+    lengths = [float(np.linalg.norm(placement[:3, 3])) for placement in skeleton.placements[1:]]
+    longest = max(lengths, default=0.0)
+    return longest if longest > 0.1 * skeleton.reach else skeleton.reach

@@ -1,0 +1,87 @@
+"""The package exoid_springs as if it were installed, and logs of a leg with its end stops."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+from swings import Swing
+
+import exoid
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+PROJECT = Path(__file__).resolve().parent / "exoid_springs"
+COMPILED = Path(__file__).resolve().parents[1] / "codegen"
+EXOID = Path(exoid.__file__).resolve().parents[1]
+
+STIFFNESS = {"hip": 40.0, "knee": 25.0}
+"""Of the end stops [N·m/rad²], at both sides from 0.3 rad on."""
+
+
+def write_metadata(folder: Path, name="exoid-springs", version="1.0", groups=None) -> Path:
+    """Write the metadata that an installation writes; by default those of the project."""
+    if groups is None:
+        groups = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["entry-points"]
+    info = folder / f"{name.replace('-', '_')}-{version}.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n", encoding="utf-8")
+    lines = [line for group, offers in groups.items() for line in (f"[{group}]", *map(" = ".join, offers.items()))]
+    (info / "entry_points.txt").write_text("\n".join([*lines, ""]), encoding="utf-8")
+    return folder
+
+
+def run(*arguments, path=(), cwd: Path, code=0) -> subprocess.CompletedProcess[str]:
+    """Run Python in an interpreter of its own, with these folders on its path, and check its exit status."""
+    places = [*map(str, path), str(EXOID), *os.environ.get("PYTHONPATH", "").split(os.pathsep)]
+    done = subprocess.run(
+        [sys.executable, *map(str, arguments)],
+        cwd=cwd,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, places))},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    assert done.returncode == code, done.stdout + done.stderr
+    return done
+
+
+def command(*arguments, **options) -> subprocess.CompletedProcess[str]:
+    """Run the command ``exoid``."""
+    return run("-c", "from exoid.cli import main; main()", *arguments, **options)
+
+
+def swing_with_stops(seed=0, noise=0.02) -> exoid.Recording:
+    """A log of the CUHK leg with Coulomb and viscous friction, and with end stops at both joints."""
+    swing = Swing(exoid.load_leg("cuhk"), seed=1 + seed)
+    q, _, _ = swing.motion
+    stops = np.array([*STIFFNESS.values()]) * np.sign(q) * np.maximum(np.abs(q) - 0.3, 0.0) ** 2
+    assert (stops != 0.0).any(axis=0).all()
+    rng = np.random.default_rng(seed)
+    return swing.recording(tau=swing.torque + stops + rng.normal(scale=noise, size=q.shape))
+
+
+def write_lab(path: Path, recording: exoid.Recording) -> None:
+    """Write a log as the laboratory does: degrees, milliseconds, a line of names and one of units."""
+    joints = recording.joint_names
+    names = ["time", *(f"{joint}.angle" for joint in joints), *(f"{joint}.torque" for joint in joints)]
+    units = ["ms", *["deg"] * len(joints), *["Nm"] * len(joints)]
+    numbers = np.column_stack([1e3 * recording.time, np.rad2deg(recording.q), recording.tau])
+    np.savetxt(path, numbers, header=f"{' '.join(names)}\n{' '.join(units)}", comments="", fmt="%.17g")
+
+
+def load_module(name: str = "exoid_springs"):
+    """Import the package from the project's folder, which is on no path."""
+    spec = importlib.util.spec_from_file_location(name, PROJECT / name / "__init__.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module

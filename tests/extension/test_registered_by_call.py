@@ -1,0 +1,433 @@
+"""What a script registers works like what exoid brings along; what no file can hold is refused unwritten."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from springs import PROJECT, STIFFNESS, run, write_lab
+
+import exoid
+from exoid import Coulomb, Estimate, ExoidError, Recording, Viscous
+from exoid.codegen.forms import FORMS
+from exoid.control import ControlModel
+from exoid.experiments import Harmonics
+from exoid.exported import read_exported
+from exoid.identification import register_estimator
+from exoid.identification.estimators import ClosedLoop, InstrumentalVariables, wls
+from exoid.rig import Plant, ProportionalDerivative
+from exoid.signals import Recordings, Source, ZeroPhase, register_format, register_preparation
+from exoid.signals.formats import ArrayTable
+from exoid.torques import NonlinearParameter, Stiffness, Term, TorqueModel, register_term, term_from_json, term_to_json
+
+LEG = exoid.load_leg("cuhk")
+FRICTION = (Coulomb(), Viscous())
+
+REGISTER = """
+import exoid, exoid_springs
+exoid.torques.register_term("end-stop", exoid_springs.EndStop)
+exoid.signals.register_preparation("median", exoid_springs.Median)
+exoid.identification.register_estimator("mad", exoid_springs.mad)
+exoid.signals.register_format("lab", exoid_springs.read_lab)
+"""
+IDENTIFY = """
+leg, log = exoid.load_leg("cuhk"), exoid.Recording.from_file("log.lab")
+terms = (exoid.Coulomb(), exoid.Viscous(), exoid_springs.EndStop())
+exoid.identify(leg, log, terms, "mad", preparation="median").save("est.json")
+"""
+LOAD = """
+est = exoid.Estimate.load("est.json")
+est.save("again.json")
+print(est.estimator, est.preparation.name, type(est.model.terms[2]).__name__)
+"""
+REFUSE = """
+import exoid
+try:
+    exoid.Estimate.load("est.json")
+except exoid.ExoidError as error:
+    print(error)
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Thick(Term):
+    """Damping τ = d |v| v, whose parameter has the symbol of viscous friction; it takes any setting."""
+
+    setting: Any = None
+
+    @property
+    def symbols(self):
+        return ("d",)
+
+    @property
+    def units(self):
+        return ("N·m·s²/rad²",)
+
+    def fill(self, motion, out):
+        out[0] = np.abs(motion.v) * motion.v
+
+
+class Rubber(Stiffness):
+    """A stiffness that is none of exoid's, τ = Σ b_k |q|^k sgn q."""
+
+    def fill(self, motion, out):
+        super().fill(motion._replace(q=np.abs(motion.q)), out)
+        out *= np.sign(motion.q)
+
+
+def estimate_of(*terms, **changes):
+    """An estimate of the leg's own parameters with these terms."""
+    model = TorqueModel(LEG, terms)
+    others = np.random.default_rng(0).uniform(0.1, 0.9, len(model.names) - len(LEG.parameters))
+    values = np.concatenate([LEG.parameters, others])
+    given = {
+        "model": model,
+        "values": values,
+        "covariance": np.diag((0.01 * np.maximum(np.abs(values), 0.1)) ** 2),
+        "condition_number": 10.0,
+        "dof": 100.0,
+        "residual_rms": np.ones(2),
+        "estimator": "ols",
+        "preparation": ZeroPhase(5.0),
+    }
+    return Estimate(**{**given, **changes})
+
+
+def test_a_script_that_calls_register_needs_no_installation(tmp_path, recording):
+    write_lab(tmp_path / "log.lab", recording)
+    run("-c", REGISTER + IDENTIFY, path=[PROJECT], cwd=tmp_path)
+    assert run("-c", REGISTER + LOAD, path=[PROJECT], cwd=tmp_path).stdout == "mad median EndStop\n"
+    assert (tmp_path / "again.json").read_bytes() == (tmp_path / "est.json").read_bytes()
+    refused = run("-c", REFUSE, path=[PROJECT], cwd=tmp_path).stdout  # the package is there, but nobody said so
+    assert "no term 'end-stop' (the file has it from the module exoid_springs.end_stop)" in refused
+
+
+class TestTerms:
+    @pytest.mark.parametrize(
+        "setting",
+        [
+            None,
+            True,
+            3,
+            0.1,
+            -0.0,
+            "a, \"b\" 'c' °",
+            (),
+            (1, 0.5, "a", None, False),
+            ((1.0, 2.0), (3.0, 4.0)),
+            NonlinearParameter(0.1, 0.01, 1.0),
+        ],
+        ids=ascii,
+    )
+    def test_settings_of_every_kind_come_back_exactly(self, setting, forgetful):
+        register_term("thick", Thick)
+        term = Thick(setting=setting, joints=("knee",))
+        again = term_from_json(json.loads(json.dumps(term_to_json(term), allow_nan=False)))
+        assert again == term
+        assert repr(again) == repr(term)
+
+    def test_an_estimate_comes_back_with_them(self, forgetful, tmp_path):
+        register_term("thick", Thick)
+        estimate = estimate_of(Coulomb(), Thick(setting=((1, 2.5), "fluid", True, None)))
+        estimate.save(tmp_path / "est.json")
+        again = Estimate.load(tmp_path / "est.json")
+        assert again.model.terms == estimate.model.terms
+        motion = np.random.default_rng(0).standard_normal((3, 50, 2))
+        assert (again.torque(*motion) == estimate.torque(*motion)).all()
+
+    @pytest.mark.parametrize("setting", [np.zeros(3), [0.1], np.inf, {"a": 1}, print], ids=ascii)
+    def test_a_setting_that_no_file_can_hold_is_refused_before_anything_is_written(self, setting, forgetful, tmp_path):
+        register_term("thick", Thick)
+        estimate = estimate_of(Coulomb(), Thick(setting=setting))
+        for write, name in ((estimate.save, "est.json"), (estimate.to_urdf, "leg.urdf")):
+            with pytest.raises(ExoidError, match=r"Thick\(setting=.* cannot be written.*let settings be finite"):
+                write(tmp_path / name)
+        assert not list(tmp_path.iterdir())
+
+    def test_a_term_without_a_name_is_refused_before_anything_is_written(self, tmp_path):
+        estimate = estimate_of(Thick())
+        for write, name in ((estimate.save, "est.json"), (estimate.to_urdf, "leg.urdf")):
+            with pytest.raises(ExoidError, match=r'exoid\.torques\.register_term\("name", Thick\)'):
+                write(tmp_path / name)
+        assert not list(tmp_path.iterdir())
+
+    def test_settings_that_the_fit_finds_are_saved_as_numbers(self, springs, forgetful, recording, tmp_path):
+        register_term("end-stop", springs.EndStop)
+        free = NonlinearParameter(0.2, 0.05, 0.4)
+        estimate = exoid.identify(LEG, recording, (*FRICTION, springs.EndStop(onset=free)))
+        found = dict(zip(estimate.nonlinear.names, estimate.nonlinear.values, strict=True))
+        assert found == pytest.approx({"onset_hip": 0.3, "onset_knee": 0.3}, rel=0.01)
+        estimate.save(tmp_path / "est.json")
+        again = Estimate.load(tmp_path / "est.json")
+        assert again.model.terms == estimate.model.terms
+        assert again.model.terms[-1].onset == found["onset_knee"]
+        assert again.value("k_knee") == pytest.approx(STIFFNESS["knee"], rel=0.05)
+
+    def test_a_nonlinear_parameter_without_a_symbol_is_refused(self, recording):
+        thick = Thick(setting=NonlinearParameter(0.2, 0.05, 0.4))
+        with pytest.raises(ExoidError, match=r"Thick\(setting=.*the term has no symbol.*nonlinear_symbols"):
+            exoid.identify(LEG, recording, (*FRICTION[:1], thick))
+
+    def test_it_can_be_a_decorator(self, forgetful):
+        assert register_term("thick")(Thick) is Thick
+        assert term_to_json(Thick()) == {"term": "thick", "from": __name__, "joints": None, "setting": None}
+
+    @pytest.mark.parametrize("kind", [Thick(), ZeroPhase, print])
+    def test_what_is_no_type_of_term_is_refused(self, kind):
+        with pytest.raises(ExoidError, match="is no type of term"):
+            register_term("thick")(kind)
+
+    def test_a_setting_called_term_is_refused(self):
+        @dataclass(frozen=True, kw_only=True)
+        class Worded(Thick):
+            term: str = "word"
+
+        with pytest.raises(ExoidError, match=r"Worded has a field 'term'"):
+            register_term("worded", Worded)
+
+    def test_the_names_of_exoid_are_taken(self):
+        with pytest.raises(ExoidError, match=r"the term 'viscous' exists: exoid\.torques\.viscous\.Viscous"):
+            register_term("viscous", Thick)
+
+
+class TestSymbolsOfExoid:
+    """A term from outside may use a symbol of exoid's: it stays what it is everywhere."""
+
+    def test_damping_of_a_urdf_is_viscous_friction_alone(self, forgetful, tmp_path):
+        register_term("thick", Thick)
+        estimate = estimate_of(Coulomb(), Viscous(joints=("hip",)), Thick(joints=("knee",)))
+        export = estimate.to_urdf(tmp_path / "leg.urdf")
+        assert export.only_in_sidecar == ("d_knee",)
+        urdf = export.urdf.read_text(encoding="utf-8")
+        assert f'damping="{estimate.value("d_hip")!r}"' in urdf
+        assert f'damping="{estimate.value("d_knee")!r}"' not in urdf
+        assert read_exported(export.urdf).resistances["d_knee"] == estimate.value("d_knee")
+        with pytest.raises(ExoidError, match=r"the rig has no d_knee of the term thick.*without=\('thick',\)"):
+            Plant.from_urdf(export.urdf)
+        plant = Plant.from_urdf(export.urdf, without=("thick",))
+        assert plant.viscous[:, 0].tolist() == [estimate.value("d_hip"), 0.0]
+
+    def test_a_negative_parameter_of_it_is_not_raised_to_zero(self, forgetful, tmp_path):
+        register_term("thick", Thick)
+        estimate = estimate_of(Thick())
+        values = np.where([name == "d_knee" for name in estimate.names], -0.4, estimate.values)
+        export = estimate_of(Thick(), values=values).to_urdf(tmp_path / "leg.urdf")
+        assert export.not_dissipative == ()
+        assert read_exported(export.urdf).resistances["d_knee"] == -0.4
+
+    def test_only_terms_of_the_sidecar_can_be_left_out(self, forgetful, tmp_path):
+        export = estimate_of(*FRICTION).to_urdf(tmp_path / "leg.urdf")
+        with pytest.raises(ExoidError, match=r"no terms thick to leave out.*it has coulomb, viscous"):
+            Plant.from_urdf(export.urdf, without=("thick", "viscous"))
+
+    def test_a_sidecar_of_an_older_exoid_is_read_by_symbols(self, tmp_path):
+        export = estimate_of(*FRICTION).to_urdf(tmp_path / "leg.urdf")
+        data = json.loads(export.sidecar.read_text(encoding="utf-8"))
+        del data["term_of"]
+        export.sidecar.write_text(json.dumps(data), encoding="utf-8")
+        assert Plant.from_urdf(export.urdf).viscous[1, 0] == export.estimate.value("d_knee")
+
+    @pytest.mark.parametrize("terms", [["coulomb"], {"d_knee": 1}])
+    def test_a_sidecar_with_another_form_of_it_is_refused(self, terms, tmp_path):
+        export = estimate_of(*FRICTION).to_urdf(tmp_path / "leg.urdf")
+        data = json.loads(export.sidecar.read_text(encoding="utf-8"))
+        export.sidecar.write_text(json.dumps(data | {"term_of": terms}), encoding="utf-8")
+        with pytest.raises(ExoidError, match="has it in another form"):
+            Plant.from_urdf(export.urdf)
+
+    def test_friction_that_no_rig_has_is_not_taken_for_static_friction(self, tmp_path):
+        """Cs of Stribeck's term is a drop from breakaway to sliding, cs of the rig the whole friction at breakaway."""
+        export = estimate_of(*FRICTION, exoid.torques.Stribeck()).to_urdf(tmp_path / "leg.urdf")
+        with pytest.raises(ExoidError, match=r"the rig has no cs_hip of the term stribeck"):
+            Plant.from_urdf(export.urdf)
+
+    def test_control_laws_compute_its_own_torque(self):
+        estimate = estimate_of(Coulomb(), Thick(), Rubber(degree=1))
+        model = ControlModel.of(estimate)
+        rng = np.random.default_rng(0)
+        q, v = rng.uniform(-1.0, 1.0, (2, 2))
+        coulomb = [estimate.value(f"c0_{joint}") for joint in ("hip", "knee")] * np.sign(v)
+        thick = [estimate.value(f"d_{joint}") for joint in ("hip", "knee")] * np.abs(v) * v
+        np.testing.assert_allclose(model.friction(q, v, 0.0), coulomb + thick, rtol=1e-12)
+        still = np.zeros(2)
+        np.testing.assert_allclose(model.statics(q), estimate.torque(q, still, still)[0], rtol=1e-12)
+
+    def test_no_closed_loop_is_simulated_with_it(self, recording):
+        controller = ProportionalDerivative(np.array([100.0, 50.0]), np.array([10.0, 5.0]))
+        one = np.ones((1, 2, 1))
+        reference = Harmonics(centre=np.zeros((2, 1)), amplitude=0.3 * one, frequency=3.0 * one, phase=0.0 * one)
+        estimator = InstrumentalVariables(ClosedLoop(controller, reference))
+        with pytest.raises(ExoidError, match="no rig has the parameter d_hip"):
+            exoid.identify(LEG, recording, (Coulomb(), Thick()), estimator)
+
+
+class TestEstimators:
+    def test_one_that_asks_for_rows_only_works_with_groups(self, springs, forgetful, recording):
+        register_estimator("mad", springs.mad)
+        halves = {"first": recording.slice(0, 1000), "second": recording.slice(1000)}
+        terms = (*FRICTION, springs.EndStop())
+        both = exoid.identify(LEG, halves, terms, "mad", own="c0")
+        assert both["first"].estimator == "mad"
+        assert both["second"].value("k_knee") == pytest.approx(STIFFNESS["knee"], rel=0.02)
+        assert both["first"].value("c0_knee") != both["second"].value("c0_knee")
+
+    def test_evidence_has_the_registered_name(self, forgetful, recording):
+        register_estimator("mine")(partial(wls))
+        estimate = exoid.identify(LEG, recording, FRICTION, "mine")
+        assert estimate.estimator == "mine"
+        assert (estimate.values == exoid.identify(LEG, recording, FRICTION).values).all()
+
+    @pytest.mark.parametrize(
+        ("estimator", "found"),
+        [
+            (lambda problem: None, "returned NoneType"),
+            (lambda problem: wls(problem).solution, "returned Solution"),
+            (lambda problem: wls(problem)._replace(weights=[1.0]), "returned 1 weights"),
+        ],
+    )
+    def test_one_that_returns_no_fit_is_refused(self, estimator, found, forgetful, recording):
+        register_estimator("odd", estimator)
+        with pytest.raises(ExoidError, match=rf"the estimator odd {found}.*one weight for each of the 2 R factors"):
+            exoid.identify(LEG, recording, FRICTION, "odd")
+
+    @pytest.mark.parametrize("name", ["wls", "iv", "output-error"])
+    def test_the_names_of_exoid_are_taken(self, name):
+        with pytest.raises(ExoidError, match=f"the estimator '{name}' exists"):
+            register_estimator(name, partial(wls))
+
+    @pytest.mark.parametrize("estimator", [3, InstrumentalVariables])
+    def test_what_cannot_be_called_with_a_problem_is_refused(self, estimator):
+        with pytest.raises(ExoidError, match="is no estimator"):
+            register_estimator("odd")(estimator)
+
+
+class TestPreparations:
+    def test_settings_come_back(self, springs, forgetful, recording, tmp_path):
+        register_preparation("median", springs.Median)
+        preparation = springs.Median(cutoff=6.0, window=5)
+        exoid.identify(LEG, recording, FRICTION, preparation=preparation).save(tmp_path / "est.json")
+        assert Estimate.load(tmp_path / "est.json").preparation == preparation
+
+    def test_one_without_a_name_is_refused_before_anything_is_written(self, springs, tmp_path):
+        estimate = estimate_of(*FRICTION, preparation=springs.Median())
+        with pytest.raises(ExoidError, match=r'exoid\.signals\.register_preparation\("name", Median\)'):
+            estimate.save(tmp_path / "est.json")
+        assert not list(tmp_path.iterdir())
+
+    def test_one_that_lacks_a_member_is_refused(self):
+        @dataclass(frozen=True)
+        class Half:
+            def kinematics(self, recording):
+                return recording
+
+        with pytest.raises(
+            ExoidError, match=r"Half lacks name, filter, filter_columns, parallel, independent_fraction, describe"
+        ):
+            register_preparation("half", Half)
+
+    @pytest.mark.parametrize(("kind", "why"), [(ZeroPhase(), "is no class"), (str, "str is no dataclass")])
+    def test_what_is_no_type_of_preparation_is_refused(self, kind, why):
+        with pytest.raises(ExoidError, match=why):
+            register_preparation("odd")(kind)
+
+
+class TestFormats:
+    def test_a_log_is_read_by_its_ending_whatever_its_first_bytes(self, forgetful, recording, tmp_path):
+        """A format may be built on zip, whose first bytes mean a NumPy archive."""
+        inner = tmp_path / "inner.csv"
+        recording.to_csv(inner)
+        with zipfile.ZipFile(tmp_path / "log.box", "w") as archive:
+            archive.write(inner, "log.csv")
+
+        @register_format("box")
+        def read_box(file, options):
+            with zipfile.ZipFile(file) as archive:
+                names, *rows = archive.read("log.csv").decode().split()
+            columns = np.loadtxt(rows, delimiter=",").T
+            return ArrayTable(file, Source.of(Path(file)), dict(zip(names.split(","), columns, strict=True)))
+
+        again = Recording.from_file(tmp_path / "log.box")
+        assert again.joint_names == recording.joint_names
+        assert (again.q == recording.q).all()
+        assert again.source.sha256 == Source.of(tmp_path / "log.box").sha256
+        assert len(Recordings.from_folder(tmp_path)) == 2
+
+    def test_an_error_names_the_line_and_the_column_of_the_file(self, springs, forgetful, recording, tmp_path):
+        register_format(".lab", springs.read_lab)
+        write_lab(tmp_path / "log.lab", recording)
+        lines = (tmp_path / "log.lab").read_text(encoding="utf-8").splitlines()
+        cells = lines[6].split()
+        lines[6] = " ".join([*cells[:1], "nan", *cells[2:]])
+        (tmp_path / "log.lab").write_text("\n".join(lines), encoding="utf-8")
+        with pytest.raises(ExoidError, match=r"log\.lab, line 7, column q_left_hip"):
+            Recording.from_file(tmp_path / "log.lab")
+
+    @pytest.mark.parametrize(
+        ("reader", "why"),
+        [
+            (lambda file, options: {}["time"], r"cannot be read as a log of the format 'odd': 'time'"),
+            (lambda file, options: {"time": [0.0]}, r"the reader of the format 'odd' returned dict"),
+            (
+                lambda file, options: ArrayTable(file, Source.of(Path(file)), {"time": [0.0, 1.0], "q_knee": [0.0]}),
+                r"columns are not of one length: time \(2,\), q_knee \(1,\)",
+            ),
+            (
+                lambda file, options: ArrayTable(file, Source.of(Path(file)), {"time": [["a"] * 20]}),
+                r"columns are not of one length: time \(1, 20\)",
+            ),
+            (
+                lambda file, options: ArrayTable(
+                    file, Source.of(Path(file)), dict.fromkeys(("time", "q_knee"), "a" * 20)
+                ),
+                r"columns are not of one length: time \(\), q_knee \(\)",
+            ),
+            (
+                lambda file, options: ArrayTable(
+                    file, Source.of(Path(file)), dict.fromkeys(("time", "q_knee"), ["a"] * 20)
+                ),
+                r"column time: holds <U1, not real numbers",
+            ),
+        ],
+    )
+    def test_a_reader_that_fails_gives_one_error_about_the_file(self, reader, why, forgetful, tmp_path):
+        register_format("odd", reader)
+        (tmp_path / "log.odd").write_text("data", encoding="utf-8")
+        with pytest.raises(ExoidError, match=rf"log\.odd.*{why}") as caught:
+            Recording.from_file(tmp_path / "log.odd")
+        assert caught.value.remedy
+        assert "\n" not in str(caught.value)
+
+    def test_a_file_that_is_not_there_is_said_to_be_missing(self, springs, forgetful, tmp_path):
+        register_format("lab", springs.read_lab)
+        with pytest.raises(ExoidError, match="no such file"):
+            Recording.from_file(tmp_path / "log.lab")
+
+    def test_options_of_bags_are_refused(self, springs, forgetful, recording, tmp_path):
+        register_format("lab", springs.read_lab)
+        write_lab(tmp_path / "log.lab", recording)
+        with pytest.raises(ExoidError, match="topic and stamps apply to bags"):
+            Recording.from_file(tmp_path / "log.lab", topic="/joints")
+
+    @pytest.mark.parametrize("ending", ["csv", ".csv", "mcap"])
+    def test_the_endings_of_exoid_are_taken(self, ending):
+        with pytest.raises(ExoidError, match=r"the log format .* exists"):
+            register_format(ending, lambda file, options: None)
+
+    @pytest.mark.parametrize("ending", ["LAB", "tar.gz", "", "a b", None])
+    def test_what_no_file_ends_in_is_refused(self, ending):
+        with pytest.raises(ExoidError, match=r"is no ending|is no name for a log format"):
+            register_format(ending)(lambda file, options: None)
+
+    def test_what_cannot_be_called_is_refused(self):
+        with pytest.raises(ExoidError, match="is no reader of logs"):
+            register_format("odd")(3)
+
+
+def test_the_form_in_c_comes_with_the_package(springs):
+    assert springs.EndStop in FORMS

@@ -1,0 +1,37 @@
+"""The picture in docs/architecture.md shows the imports of the packages as they are."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SCRIPT, PAGE = ROOT / "scripts" / "import_graph.py", ROOT / "docs" / "architecture.md"
+
+pytestmark = pytest.mark.skipif(not SCRIPT.is_file(), reason="needs the source tree")
+
+
+@pytest.fixture(scope="module")
+def script():
+    pytest.importorskip("grimp", reason="comes with the extra lint")
+    return runpy.run_path(str(SCRIPT))
+
+
+def test_the_picture_is_up_to_date(script):
+    floors = script["floors"]()
+    picture = script["mermaid"](floors, script["reduced"](script["imports_between"](floors)))
+    assert picture in PAGE.read_text(encoding="utf-8"), "run scripts/import_graph.py"
+
+
+def test_the_table_names_every_floor(script):
+    page = PAGE.read_text(encoding="utf-8")
+    for number, floor in enumerate(script["floors"](), 1):
+        assert f"| {number} | `{floor}` |" in page
+
+
+def test_arrows_that_follow_from_others_are_left_out(script):
+    imports = {"a": frozenset("bcd"), "b": frozenset("c"), "c": frozenset(), "d": frozenset()}
+    expected = {"a": frozenset("bd"), "b": frozenset("c"), "c": frozenset(), "d": frozenset()}
+    assert script["reduced"](imports) == expected

@@ -1,0 +1,64 @@
+"""The glossary is alphabetical, and the names of the API in it exist."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import re
+from pathlib import Path
+
+import pytest
+
+import exoid
+
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "glossary.md"
+ROWS = [
+    [cell.strip() for cell in line.strip().strip("|").split("|")]
+    for line in (PAGE.read_text(encoding="utf-8").splitlines() if PAGE.is_file() else [])
+    if line.startswith("|") and not line.startswith(("|---", "| term |"))
+]
+NAME = re.compile(r"[A-Za-z_.]+(\([\w\s,.=\"{}:]*\))?")
+"""A dotted name, perhaps with arguments; commands, columns and names of parameters have digits, spaces or signs."""
+
+STANDS_FOR = {"est": "Estimate", "leg": "Leg"}
+CODE = [(row[0], code) for row in ROWS for code in re.findall(r"`([^`]+)`", row[-1]) if NAME.fullmatch(code)]
+
+pytestmark = pytest.mark.skipif(not ROWS, reason="needs the source tree")
+
+
+def find(dotted):
+    """Object of a dotted name within exoid; None for one that is set only on instances, such as a field."""
+    first, *rest = dotted.removeprefix("exoid.").split(".")
+    found = exoid
+    for part in (STANDS_FOR.get(first, first), *rest):
+        if inspect.ismodule(found) and not hasattr(found, part):
+            found = importlib.import_module(f"{found.__name__}.{part}")
+        elif part in getattr(found, "__dataclass_fields__", {}) or part in getattr(found, "_fields", ()):
+            found = None
+        else:
+            found = getattr(found, part)
+    return found
+
+
+def test_terms_are_alphabetical_and_have_one_definition_each():
+    terms = [row[0].lower() for row in ROWS]
+    assert terms == sorted(set(terms))
+    assert len(terms) > 50
+    assert all(len(row) == 4 and row[1].endswith(".") for row in ROWS)
+
+
+def test_names_of_the_api_exist():
+    for term, code in CODE:
+        name, _, arguments = code.partition("(")
+        found = find(name)
+        for keyword in re.findall(r"(\w+)=", arguments):
+            assert keyword in inspect.signature(found).parameters, term
+
+
+def test_most_rows_name_something_that_exists():
+    assert len({term for term, _ in CODE}) > 0.5 * len(ROWS)
+
+
+def test_a_name_that_is_missing_is_noticed():
+    with pytest.raises((ImportError, AttributeError)):
+        find("regression.triangles")
