@@ -21,12 +21,12 @@ def parsed(html):
 def undrawn():
     """Reports without their drawings, which take most of the time: for tests of their words."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("exoid.view.report.pictures.picture", empty)
+        patch.setattr("exoid.view.report.pictures.draw_picture", empty)
         yield
 
 
-def empty(draw, alternative, caption="", **_):
-    return Picture(b"", alternative, caption)
+def empty(draw, alt_text, caption="", **_):
+    return Picture(b"", alt_text, caption)
 
 
 def check(html, largest=5e6):

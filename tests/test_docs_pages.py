@@ -22,6 +22,7 @@ PAGES = [name for name, page in ALL.items() if page.python or page.commands]
 pytestmark = pytest.mark.skipif(not DOCS.is_dir(), reason="needs the source tree")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in PAGES if name not in TESTED_ELSEWHERE])
 def test_the_page_runs_from_top_to_bottom(name, tmp_path):
     page = ALL[name]

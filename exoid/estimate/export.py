@@ -197,6 +197,9 @@ def _term_of(model: TorqueModel, terms: Sequence[str]) -> dict[str, str]:
     Args:
         model: The model.
         terms: Name of each of its terms.
+
+    Returns:
+        Name of the term, by the name of the parameter.
     """
     known = dict(zip(map(id, model.terms), terms, strict=True))
     return {name: known[id(block.term)] for block in model.blocks for name in block.names if name in model.names}

@@ -10,7 +10,7 @@ from exoid.signals import Preparation
 from exoid.torques import Regrouped
 
 
-class Source(Protocol):
+class InputSource(Protocol):
     """A recording that values were identified from, such as :class:`exoid.identification.Input`."""
 
     @property
@@ -46,7 +46,7 @@ class Identified(Protocol):
         """Condition number of the regressor, columns scaled."""
 
     @property
-    def inputs(self) -> Sequence[Source]:
+    def inputs(self) -> Sequence[InputSource]:
         """Recordings."""
 
     @property

@@ -57,6 +57,7 @@ def test_an_empty_folder_is_one_line(exoid_, tmp_path):
     assert "no logs in the folder" in err
 
 
+@pytest.mark.slow
 def test_a_cluster_reads_the_logs(exoid_, folder, monkeypatch):
     distributed = pytest.importorskip("distributed")
     _, here, _ = exoid_("identify", "bleex", folder, "--json")

@@ -22,6 +22,7 @@ PAGE = Page.read("docs/microcontroller.md")
 pytestmark = [needs_compiler, pytest.mark.skipif(not PAGE.commands, reason="needs the source tree")]
 
 
+@pytest.mark.slow
 def test_the_commands_and_the_program_print_what_the_page_shows(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     _, (_, program), (_, build), (_, shown), _ = FENCE.findall((ROOT / PAGE.name).read_text(encoding="utf-8"))
@@ -35,6 +36,7 @@ def test_the_commands_and_the_program_print_what_the_page_shows(tmp_path, monkey
     assert printed == pytest.approx(expected(exoid.Estimate.load("est.json")), abs=0.006)
 
 
+@pytest.mark.slow
 def test_the_term_of_ones_own_computes_the_same_in_c(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     PAGE.run_python(tmp_path)

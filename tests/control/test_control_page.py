@@ -10,6 +10,7 @@ PAGE = Page.read("docs/control.md")
 pytestmark = pytest.mark.skipif(not PAGE.python, reason="needs the source tree")
 
 
+@pytest.mark.slow
 def test_the_python_of_the_page_runs(tmp_path):
     assert "GravityFrictionPD at 100 Hz, 2 to 4 s" in PAGE.run_python(tmp_path)
     assert not PAGE.commands

@@ -33,6 +33,7 @@ def test_the_code_is_that_of_the_package():
     assert metadata in (PROJECT / "pyproject.toml").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_commands_run_where_the_package_is_installed_and_the_script_where_it_is_not(tmp_path, recording):
     write_metadata(tmp_path / "site")
     write_lab(tmp_path / "log.lab", recording)

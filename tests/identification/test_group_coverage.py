@@ -13,6 +13,8 @@ from exoid import identify
 
 REPLICATES = 400 if os.environ.get("EXOID_FULL_STUDIES") else 120
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def sides():

@@ -114,7 +114,7 @@ def test_a_damaged_log_is_named(folder, tmp_path):
         identify(SWING.leg, Recordings.from_folder(tmp_path))
 
 
-@pytest.mark.parametrize("estimator", ["wls", "ols"])
+@pytest.mark.parametrize("estimator", ["wls", pytest.param("ols", marks=pytest.mark.slow)])
 def test_a_cluster_that_reads_files_gives_the_estimate_of_memory(client, folder, in_memory, estimator):
     found = identify(SWING.leg, Cluster.of_files(client, Recordings.from_folder(folder)), TERMS, estimator)
     assert_same(found, identify(SWING.leg, in_memory, TERMS, estimator))
@@ -165,6 +165,7 @@ def test_a_worker_that_dies_costs_only_time(folder, in_memory, monkeypatch):
     assert_same(found, identify(SWING.leg, in_memory, TERMS))
 
 
+@pytest.mark.slow
 def test_free_settings_are_found_on_a_cluster_too(client, in_memory):
     terms = (exoid.Viscous(), exoid.torques.Stribeck(velocity=exoid.torques.NonlinearParameter(0.1, 0.01, 1.0)))
     bag = pytest.importorskip("dask.bag").from_sequence(in_memory[:2], npartitions=2)

@@ -173,11 +173,11 @@ def test_parameters_that_are_known_exactly_do_not_move(bleex):
     assert abs(lifted.moved["X1"]) < 1e-6
 
 
-@pytest.mark.parametrize("part", [0, *(pytest.param(part, marks=pytest.mark.slow) for part in (1, 2, 3))])
+@pytest.mark.parametrize("part", [0, *(pytest.param(part, marks=pytest.mark.slow) for part in range(1, 10))])
 def test_a_thousand_noisy_estimates_lift_to_consistent_links(bleex, part):
     rng = np.random.default_rng(100 + part)
     feasible = 0
-    for share in np.repeat([0.05, 0.2, 0.5, 1.0, 3.0], 50):
+    for share in np.repeat([0.05, 0.2, 0.5, 1.0, 3.0], 20):
         values, covariance = noisy(bleex, rng, share)
         lifted = lift(bleex, values, covariance)
         assert_possible(lifted)
@@ -186,7 +186,7 @@ def test_a_thousand_noisy_estimates_lift_to_consistent_links(bleex, part):
             np.testing.assert_allclose(lifted.values, values, rtol=0, atol=1e-12 * np.abs(values).max())
         else:
             assert lifted.distance > 0.0
-    assert 50 < feasible < 200
+    assert 20 < feasible < 80
 
 
 @pytest.mark.parametrize("share", [0.01, 0.3, 3.0])

@@ -19,6 +19,7 @@ def command(exoid_, monkeypatch):
     return partial(exoid_, "reproduce")
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_bytes(command, tmp_path):
     code, out, err = command("bleex", "--json", "--seed", 3, "--figures", "new/folder")
     assert code == 0

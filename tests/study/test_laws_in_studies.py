@@ -128,10 +128,7 @@ def _exact():
     return time, *states, MODEL.regressor(*states) @ np.array(TRUTH)
 
 
-def test_any_workers_give_the_same_bits(result, tmp_path):
-    """Two processes; two Dask workers; stopped, with a chunk damaged, and resumed."""
-    assert same(run_study(study(), workers=processes(2)), result)
-
+def test_a_study_that_was_stopped_goes_on_to_the_same_bits(result, tmp_path):
     def dying(what, numbers):
         yield next(iter(run_serially(what, numbers)))
         raise KeyboardInterrupt
@@ -145,7 +142,8 @@ def test_any_workers_give_the_same_bits(result, tmp_path):
 
 
 @pytest.mark.slow
-def test_dask_workers_give_the_same_bits(result):
+def test_processes_and_dask_workers_give_the_same_bits(result):
+    assert same(run_study(study(), workers=processes(2)), result)
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"

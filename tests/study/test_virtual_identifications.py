@@ -249,6 +249,7 @@ class DeadlyNoise(Noise):
         os.kill(os.getpid(), signal.SIGKILL)
 
 
+@pytest.mark.slow
 def test_workers_that_die_again_and_again_end_in_one_error_and_the_study_goes_on_later(result, monkeypatch, tmp_path):
     monkeypatch.setattr("exoid.study.workers.ATTEMPTS", 2)
     with pytest.raises(ExoidError, match="workers died 2 times without finishing a chunk"):
@@ -256,6 +257,7 @@ def test_workers_that_die_again_and_again_end_in_one_error_and_the_study_goes_on
     assert same(run_study(study(), tmp_path / "kept", processes(2)), result)
 
 
+@pytest.mark.slow
 def test_scripts_need_no_main_guard_for_processes(tmp_path):
     """Workers do not run the script anew, as multiprocessing's own do."""
     script = tmp_path / "script.py"

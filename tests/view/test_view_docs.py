@@ -12,6 +12,7 @@ PAGE = Page.read("docs/view.md")
 pytestmark = pytest.mark.skipif(not PAGE.python, reason="needs the source tree")
 
 
+@pytest.mark.slow
 def test_the_commands_run_and_write_pages_of_the_size_that_is_said(tmp_path):
     assert len(PAGE.commands) == 6
     PAGE.run_commands(tmp_path)
@@ -19,6 +20,7 @@ def test_the_commands_run_and_write_pages_of_the_size_that_is_said(tmp_path):
     assert (tmp_path / "replay.html").stat().st_size < 0.45e6
 
 
+@pytest.mark.slow
 def test_the_python_runs(tmp_path):
     PAGE.run_python(tmp_path)
     assert (tmp_path / "replay.html").stat().st_size < 0.45e6
