@@ -36,9 +36,8 @@ class Route:
         """Note a call."""
         if event == "call" and _is_ours(frame):
             name = str(Path(frame.f_code.co_filename).relative_to(ROOT))
-            self.functions.setdefault(name, {})[
-                frame.f_code.co_qualname if sys.version_info >= (3, 11) else frame.f_code.co_name
-            ] = None
+            function = getattr(frame.f_code, "co_qualname", frame.f_code.co_name)  # Python 3.10 has only the latter
+            self.functions.setdefault(name, {})[function] = None
             self.deepest = max(self.deepest, _depth(frame))
 
 

@@ -90,56 +90,34 @@ def identify(
     prior: Prior | Mapping[str, tuple[float, float]] | None = None,
     nonnegative: bool = False,
 ) -> Estimate | GroupedEstimate:
-    """Identify the parameters of a leg from recorded motions and torques.
+    """Identify the parameters of a leg from recorded motions and torques (docs/identification.md).
 
-    τ = W(q, v, a) β is formed for every sample. Columns and torque pass the same zero-phase low-pass (the parallel
-    filter), the ends that filters spoil are removed, and β follows by least squares on an orthogonal factorisation.
-    With ``own``, or with recordings by name, each group of recordings (a leg, a session) has some parameters of its
-    own and shares the others: β = (shared, own of the first group, own of the second, …). Every group has noise of its
-    own, joint by joint, and its own cut-off.
+    τ = W(q, v, a) β is formed for every sample. Columns and torque pass the same zero-phase low-pass, and β follows by
+    least squares on R factors. Groups of recordings share some parameters: β = (shared, own of group 1, own of 2, …).
 
     Args:
-        leg: The leg, or one for each group by its name; its inertias do not enter, only its geometry. Legs of groups
-            have the same joints and geometry.
-        recordings: One recording or several of the same leg, with torques; also :class:`exoid.signals.Poses`. Velocity
-            and acceleration are derived where they are missing. :class:`exoid.signals.Recordings` stay on disk, and a
-            :class:`exoid.signals.Cluster` keeps them on its workers. Groups have names, such as
-            {"left": left, "right": [first, second]}; without names, each recording is a group if ``own`` is given.
-        terms: What acts on the joints besides rigid-body dynamics; None for Coulomb and viscous friction, rotor
-            inertia and offset at every joint; () for nothing. Settings that are
-            :class:`exoid.torques.NonlinearParameter` are found by variable projection, and stand in ``nonlinear`` of
-            the estimate; with several groups they must be numbers.
-        estimator: "wls" (each joint, at rest and in motion, weighted by its residuals), "huber" (the same, and spikes
-            count less), "gls" (whitened by a model of the noise; only where the model of the leg is right), "ml"
-            (motion and parameters together; where angles are noisy and the model is right) or "ols". Also an object
-            with settings, such as :class:`exoid.identification.estimators.OutputError`, or your own function.
-        own: Parameters that each group has of its own: symbols such as "offset" or "c0", which mean all joints, or
-            names such as "c0_hip" or "J1"; () for nothing but noise. None for one group, or for everything but the
-            rigid bodies where recordings have names.
-        cutoff: Cut-off frequency of the parallel filter [Hz]; above the fastest motion, below the noise. None to choose
-            it from the noise of the angles, at most 8 Hz, see :func:`exoid.signals.choose_cutoff`.
-        preparation: Another way from a recording to rows, such as :class:`exoid.signals.MovingAverage`, or its name:
-            "finite-difference" (doc. 1), "moving-average" (doc. 2), "smoothed"; ``cutoff`` then does not apply.
-        noise: What the covariance assumes of the torque noise: "correlated" (its autocorrelation is estimated from the
-            residuals) or "white" (the textbook's formula: intervals far too narrow where it is not).
-        known: Parameters that are held fixed, by name, such as a mass that was weighed. An own parameter without its
-            group, "c0_hip", is that of all groups, and "c0_hip[left]" that of one.
-        prior: Values that parameters are believed to have, with standard deviations, such as
-            ``Prior.from_leg(leg, 0.2)`` of a leg with its CAD's inertias. They count as measurements.
-        nonnegative: Keep friction and rotor inertia from falling below zero. Without it one that is negative beyond its
-            error is named in a warning: something in the model is wrong, which a bound would hide.
+        leg: The leg, of which only the geometry enters; or one for each group by its name, all of one design.
+        recordings: Recordings or poses with torques, in memory, on disk or on a cluster; or by the name of their group.
+        terms: Terms beside rigid-body dynamics; None for Coulomb and viscous friction, armature and offset.
+        estimator: "wls" (weighted by residuals), "huber" (robust), "gls" (whitened), "ml" (with noise in the angles),
+            "ols", or an estimator, such as :class:`exoid.identification.estimators.OutputError` or your function.
+        own: Symbols ("offset") or names ("J1") that each group has of its own; each recording is a group unless groups
+            have names. None for one group, or for all but the rigid bodies where groups have names.
+        cutoff: Cut-off frequency of the low-pass [Hz]; None for at most 8 Hz, by the noise of the angles.
+        preparation: Another way from a recording to rows, or its name; ``cutoff`` then does not apply.
+        noise: "correlated" (autocorrelation by the residuals) or "white" for the covariance.
+        known: Values of parameters that are held fixed, by name; "c0_hip[left]" is that of one group.
+        prior: Value and standard deviation of parameters, by name, or ``Prior.from_leg(leg, 0.2)``.
+        nonnegative: Whether to bound friction and rotor inertia by zero.
 
     Returns:
-        The estimate with the covariance of its parameters; of groups, one estimate each, with their joint covariance.
+        The estimate; with groups, one for each with their joint covariance.
 
     Raises:
-        ExoidError: A joint stands still or is missing, torque is missing or never changes, samples are too few,
-            parameters are not determined by the recordings (names them and what to do), or groups do not fit together.
+        ExoidError: Recordings are unfit, do not identify all parameters (names them), or groups do not fit together.
 
     Example:
-        >>> est = identify(leg, Recording.from_csv("log.csv"))  # doctest: +SKIP
         >>> both = identify(leg, {"monday": a, "tuesday": b}, own="offset")  # doctest: +SKIP
-        >>> both["monday"].torque(q, v, a)  # doctest: +SKIP
     """
     _check_noise(noise)
     chosen, terms = find_estimator(estimator), _check_terms(terms)
