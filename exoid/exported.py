@@ -60,9 +60,6 @@ def read_exported(path: str | Path, joints: Sequence[str] | None = None) -> Expo
     Returns:
         Leg, resistances of the joints, and offsets of the torque sensors.
 
-    Returns:
-        The leg, what acts on its joints besides, and the zeros of its torque sensors.
-
     Raises:
         ExoidError: The URDF or the sidecar cannot be read, or the sidecar belongs to another URDF or other joints.
 

@@ -184,7 +184,7 @@ class Term(ABC):
     @property
     def nonlinear(self) -> bool:
         """Whether a setting is a :class:`NonlinearParameter`."""
-        return any(isinstance(getattr(self, name), NonlinearParameter) for name in self.nonlinear_symbols)
+        return any(isinstance(getattr(self, field.name), NonlinearParameter) for field in fields(self))
 
     @property
     def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:

@@ -9,9 +9,9 @@ from exoid import load_leg
 from exoid.control import ControlModel, State, Weights, lqr, simulate
 from exoid.control.linearise import Linear, discretise, linearise
 from exoid.errors import ExoidError
-from exoid.experiments import Harmonics, Hold, healthy_gait, on_leg
+from exoid.experiments import Harmonics, Hold, gait_for_leg, healthy_gait
 from exoid.experiments.excitation import MotionLimits
-from exoid.rig import Payload, Plant, Target, load_plant
+from exoid.rig import Payload, Plant, Target, plant_with_payloads
 
 control = pytest.importorskip("control")
 
@@ -117,7 +117,7 @@ def wide(leg, period):
     ("leg", "motion", "change", "loaded_change"),
     [
         ("cuhk", lambda leg: healthy_gait(1.2, 4.0), 0.02, 0.1),
-        ("bleex", lambda leg: on_leg(leg, healthy_gait(0.8, 4.0)), 0.02, 0.1),
+        ("bleex", lambda leg: gait_for_leg(leg, healthy_gait(0.8, 4.0)), 0.02, 0.1),
         ("bleex", lambda leg: wide(leg, 4.0), 0.02, 0.5),
     ],
 )
@@ -125,7 +125,7 @@ def test_one_gain_does_as_well_as_twenty_along_the_way(leg, motion, change, load
     """The feedforward matters most; with an unknown weight on the shank, gains matter a little [deg]."""
     plant = frictionless(cuhk_plant(end_stops=False)) if leg == "cuhk" else Plant.build(load_leg(leg), end_stops=False)
     reference = motion(plant.leg)
-    loaded = load_plant(plant, [Payload("knee", 1.5, (0.0, 0.0, -0.3))])
+    loaded = plant_with_payloads(plant, [Payload("knee", 1.5, (0.0, 0.0, -0.3))])
     for rig, error, allowed in ((plant, 0.15, change), (loaded, 3.0, loaded_change)):
         one, many = (
             simulate(rig, law, reference, 8.0, settle=4.0).peak_deg
@@ -164,6 +164,6 @@ def test_bad_settings_are_refused(settings, word):
 
 def test_a_reference_of_several_legs_is_refused():
     with pytest.raises(ExoidError, match="that of one leg"):
-        lqr(LEG, GAIT.each(2), 10.0)
+        lqr(LEG, GAIT.tile(2), 10.0)
     with pytest.raises(ExoidError, match="2 joints for a leg of 3"):
         lqr(load_leg("bleex"), GAIT, 10.0)
