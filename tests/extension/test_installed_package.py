@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from springs import COMPILED, PROJECT, STIFFNESS, command, run, write_lab, write_metadata
 
+pytestmark = pytest.mark.slow
+
 FRESH = """
 import json, sys
 import numpy as np
