@@ -154,5 +154,5 @@ def _report(
     from exoid.view.report import identification_report  # noqa: PLC0415 - only a report needs matplotlib
 
     with Console(stderr=True).status("writing the report"):
-        identification_report(estimate, recordings, held_out).write(path)
+        identification_report(estimate, recordings, held_out).save(path)
     typer.echo(f"wrote {path}", err=True)

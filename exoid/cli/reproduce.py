@@ -39,8 +39,8 @@ def reproduce(
             text, data = replays.cuhk_text(cuhk), replays.cuhk_json(cuhk)
             draw, page = partial(replays.cuhk_figures, cuhk), partial(replays.cuhk_page, cuhk)
     if figures is not None:
-        for path in write_figures(draw(), figures):
+        for path in write_figures(figures, draw()):
             typer.echo(f"wrote {path}", err=True)
     if report is not None:
-        page().write(report)
+        page().save(report)
     typer.echo(json.dumps(data, indent=1) if as_json else text)

@@ -99,10 +99,10 @@ def track(
             runs, table, data = _track_leg(what, options, seed, progress)
             text, notes = to_text(table), ()
     if figures is not None:
-        for path in write_figures(reproduce.tracking_figures(runs), figures, form):
+        for path in write_figures(figures, reproduce.tracking_figures(runs), form):
             typer.echo(f"wrote {path}", err=True)
     if report is not None:
-        reproduce.tracking_page(f"Controllers on {what}", table, notes, runs).write(report)
+        reproduce.tracking_page(f"Controllers on {what}", table, notes, runs).save(report)
     typer.echo(json.dumps(data, indent=1) if as_json else text)
 
 

@@ -41,12 +41,12 @@ def make_folder(folder: str | Path) -> Path:
     return path
 
 
-def write_figures(figures: Mapping[str, Figure], folder: str | Path, file_format: str = "png") -> list[Path]:
+def write_figures(folder: str | Path, figures: Mapping[str, Figure], file_format: str = "png") -> list[Path]:
     """Write figures; all are rendered before the first is written.
 
     Args:
-        figures: Figures by file name without ending.
         folder: Path of the folder; made if it does not exist.
+        figures: Figures by file name without ending.
         file_format: "png" or "pdf".
 
     Returns:

@@ -52,7 +52,7 @@ def bleex(shared_folder):
 
     def make(folder):
         replay = reproduce.reproduce_bleex()[0]
-        figures = write_figures(reproduce.bleex_figures(replay.left), folder)
+        figures = write_figures(folder, reproduce.bleex_figures(replay.left))
         band = {side: getattr(replay, side).data.upright.band.mean(axis=0).tolist() for side in ("left", "right")}
         return {
             "json": reproduce.bleex_json(replay),
@@ -72,7 +72,7 @@ def cuhk(shared_folder):
 
     def make(folder):
         replay = reproduce.reproduce_cuhk()[0]
-        figures = write_figures(reproduce.cuhk_figures(replay), folder)
+        figures = write_figures(folder, reproduce.cuhk_figures(replay))
         return {
             "json": reproduce.cuhk_json(replay),
             "text": reproduce.cuhk_text(replay),

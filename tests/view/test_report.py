@@ -222,6 +222,6 @@ def test_names_from_files_cannot_break_the_page():
 
 def test_the_page_is_written_whole_or_not_at_all(page, tmp_path):
     with pytest.raises(exoid.ExoidError, match="cannot be written"):
-        page.write(tmp_path / "missing" / "report.html")
-    page.write(tmp_path / "report.html")
+        page.save(tmp_path / "missing" / "report.html")
+    page.save(tmp_path / "report.html")
     assert (tmp_path / "report.html").read_text() == page.html()

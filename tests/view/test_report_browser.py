@@ -19,7 +19,7 @@ def url(tmp_path_factory):
     data = exoid.datasets.bleex_swing()
     estimate = exoid.identify(data.leg, [data.train.slice(0, 1500), data.train.slice(1500, 3000)])
     file = tmp_path_factory.mktemp("report") / "report.html"
-    identification_report(estimate, [data.train.slice(0, 1500), data.train.slice(1500, 3000)], [data.test]).write(file)
+    identification_report(estimate, [data.train.slice(0, 1500), data.train.slice(1500, 3000)], [data.test]).save(file)
     return file.as_uri()
 
 

@@ -38,7 +38,7 @@ def identification_report(
         other_values: Values by parameter name, by label, for comparison; None for those of the leg's URDF.
 
     Returns:
-        A page: ``identification_report(...).write("report.html")``.
+        A page: ``identification_report(...).save("report.html")``.
 
     Raises:
         ExoidError: There is no recording, or one lacks torque or a joint of the leg.

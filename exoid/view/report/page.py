@@ -136,7 +136,7 @@ class Page:
         template = resources.files(__package__).joinpath("page.html.jinja").read_text(encoding="utf-8")
         return environment.from_string(template).render(page=self, version=__version__, kind=_kind)
 
-    def write(self, path: str | Path) -> None:
+    def save(self, path: str | Path) -> None:
         """Write the page to a file, whole or not at all.
 
         Args:
