@@ -1,4 +1,4 @@
-"""docs/extending.md: The page on extensions shows the code of the package, and its commands and its script run as they stand."""
+"""docs/extending.md shows the code of the package, and its commands and its script run as they stand."""
 
 from __future__ import annotations
 
