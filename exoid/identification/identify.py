@@ -8,19 +8,20 @@ from typing import overload
 from exoid.errors import ExoidError
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
-from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
+from exoid.findings import Finding
 from exoid.leg import Leg
 from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+from exoid.torques import DEFAULT_TERMS, Term
 
+from .checkup import without_delays
 from .estimators import Estimator, find_estimator
-from .fitting import Fitted, Start, Task
+from .fitting import Task
 from .group_checks import refuse_nonlinear_terms
 from .groups import Measured, make_groups, own_parameters, prepare_groups, summarize_groups
-from .problem import Problem
 from .result import Result
-from .variable_projection import is_nonlinear, search, starting_model
+from .solving import fit_model
+from .variable_projection import starting_model
 
 NOISES = ("correlated", "white")
 
@@ -39,6 +40,8 @@ def identify(
     known: Mapping[str, float] | None = None,
     prior: Prior | Mapping[str, tuple[float, float]] | None = None,
     nonnegative: bool = False,
+    delay: str | None = None,
+    check: bool = True,
 ) -> Estimate: ...
 
 
@@ -56,6 +59,8 @@ def identify(
     known: Mapping[str, float] | None = None,
     prior: Prior | Mapping[str, tuple[float, float]] | None = None,
     nonnegative: bool = False,
+    delay: str | None = None,
+    check: bool = True,
 ) -> GroupedEstimate: ...
 
 
@@ -73,6 +78,8 @@ def identify(
     known: Mapping[str, float] | None = None,
     prior: Prior | Mapping[str, tuple[float, float]] | None = None,
     nonnegative: bool = False,
+    delay: str | None = None,
+    check: bool = True,
 ) -> GroupedEstimate: ...
 
 
@@ -89,6 +96,8 @@ def identify(
     known: Mapping[str, float] | None = None,
     prior: Prior | Mapping[str, tuple[float, float]] | None = None,
     nonnegative: bool = False,
+    delay: str | None = None,
+    check: bool = True,
 ) -> Estimate | GroupedEstimate:
     """Identify the parameters of a leg from recorded motions and torques.
 
@@ -128,6 +137,10 @@ def identify(
             ``Prior.from_leg(leg, 0.2)`` of a leg with its CAD's inertias. They count as measurements.
         nonnegative: Keep friction and rotor inertia from falling below zero. Without it one that is negative beyond its
             error is named in a warning: something in the model is wrong, which a bound would hide.
+        delay: "auto" to estimate by how much torque is late against the motion, joint by joint, and to shift it; a
+            finding says by how much. None to take time stamps as they are.
+        check: Whether to check logs and fit for faults, which stand in ``findings`` of the estimate: see
+            ``docs/checks.md``.
 
     Returns:
         The estimate with the covariance of its parameters; of groups, one estimate each, with their joint covariance.
@@ -142,6 +155,7 @@ def identify(
         >>> both["monday"].torque(q, v, a)  # doctest: +SKIP
     """
     _check_noise(noise)
+    _check_delay(delay)
     chosen, terms = find_estimator(estimator), _check_terms(terms)
     groups = make_groups(leg, recordings, own)
     if len(groups) > 1:
@@ -153,37 +167,25 @@ def identify(
         groups, models, own_names, knowledge, for_cutoff=preparation is None and cutoff is None
     )
     task = Task(prepare_groups(groups, models, summaries, preparation, cutoff), terms, chosen, own_names, knowledge)
-    result = Result.of(fit_model(task), list(summaries.values()), chosen, white=noise == "white")
+    fitted = fit_model(task)
+    shifts: tuple[tuple[Finding, ...], ...] = ()
+    if delay is not None:
+        task, shifts = without_delays(task, fitted)
+        fitted = fit_model(task) if any(shifts) else fitted
+    result = Result.of(fitted, list(summaries.values()), chosen, white=noise == "white", check=check, shifts=shifts)
     return result.estimate() if groups[0].name == "" else result.grouped_estimate()
-
-
-def fit_model(task: Task, start: Start | None = None) -> Fitted:
-    """Fit a model: by one call of the estimator where it is linear in all parameters, else by variable projection.
-
-    Args:
-        task: Torque model, data and estimator.
-        start: Near the solution, such as that of nearly the same rows; None to search from the start values of the
-            nonlinear parameters.
-
-    Returns:
-        The fit.
-
-    Raises:
-        ExoidError: Parameters are not determined by the rows: names them.
-    """
-    if is_nonlinear(task.groups[0].leg, task.terms):
-        return search(task, start)
-    models = tuple(TorqueModel(group.leg, task.terms) for group in task.groups)
-    problem = Problem.of(task.groups, models, task.own, task.prior_knowledge, task.keep)
-    problem.refuse_empty_joints()
-    fit = task.estimator(problem)
-    return Fitted(models, fit.solution.values, NO_NONLINEAR_PARAMETERS, problem, fit, fit.warnings)
 
 
 def _check_noise(noise: str) -> None:
     """Check the name of what a covariance assumes."""
     if noise not in NOISES:
         raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
+
+
+def _check_delay(delay: str | None) -> None:
+    """Check how delays are treated."""
+    if delay not in (None, "auto"):
+        raise ExoidError(f"no delay {delay!r}", remedy='use delay="auto", or leave it out')
 
 
 def _check_terms(given: Sequence[Term] | None) -> tuple[Term, ...]:
