@@ -19,11 +19,11 @@ OTHER_UNIT = 3.0
 MILLI = (300.0, 3000.0)
 """A scale between these looks like N·mm."""
 
+EXPLAINED = 0.4
+"""The scaled torque and friction leave at most this part of the torque."""
+
 VISIBLE = 0.1
 """The rigid bodies' torque is to be at least this part of the joint's."""
-
-SURE = 0.15
-"""Relative standard error up to which a scale is judged."""
 
 DRAWS = 60
 """Sets of parameters that are drawn from the estimate's distribution to see whether one can exist."""
@@ -58,7 +58,7 @@ def torque_scale(model: TorqueModel, evidence: Evidence) -> Iterator[Finding]:
         scale = float(x[0] / size[0])
         share = abs(scale) * size[0] / max(float(np.linalg.norm(torque)), 1e-300)
         left = float(np.linalg.norm(torque - A / size @ x)) / max(float(np.linalg.norm(torque)), 1e-300)
-        if share > VISIBLE and left < 0.7:
+        if share > VISIBLE and left < EXPLAINED:
             scales[joint] = scale
     odd = {joint: scale for joint, scale in scales.items() if abs(np.log(abs(scale))) > np.log(OTHER_UNIT)}
     if len(odd) > 1 and len(odd) == len(scales):

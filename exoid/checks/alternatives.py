@@ -136,6 +136,8 @@ def alternatives(model: TorqueModel) -> Iterator[Alternative]:
     turn = "negate the column where the log is read"
     for j, joint in enumerate(names):
         text = f"the torque of {joint} has the wrong sign"
+        if j == 0:  # a leg that is its own mirror image
+            text = f"the torque of {joint} has the wrong sign, or its angle has"
         yield Alternative("torque-sign", joint, ones, order, flipped[j], order, text, turn)
     if n > 1:
         text = "all torques have the wrong sign, or all angles have"

@@ -32,6 +32,9 @@ LONG_RUN = 8.0
 SPEED_SHARE = 0.4
 """A joint that freezes while moving faster than this share of its RMS speed has not come to rest."""
 
+JUMP = 1.5
+"""An angle that comes back jumps by so many times the 99 % quantile of its steps."""
+
 FINE = 0.2
 """A signal whose quantum is below this part of its median step repeats no value by chance."""
 
@@ -167,10 +170,10 @@ def frozen_angle(channel: Channel) -> Iterator[Finding]:
     frozen = []
     for k in _long_runs(channel, runs, FROZEN_ANGLE):
         first, stop = int(runs.start[k]), int(runs.stop[k])
-        before = steps[max(0, first - 6) : max(0, first - 1)]
+        before, after = steps[max(0, first - 6) : max(0, first - 1)], steps[stop : stop + 5]
         jump = steps[stop - 1] if stop < len(x) else 0.0
-        sudden = len(before) > 2 and float(before.mean()) > SPEED_SHARE * usual
-        if jump > 3.0 * large or sudden:
+        sudden = any(len(near) > 2 and float(near.mean()) > SPEED_SHARE * usual for near in (before, after))
+        if jump > JUMP * large or sudden:
             frozen.append(k)
     yield from _frozen(channel, runs, frozen, "angle")
 

@@ -148,10 +148,13 @@ def _fit_findings(
     if not broken:
         if is_suspicious(model, values, std, nrmse):
             found += gross_findings(checked)
-        if not found:
+        gross = bool(found)
+        if not gross:
             found += torque_scale(model, evidence)
+        if all(finding.joint for finding in found if finding.kind == "torque-scale") and not gross:
+            finer = findings_of(model, find_faults(checked, values, evidence))
+            found += [finding for finding in finer if finding.kind not in {one.kind for one in found}]
         if not found:
-            found += findings_of(model, find_faults(checked, values, evidence))
             found += far_from_urdf(model, values, std)
     yield from found
     if not any(finding.severity == "error" for finding in found):

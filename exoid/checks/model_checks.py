@@ -152,15 +152,25 @@ def _best(
 ) -> Score | None:
     """Most convincing fault that is significant and moves a parameter out of its interval; None where there is none."""
     fitted = [column for fault in faults for column in fault.columns]
-    state, plain = evidence.state((*fitted, *protecting)), evidence.state(fitted)
-    taken = [fault.nuisance for fault in faults if not is_corrected(fault.nuisance)]
-    scores = (state.test(nuisance, plain) for nuisance in candidates if nuisance not in taken)
+    plain, taken = evidence.state(fitted), [fault.nuisance for fault in faults]
+    state = _state_beside(evidence, taken, protecting)
+    scores = [state.test(nuisance, plain) for nuisance in candidates if nuisance not in taken]
+    for fault in faults:
+        if is_corrected(fault.nuisance):  # what a first step left of it
+            others = [nuisance for nuisance in taken if nuisance != fault.nuisance]
+            scores.append(_state_beside(evidence, others, protecting).test(fault.nuisance, plain))
     likely = [
         score
         for score in scores
         if score is not None and score.p_value < limit and score.largest_move > SMALLEST_MOVE and score.evidence > 0.0
     ]
     return max(likely, key=lambda score: score.evidence, default=None)
+
+
+def _state_beside(evidence: Evidence, taken: Sequence[Nuisance], protecting: Sequence[int]) -> State:
+    """Fit with the columns of some faults, those that are taken out of the recordings too."""
+    columns = (*(column for nuisance in taken for column in nuisance.columns), *protecting)
+    return evidence.state(tuple(dict.fromkeys(columns)))
 
 
 def _added(faults: Sequence[Fault], new: Fault) -> list[Fault]:
@@ -172,9 +182,9 @@ def _added(faults: Sequence[Fault], new: Fault) -> list[Fault]:
 
 def _size(evidence: Evidence, fault: Fault, faults: Sequence[Fault], protecting: Sequence[int]) -> FaultSize:
     """Estimate one fault beside all others."""
-    others = [c for other in faults if other.nuisance != fault.nuisance for c in other.nuisance.columns]
+    others = [other.nuisance for other in faults if other.nuisance != fault.nuisance]
     fitted = [c for other in faults if other.nuisance != fault.nuisance for c in other.columns]
-    state: State = evidence.state((*dict.fromkeys((*others, *protecting)),))
+    state = _state_beside(evidence, others, protecting)
     plain = evidence.state(tuple(dict.fromkeys(fitted)))
     score = state.test(fault.nuisance, plain)
     if score is None:  # others explain it now
