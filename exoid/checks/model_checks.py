@@ -21,6 +21,9 @@ from .sentences import describe_fault
 FALSE_ALARMS = 0.002
 """Probability with which some fault would be found in a log without any."""
 
+LARGE_GAIN = 0.05
+"""A fault that explains more than this part of the squared residuals is tested with the noise that is left then."""
+
 SMALLEST_MOVE = 1.0
 """A fault matters if it moves a parameter by more than so many half widths of its interval."""
 
@@ -159,12 +162,27 @@ def _best(
         if is_corrected(fault.nuisance):  # what a first step left of it
             others = [nuisance for nuisance in taken if nuisance != fault.nuisance]
             scores.append(_state_beside(evidence, others, protecting).test(fault.nuisance, plain))
+    scores = [
+        _again(evidence, score, (taken, fitted), protecting) if score is not None and score.gain > LARGE_GAIN else score
+        for score in scores
+    ]
     likely = [
         score
         for score in scores
         if score is not None and score.p_value < limit and score.largest_move > SMALLEST_MOVE and score.evidence > 0.0
     ]
     return max(likely, key=lambda score: score.evidence, default=None)
+
+
+def _again(
+    evidence: Evidence, score: Score, beside: tuple[Sequence[Nuisance], Sequence[int]], protecting: Sequence[int]
+) -> Score | None:
+    """Test a fault with the noise of residuals that no longer contain it, which it would make look coloured."""
+    taken, fitted = beside
+    others = [nuisance for nuisance in taken if nuisance != score.nuisance]
+    full = _state_beside(evidence, (*others, score.nuisance), protecting)
+    columns = (*(column for nuisance in others for column in nuisance.columns), *protecting)
+    return evidence.state(tuple(dict.fromkeys(columns)), full).test(score.nuisance, evidence.state(fitted, full))
 
 
 def _state_beside(evidence: Evidence, taken: Sequence[Nuisance], protecting: Sequence[int]) -> State:
@@ -184,8 +202,10 @@ def _size(evidence: Evidence, fault: Fault, faults: Sequence[Fault], protecting:
     """Estimate one fault beside all others."""
     others = [other.nuisance for other in faults if other.nuisance != fault.nuisance]
     fitted = [c for other in faults if other.nuisance != fault.nuisance for c in other.columns]
-    state = _state_beside(evidence, others, protecting)
-    plain = evidence.state(tuple(dict.fromkeys(fitted)))
+    full = _state_beside(evidence, (*others, fault.nuisance), protecting)
+    columns = (*(column for nuisance in others for column in nuisance.columns), *protecting)
+    state = evidence.state(tuple(dict.fromkeys(columns)), full)
+    plain = evidence.state(tuple(dict.fromkeys(fitted)), full)
     score = state.test(fault.nuisance, plain)
     if score is None:  # others explain it now
         nothing = np.zeros(evidence.count)

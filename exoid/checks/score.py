@@ -152,16 +152,19 @@ class Evidence:
         counts = np.sum([part.usable.sum(axis=0) for part in self.parts], axis=0)
         return np.asarray(np.maximum(counts, 1), dtype=np.float64)
 
-    def state(self, active: Sequence[int]) -> State:
+    def state(self, active: Sequence[int], like: State | None = None) -> State:
         """Fit parameters and some nuisance columns.
 
         Args:
             active: Indices of nuisance columns.
+            like: Fit whose weights and noise are taken; None for those of this fit's own residuals.
 
         Returns:
             The fit.
         """
         columns = np.concatenate([self.free, self.count + np.array(active, dtype=np.intp)]).astype(np.intp)
+        if like is not None:
+            return State(self, columns, like.weights, like.R, _pseudo_inverse(like.R[:, columns]), like)
         torque = np.array([np.linalg.norm(R[:, -1]) for R in self.factors]) / np.sqrt(self.counts)
         floor = FLOOR * max(float(torque.max(initial=0.0)), 1e-12)
         weights = 1.0 / np.maximum(torque, floor)
@@ -188,6 +191,7 @@ class State:
         weights: Weight of each joint's rows, (n,).
         R: R factor of all weighted rows, (P + K + 1, P + K + 1).
         pinv: Pseudo-inverse of its fitted columns.
+        like: Fit whose residuals give the noise; None for this fit's own.
     """
 
     evidence: Evidence
@@ -195,6 +199,7 @@ class State:
     weights: FloatArray
     R: FloatArray
     pinv: FloatArray
+    like: State | None = None
 
     @cached_property
     def solution(self) -> FloatArray:
@@ -221,6 +226,8 @@ class State:
     @cached_property
     def noises(self) -> list[AutoregressiveNoise]:
         """Noise of each joint's weighted residuals."""
+        if self.like is not None:
+            return self.like.noises
         noises = []
         for weight, of_joint, count in zip(self.weights, self.evidence.tables, self.evidence.counts, strict=True):
             order = int(min(LARGEST_ORDER, count // 10))
@@ -242,6 +249,8 @@ class State:
     @cached_property
     def meat(self) -> FloatArray:
         """[W Z]ᵀ Γ [W Z] of all columns, (P + K, P + K)."""
+        if self.like is not None:
+            return self.like.meat
         width = self.R.shape[1] - 1
         total = np.zeros((width, width))
         for weight, of_joint, noise in zip(self.weights, self.evidence.tables, self.noises, strict=True):
@@ -328,7 +337,7 @@ class State:
             gain,
             float(evidence),
             move,
-            plain.half * np.sqrt(1.0 - gain),
+            plain.half * (1.0 if plain.like is not None else np.sqrt(1.0 - gain)),
             self.dof,
         )
 
