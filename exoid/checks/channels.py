@@ -23,6 +23,9 @@ FEWEST = 5
 STEEP = 1.5
 """A clipped signal reaches its rail in steps of more than so many quanta."""
 
+PILE = 5.0
+"""A rail holds so many times more samples than each of the three values next to it."""
+
 FROZEN_ANGLE, FROZEN_TORQUE = 0.5, 0.15
 """Shortest time for which a channel that moves has to stand still to count as frozen [s]."""
 
@@ -44,6 +47,8 @@ SPIKE_SHARE = 0.002
 SPIKE = 12.0
 """A spike is so many times the noise of the torque, and at least :data:`SPIKE_PART` of its standard deviation."""
 SPIKE_PART = 0.4
+ISOLATED = 5.0
+"""A spike is also so many times larger than 95 % of all deviations: noise that grows with speed has none."""
 
 
 class Channel(NamedTuple):
@@ -119,6 +124,9 @@ def saturation(channel: Channel) -> Iterator[Finding]:
         entry = np.abs(runs.value[inner] - runs.value[inner - 1])
         leave = np.abs(runs.value[inner + 1] - runs.value[inner])
         if float(np.median(np.maximum(entry, leave))) <= STEEP * step:
+            continue
+        near = (np.abs(x - rail) <= 3.5 * step) & (np.abs(x - rail) > 0.5 * step)
+        if count <= PILE * near.sum() / 3.0:
             continue
         share = count / len(x)
         yield Finding(
@@ -244,6 +252,7 @@ def outliers(channel: Channel) -> Iterator[Finding]:
             recording=channel.recording,
         )
         odd &= x != 0.0
+    odd &= np.abs(apart) > ISOLATED * float(np.quantile(np.abs(apart), 0.95))
     share = float(np.mean(odd))
     if odd.sum() >= max(4, SPIKE_SHARE * len(x)):
         lean = float(np.mean(np.sign(apart[odd])))

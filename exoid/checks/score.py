@@ -36,6 +36,12 @@ RANK = 1e-6
 HIDDEN = 1.0 / 300.0
 """A fault of whose column less than this part is not explained by the parameters cannot be tested."""
 
+WORTH_A_LOOK = 0.01
+"""Below this probability the variance of the score is also taken from blocks of time."""
+
+BLOCKS, BLOCK, FEWEST_BLOCKS = 60, 8, 10
+"""Most blocks of a recording, fewest rows of a block, and fewest blocks that say something."""
+
 HALF_WIDTH = 1.96
 """Half of a 95 % interval, in standard deviations."""
 
@@ -320,8 +326,12 @@ class State:
         step = np.linalg.solve(information, score)
         inverse = np.linalg.inv(information)
         covariance = inverse @ noise @ inverse
-        statistic = float(score @ np.linalg.pinv(noise, rcond=1e-12, hermitian=True) @ score)
         m, rss = len(step), float(self.residual @ self.residual)
+        p_value = self._p_value(score, noise, self.dof)
+        if p_value < WORTH_A_LOOK:
+            factor, blocks = self._uneven(T, step, noise)
+            noise, covariance = factor * noise, factor * covariance
+            p_value = self._p_value(score, noise, min(self.dof, blocks))
         gain = min(float(score @ step) / max(rss, 1e-300), 1.0 - 1e-12)
         evidence = -0.5 * self.dof * np.log1p(-gain) - m * np.log(max(self.dof, 2.0))
         plain = plain or self
@@ -333,13 +343,41 @@ class State:
             nuisance,
             delta[kept],
             spread[np.ix_(kept, kept)],
-            float(scipy.stats.f.sf(statistic / m, m, self.dof)),
+            p_value,
             gain,
             float(evidence),
             move,
             plain.half * (1.0 if plain.like is not None else np.sqrt(1.0 - gain)),
             self.dof,
         )
+
+    @staticmethod
+    def _p_value(score: FloatArray, noise: FloatArray, dof: float) -> float:
+        """Probability of a score this large in noise of that covariance."""
+        statistic = float(score @ np.linalg.pinv(noise, rcond=1e-12, hermitian=True) @ score)
+        return float(scipy.stats.f.sf(statistic / len(score), len(score), dof))
+
+    def _uneven(self, T: FloatArray, step: FloatArray, noise: FloatArray) -> tuple[float, float]:
+        """How much more a score varies from block to block than stationary noise lets it, at least 1; and blocks.
+
+        Noise that grows with the speed, or is common to the joints, shows in the scores of blocks of time.
+        """
+        scores = []
+        for place, rest in enumerate(self.evidence.at_rest):
+            tables = [of_joint[place] for of_joint in self.evidence.tables]
+            count = tables[0].shape[1]
+            total = np.zeros((len(step), count))
+            for weight, table in zip(self.weights, tables, strict=True):
+                rows = weight * T.T @ table[:-1]
+                total += rows * (weight * (table[-1] - self.solution @ table[self.columns]) - step @ rows)
+            blocks = max(1, count if rest else min(BLOCKS, count // BLOCK))
+            scores += [part.sum(axis=1) for part in np.array_split(total, blocks, axis=1)]
+        if len(scores) < FEWEST_BLOCKS:
+            return 1.0, float(max(len(scores), FEWEST_BLOCKS))
+        found = np.array(scores)
+        seen = found.T @ found * len(found) / (len(found) - 1)
+        ratio = float(np.trace(np.linalg.pinv(noise, rcond=1e-12, hermitian=True) @ seen)) / len(step)
+        return max(1.0, ratio), float(len(found))
 
 
 def r_factor(rows: FloatArray) -> FloatArray:

@@ -77,6 +77,11 @@ def identify(
     nonnegative: Annotated[
         bool, typer.Option("--nonnegative", help="Keep friction and rotor inertia from 0 up.")
     ] = False,
+    delay: Annotated[
+        str | None,
+        typer.Option(metavar="auto", help="auto: estimate by how much torques are late, and shift them."),
+    ] = None,
+    no_checks: Annotated[bool, typer.Option("--no-checks", help="Do not look for faults of the logs.")] = False,
     test: Annotated[
         list[str] | None, typer.Option(metavar="LOG", help="Predict a log that is not fitted. Repeatable.")
     ] = None,
@@ -112,6 +117,8 @@ def identify(
         known=parse_known(known),
         prior=parse_prior(prior),
         nonnegative=nonnegative,
+        delay=delay,
+        check=not no_checks,
     )
     if grouped is not None:
         typer.echo(grouped.identify(all_at_once(recordings), find, settings, as_json=as_json))

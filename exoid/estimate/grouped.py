@@ -11,7 +11,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.findings import Finding
+from exoid.findings import Finding, finding_lines
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.tables import DataTable, make_table, to_text
 
@@ -251,6 +251,7 @@ def _closing_lines(grouped: GroupedEstimate) -> Iterator[str]:
         least = float(grouped.agreement.adjusted.min())
         yield f"shared parameters, each group alone: the smallest p of {len(grouped.shared)} is {least:.2g} (Holm)"
     yield from assumptions(grouped.prior_knowledge, grouped.bounded)
+    yield from (f"{group}: {line}" for group in grouped for line in finding_lines(grouped[group].findings))
     yield from (f"warning: {warning}" for warning in grouped.warnings)
     yield from (f"note: {note}" for note in grouped.notes)
 
