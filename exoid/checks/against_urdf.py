@@ -28,6 +28,9 @@ VISIBLE = 0.1
 DRAWS = 60
 """Sets of parameters that are drawn from the estimate's distribution to see whether one can exist."""
 
+TURNED = 0.2
+"""A mass moment that points elsewhere by this angle is reported [rad]."""
+
 FAR = 2.0
 """A mass moment or an inertia that is so many times larger or smaller than in the URDF is far from it."""
 
@@ -140,6 +143,44 @@ def far_from_urdf(model: TorqueModel, values: FloatArray, std: FloatArray) -> It
                 f"the {what} of {leg.link_names[k]} is {identified:.3g} {unit}, {ratio:.3g} times that of the URDF",
                 "check the URDF's inertias, what the leg carried, and the unit of the torque",
             )
+
+
+def turned_segment(model: TorqueModel, values: FloatArray, std: FloatArray) -> Iterator[Finding]:
+    """Compare the direction of the last segment's mass moment with that of the URDF; only of planar legs.
+
+    A wrong zero of the last angle turns (X, Y) of the last segment and changes nothing else: a log alone does not show
+    it.
+
+    Args:
+        model: Torque model.
+        values: Parameters, (P,).
+        std: Their standard deviations, (P,).
+
+    Yields:
+        One finding, or none.
+    """
+    leg = model.leg
+    if leg.chain is None:
+        return
+    last = slice(3 * len(leg.joint_names) - 3, 3 * len(leg.joint_names) - 1)
+    (drawn, found), size = (leg.parameters[last], values[last]), float(np.hypot(*leg.parameters[last]))
+    if size == 0.0 or not found.any():
+        return
+    cross, dot = found[0] * drawn[1] - found[1] * drawn[0], float(found @ drawn)
+    angle = float(leg.chain.signs[-1] * np.arctan2(cross, dot))
+    error = float(std[last].max() / np.hypot(*found))
+    if abs(angle) > TURNED and abs(angle) > 4.0 * error:
+        yield Finding(
+            "angle-offset",
+            leg.joint_names[-1],
+            angle,
+            "rad",
+            "info",
+            f"the centre of mass of {leg.link_names[-1]} lies in a direction {abs(np.degrees(angle)):.3g}° from the "
+            "URDF's: the zero of its joint is off by that, or the URDF is wrong; the log alone cannot tell",
+            "check the zero of the encoder against a pose that was measured",
+            interval=(angle - 2.0 * error, angle + 2.0 * error),
+        )
 
 
 def large_residuals(model: TorqueModel, nrmse: FloatArray) -> Iterator[Finding]:

@@ -57,6 +57,7 @@ class Alternative(NamedTuple):
         torque_order: Index of the logged torque of each joint, (n,).
         message: Meaning.
         remedy: Advice.
+        value: Factor of the logged values; 0 to report how many times smaller residuals become.
     """
 
     kind: str
@@ -67,6 +68,7 @@ class Alternative(NamedTuple):
     torque_order: tuple[int, ...]
     message: str
     remedy: str
+    value: float = 0.0
 
 
 def is_suspicious(model: TorqueModel, values: FloatArray, std: FloatArray, nrmse: FloatArray) -> bool:
@@ -117,7 +119,9 @@ def gross_findings(checked: Checked) -> tuple[Finding, ...]:
         return ()
     ratio = float(np.exp(reference - least - np.log(CLEARLY)))
     message = f"{best.message}: residuals are then {ratio:.3g} times smaller"
-    return (Finding(best.kind, best.joint, ratio, "1", "error", message, best.remedy, parameters=model.names),)
+    return (
+        Finding(best.kind, best.joint, best.value or ratio, "1", "error", message, best.remedy, parameters=model.names),
+    )
 
 
 def alternatives(model: TorqueModel) -> Iterator[Alternative]:
@@ -138,15 +142,15 @@ def alternatives(model: TorqueModel) -> Iterator[Alternative]:
         text = f"the torque of {joint} has the wrong sign"
         if j == 0:  # a leg that is its own mirror image
             text = f"the torque of {joint} has the wrong sign, or its angle has"
-        yield Alternative("torque-sign", joint, ones, order, flipped[j], order, text, turn)
+        yield Alternative("torque-sign", joint, ones, order, flipped[j], order, text, turn, -1.0)
     if n > 1:
         text = "all torques have the wrong sign, or all angles have"
-        yield Alternative("torque-sign", "", ones, order, (-1.0,) * n, order, text, turn)
+        yield Alternative("torque-sign", "", ones, order, (-1.0,) * n, order, text, turn, -1.0)
         for j, joint in enumerate(names):
             text = f"the angle of {joint} has the wrong sign, or its axis in the URDF has"
-            yield Alternative("angle-sign", joint, flipped[j], order, ones, order, text, turn)
+            yield Alternative("angle-sign", joint, flipped[j], order, ones, order, text, turn, -1.0)
             text = f"angle and torque of {joint} have the wrong sign, or its axis in the URDF has"
-            yield Alternative("angle-sign", joint, flipped[j], order, flipped[j], order, text, turn)
+            yield Alternative("angle-sign", joint, flipped[j], order, flipped[j], order, text, turn, -1.0)
     pairs = combinations(range(n), 2) if n <= SWAPPED_JOINTS else ((j, j + 1) for j in range(n - 1))
     map_columns = "map the columns by name (columns=, --column NAME=HEADER)"
     for i, k in pairs:
@@ -160,11 +164,13 @@ def alternatives(model: TorqueModel) -> Iterator[Alternative]:
         yield Alternative("joint-order", both, ones, swapped, ones, swapped, text, map_columns)
     unit = float(np.pi / 180.0)
     in_degrees = 'read the log with angle_unit="deg" (--degrees), or convert the column'
-    yield Alternative("angle-scale", "", (unit,) * n, order, ones, order, "all angles are degrees", in_degrees)
+    yield Alternative(
+        "angle-scale", "", (unit,) * n, order, ones, order, "all angles are degrees", in_degrees, 1.0 / unit
+    )
     for j, joint in enumerate(names if n > 1 else ()):
         factors = tuple(unit if k == j else 1.0 for k in range(n))
         text = f"the angle of {joint} is in degrees"
-        yield Alternative("angle-scale", joint, factors, order, ones, order, text, in_degrees)
+        yield Alternative("angle-scale", joint, factors, order, ones, order, text, in_degrees, 1.0 / unit)
 
 
 class _Factors(NamedTuple):

@@ -15,7 +15,7 @@ from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 
-from .against_urdf import far_from_urdf, impossible_leg, large_residuals, nrmse_of, torque_scale
+from .against_urdf import far_from_urdf, impossible_leg, large_residuals, nrmse_of, torque_scale, turned_segment
 from .alternatives import gross_findings, is_suspicious
 from .channels import channel_findings
 from .model_checks import Delays, delays, find_faults, findings_of
@@ -156,6 +156,7 @@ def _fit_findings(
             found += [finding for finding in finer if finding.kind not in {one.kind for one in found}]
         if not found:
             found += far_from_urdf(model, values, std)
+            found += turned_segment(model, values, std)
     yield from found
     if not any(finding.severity == "error" for finding in found):
         yield from impossible_leg(model, values, fitted.covariance)

@@ -23,7 +23,10 @@ def describe_fault(nuisance: Nuisance, delta: FloatArray, half: FloatArray, seve
         The finding.
     """
     value = float(delta[0]) if len(delta) == 1 else float(np.linalg.norm(delta))
-    interval = (value - float(half[0]), value + float(half[0])) if len(delta) == 1 else None
+    ends = [value - float(half[0]), value + float(half[0])] if len(delta) == 1 else []
+    if len(delta) == 1:
+        value, *ends = (_as_reported(nuisance.kind, number) for number in (value, *ends))
+    interval = (min(ends), max(ends)) if ends else None
     joint = nuisance.joint
     whose = f"the torque of {joint}" if joint else "the torque of all joints"
     message, remedy = {
@@ -32,16 +35,16 @@ def describe_fault(nuisance: Nuisance, delta: FloatArray, half: FloatArray, seve
             'correct the time stamps, or identify with delay="auto" (--delay auto)',
         ),
         "torque-scale": (
-            f"{whose} is {1.0 + value:.3g} times what the other joints' torques ask for; one log cannot tell which of "
+            f"{whose} is {value:.3g} times what the other joints' torques ask for; one log cannot tell which of "
             "the joints is right",
             "calibrate the torque sensors: a known mass on the leg shows which one is wrong",
         ),
         "angle-offset": (
-            f"the angle of {joint} reads {np.degrees(-value):.3g}° too much: gravity and coupling have another phase",
+            f"the angle of {joint} reads {np.degrees(value):.3g}° too much: gravity and coupling have another phase",
             "set the zero of the encoder again, or add the offset to the logged angle",
         ),
         "angle-scale": (
-            f"the angle of {joint} should be {1.0 + value:.3g} times as large: its unit or its gear ratio is wrong",
+            f"the angle of {joint} is logged {value:.3g} times as large as it is: its unit or gear ratio is wrong",
             "correct the unit or the counts per turn of the encoder",
         ),
         "gravity-direction": (
@@ -67,3 +70,12 @@ def describe_fault(nuisance: Nuisance, delta: FloatArray, half: FloatArray, seve
         ),
     }[nuisance.kind]
     return Finding(nuisance.kind, joint, value, nuisance.unit, severity, message, remedy, interval)
+
+
+def _as_reported(kind: str, delta: float) -> float:
+    """Turn the size of a fault into that of the logged value: its factor, or what it reads too much."""
+    if kind == "torque-scale":
+        return 1.0 + delta
+    if kind == "angle-scale":
+        return 1.0 / (1.0 + delta)
+    return -delta if kind == "angle-offset" else delta
