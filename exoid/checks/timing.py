@@ -122,7 +122,7 @@ def missing_samples(recording: Recording, acting: Mapping[str, Sequence[str]], n
         return
     worst = max(places, key=lambda k: gap[k])
     lost = float(sum(gap[k] for k in places))
-    error = 2.0 / float(np.sqrt(information[worst]))
+    error = max(2.0 / float(np.sqrt(information[worst])), 0.5 / rate)  # no finer than half an interval
     names = dict.fromkeys(name for joint in recording.joint_names for name in acting.get(joint, ()))
     yield Finding(
         "missing-samples",

@@ -17,9 +17,8 @@ def clean(name="bleex", seed=1, seconds=30.0):
     rng = np.random.default_rng(seed)
     noise = 0.01 * swing.torque.std(axis=0) * rng.standard_normal(swing.torque.shape)
     quantum = 2.0 * np.pi / 2**16
-    return leg, swing.recording(
-        q=quantum * np.round(swing.motion[0] / quantum), v=None, a=None, tau=swing.torque + noise
-    )
+    q = quantum * np.round(swing.motion[0] / quantum)
+    return leg, swing.recording(q=q, v=None, a=None, tau=swing.torque + noise)
 
 
 def with_column(recording, quantity, joint, change):
@@ -31,11 +30,10 @@ def with_column(recording, quantity, joint, change):
 
 def late(recording, seconds, joints):
     """Delay torques."""
+    tau = np.array(recording.tau)
     for joint in joints:
-        recording = with_column(
-            recording, "tau", joint, lambda x: np.interp(recording.time - seconds, recording.time, x)
-        )
-    return recording
+        tau[:, joint] = np.interp(recording.time - seconds, recording.time, tau[:, joint])
+    return dataclasses.replace(recording, tau=tau)
 
 
 def kinds(findings):
