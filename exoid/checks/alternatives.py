@@ -227,7 +227,8 @@ def _bounded(A: FloatArray, b: FloatArray, lower: FloatArray) -> FloatArray:
 def _never_negative(model: TorqueModel) -> NDArray[np.bool_]:
     """Which parameters cannot be negative: friction, rotor inertia and J of planar segments, (P,)."""
     planar = model.leg.chain is not None
-    inertia = [planar and name in model.leg.parameter_names and name[0] == "J" for name in model.names]
+    rigid = set(model.leg.parameter_names) if planar else set()
+    inertia = [name in rigid and name[0] == "J" for name in model.names]
     return np.asarray(model.nonnegative | np.array(inertia))
 
 

@@ -197,7 +197,11 @@ def repeated_values(channel: Channel) -> Iterator[Finding]:
     """
     steps = np.abs(np.diff(channel.x))
     moved = steps[steps > 0.0]
-    if len(moved) < FEWEST or quantum(channel.x) > FINE * float(np.median(moved)):
+    if (
+        np.mean(steps == 0.0) < STALE_SHARE
+        or len(moved) < FEWEST
+        or quantum(channel.x) > FINE * float(np.median(moved))
+    ):
         return
     runs = Runs.of(channel.x)
     inner = np.isin(channel.x[1:], (channel.x.max(), channel.x.min()))
@@ -285,7 +289,7 @@ def _moves(part: FloatArray, whole: FloatArray) -> bool:
 
 
 def _rate(time: FloatArray) -> float:
-    return float(1.0 / np.median(np.diff(time)))
+    return float((len(time) - 1) / (time[-1] - time[0]))
 
 
 def _frozen(channel: Channel, runs: Runs, places: Sequence[int], quantity: str) -> Iterator[Finding]:

@@ -155,8 +155,9 @@ def _best(
 ) -> Score | None:
     """Most convincing fault that is significant and moves a parameter out of its interval; None where there is none."""
     fitted = [column for fault in faults for column in fault.columns]
-    plain, taken = evidence.state(fitted), [fault.nuisance for fault in faults]
+    taken = [fault.nuisance for fault in faults]
     state = _state_beside(evidence, taken, protecting)
+    plain = evidence.state(fitted, state)
     scores = [state.test(nuisance, plain) for nuisance in candidates if nuisance not in taken]
     for fault in faults:
         if is_corrected(fault.nuisance):  # what a first step left of it

@@ -27,6 +27,9 @@ from .nuisances import Nuisance
 ROUNDS = 4
 """Weights of the joints and residuals are computed in turn so often."""
 
+TINY = 1e-300
+"""Smallest variance to divide by."""
+
 FLOOR = 1e-9
 """Residuals below this part of the torque are rounding."""
 
@@ -80,7 +83,7 @@ class Score(NamedTuple):
         Returns:
             The probability.
         """
-        return float(scipy.stats.f.sf(t * t, 1, self.dof))
+        return float(scipy.special.fdtrc(1, self.dof, t * t))
 
     @property
     def std(self) -> FloatArray:
@@ -230,6 +233,13 @@ class State:
         return max(1.0, self.evidence.samples - len(self.columns))
 
     @cached_property
+    def _split(self) -> tuple[FloatArray, FloatArray]:
+        """Shares of the fitted columns in each nuisance column, and what they leave of it."""
+        Z = self.R[:, self.evidence.count : -1]
+        share = self.pinv @ Z
+        return share, Z - self.R[:, self.columns] @ share
+
+    @cached_property
     def noises(self) -> list[AutoregressiveNoise]:
         """Noise of each joint's weighted residuals."""
         if self.like is not None:
@@ -306,25 +316,26 @@ class State:
         count, width = self.evidence.count, self.R.shape[1] - 1
         C = np.zeros((width, nuisance.matrix(width - count).shape[1]))
         C[count:] = nuisance.matrix(width - count)
-        Z = self.R[:, :-1] @ C
-        size = np.linalg.norm(Z, axis=0)
+        size = np.linalg.norm(self.R[:, count:-1] @ C[count:], axis=0)
         if (size == 0.0).all():
             return None
-        C, Z = C[:, size > 0.0] / size[size > 0.0], Z[:, size > 0.0] / size[size > 0.0]
-        share = self.pinv @ Z
-        apart = Z - self.R[:, self.columns] @ share
-        basis, sizes, _ = np.linalg.svd(apart.T @ apart)
-        seen = sizes > HIDDEN**2
-        if not seen.any():
+        C = C[:, size > 0.0] / size[size > 0.0]
+        shares, rests = self._split
+        share, apart = shares @ C[count:], rests @ C[count:]
+        information = apart.T @ apart
+        if len(information) > 1:
+            basis, sizes, _ = np.linalg.svd(information)
+            rotate = basis[:, sizes > HIDDEN**2]
+            C, apart, share = C @ rotate, apart @ rotate, share @ rotate
+            information = apart.T @ apart
+        if not information.size or information[0, 0] <= HIDDEN**2:
             return None
-        rotate = basis[:, seen]
-        C, apart, share = C @ rotate, apart @ rotate, share @ rotate
         T = C.copy()
         T[self.columns] -= share
-        score, information = apart.T @ self.residual, apart.T @ apart
+        score = apart.T @ self.residual
         noise = T.T @ self.meat @ T
-        step = np.linalg.solve(information, score)
         inverse = np.linalg.inv(information)
+        step = inverse @ score
         covariance = inverse @ noise @ inverse
         m, rss = len(step), float(self.residual @ self.residual)
         p_value = self._p_value(score, noise, self.dof)
@@ -347,15 +358,18 @@ class State:
             gain,
             float(evidence),
             move,
-            plain.half * (1.0 if plain.like is not None else np.sqrt(1.0 - gain)),
+            plain.half * (1.0 if self.like is not None else np.sqrt(1.0 - gain)),
             self.dof,
         )
 
     @staticmethod
     def _p_value(score: FloatArray, noise: FloatArray, dof: float) -> float:
         """Probability of a score this large in noise of that covariance."""
-        statistic = float(score @ np.linalg.pinv(noise, rcond=1e-12, hermitian=True) @ score)
-        return float(scipy.stats.f.sf(statistic / len(score), len(score), dof))
+        if len(score) == 1:
+            statistic = float(score[0] ** 2 / max(noise[0, 0], TINY))
+        else:
+            statistic = float(score @ np.linalg.pinv(noise, rcond=1e-12, hermitian=True) @ score)
+        return float(scipy.special.fdtrc(len(score), dof, statistic / len(score)))
 
     def _uneven(self, T: FloatArray, step: FloatArray, noise: FloatArray) -> tuple[float, float]:
         """How much more a score varies from block to block than stationary noise lets it, at least 1; and blocks.
