@@ -12,7 +12,7 @@ from exoid.errors import ExoidError
 from exoid.estimate.motion_ranges import MotionRanges
 from exoid.findings import Finding, ordered
 from exoid.regression.rows import for_leg
-from exoid.signals import Poses, Preparation, Recording
+from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, ZeroPhase
 from exoid.torques import TorqueModel
 
 from .against_urdf import far_from_urdf, impossible_leg, large_residuals, nrmse_of, torque_scale, turned_segment
@@ -85,7 +85,7 @@ def check_fit(fitted: FittedLeg, data: Sequence[Recording | Poses]) -> Checkup:
     """
     model, values, data = fitted.model, fitted.values, few_of(data)
     found = list(signal_findings(model, data))
-    checked = Checked(model, some_samples(model, data), fitted.preparation, fitted.fixed)
+    checked = _checked(fitted, data)
     try:
         evidence = gather(checked, values)
     except ExoidError:
@@ -107,8 +107,15 @@ def torque_delays(fitted: FittedLeg, data: Sequence[Recording | Poses]) -> Delay
     Returns:
         Significant delays, 0 elsewhere.
     """
-    checked = Checked(fitted.model, some_samples(fitted.model, few_of(data)), fitted.preparation, fitted.fixed)
+    checked = _checked(fitted, few_of(data))
     return delays(find_faults(checked, fitted.values), len(fitted.model.joint_names))
+
+
+def _checked(fitted: FittedLeg, data: Sequence[Recording | Poses]) -> Checked:
+    """Take samples for a check; plain differences are noisier than the faults that are looked for, and are not used."""
+    noisy = isinstance(fitted.preparation, (FiniteDifference, MovingAverage))
+    preparation = ZeroPhase() if noisy else fitted.preparation
+    return Checked(fitted.model, some_samples(fitted.model, data), preparation, fitted.fixed)
 
 
 def _signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> Iterator[Finding]:
