@@ -136,7 +136,14 @@ def findings_to_json(findings: Sequence[Finding]) -> list[dict[str, Any]]:
     Returns:
         One object for each finding.
     """
-    return [asdict(finding) for finding in findings]
+    return [
+        {
+            **asdict(finding),
+            "interval": None if finding.interval is None else list(finding.interval),
+            "parameters": list(finding.parameters),
+        }
+        for finding in findings
+    ]
 
 
 def findings_from_json(data: Sequence[Mapping[str, Any]]) -> tuple[Finding, ...]:

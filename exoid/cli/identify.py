@@ -81,7 +81,7 @@ def identify(
         str | None,
         typer.Option(metavar="auto", help="auto: estimate by how much torques are late, and shift them."),
     ] = None,
-    no_checks: Annotated[bool, typer.Option("--no-checks", help="Do not look for faults of the logs.")] = False,
+    check: Annotated[bool, typer.Option("--check/--no-check", help="Look for faults of the logs.")] = True,
     test: Annotated[
         list[str] | None, typer.Option(metavar="LOG", help="Predict a log that is not fitted. Repeatable.")
     ] = None,
@@ -118,7 +118,7 @@ def identify(
         prior=parse_prior(prior),
         nonnegative=nonnegative,
         delay=delay,
-        check=not no_checks,
+        check=check,
     )
     if grouped is not None:
         typer.echo(grouped.identify(all_at_once(recordings), find, settings, as_json=as_json))

@@ -12,10 +12,10 @@ from exoid.findings import Finding
 from .data import EstimateData
 from .motion_ranges import MotionRanges
 
-BEYOND = 1.15
+BEYOND = 1.3
 """A speed or acceleration so many times larger than in the training is an extrapolation,"""
 
-ANGLE = 0.15
+ANGLE = 0.2
 """and an angle that goes beyond the training's range by this part of the range."""
 
 POOR, USELESS = 0.5, 1.0

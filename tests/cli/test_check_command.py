@@ -30,5 +30,5 @@ def test_a_late_log_as_table_and_json(tmp_path):
     assert abs(finding["value"] - 0.02) < 0.001
     mended = RUN.invoke(app, ["identify", "bleex", str(tmp_path / "late.csv"), "--delay", "auto", "--json"])
     assert [f["severity"] for f in json.loads(mended.output)["findings"]] == ["info"] * 3
-    silent = RUN.invoke(app, ["identify", "bleex", str(tmp_path / "late.csv"), "--no-checks", "--json"])
+    silent = RUN.invoke(app, ["identify", "bleex", str(tmp_path / "late.csv"), "--no-check", "--json"])
     assert json.loads(silent.output)["findings"] == []
