@@ -32,13 +32,8 @@ class LeastSquaresProblem(Protocol):
         ...
 
 
-class RowProblem(LeastSquaresProblem, Protocol):
-    """A problem whose rows can be gone over again, joint by joint."""
-
-    @property
-    def joint_names(self) -> Sequence[str]:
-        """Joint of each row block; groups follow each other."""
-        ...
+class RowSource(Protocol):
+    """Rows that can be gone over again and again, recording by recording."""
 
     @property
     def columns(self) -> Sequence[NDArray[np.intp]]:
@@ -46,15 +41,24 @@ class RowProblem(LeastSquaresProblem, Protocol):
         ...
 
     def weight_index(self, kind: NoiseKind, joint: int) -> int:
-        """Index among the R factors of the one that holds the rows of a kind and joint."""
-        ...
-
-    def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
-        """Go over the rows, recording by recording, each in order of time."""
+        """Index among the weights of the one of a kind and joint."""
         ...
 
     def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
         """Let work go over the decimated rows of each recording, wherever they are, and bring back its results."""
+        ...
+
+
+class RowProblem(LeastSquaresProblem, RowSource, Protocol):
+    """A problem whose rows can be gone over again, joint by joint."""
+
+    @property
+    def joint_names(self) -> Sequence[str]:
+        """Joint of each row block; groups follow each other."""
+        ...
+
+    def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
+        """Go over the rows, recording by recording, each in order of time."""
         ...
 
 

@@ -167,4 +167,4 @@ def _as_fit(problem: Problem, first: Fit, found: MotionFit) -> Fit:
     noises = fit_noise(problem, Point(solution.values, first.weights), solution.covariance)
     warnings = () if found.converged else ("the joint fit of motion and parameters has not converged: prefer wls",)
     name = f"ml(spacing={found.spacing:.4g})"
-    return Fit(solution, first.weights, noises=noises, warnings=warnings, name=name)
+    return Fit(solution, first.weights, noises=noises, warnings=warnings, correlated=found.covariance(), name=name)
