@@ -14,7 +14,7 @@ from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .estimators import Estimator, find_estimator
+from .estimators import Estimator, find_estimator, name_of
 from .fitting import Fitted, Start, Task
 from .group_checks import refuse_nonlinear_terms
 from .groups import Measured, make_groups, own_parameters, prepare_groups, summarize_groups
@@ -119,9 +119,10 @@ def identify(
         cutoff: Cut-off frequency of the parallel filter [Hz]; above the fastest motion, below the noise. None to choose
             it from the noise of the angles, at most 8 Hz, see :func:`exoid.signals.choose_cutoff`.
         preparation: Another way from a recording to rows, such as :class:`exoid.signals.MovingAverage`, or its name:
-            "finite-difference" (doc. 1), "moving-average" (doc. 2), "smoothed"; ``cutoff`` then does not apply.
+            "finite-difference" (doc. 1), "moving-average" (doc. 2), "smoothed"; ``cutoff`` is then refused.
         noise: What the covariance assumes of the torque noise: "correlated" (its autocorrelation is estimated from the
-            residuals) or "white" (the textbook's formula: intervals far too narrow where it is not).
+            residuals, and it may change in size or be common to joints) or "white" (the textbook's formula: intervals
+            far too narrow where it is not).
         known: Parameters that are held fixed, by name, such as a mass that was weighed. An own parameter without its
             group, "c0_hip", is that of all groups, and "c0_hip[left]" that of one.
         prior: Values that parameters are believed to have, with standard deviations, such as
@@ -133,8 +134,9 @@ def identify(
         The estimate with the covariance of its parameters; of groups, one estimate each, with their joint covariance.
 
     Raises:
-        ExoidError: A joint stands still or is missing, torque is missing or never changes, samples are too few,
-            parameters are not determined by the recordings (names them and what to do), or groups do not fit together.
+        ExoidError: The estimator cannot act on an argument, a joint stands still or is missing, torque is missing or
+            never changes, samples are too few, parameters are not determined by the recordings (names them and what to
+            do), or groups do not fit together.
 
     Example:
         >>> est = identify(leg, Recording.from_csv("log.csv"))  # doctest: +SKIP
@@ -143,6 +145,7 @@ def identify(
     """
     _check_noise(noise)
     chosen, terms = find_estimator(estimator), _check_terms(terms)
+    _refuse_without_effect(chosen, preparation, cutoff)
     groups = make_groups(leg, recordings, own)
     if len(groups) > 1:
         refuse_nonlinear_terms({group.name: group.leg for group in groups}, terms)
@@ -184,6 +187,18 @@ def _check_noise(noise: str) -> None:
     """Check the name of what a covariance assumes."""
     if noise not in NOISES:
         raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
+
+
+def _refuse_without_effect(estimator: Estimator, preparation: Preparation | str | None, cutoff: float | None) -> None:
+    """Refuse arguments that would change nothing; estimators refuse others themselves."""
+    if preparation is not None and cutoff is not None:
+        raise ExoidError("cutoff is that of the parallel filter, which preparation replaces", remedy="pass one of them")
+    given = [name for name, value in (("cutoff", cutoff), ("preparation", preparation)) if value is not None]
+    if given and getattr(estimator, "fits_samples", False):
+        raise ExoidError(
+            f"{name_of(estimator)} fits samples as they were recorded, so that {given[0]} does not apply",
+            remedy=f"leave {given[0]} out, or use wls",
+        )
 
 
 def _check_terms(given: Sequence[Term] | None) -> tuple[Term, ...]:

@@ -12,10 +12,10 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
-from exoid.regression.fit import Fit
-from exoid.regression.noise import QuadraticForm
+from exoid.regression.fit import Covariance, Fit
+from exoid.regression.noise import AutoregressiveNoise, QuadraticForm
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE
-from exoid.regression.residuals import Point, Sandwich, fit_noise, series
+from exoid.regression.residuals import Noises, Point, Sandwich, fit_noise, series
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
@@ -90,9 +90,11 @@ class InstrumentalVariables:
                 instruments = _instruments(problem, self.loop, as_possible(problem.model, values))
             except ExoidError:  # no leg moves with such parameters
                 break
-        solution = first.solution._replace(values=values, covariance=covariance)
+        textbook = _sandwich(problem, instruments, Point(values, first.weights), inverse, without_memory(noises))
+        solution = first.solution._replace(values=values, covariance=textbook)
+        correlated = Covariance(covariance, None, covariance)
         warnings = () if converged else ("instrumental variables have not converged: prefer ml or output error",)
-        return Fit(solution, first.weights, noises=noises, warnings=warnings)
+        return Fit(solution, first.weights, noises=noises, warnings=warnings, correlated=correlated)
 
 
 def _instruments(problem: Problem, loop: ClosedLoop, values: FloatArray) -> Problem:
@@ -116,6 +118,13 @@ def simulated_recording(model: TorqueModel, loop: ClosedLoop, values: FloatArray
         torso=recording.torso,
         largest_angle=math.inf,
     )
+
+
+def without_memory(noises: Noises) -> Noises:
+    """White noise of the same variances."""
+    return {
+        key: AutoregressiveNoise(np.zeros((1, 0)), noise.variances[:1], noise.samples) for key, noise in noises.items()
+    }
 
 
 class _Solved(NamedTuple):
@@ -142,6 +151,11 @@ def _solve(problem: Problem, instruments: Problem, weights: Sequence[float]) -> 
 def _covariance(problem: Problem, instruments: Problem, point: Point, inverse: FloatArray) -> Sandwich:
     """(ZᵀW)⁻¹ ZᵀΓZ (WᵀZ)⁻¹ with Γ the autoregressive noise in the residuals."""
     noises = fit_noise(problem, point, np.zeros_like(inverse))
+    return Sandwich(_sandwich(problem, instruments, point, inverse, noises), noises)
+
+
+def _sandwich(problem: Problem, instruments: Problem, point: Point, inverse: FloatArray, noises: Noises) -> FloatArray:
+    """(ZᵀW)⁻¹ ZᵀΓZ (WᵀZ)⁻¹ with the noise given."""
     meat = np.zeros_like(inverse)
     running: dict[int, QuadraticForm] = {}
     for part, simulated in zip(series(problem, point), series(instruments, point), strict=True):
@@ -151,4 +165,4 @@ def _covariance(problem: Problem, instruments: Problem, point: Point, inverse: F
         if part.ends:
             meat[np.ix_(part.columns, part.columns)] += part.stands_for**2 * running[part.joint].total()
     covariance = inverse @ meat @ inverse.T
-    return Sandwich(0.5 * (covariance + covariance.T), noises)
+    return np.asarray(0.5 * (covariance + covariance.T))
