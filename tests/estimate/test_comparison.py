@@ -9,7 +9,7 @@ from scipy import stats
 from swings import TERMS, Swing
 
 import exoid
-from exoid import ExoidError, Offset, Viscous
+from exoid import Offset, Viscous
 from exoid.signals import FiniteDifference
 
 EXACT = FiniteDifference()
