@@ -124,11 +124,11 @@ def _together(parts: Iterator[Series]) -> Iterator[list[Series]]:
 
 
 def _block_length(noises: Sequence[AutoregressiveNoise]) -> int:
-    """Rows in a block, so that all recordings have :data:`BLOCKS`, or √N of N independent samples if that is more."""
+    """Rows in a block, so that all recordings have :data:`BLOCKS`, or ∛N of N independent samples if that is more."""
     heard = [noise for noise in noises if noise.samples]
     samples = min((noise.samples for noise in heard), default=1.0)
     independent = min((noise.samples * noise.effective_share for noise in heard), default=1.0)
-    return max(1, math.ceil(samples / max(BLOCKS, math.sqrt(independent))))
+    return max(1, math.ceil(samples / max(BLOCKS, independent ** (1.0 / 3.0))))
 
 
 class _WhitenedRows(NamedTuple):
