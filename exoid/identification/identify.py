@@ -14,7 +14,7 @@ from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .estimators import Estimator, find_estimator, fit_by
+from .estimators import Estimator, find_estimator, fit_by, name_of
 from .fitting import Fitted, Start, Task
 from .group_checks import refuse_nonlinear_terms
 from .groups import Measured, make_groups, own_parameters, prepare_groups, summarize_groups
@@ -105,7 +105,7 @@ def identify(
             have names. None for one group, or for all but the rigid bodies where groups have names.
         cutoff: Cut-off frequency of the low-pass [Hz]; None for at most 8 Hz, by the noise of the angles.
         preparation: Another way from a recording to rows, or its name; ``cutoff`` then does not apply.
-        noise: "correlated" (autocorrelation by the residuals) or "white" for the covariance.
+        noise: "correlated" (by the residuals, also between joints) or "white" for the covariance.
         known: Values of parameters that are held fixed, by name; "c0_hip[left]" is that of one group.
         prior: Value and standard deviation of parameters, by name, or ``Prior.from_leg(leg, 0.2)``.
         nonnegative: Whether to bound friction and rotor inertia by zero.
@@ -114,13 +114,15 @@ def identify(
         The estimate; with groups, one for each with their joint covariance.
 
     Raises:
-        ExoidError: Recordings are unfit, do not identify all parameters (names them), or groups do not fit together.
+        ExoidError: Recordings are unfit, do not identify all parameters (names them), groups do not fit together, or
+            the estimator cannot act on an argument.
 
     Example:
         >>> both = identify(leg, {"monday": a, "tuesday": b}, own="offset")  # doctest: +SKIP
     """
     _check_noise(noise)
     chosen, terms = find_estimator(estimator), _check_terms(terms)
+    _refuse_without_effect(chosen, preparation, cutoff)
     groups = make_groups(leg, recordings, own)
     if len(groups) > 1:
         refuse_nonlinear_terms({group.name: group.leg for group in groups}, terms)
@@ -162,6 +164,18 @@ def _check_noise(noise: str) -> None:
     """Check the name of what a covariance assumes."""
     if noise not in NOISES:
         raise ExoidError(f"no noise {noise!r}", remedy=f"use one of {', '.join(NOISES)}")
+
+
+def _refuse_without_effect(estimator: Estimator, preparation: Preparation | str | None, cutoff: float | None) -> None:
+    """Refuse arguments that would change nothing; estimators refuse others themselves."""
+    if preparation is not None and cutoff is not None:
+        raise ExoidError("cutoff is that of the parallel filter, which preparation replaces", remedy="pass one of them")
+    given = [name for name, value in (("cutoff", cutoff), ("preparation", preparation)) if value is not None]
+    if given and getattr(estimator, "fits_samples", False):
+        raise ExoidError(
+            f"{name_of(estimator)} fits samples as they were recorded, so that {given[0]} does not apply",
+            remedy=f"leave {given[0]} out, or use wls",
+        )
 
 
 def _check_terms(given: Sequence[Term] | None) -> tuple[Term, ...]:

@@ -175,7 +175,7 @@ class Result:
     @cached_property
     def _trends(self) -> dict[int, tuple[Trend, ...]]:
         """Residuals of each joint against velocity and angle."""
-        fit, covariance = self.fitted.fit, self.uncertainty.covariance
+        fit, covariance = self.fitted.fit, self.uncertainty.found.stationary
         return residual_trends(
             self.fitted.problem,
             fit.point,
@@ -250,7 +250,8 @@ class Result:
     def _prior_gains(self, group: int) -> FloatArray:
         """How far the parameters of one group follow its priors, (P, K)."""
         problem, fit = self.fitted.problem, self.fitted.fit
-        follows_rows = fit.noises is None or fit.dofs is not None  # ml and output error minimise something else
+        # ml and output error minimise something else
+        follows_rows = fit.correlated is None and (fit.noises is None or fit.whitened)
         names = problem.layout.names_of(group)
         mine = [k for k, name in enumerate(problem.prior_knowledge.prior.values) if name in names]
         if not mine or not follows_rows:
