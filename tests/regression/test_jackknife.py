@@ -13,8 +13,8 @@ import exoid
 from exoid.identification.estimators import ols, wls
 from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
-from exoid.regression import jackknife as module
-from exoid.regression.jackknife import jackknife
+from exoid.regression import fit as module
+from exoid.regression.fit import jackknife
 from exoid.regression.noise import AutoregressiveNoise
 from exoid.regression.residuals import sandwich
 from exoid.signals import FiniteDifference, Poses, ZeroPhase
