@@ -13,8 +13,13 @@ from exoid.leg import Leg
 from .internal_state import InternalState
 from .term import JointMotion, Motion, Term, random_motion
 
-DEPENDENT = 1e-9
-"""A unit column this close to the span of the columns before it is linearly dependent on them."""
+DEPENDENT = 2e-4
+"""A unit column this close to the span of the columns before it is linearly dependent on them.
+
+A URDF with four decimals misplaces joint axes by up to 5e-5 rad and m, and columns of inertias by a few times as much.
+At a threshold of floating-point precision a rotor would not merge into its link there. Its standard deviation would
+then be thousands of times that of the link's inertia.
+"""
 
 
 class JointTerm(NamedTuple):
@@ -181,8 +186,9 @@ def regroup(leg: Leg, blocks: Sequence[JointTerm], rigid: FloatArray | None = No
     for k in (k for k in range(count, len(names)) if names[k] not in loaded):
         share, *_ = np.linalg.lstsq(R[:, kept], R[:, k])
         if R[:, k].any() and np.linalg.norm(R[:, k] - R[:, kept] @ share) < DEPENDENT:
-            shares = zip(kept, share * scale[k] / scale[kept], strict=True)
-            regrouped.append(Regrouped(names[k], {names[i]: float(s) for i, s in shares if abs(s) > DEPENDENT}))
+            coefficients = zip(kept, share, share * scale[k] / scale[kept], strict=True)
+            into = {names[i]: float(c) for i, part, c in coefficients if abs(part) > DEPENDENT}
+            regrouped.append(Regrouped(names[k], into))
         else:
             kept.append(k)
     return tuple(regrouped)
