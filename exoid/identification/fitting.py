@@ -36,6 +36,23 @@ class Task(NamedTuple):
     prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
     keep: Keep | None = None
 
+    @property
+    def known_parameters(self) -> tuple[str, ...]:
+        """Known parameters by their names in the model of a group."""
+        return known_parameters(self.prior_knowledge)
+
+
+def known_parameters(knowledge: PriorKnowledge) -> tuple[str, ...]:
+    """Look up the known parameters by their names in the model of a group.
+
+    Args:
+        knowledge: Known parameters, with or without the name of a group, as in ``Ia_hip[left]``.
+
+    Returns:
+        Names without groups.
+    """
+    return tuple(dict.fromkeys(name.partition("[")[0] for name in knowledge.known))
+
 
 class Fitted(NamedTuple):
     """A fit.

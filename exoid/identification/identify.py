@@ -15,7 +15,7 @@ from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .estimators import Estimator, find_estimator, fit_by
-from .fitting import Fitted, Start, Task
+from .fitting import Fitted, Start, Task, known_parameters
 from .group_checks import refuse_nonlinear_terms
 from .groups import Measured, make_groups, own_parameters, prepare_groups, summarize_groups
 from .problem import Problem
@@ -106,7 +106,8 @@ def identify(
         cutoff: Cut-off frequency of the low-pass [Hz]; None for at most 8 Hz, by the noise of the angles.
         preparation: Another way from a recording to rows, or its name; ``cutoff`` then does not apply.
         noise: "correlated" (autocorrelation by the residuals) or "white" for the covariance.
-        known: Values of parameters that are held fixed, by name; "c0_hip[left]" is that of one group.
+        known: Values of parameters that are held fixed, by name; "c0_hip[left]" is that of one group. A known rotor of
+            the first joint, "Ia_hip", is no part of J1 then.
         prior: Value and standard deviation of parameters, by name, or ``Prior.from_leg(leg, 0.2)``.
         nonnegative: Whether to bound friction and rotor inertia by zero.
 
@@ -124,9 +125,9 @@ def identify(
     groups = make_groups(leg, recordings, own)
     if len(groups) > 1:
         refuse_nonlinear_terms({group.name: group.leg for group in groups}, terms)
-    models = {group.name: TorqueModel.at_start(group.leg, terms) for group in groups}
-    own_names = own_parameters(models, own)
     knowledge = PriorKnowledge.of(known, prior, nonnegative=nonnegative)
+    models = {group.name: TorqueModel.at_start(group.leg, terms, known_parameters(knowledge)) for group in groups}
+    own_names = own_parameters(models, own)
     summaries = summarize_groups(
         groups, models, own_names, knowledge, for_cutoff=preparation is None and cutoff is None
     )
@@ -151,7 +152,7 @@ def fit_model(task: Task, start: Start | None = None) -> Fitted:
     """
     if any(term.nonlinear or term.loaded for term in task.terms):
         return search(task, start)
-    models = tuple(TorqueModel(group.leg, task.terms) for group in task.groups)
+    models = tuple(TorqueModel(group.leg, task.terms, separate=task.known_parameters) for group in task.groups)
     problem = Problem.of(task.groups, models, task.own, task.prior_knowledge, task.keep)
     problem.refuse_empty_joints()
     fit = fit_by(task.estimator, problem)

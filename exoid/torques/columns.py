@@ -154,7 +154,9 @@ class Regrouped(NamedTuple):
         return f"{self.name} is regrouped into {into}: no motion distinguishes them"
 
 
-def regroup(leg: Leg, blocks: Sequence[JointTerm], rigid: FloatArray | None = None) -> tuple[Regrouped, ...]:
+def regroup(
+    leg: Leg, blocks: Sequence[JointTerm], rigid: FloatArray | None = None, *, separate: Sequence[str] = ()
+) -> tuple[Regrouped, ...]:
     """Find parameters of terms that depend linearly on others for every motion, such as a rotor at the hip on J1.
 
     Each column over random motion is compared with those before it. Terms that depend on the load are left to the fit:
@@ -164,6 +166,7 @@ def regroup(leg: Leg, blocks: Sequence[JointTerm], rigid: FloatArray | None = No
         leg: The leg.
         blocks: Terms at joints, in the order of their columns.
         rigid: Rigid-body parameters whose torque loads the joints, (p,); None for the leg's own.
+        separate: Names of parameters that are not regrouped, as their values are known.
 
     Returns:
         Parameters that are regrouped, in the order of their columns.
@@ -186,6 +189,8 @@ def regroup(leg: Leg, blocks: Sequence[JointTerm], rigid: FloatArray | None = No
     for k in (k for k in range(count, len(names)) if names[k] not in loaded):
         share, *_ = np.linalg.lstsq(R[:, kept], R[:, k])
         if R[:, k].any() and np.linalg.norm(R[:, k] - R[:, kept] @ share) < DEPENDENT:
+            if names[k] in separate:
+                continue
             coefficients = zip(kept, share, share * scale[k] / scale[kept], strict=True)
             into = {names[i]: float(c) for i, part, c in coefficients if abs(part) > DEPENDENT}
             regrouped.append(Regrouped(names[k], into))

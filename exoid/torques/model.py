@@ -32,6 +32,7 @@ class TorqueModel:
         rigid: Leg parameters whose torque loads the joints, (p,), for terms that depend on it; None for the leg's own.
         regrouped: Parameters of terms that other parameters include, because no motion distinguishes them (a rotor at
             the hip from J1). The constructor finds them, unless they are given for the same leg and terms.
+        separate: Parameters that are not regrouped although no motion distinguishes them, as their values are known.
 
     Raises:
         ExoidError: A parameter occurs twice, a setting is a :class:`NonlinearParameter`, a joint is missing, or
@@ -49,6 +50,7 @@ class TorqueModel:
     terms: tuple[Term, ...]
     rigid: FloatArray | None = None
     regrouped: tuple[Regrouped, ...] = None  # type: ignore[assignment]  # None only until it is found here
+    separate: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check names and settings, and find what is regrouped."""
@@ -63,18 +65,19 @@ class TorqueModel:
                 remedy="give them numbers, or let exoid.identify find them",
             )
         if self.regrouped is None:
-            object.__setattr__(self, "regrouped", regroup(self.leg, self.blocks, self.rigid))
+            object.__setattr__(self, "regrouped", regroup(self.leg, self.blocks, self.rigid, separate=self.separate))
         unknown = [one.name for one in self.regrouped if one.name not in names]
         if unknown:
             raise ExoidError(f"{', '.join(unknown)} of regrouped are no parameters", remedy="leave regrouped out")
 
     @classmethod
-    def at_start(cls, leg: Leg, terms: Sequence[Term]) -> TorqueModel:
+    def at_start(cls, leg: Leg, terms: Sequence[Term], separate: Sequence[str] = ()) -> TorqueModel:
         """Make a torque model with all nonlinear parameters at their start values.
 
         Args:
             leg: The leg.
             terms: Terms, settings of which may be nonlinear parameters.
+            separate: Parameters that are not regrouped, as their values are known.
 
         Returns:
             The torque model.
@@ -86,7 +89,7 @@ class TorqueModel:
             names, labels = leg.joint_names, leg.joint_labels
             start = {setting.name: setting.free.start for setting in nonlinear_settings(terms, names, labels)}
             terms = with_settings(terms, names, labels, start)
-        return cls(leg, tuple(terms))
+        return cls(leg, tuple(terms), separate=tuple(separate))
 
     def __repr__(self) -> str:
         """Write leg, terms and parameters in one line."""
