@@ -68,7 +68,7 @@ class Lift:
         distance: Distance χ of ``values`` from the target in standard deviations of the estimate; 0 if feasible.
             Without a covariance its unit is a change of the links' inertias by 100 %.
         divergence: Entropic divergence from the leg's own links; 0 if these have the target's values.
-        mass_limits: Largest mass that each link was allowed [kg], (n,).
+        mass_limits: Largest mass that each link was allowed [kg], (n,); infinite with a pull, which keeps them near.
     """
 
     names: tuple[str, ...]
@@ -171,7 +171,7 @@ def lift(
     feasible = found is not None
     if found is None:
         metric = natural if covariance is None else _metric(_checked(leg, covariance, "covariance", 2), problem)
-        heaviest = np.maximum(heaviest, usual)
+        heaviest = np.full(problem.links, np.inf if pull else max(float(heaviest[0]), usual))
         found = approach(problem, target, metric, heaviest, pull)
         distance = float(np.linalg.norm(metric @ (target - problem.K @ found.unit)))
     links = problem.back @ found.unit

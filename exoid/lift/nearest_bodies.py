@@ -1,8 +1,8 @@
 """Bodies nearest to the leg's own: Newton's method for the convex problem of the lift.
 
-D + χ²/2μ − Σ log(1 − m/m_max) is minimised in coordinates in which the current bodies are unit matrices. Its iterates
-P = U Uᵀ, with U triangular as in the log-Cholesky parameterisation (C. Rucker, P. M. Wensing, IEEE RA-L 7(2), 2022),
-stay consistent.
+D + χ²/2μ, with −Σ log(1 − m/m_max) where masses are bounded, is minimised in coordinates in which the current bodies
+are unit matrices. Iterates P = U Uᵀ, with U triangular as in the log-Cholesky parameterisation (C. Rucker,
+P. M. Wensing, IEEE RA-L 7(2), 2022), stay consistent.
 """
 
 from __future__ import annotations
@@ -186,14 +186,14 @@ def _exact(
 def approach(
     problem: Problem, target: FloatArray, metric: FloatArray, heaviest: FloatArray, pull: float = 0.0
 ) -> Bodies:
-    """Find the bodies whose values are nearest to the target in a metric, with a pull towards the prior.
+    """Find the bodies whose values are nearest to the target in a metric, or those of least χ²/2 + w D.
 
     Args:
         problem: The problem.
         target: β, (p,).
         metric: Whitening matrix of the metric, (p, p).
-        heaviest: Largest mass of each link over that of the prior, (n,).
-        pull: Weight w of χ²/2 + w (D − Σ log(1 − m/m_max)); at 0 the bodies are the nearest to within :data:`GAP`.
+        heaviest: Largest mass of each link over that of the prior, (n,), without a pull.
+        pull: Weight w; at 0 the bodies are the nearest to within :data:`GAP`.
 
     Returns:
         The bodies.
@@ -201,9 +201,9 @@ def approach(
     U = problem.prior
     chi_squared = _chi_squared(problem, target, metric, U)
     mu = max(chi_squared, 10.0 * pull)
-    while mu > pull and (4 * problem.links + heaviest.sum()) * mu > max(GAP * chi_squared, NEGLIGIBLE):
+    while mu > pull if pull else (4 * problem.links + heaviest.sum()) * mu > max(GAP * chi_squared, NEGLIGIBLE):
         mu = max(mu / 10.0, pull)
-        U = problem.minimise(U, Misfit(metric, target, mu, heaviest))
+        U = problem.minimise(U, Misfit(metric, target, mu, None if pull else heaviest))
         chi_squared = _chi_squared(problem, target, metric, U)
     return Bodies(_unit(U), _divergence(U))
 
