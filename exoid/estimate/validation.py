@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.regression.rows import form_rows, prepare
+from exoid.regression.rows import each_row
 from exoid.signals import Preparation, Recording
 from exoid.tables import DataTable, make_table, to_html, to_text
 
@@ -160,8 +160,7 @@ def validate(
 
 def _validate_one(estimate: EstimateData, recording: Recording, preparation: Preparation) -> Validation:
     """Predict the torque of one recording, block by block."""
-    prepared = prepare(estimate.model, recording, preparation, every=True)
-    rows = (form_rows(estimate.model, prepared, stretch) for stretch in prepared.stretches())
+    rows = each_row(estimate.model, recording, preparation)
     parts = [(of_some.time, of_some.tau, of_some.W @ estimate.values) for of_some in rows]
     time, measured, predicted = (np.concatenate(part) for part in zip(*parts, strict=True))
     source = recording.source.name if recording.source else "array"

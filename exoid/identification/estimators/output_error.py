@@ -15,7 +15,7 @@ from exoid.regression.fit import Fit
 from exoid.regression.least_squares import RFactor, Solution, factorize, solve
 from exoid.regression.noise import AutoregressiveNoise, autocovariance_sums
 from exoid.regression.residuals import Point, fit_noise
-from exoid.regression.rows import for_leg, make_rows
+from exoid.regression.rows import for_leg, make_rows, source_of
 from exoid.signals import Poses
 
 from .closed_loop import ClosedLoop, as_possible
@@ -168,6 +168,12 @@ class _Matching(NamedTuple):
                 series += [_Series(2 * n + j, residual[:, j], rows.W[:, j], True) for j in range(n)]
                 continue
             recording = for_leg(model, data).resampled()
+            if recording.mask is not None:
+                raise ExoidError(
+                    "output error simulates whole recordings, and this one has segments",
+                    where=source_of(recording),
+                    remedy="cut them out with Recording.between, or use wls",
+                )
             ran = self.loop.simulate(model, beside, recording)
             for group, (measured, simulated) in enumerate(((recording.q, ran.q), (np.asarray(recording.tau), ran.tau))):
                 J = (simulated[..., 1:] - simulated[..., :1]) / change
