@@ -312,7 +312,7 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
     step = decimation(rows.independent_fraction)
     if step == 1:
         return rows
-    first = (count - 1) % step // 2
+    first = (count - 1 - (max(1, round(count / step)) - 1) * step) // 2  # each stands for the rows around it
     kept = slice((first - before) % step, None, step)
     return Rows(
         rows.time[kept],
