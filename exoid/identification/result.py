@@ -15,7 +15,14 @@ from exoid.estimate.equality import own_equality
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
-from exoid.regression.diagnostics import Collinearity, JointNoise, describe_noise, parameter_scale, reference_scale
+from exoid.regression.diagnostics import (
+    Collinearity,
+    JointNoise,
+    describe_noise,
+    parameter_scale,
+    reference_scale,
+    short_runs,
+)
 from exoid.regression.fit import SamplesLeft, Uncertainty, condition_number, samples_left, uncertainty_of
 from exoid.regression.influence import Influence, influence
 from exoid.regression.least_squares import rms_residual
@@ -142,7 +149,9 @@ class Result:
     def _common_warnings(self) -> tuple[str, ...]:
         """Warnings of the fit as a whole."""
         nonlinear = () if self._nonlinear is NO_NONLINEAR_PARAMETERS else self._nonlinear.warnings
-        return (*self.fitted.warnings, *nonlinear, *self._collinearity.warnings(self.fitted.problem.names))
+        problem, uncertainty = self.fitted.problem, self.uncertainty
+        short = () if uncertainty.white else short_runs(uncertainty.noises, problem.joint_names)
+        return (*self.fitted.warnings, *nonlinear, *self._collinearity.warnings(problem.names), *short)
 
     @cached_property
     def _collinearity(self) -> Collinearity:

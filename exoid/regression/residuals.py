@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple, TypeVar
 
@@ -267,10 +268,12 @@ def _model(products: FloatArray, pairs: FloatArray) -> AutoregressiveNoise:
     """
     if pairs[0] <= 0.0:
         return AutoregressiveNoise.none()
-    samples = pairs[0]
-    known = min(int(np.argmin(np.append(pairs, 0.0) > 0.0)), 1 + int(samples) // 10)
+    samples, run = pairs[0], int(np.argmin(np.append(pairs, 0.0) > 0.0))
+    known = min(len(pairs), 1 + int(samples) // 10)
+    longest_run, known = (run, run) if run < known else (None, known)
     taper = np.clip(1.0 - np.arange(known) / samples, 0.0, None)
-    return AutoregressiveNoise.from_autocovariances(products[:known] / pairs[:known] * taper, samples)
+    model = AutoregressiveNoise.from_autocovariances(products[:known] / pairs[:known] * taper, samples)
+    return replace(model, longest_run=longest_run)
 
 
 def _root(covariance: FloatArray) -> FloatArray:
