@@ -255,7 +255,7 @@ def refuse_other_segments(file: str | None, logs: Sequence[str]) -> None:
     path = Path(file)
     named = {name for name, _ in _segment_lines(path)}
     if None in named and len(logs) > 1:
-        raise ExoidError("segments do not say which log they belong to", where=str(path), remedy="add a column log: file names")
+        raise ExoidError("segments do not say which log they belong to", where=f"{path}", remedy="add a column log")
     for name in sorted(named - {None} - set(logs) - {Path(log).name for log in logs}, key=str):
         raise ExoidError(f"segments of {name}, which is not among the logs", where=str(path), remedy="check its name")
 

@@ -31,6 +31,8 @@ CONTINUED = 1e-8
 """Response of the filter up to which a motion is continued."""
 SLOW_RATE = 4.0
 """Rate, in cut-off frequencies, below which a filter rings for many samples,"""
+RINGING_RATE, STRICT = 3.0, 1e-6
+"""rate below which it rings at half the rate, which no motion does, and its tolerance,"""
 HIGHEST_ORDER = 4
 """and highest order of one pass with which it does not."""
 END_LOSS = 1.0
@@ -111,7 +113,8 @@ def motion_edge(rate: float, cutoff: float, order: int = 4) -> int:
 
     Noise of the angle causes at most 1.5 times as much noise of the acceleration as far from the end. The error falls
     by ten with every further 0.9 periods (``tests/signals/test_motion_edge.py``). For faster motions there is no bound.
-    Filters ring longer at rates below 4 f_k and if their order is higher: there the count is that of `edge_length`.
+    Filters ring longer at rates below 4 f_k and if their order is higher. The count there is that of `edge_length`,
+    below 3 f_k with a tolerance of 1e-6.
 
     Args:
         rate: Sampling rate [Hz].
@@ -125,7 +128,7 @@ def motion_edge(rate: float, cutoff: float, order: int = 4) -> int:
         ExoidError: The cut-off is not between 0 and half the rate.
     """
     if rate < SLOW_RATE * cutoff or order > HIGHEST_ORDER:
-        return edge_length(rate, cutoff, order)
+        return edge_length(rate, cutoff, order, TOLERANCE if rate > RINGING_RATE * cutoff else STRICT)
     return max(FEWEST_POINTS // 2, math.ceil(END_LOSS * rate / cutoff))
 
 

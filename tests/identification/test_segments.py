@@ -136,7 +136,7 @@ def test_swings_that_were_recorded_apart_identify_the_leg_too():
 def test_a_swing_of_26_samples_gives_rows_and_shorter_ones_say_what_to_do():
     few = [each.slice(0, 26) for each in apart()]
     assert error(few) < 2e-3
-    with pytest.raises(ExoidError, match=r"14 samples are too few.*a longer log with segments"):
+    with pytest.raises(ExoidError, match=r"14 samples are too few.*of a longer log, pass all with Recording.segments"):
         error([each.slice(0, 14) for each in apart()])
 
 
