@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -15,7 +14,18 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.regression.least_squares import RFactor, factorize_rows, stack
-from exoid.regression.rows import NoiseKind, Prepared, RowBlock, Rows, chain, decimate, decimation, form_rows, prepare
+from exoid.regression.rows import (
+    NoiseKind,
+    Prepared,
+    RowBlock,
+    Rows,
+    chain,
+    decimate,
+    decimation,
+    form_rows,
+    prepare,
+    rate_class,
+)
 from exoid.regression.rows_file import RowsFile
 from exoid.signals import Cluster, Poses, Preparation, Recording, Recordings
 from exoid.torques import TorqueModel
@@ -156,7 +166,7 @@ class GroupRows:
         stretches = filed or self._kept.get((index, decimated)) or self._make(index, decimated)
         kind = None
         for rows, begins, ends in _with_ends(stretches):
-            kind = kind or NoiseKind(self.at_rest(index), _rate_class(rows.time))
+            kind = kind or NoiseKind(self.at_rest(index), rate_class(rows.time))
             yield RowBlock(kind, rows, begins, ends)
 
     def recording_r_factor(self, index: int, weights: Sequence[float]) -> RFactor:
@@ -242,11 +252,6 @@ def _r_factors(blocks: Iterable[RowBlock]) -> list[RFactor]:
         new = factorize_rows(block.rows)
         found = [stack(pair) for pair in zip(found, new, strict=True)] if found else new
     return found
-
-
-def _rate_class(time: FloatArray) -> int:
-    """Logarithm of the sampling interval to base 1.1, rounded."""
-    return 0 if len(time) < 2 else round(math.log(time[1] - time[0]) / math.log(1.1))
 
 
 def _with_ends(stretches: Iterable[Rows]) -> Iterator[tuple[Rows, bool, bool]]:

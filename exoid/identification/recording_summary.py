@@ -77,11 +77,15 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
         The summary.
 
     Raises:
-        ExoidError: A joint is missing, or time has a gap.
+        ExoidError: A joint is missing, time has a gap, or the mask leaves no sample.
     """
     chosen = for_leg(model, data)
     mask = chosen.mask if isinstance(chosen, Recording) else None
     counted = slice(None) if mask is None else mask
+    if mask is not None and not mask.any():
+        raise ExoidError(
+            "no sample counts: the mask is 0 everywhere", where=source_of(data), remedy="leave the recording out"
+        )
     q = np.ascontiguousarray(chosen.q[counted].T)  # joint by joint is eight times as fast
     tau = None if chosen.tau is None else chosen.tau[counted]
     return RecordingSummary(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple, TypeVar
 
@@ -58,6 +59,11 @@ class NoiseKind(NamedTuple):
 
     at_rest: bool
     rate_class: int
+
+
+def rate_class(time: FloatArray) -> int:
+    """Logarithm of the sampling interval to base 1.1, rounded."""
+    return 0 if len(time) < 2 else round(math.log(time[1] - time[0]) / math.log(1.1))
 
 
 class RowBlock(NamedTuple):
@@ -166,8 +172,8 @@ def _inside(recording: Recording, valid: slice) -> NDArray[np.bool_]:
     inside[valid] = True if recording.mask is None else recording.mask[valid]
     if not inside.any():
         raise ExoidError(
-            f"the segments lie in the first {valid.start} and last {len(recording) - valid.stop} samples, "
-            "in which the ends of the recording affect the acceleration",
+            f"no sample counts between the first {valid.start} and the last {len(recording) - valid.stop}, in which "
+            "the ends of the recording affect the acceleration",
             where=source_of(recording),
             remedy="record longer before and after them, or choose a higher cut-off",
         )
@@ -258,10 +264,10 @@ def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Prepa
     Returns:
         The rows.
     """
-    return chain(list(each_row(model, data, preparation)))
+    return chain(list(each_row(model, prepare(model, data, preparation, every=True))))
 
 
-def each_row(model: RegressorModel, data: Recording | Poses, preparation: Preparation) -> Iterator[Rows]:
+def each_row(model: RegressorModel, prepared: Prepared) -> Iterator[Rows]:
     """Make a row of each sample of a recording that counts, or of poses, stretch by stretch.
 
     Towards the ends of a segment, both sides of τ = W β fade behind the filter, as it sees zeros beyond. Here they are
@@ -270,13 +276,11 @@ def each_row(model: RegressorModel, data: Recording | Poses, preparation: Prepar
 
     Args:
         model: Torque model.
-        data: The recording, or poses.
-        preparation: Filter and differentiation.
+        prepared: The recording, or poses, of which :func:`prepare` made every sample a row.
 
     Yields:
         The rows of a stretch, without samples that do not count.
     """
-    prepared = prepare(model, data, preparation, every=True)
     ones = prepared.inside[np.newaxis].astype(np.float64)
     for stretch in prepared.stretches():
         rows = form_rows(model, prepared, stretch)

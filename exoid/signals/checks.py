@@ -66,13 +66,11 @@ def as_mask(values: ArrayLike) -> BoolArray:
         The copy.
 
     Raises:
-        ExoidError: A value is neither true nor false, or none is true.
+        ExoidError: A value is neither true nor false.
     """
     raw = np.asarray(values)
     if raw.dtype.kind not in "biuf" or not np.isin(raw, (0, 1)).all():
         raise ExoidError("mask has values other than 0 and 1", remedy="pass a bool for each sample")
-    if not raw.any():
-        raise ExoidError("no sample counts: the mask is 0 everywhere", remedy="let some samples count, or pass no mask")
     mask = np.array(raw, dtype=np.bool_)
     mask.flags.writeable = False
     return mask

@@ -74,11 +74,13 @@ def test_a_folder_gives_the_estimate_of_its_logs_in_memory(folder, in_memory, es
     assert_same(found, identify(SWING.leg, in_memory, TERMS, estimator))
 
 
-def test_every_log_is_read_twice_and_none_of_them_is_kept(folder):
+@pytest.mark.parametrize(("check", "times"), [(False, 2), (True, 3)])
+def test_every_log_is_read_twice_and_once_more_for_checks_and_none_of_them_is_kept(folder, check, times):
     read = []
-    identify(SWING.leg, Recordings.from_folder(folder).watched(lambda path: read.append(path.name)))
+    stored = Recordings.from_folder(folder).watched(lambda path: read.append(path.name))
+    identify(SWING.leg, stored, check=check)
     once = [f"part.{k}.csv" for k in range(8, 12)] + ["part.12.parquet"]
-    assert read == once * 2
+    assert read == once * times
 
 
 def test_logs_on_disk_go_with_poses_and_recordings_in_memory(folder, in_memory):

@@ -142,8 +142,18 @@ def test_a_swing_of_26_samples_gives_rows_and_shorter_ones_say_what_to_do():
 
 def test_segments_within_the_ends_of_a_log_are_refused():
     first = dataclasses.replace(log(), mask=np.arange(len(mask())) < 7)
-    with pytest.raises(ExoidError, match="the segments lie in the first 7 and last 7 samples"):
+    with pytest.raises(ExoidError, match="no sample counts between the first 7 and the last 7"):
         error(first)
+
+
+def test_a_recording_in_which_nothing_counts_is_refused():
+    with pytest.raises(ExoidError, match="no sample counts: the mask is 0 everywhere"):
+        error(dataclasses.replace(log(), mask=np.zeros(len(mask()))))
+
+
+def test_a_stance_between_the_segments_causes_no_finding():
+    estimate = exoid.identify(swing().leg, segmented(noise=coloured(1, 0.0), stance=50.0), TERMS)
+    assert estimate.findings == ()
 
 
 def test_joint_estimation_of_motion_and_parameters_uses_the_torque_of_the_segments_only():

@@ -139,9 +139,10 @@ def test_intervals_count_in_that_settings_are_uncertain(leg):
 
 
 def test_a_setting_that_is_found_makes_its_parameters_less_certain_than_one_that_is_given(leg, estimate):
-    settled = estimate.model.terms
-    given = exoid.identify(leg, recording_of(leg, noise=0.05), settled, preparation=EXACT)
-    ratio = estimate.std / given.std
+    recording, settled = recording_of(leg, noise=0.05), estimate.model.terms
+    found = exoid.identify(leg, recording, RICH, preparation=EXACT, noise="white")
+    given = exoid.identify(leg, recording, settled, preparation=EXACT, noise="white")
+    ratio = found.std / given.std
     assert given.nonlinear.names == ()
     assert (ratio > 0.97).all()
     assert ratio[estimate.names.index("cs_knee")] > 1.04

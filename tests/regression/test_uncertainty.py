@@ -168,7 +168,9 @@ def test_intervals_contain_the_truth_as_often_as_they_say(preparation, estimator
     assert 0.92 < np.mean(inside) < 0.98
     assert np.mean(inside, axis=0).min() > 0.87
     scatter = np.std([e.values for e in estimates], axis=0) / np.mean([e.std for e in estimates], axis=0)
-    assert (np.abs(scatter - 1.0) < 0.2).all()
+    # without one of 20 blocks of 12 s other blocks count more: the jackknife errs to the safe side
+    assert (scatter > 0.75).all()
+    assert (scatter < 1.2).all()
 
 
 def test_intervals_that_count_filtered_samples_as_independent_must_be_too_narrow():

@@ -16,8 +16,9 @@ from exoid.estimate.validation import Validation, validate
 from exoid.identification.estimators import find_estimator
 from exoid.identification.fitting import Start, Task
 from exoid.identification.groups import Group
-from exoid.identification.identify import fit_model, identify
+from exoid.identification.identify import identify
 from exoid.identification.recording_summary import refuse_dead_torques, refuse_still_joints, summarize
+from exoid.identification.solving import fit_model
 from exoid.leg import Leg
 from exoid.signals import Recording
 from exoid.signals.preparation_names import preparation_to_json
