@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from exoid import Coulomb, Leg, Recording, Viscous
-from exoid.signals import Kinematics, ZeroPhase
+from exoid.signals import Kinematics, ZeroPhase, central_difference, second_difference, zero_phase
 
 TERMS = (Coulomb(), Viscous())
 """What acts on the joints of every :class:`Swing`."""
@@ -90,10 +90,12 @@ class Swing:
 
 @dataclass(frozen=True)
 class WithEdges(ZeroPhase):
-    """The default preparation without its care for the ends of the record: what must not be done."""
+    """The default preparation with motions reflected at the ends, and none of their rows removed: a common mistake."""
 
     def kinematics(self, recording: Recording) -> Kinematics:
-        return super().kinematics(recording)._replace(valid=slice(None))
+        rate = recording.sample_rate
+        q = zero_phase(recording.q, rate, self.kinematics_cutoff_at(rate), self.order)
+        return Kinematics(q, central_difference(q, rate, 4), second_difference(q, rate, 4), slice(None))
 
 
 def selected(recording: Recording, **arrays) -> Recording:

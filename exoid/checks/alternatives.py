@@ -238,7 +238,7 @@ def _shortened(data: Sequence[Recording | Poses]) -> Iterator[Recording | Poses]
     for one in data:
         if left <= 0:
             return
-        if len(one) > left and isinstance(one, Recording) and left >= ENOUGH // 4:
+        if len(one) > left and isinstance(one, Recording) and one.mask is None and left >= ENOUGH // 4:
             yield one.slice(0, left)
         else:
             yield one

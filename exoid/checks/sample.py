@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.motion_ranges import MotionRanges
 from exoid.regression.rows import Rows, chain, decimate, for_leg, form_rows, prepare
@@ -64,7 +64,12 @@ def some_samples(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple
     if total <= MOST_SAMPLES:
         return tuple(_even(for_leg(model, one)) for one in data)
     kept: list[Recording | Poses] = []
-    places = [(k, start) for k, one in enumerate(data) for start in range(0, max(len(one) - SEGMENT // 2, 1), SEGMENT)]
+    places = [
+        (k, start)
+        for k, one in enumerate(data)
+        for start in range(0, max(len(one) - SEGMENT // 2, 1), SEGMENT)
+        if isinstance(one, Poses) or one.mask is None or _inner(one.mask[start : start + SEGMENT]).any()
+    ]
     chosen = np.unique(np.linspace(0, len(places) - 1, MOST_SAMPLES // SEGMENT).round().astype(int))
     for place in chosen:
         k, start = places[place]
@@ -72,6 +77,11 @@ def some_samples(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple
         part = one.take(slice(start, start + SEGMENT)) if isinstance(one, Poses) else one.slice(start, start + SEGMENT)
         kept.append(_even(for_leg(model, part)))
     return tuple(kept)
+
+
+def _inner(mask: BoolArray) -> BoolArray:
+    """All but the ends, which derivatives may spoil."""
+    return mask[len(mask) // 10 : len(mask) - len(mask) // 10]
 
 
 def few_of(data: Sequence[Recording | Poses]) -> Sequence[Recording | Poses]:
@@ -145,7 +155,7 @@ def _rows(checked: Checked, one: Recording | Poses, values: FloatArray) -> tuple
     for stretch in prepared.stretches():
         kept.append(decimate(form_rows(augmented, prepared, stretch), before, len(prepared.rows)))
         before += len(stretch)
-    motion, used = prepared.motion, slice(prepared.rows.start, prepared.rows.stop)
+    motion, used = prepared.motion, prepared.inside
     ranges = MotionRanges.of(motion.q[used], motion.v[used], motion.a[used])
     return chain([rows for rows in kept if len(rows.time)]), ranges
 

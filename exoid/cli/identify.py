@@ -22,8 +22,10 @@ from .inputs import (
     Column,
     Degrees,
     LogOptions,
+    Mask,
     Received,
     Report,
+    Segments,
     Start,
     Stop,
     Topic,
@@ -31,6 +33,7 @@ from .inputs import (
     parse_terms,
     read_logs,
     refuse,
+    refuse_other_segments,
     split_names,
 )
 from .numbers import parse_known, parse_prior
@@ -95,14 +98,17 @@ def identify(
     stop: Stop = None,
     topic: Topic = None,
     received: Received = False,
+    segments: Segments = None,
+    mask: Mask = None,
     as_json: AsJson = False,
 ) -> None:
     """Identify the parameters of LEG from the LOGs: columns time, q_<joint>, tau_<joint>, optionally v_ and a_."""
     if report is not None:
         refuse_unwritable(report)
-    options = LogOptions(column, degrees, start, stop, topic, received)
+    options = LogOptions(column, degrees, start, stop, topic, received, segments, mask)
     remote = scheduler is not None or (own is None and any(map(is_folder_of_logs, logs)))
     logs = each_log(logs)
+    refuse_other_segments(segments, [*logs, *(test or [])])
     grouped = None if own is None else _grouped(logs, own, output, test, report, scheduler)
     recordings = logs_on_disk(logs, options) if remote else read_logs(logs, options)
     held_out = read_logs(test or [], options)

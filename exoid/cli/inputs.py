@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
@@ -35,6 +36,13 @@ Received = Annotated[
     bool,
     typer.Option("--received", help="Use the times of arrival in a bag, not those in the headers."),
 ]
+Segments = Annotated[
+    str | None,
+    typer.Option(
+        metavar="FILE.CSV", help="Use only these segments: columns start, stop [s]; log (file name) for several logs."
+    ),
+]
+Mask = Annotated[str | None, typer.Option(metavar="HEADER", help="Use only samples with 1 in this column of 0 and 1.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 
 
@@ -48,6 +56,8 @@ class LogOptions(NamedTuple):
         stop: First time stamp not to use [s].
         topic: Topic of joint states in bags; None for the only one.
         received: Whether the time in bags is that at which they received the messages.
+        segments: CSV file of the segments that count; None for all.
+        mask: Header of a column of 0 and 1 that says which samples count; None for all.
     """
 
     columns: Sequence[str] | None = None
@@ -56,6 +66,8 @@ class LogOptions(NamedTuple):
     stop: float | None = None
     topic: str | None = None
     received: bool = False
+    segments: str | None = None
+    mask: str | None = None
 
 
 def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] | None = None) -> list[Recording]:
@@ -186,6 +198,7 @@ def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None
     """Read a log, or a part of a built-in dataset; arguments as for :func:`read_logs`."""
     dataset, _, part = name.partition(":")
     if dataset in DATASETS and part in ("train", "test") and not Path(name).exists():
+        refuse({"--mask": options.mask}, f"{name} has no such column")
         data = DATASETS[dataset]()
         recording = data.train if part == "train" else data.test
     elif dataset in DATASETS and not Path(name).exists():
@@ -194,12 +207,79 @@ def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None
         unit: Literal["deg", "rad"] = "deg" if options.degrees else "rad"
         stamps: Literal["header", "received"] = "received" if options.received else "header"
         recording = Recording.from_file(
-            name, joints, _columns(options.columns), angle_unit=unit, topic=options.topic, stamps=stamps
+            *(name, joints, _columns(options.columns)),
+            angle_unit=unit,
+            topic=options.topic,
+            stamps=stamps,
+            mask=options.mask,
         )
+    if options.segments is not None:
+        recording = recording.segments(read_segments(Path(options.segments), name))
     if options.start is None and options.stop is None:
         return recording
     start = recording.time[0] if options.start is None else options.start
     return recording.between(start, float("inf") if options.stop is None else options.stop)
+
+
+def read_segments(path: Path, log: str) -> list[tuple[float, float]]:
+    """Read the segments of a log that count.
+
+    Args:
+        path: CSV file with columns start and stop [s], and ``log``, the file name, if there are several logs.
+        log: Name or path of the log.
+
+    Returns:
+        Start and stop of each segment of this log [s].
+
+    Raises:
+        ExoidError: The file cannot be read, a column is missing, a cell is no number, or the log has no segment.
+    """
+    found = [pair for name, pair in _segment_lines(path) if name is None or name in (log, Path(log).name)]
+    if not found:
+        raise ExoidError(f"no segments of {log}", where=str(path), remedy="name it in the column log")
+    return found
+
+
+def refuse_other_segments(file: str | None, logs: Sequence[str]) -> None:
+    """Refuse segments that do not say which of several logs they belong to, or name a log that was not given.
+
+    Args:
+        file: CSV file of the segments; None for none.
+        logs: Names or paths of all logs that are read.
+
+    Raises:
+        ExoidError: See above, or the file cannot be read.
+    """
+    if file is None:
+        return
+    path = Path(file)
+    named = {name for name, _ in _segment_lines(path)}
+    if None in named and len(logs) > 1:
+        raise ExoidError("segments do not say which log they belong to", where=f"{path}", remedy="add a column log")
+    for name in sorted(named - {None} - set(logs) - {Path(log).name for log in logs}, key=str):
+        raise ExoidError(f"segments of {name}, which is not among the logs", where=str(path), remedy="check its name")
+
+
+def _segment_lines(path: Path) -> list[tuple[str | None, tuple[float, float]]]:
+    """Name of the log, where there is one, with start and stop of each segment."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = list(csv.DictReader(file, skipinitialspace=True))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise ExoidError(f"segments cannot be read ({error})", where=str(path), remedy="check the path") from None
+    lines = []
+    for number, row in enumerate(rows, start=2):
+        try:
+            lines.append((row.get("log") or None, (float(row["start"]), float(row["stop"]))))
+        except (KeyError, TypeError, ValueError):
+            raise ExoidError(
+                "a line without start and stop",
+                where=f"{path}, line {number}",
+                remedy="write a header start,stop and two numbers a line [s]",
+            ) from None
+    if not lines:
+        raise ExoidError("there are no segments", where=str(path), remedy="write start,stop and two numbers a line [s]")
+    return lines
 
 
 def _columns(pairs: Sequence[str] | None) -> dict[str, str] | None:

@@ -9,7 +9,20 @@ import typer
 
 from exoid import estimate as estimates
 
-from .inputs import AsJson, Column, Degrees, LogOptions, Received, Start, Stop, Topic, read_logs
+from .inputs import (
+    AsJson,
+    Column,
+    Degrees,
+    LogOptions,
+    Mask,
+    Received,
+    Segments,
+    Start,
+    Stop,
+    Topic,
+    read_logs,
+    refuse_other_segments,
+)
 
 
 def validate(
@@ -21,11 +34,14 @@ def validate(
     stop: Stop = None,
     topic: Topic = None,
     received: Received = False,
+    segments: Segments = None,
+    mask: Mask = None,
     as_json: AsJson = False,
 ) -> None:
     """Predict the torque of the LOGs from their motion and compare it with the measured one."""
     loaded = estimates.Estimate.load(estimate)
-    recordings = read_logs(logs, LogOptions(column, degrees, start, stop, topic, received))
+    refuse_other_segments(segments, logs)
+    recordings = read_logs(logs, LogOptions(column, degrees, start, stop, topic, received, segments, mask))
     result = estimates.validate(loaded, recordings)
     if as_json:
         typer.echo(json.dumps(result.to_json(), indent=1))

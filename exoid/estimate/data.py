@@ -39,12 +39,14 @@ class Input:
         sha256: Hash of the file, or of the arrays.
         samples: Number of samples.
         sample_rate: [Hz].
+        segments: First and last time stamp of each segment that was used [s]; empty if all was.
     """
 
     name: str
     sha256: str
     samples: int
     sample_rate: float
+    segments: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -27,7 +27,7 @@ class Estimate(EstimateData):
         >>> data = exoid.datasets.bleex_swing()
         >>> estimate = exoid.identify(data.leg, data.train)
         >>> print(f"{estimate['X1'].value:.2f} {estimate['X1'].unit}")
-        3.99 kg·m
+        3.98 kg·m
     """
 
     def save(self, path: str | os.PathLike[str]) -> None:

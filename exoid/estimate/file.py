@@ -118,7 +118,7 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
         "bounded": list(estimate.bounded),
         "trends": trends_to_json(estimate.trends),
         "influence": influence_to_json(estimate.influence, estimate.names),
-        "inputs": [asdict(source) for source in estimate.inputs],
+        "inputs": [_input_to_json(source) for source in estimate.inputs],
         "shapes": _shapes_to_json(estimate.nonlinear, estimate.dof) if len(estimate.nonlinear) else {},
         "terms": [term_to_json(term) for term in model.terms],
         "leg": {
@@ -229,9 +229,16 @@ def _joint_noise(
     return JointNoise(int(samples), float(effective_samples), int(order), float(correlation), float(whiteness))
 
 
-def _input(name: str, sha256: str, samples: int, sample_rate: float) -> Input:
+def _input(name: str, sha256: str, samples: int, sample_rate: float, segments: Sequence[Sequence[float]] = ()) -> Input:
     """As for the noise."""
-    return Input(str(name), str(sha256), int(samples), float(sample_rate))
+    pairs = tuple((float(start), float(stop)) for start, stop in segments)
+    return Input(str(name), str(sha256), int(samples), float(sample_rate), pairs)
+
+
+def _input_to_json(source: Input) -> dict[str, Any]:
+    """Describe a recording, and its segments if it has any."""
+    data = asdict(source)
+    return data if source.segments else {key: value for key, value in data.items() if key != "segments"}
 
 
 def _by_name(data: Mapping[str, float], names: Sequence[str]) -> FloatArray:

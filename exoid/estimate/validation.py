@@ -11,7 +11,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.findings import Finding, finding_lines, findings_to_json, ordered
-from exoid.regression.rows import form_rows, prepare
+from exoid.regression.rows import each_row, prepare
 from exoid.signals import Preparation, Recording
 from exoid.tables import DataTable, make_table, to_html, to_text
 
@@ -168,12 +168,12 @@ def validate(
 def _validate_one(estimate: EstimateData, recording: Recording, preparation: Preparation) -> Validation:
     """Predict the torque of one recording, block by block."""
     prepared = prepare(estimate.model, recording, preparation, every=True)
-    rows = (form_rows(estimate.model, prepared, stretch) for stretch in prepared.stretches())
+    rows = each_row(estimate.model, prepared)
     parts = [(of_some.time, of_some.tau, of_some.W @ estimate.values) for of_some in rows]
     time, measured, predicted = (np.concatenate(part) for part in zip(*parts, strict=True))
     source = recording.source.name if recording.source else "array"
     alone = Validation(estimate.joint_names, time, measured, predicted, source)
-    used = slice(prepared.rows.start, prepared.rows.stop)
+    used = prepared.inside
     ranges = MotionRanges.of(prepared.motion.q[used], prepared.motion.v[used], prepared.motion.a[used])
     name = recording.source.name if recording.source else ""
     found = (*extrapolations(estimate, ranges, name), *poor_predictions(estimate, alone.nrmse, name))

@@ -82,10 +82,17 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
         The summary.
 
     Raises:
-        ExoidError: A joint is missing, or time has a gap.
+        ExoidError: A joint is missing, time has a gap, or the mask leaves no sample.
     """
     chosen = for_leg(model, data)
-    q, tau = np.ascontiguousarray(chosen.q.T), chosen.tau  # joint by joint is eight times as fast
+    mask = chosen.mask if isinstance(chosen, Recording) else None
+    counted = slice(None) if mask is None else mask
+    if mask is not None and not mask.any():
+        raise ExoidError(
+            "no sample counts: the mask is 0 everywhere", where=source_of(data), remedy="leave the recording out"
+        )
+    q = np.ascontiguousarray(chosen.q[counted].T)  # joint by joint is eight times as fast
+    tau = None if chosen.tau is None else chosen.tau[counted]
     return RecordingSummary(
         evidence(data),
         source_of(data),
@@ -299,15 +306,15 @@ def _torques(tau: FloatArray) -> Torques:
 
 def evidence(data: Recording | Poses) -> Input:
     """Describe a recording by its name, hash and size."""
-    rate = data.sample_rate if isinstance(data, Recording) else 0.0
+    rate, segments = (data.sample_rate, data.segment_times) if isinstance(data, Recording) else (0.0, ())
     if data.source is not None:
-        return Input(data.source.name, data.source.sha256, len(data), rate)
+        return Input(data.source.name, data.source.sha256, len(data), rate, segments)
     digest = hashlib.sha256()
     for name in ("time", "q", "v", "a", "tau"):
         array = getattr(data, name, None)
         if array is not None:
             digest.update(np.ascontiguousarray(array).data)
-    return Input("array", digest.hexdigest(), len(data), rate)
+    return Input("array", digest.hexdigest(), len(data), rate, segments)
 
 
 def _sources(summaries: Sequence[RecordingSummary]) -> str:

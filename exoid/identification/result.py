@@ -24,6 +24,7 @@ from exoid.regression.diagnostics import (
     describe_noise,
     parameter_scale,
     reference_scale,
+    short_runs,
 )
 from exoid.regression.fit import SamplesLeft, Uncertainty, samples_left, uncertainty_of
 from exoid.regression.influence import Influence, influence
@@ -169,7 +170,9 @@ class Result:
     def _common_warnings(self) -> tuple[str, ...]:
         """Warnings of the fit as a whole."""
         nonlinear = () if self._nonlinear is NO_NONLINEAR_PARAMETERS else self._nonlinear.warnings
-        return (*self.fitted.warnings, *nonlinear, *self._collinearity.warnings(self.fitted.problem.names))
+        problem, uncertainty = self.fitted.problem, self.uncertainty
+        short = () if uncertainty.white else short_runs(uncertainty.noises, problem.joint_names)
+        return (*self.fitted.warnings, *nonlinear, *self._collinearity.warnings(problem.names), *short)
 
     @cached_property
     def _collinearity(self) -> Collinearity:

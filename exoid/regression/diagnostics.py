@@ -45,6 +45,12 @@ STATES = 1000
 LAGS = 10
 """Autocorrelations that are tested for whiteness."""
 
+SHORTEST_RUN = 3
+"""Recordings or segments with fewer independent samples tell nothing of correlated noise,"""
+
+REMEMBERED = 0.3
+"""and longer ones too little if the autocorrelation at their length is still larger."""
+
 
 ILL_CONDITIONED = 100.0
 """Beyond this condition index an error of a thousandth of the torque may grow to a tenth of that of a parameter,"""
@@ -213,6 +219,32 @@ def describe_noise(problem: RowProblem, point: Point, noises: Noises) -> tuple[J
             whiteness=float(scipy.stats.chi2.sf(statistic[joint], lags[joint])) if lags[joint] else 1.0,
         )
         for joint in range(joints)
+    )
+
+
+def short_runs(noises: Noises, joint_names: Sequence[str]) -> tuple[str, ...]:
+    """Warn of joints whose recordings or segments are too short to tell how long the noise remains correlated.
+
+    Args:
+        noises: Noise of each kind and joint.
+        joint_names: Names of the joints.
+
+    Returns:
+        One warning, or none.
+    """
+    short = {
+        joint: noise.longest_run
+        for (kind, joint), noise in noises.items()
+        if not kind.at_rest
+        and noise.longest_run is not None
+        and (noise.longest_run < SHORTEST_RUN or noise.autocorrelation(noise.longest_run) > REMEMBERED)
+    }
+    if not short:
+        return ()
+    named = "all joints" if len(short) == len(joint_names) else ", ".join(joint_names[joint] for joint in sorted(short))
+    return (
+        f"recordings or segments of at most {max(short.values())} independent samples are too short to tell how long "
+        f"the torque noise of {named} is correlated: intervals may be too short; use longer ones",
     )
 
 

@@ -32,11 +32,14 @@ class AutoregressiveNoise:
         predictors: Best predictors of orders 0 to p, row k holding φ_1 … φ_k, (p + 1, p).
         variances: Variance that the predictor of each order leaves, (p + 1,); the last is σ².
         samples: From how many it was estimated, N; 0 for silence.
+        longest_run: Samples of the longest uninterrupted run where these are so short that they limit the lags; None
+            where they do not.
     """
 
     predictors: FloatArray
     variances: FloatArray
     samples: float = 0.0
+    longest_run: int | None = None
 
     @staticmethod
     def none() -> AutoregressiveNoise:
@@ -88,6 +91,21 @@ class AutoregressiveNoise:
         _, response = scipy.signal.freqz([1.0], self.polynomial, FREQUENCIES, whole=True)
         spectrum = np.abs(response) ** 2
         return float(np.mean(spectrum) ** 2 / np.mean(spectrum**2))
+
+    def autocorrelation(self, lag: int) -> float:
+        """Compute the autocorrelation of the model.
+
+        Args:
+            lag: Lag k.
+
+        Returns:
+            γ_k / γ_0.
+        """
+        correlations = [1.0]
+        for k in range(1, lag + 1):
+            row = self.predictors[min(k, self.order)][: min(k, self.order)]
+            correlations.append(float(row @ np.array(correlations[: -len(row) - 1 : -1] if len(row) else [])))
+        return correlations[lag]
 
     def scaled(self, factor: float) -> AutoregressiveNoise:
         """Return noise of so many times the variance."""

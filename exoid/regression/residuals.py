@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple, TypeVar
 
@@ -197,7 +198,8 @@ def _lag_sums(roots: Sequence[FloatArray], parts: Iterator[Series]) -> dict[tupl
         pairs.add(part.usable)
         if part.ends:
             found = np.array([products.sums, np.rint(pairs.sums)])
-            found[:, 1 + (0 if part.kind.at_rest else int(found[1, 0]) // 10) :] = 0.0
+            if part.kind.at_rest:
+                found[:, 1:] = 0.0
             sums[part.kind, part.joint] = found
     return sums
 
@@ -260,13 +262,18 @@ def settled(before: FloatArray, covariance: FloatArray) -> bool:
 
 
 def _model(products: FloatArray, pairs: FloatArray) -> AutoregressiveNoise:
-    """Noise of autocovariances Σ e_t e_{t+k} / pairs_k, tapered by 1 − k/N as if no sample were left out."""
+    """Noise of autocovariances Σ e_t e_{t+k} / pairs_k, tapered by 1 − k/N as if no sample were left out.
+
+    Lags up to N/10 count, and up to the first without a pair, which short recordings or segments do not have.
+    """
     if pairs[0] <= 0.0:
         return AutoregressiveNoise.none()
-    known = int(np.argmin(np.append(pairs, 0.0) > 0.0))  # up to the first lag without a pair
-    samples = pairs[0]
+    samples, run = pairs[0], int(np.argmin(np.append(pairs, 0.0) > 0.0))
+    known = min(len(pairs), 1 + int(samples) // 10)
+    longest_run, known = (run, run) if run < known else (None, known)
     taper = np.clip(1.0 - np.arange(known) / samples, 0.0, None)
-    return AutoregressiveNoise.from_autocovariances(products[:known] / pairs[:known] * taper, samples)
+    model = AutoregressiveNoise.from_autocovariances(products[:known] / pairs[:known] * taper, samples)
+    return replace(model, longest_run=longest_run)
 
 
 def matrix_root(covariance: FloatArray) -> FloatArray:

@@ -92,9 +92,11 @@ class Prepared(NamedTuple):
         motion: Motion from which the columns are formed.
         tau: Measured torque [N·m], (N, n), filtered unless by ``parallel``.
         usable: Mask of samples of each joint that may be fitted, (N, n).
-        rows: Samples that become rows: not spoilt by the ends of the record, evenly spaced.
+        rows: Samples that become rows, evenly spaced, from the first to the last that counts.
+        inside: Mask of samples that count: not affected by the ends of the record, and in its segments, (N,).
         independent_fraction: Share of the rows that carry independent noise.
-        parallel: Filter that columns and torque still have to pass; None for none.
+        parallel: Filter that columns and torque still have to pass; None for none. Samples that do not count are zero
+            on both sides of the equation before they pass it.
     """
 
     time: FloatArray
@@ -102,6 +104,7 @@ class Prepared(NamedTuple):
     tau: FloatArray
     usable: NDArray[np.bool_]
     rows: range
+    inside: NDArray[np.bool_]
     independent_fraction: float = 1.0
     parallel: ParallelFilter | None = None
 
@@ -137,7 +140,7 @@ def prepare(
     if isinstance(data, Poses):
         still, count = np.zeros_like(data.q), len(data)
         motion, usable = model.motion(data.q, still, still, data.torso), np.ones(data.q.shape, dtype=np.bool_)
-        return Prepared(np.arange(count, dtype=np.float64), motion, data.tau, usable, range(count))
+        return Prepared(np.arange(count, dtype=np.float64), motion, data.tau, usable, range(count), usable[:, 0])
     recording = data.resampled()
     if recording.tau is None:
         raise ExoidError(
@@ -147,25 +150,43 @@ def prepare(
         )
     rate = recording.sample_rate
     q, v, a, valid = preparation.kinematics(recording)
-    parallel, rows = preparation.parallel(rate), range(len(recording))[valid]
+    parallel, inside = preparation.parallel(rate), _inside(recording, valid)
+    counted = np.flatnonzero(inside)
+    rows = range(int(counted[0]), int(counted[-1]) + 1)
     stride = 1 if parallel is None or every else parallel.stride
     return Prepared(
         recording.time,
         model.motion(q, v, a, recording.torso),
         preparation.filter(recording.tau, rate) if parallel is None else recording.tau,
-        model.usable(v),
+        model.usable(v) & inside[:, None],
         rows[(len(rows) - 1) % stride // 2 :: stride],
+        inside,
         min(1.0, preparation.independent_fraction(rate) * stride),
         parallel,
     )
+
+
+def _inside(recording: Recording, valid: slice) -> NDArray[np.bool_]:
+    """Which samples count: valid ones in the segments of the recording, (N,)."""
+    inside = np.zeros(len(recording), dtype=np.bool_)
+    inside[valid] = True if recording.mask is None else recording.mask[valid]
+    if not inside.any():
+        raise ExoidError(
+            f"no sample counts between the first {valid.start} and the last {len(recording) - valid.stop}, in which "
+            "the ends of the recording affect the acceleration",
+            where=source_of(recording),
+            remedy="record longer before and after them, or choose a higher cut-off",
+        )
+    return inside
 
 
 def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows:
     """Form the regressor columns of a stretch of rows, and let columns and torque pass the filter.
 
     Columns are formed as far beyond both ends of the stretch as the filter reaches, so that they come out as if those
-    of the whole recording had been filtered. Columns beyond those of the parameters are torque that is known, and is
-    taken to the other side.
+    of the whole recording had been filtered. Samples that do not count are zero on both sides of τ = W β when they pass
+    it, which keeps the equation whatever the torque is there. Columns beyond those of the parameters are torque that
+    is known, and is taken to the other side.
 
     Args:
         model: Torque model.
@@ -182,7 +203,7 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
         rows = slice(inside.start, inside.stop, inside.step)
         columns, tau = columns[..., rows], tau[:, rows]
     else:
-        columns, tau = _filtered(prepared.parallel, columns, tau, model.acting, inside)
+        columns, tau = _filtered(prepared.parallel, columns, tau, model.acting, prepared.inside[around], inside)
     count = len(model.names)
     W, tau = columns[:count].transpose(2, 1, 0), tau.T
     if len(columns) > count:
@@ -193,17 +214,31 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
 
 
 def _filtered(
-    parallel: ParallelFilter, columns: FloatArray, tau: FloatArray, acting: NDArray[np.bool_], rows: range
+    parallel: ParallelFilter,
+    columns: FloatArray,
+    tau: FloatArray,
+    acting: NDArray[np.bool_],
+    inside: NDArray[np.bool_],
+    rows: range,
 ) -> tuple[FloatArray, FloatArray]:
     """Some rows of columns (P or more, n, N) and torques (n, N) behind the filter; what does not act stays zero."""
     known = np.ones((len(columns) - acting.shape[1], len(tau)), dtype=np.bool_)
     places = np.argwhere(np.vstack([acting.T, known]))
     distinct, twins = _distinct([*(columns[parameter, joint] for parameter, joint in places), *tau])
-    filtered = parallel(distinct, rows)
+    distinct[:, ~inside] = 0.0
+    filtered = _surrounded(parallel, distinct, rows)
     out = np.zeros((*columns.shape[:2], len(rows)))
     for (parameter, joint), twin in zip(places, twins, strict=False):
         out[parameter, joint] = filtered[twin]
     return out, filtered[twins[len(places) :]]
+
+
+def _surrounded(parallel: ParallelFilter, signals: FloatArray, rows: range) -> FloatArray:
+    """Some rows of signals (K, N) behind the filter, with zeros before and after the signals, (K, R)."""
+    before = max(0, parallel.reach - rows[0])
+    after = max(0, rows[-1] + 1 + parallel.reach - signals.shape[1])
+    padded = np.pad(signals, ((0, 0), (before, after))) if before or after else signals
+    return parallel(padded, range(rows.start + before, rows.stop + before, rows.step))
 
 
 def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
@@ -219,7 +254,7 @@ def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
 
 
 def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Preparation) -> Rows:
-    """Make a row of each sample of a recording that its ends do not spoil, or of poses, all at once.
+    """Make a row of each sample of a recording that counts, or of poses, all at once; see :func:`each_row`.
 
     Args:
         model: Torque model.
@@ -229,8 +264,34 @@ def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Prepa
     Returns:
         The rows.
     """
-    prepared = prepare(model, data, preparation, every=True)
-    return form_rows(model, prepared, prepared.rows)
+    return chain(list(each_row(model, prepare(model, data, preparation, every=True))))
+
+
+def each_row(model: RegressorModel, prepared: Prepared) -> Iterator[Rows]:
+    """Make a row of each sample of a recording that counts, or of poses, stretch by stretch.
+
+    Towards the ends of a segment, both sides of τ = W β fade behind the filter, as it sees zeros beyond. Here they are
+    divided by what the filter makes of ones in all segments. Rows are then weighted means of the torques around them,
+    as one wants to see them, but those near the ends have more noise than others.
+
+    Args:
+        model: Torque model.
+        prepared: The recording, or poses, of which :func:`prepare` made every sample a row.
+
+    Yields:
+        The rows of a stretch, without samples that do not count.
+    """
+    ones = prepared.inside[np.newaxis].astype(np.float64)
+    for stretch in prepared.stretches():
+        rows = form_rows(model, prepared, stretch)
+        counted = prepared.inside[stretch.start : stretch.stop]
+        if prepared.parallel is not None:
+            gain = np.where(counted, _surrounded(prepared.parallel, ones, stretch)[0], 1.0)
+            rows = rows._replace(W=rows.W / gain[:, None, None], tau=rows.tau / gain[:, None])
+        if not counted.all():
+            arrays = {name: getattr(rows, name)[counted] for name in ("time", "W", "tau", "q", "v", "usable")}
+            rows = rows._replace(**arrays)
+        yield rows
 
 
 def decimation(independent_fraction: float) -> int:
@@ -255,7 +316,7 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
     step = decimation(rows.independent_fraction)
     if step == 1:
         return rows
-    first = (count - 1) % step // 2
+    first = (count - 1 - (max(1, round(count / step)) - 1) * step) // 2  # each stands for the rows around it
     kept = slice((first - before) % step, None, step)
     return Rows(
         rows.time[kept],

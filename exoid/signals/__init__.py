@@ -3,7 +3,15 @@
 from .cluster import Cluster
 from .default_preparation import ZeroPhase, choose_cutoff
 from .differentiation import Kinematics, central_difference, second_difference
-from .filters import ParallelFilter, edge_length, exponential_moving_average, noise_bandwidth, zero_phase
+from .filters import (
+    ParallelFilter,
+    edge_length,
+    exponential_moving_average,
+    motion_edge,
+    noise_bandwidth,
+    smooth_motion,
+    zero_phase,
+)
 from .formats import register_format
 from .poses import Approaches, Poses
 from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed
@@ -31,10 +39,12 @@ __all__ = [
     "choose_cutoff",
     "edge_length",
     "exponential_moving_average",
+    "motion_edge",
     "noise_bandwidth",
     "preparation_by_name",
     "register_format",
     "register_preparation",
     "second_difference",
+    "smooth_motion",
     "zero_phase",
 ]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import fields
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import ArrayLike, FloatArray
+from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.torso import TorsoMotion
 
@@ -55,6 +56,49 @@ def as_numbers(values: ArrayLike, name: str) -> FloatArray:
     return numbers
 
 
+def as_mask(values: ArrayLike) -> BoolArray:
+    """Copy a mask to a read-only array of bools; numbers must be 0 or 1.
+
+    Args:
+        values: Samples that count.
+
+    Returns:
+        The copy.
+
+    Raises:
+        ExoidError: A value is neither true nor false.
+    """
+    raw = np.asarray(values)
+    if raw.dtype.kind not in "biuf" or not np.isin(raw, (0, 1)).all():
+        raise ExoidError("mask has values other than 0 and 1", remedy="pass a bool for each sample")
+    mask = np.array(raw, dtype=np.bool_)
+    mask.flags.writeable = False
+    return mask
+
+
+def as_segments(segments: Iterable[tuple[float, float]]) -> FloatArray:
+    """Check segments of a recording.
+
+    Args:
+        segments: Start and stop of each [s].
+
+    Returns:
+        Start and stop of each [s], (K, 2).
+
+    Raises:
+        ExoidError: They are not pairs of finite numbers, there is none, or one ends before it starts.
+    """
+    pairs = list(segments)
+    times = as_numbers(pairs, "segments") if pairs else np.zeros((0, 2))
+    if times.ndim != 2 or times.shape[1] != 2 or not len(times):
+        raise ExoidError("segments are not pairs of start and stop", remedy="pass [(start, stop), ...] in seconds")
+    wrong = ~(times[:, 0] < times[:, 1]) | ~np.isfinite(times).all(axis=1)
+    if wrong.any():
+        start, stop = times[int(wrong.argmax())]
+        raise ExoidError(f"a segment from {start:.6g} s to {stop:.6g} s", remedy="give start before stop, in seconds")
+    return times
+
+
 def refuse_names(names: tuple[object, ...]) -> None:
     """Refuse joint names that are not unique, printable strings that can head a column.
 
@@ -76,7 +120,7 @@ def refuse_names(names: tuple[object, ...]) -> None:
             raise ExoidError(f"joint name {name!r} occurs {names.count(name)} times", remedy="name each joint once")
 
 
-def refuse_shape(values: FloatArray, shape: tuple[int, ...], name: str) -> None:
+def refuse_shape(values: FloatArray | BoolArray, shape: tuple[int, ...], name: str) -> None:
     """Refuse an array that does not have the expected shape.
 
     Args:

@@ -14,7 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .differentiation import Kinematics, derive, inner_samples
-from .filters import ParallelFilter, edge_length, zero_phase
+from .filters import ParallelFilter, design_frequency, motion_edge, smooth_motion, zero_phase
 from .poses import Poses
 from .recording import Recording
 
@@ -54,7 +54,8 @@ class ZeroPhase:
     q, and v and a if recorded, are low-passed at the kinematics cut-off. Central differences over five points give what
     was not recorded (with three points the velocity of a 2 Hz motion at 50 Hz loses 1 %, with five 0.01 %). Then the
     *parallel filter* at ``cutoff`` acts on columns and torques: it removes noise from both sides of τ = W β, and the
-    equation still holds. Rows that the ends of the record affect through either filter are not valid.
+    equation still holds. It acts on valid rows only, as if both sides of the equation were zero elsewhere. Rows in
+    which the ends of the record affect q, v or a are not valid, see :func:`exoid.signals.motion_edge`.
 
     Attributes:
         cutoff: −3 dB frequency of the parallel filter [Hz].
@@ -90,7 +91,7 @@ class ZeroPhase:
         return min(KINEMATICS_MULTIPLE * self.cutoff, LARGEST_RATIO * rate)
 
     def edge(self, rate: float) -> int:
-        """Count the rows at each end that the two filters distort.
+        """Count the rows at each end that are not valid: one period of the kinematics cut-off.
 
         Args:
             rate: Sampling rate [Hz].
@@ -101,8 +102,8 @@ class ZeroPhase:
         Raises:
             ExoidError: A cut-off is not below half the rate.
         """
-        first = edge_length(rate, self.kinematics_cutoff_at(rate), self.order)
-        return first + edge_length(rate, self.cutoff, self.order)
+        design_frequency(rate, self.cutoff, self.order)  # refuses a cut-off that the rate cannot carry
+        return motion_edge(rate, self.kinematics_cutoff_at(rate), self.order)
 
     def kinematics(self, recording: Recording) -> Kinematics:
         """Smooth and derive.
@@ -120,7 +121,7 @@ class ZeroPhase:
         rate = recording.sample_rate
         cutoff = self.kinematics_cutoff_at(rate)
         valid = inner_samples(recording, self.edge(rate), self.edge(rate))
-        return derive(recording, lambda x: zero_phase(x, rate, cutoff, self.order), valid, accuracy=4)
+        return derive(recording, lambda x: smooth_motion(x, rate, cutoff, self.order), valid, accuracy=4)
 
     def filter(self, x: FloatArray, rate: float) -> FloatArray:
         """Low-pass torques at ``cutoff``; memory beyond the result does not grow with ``x``.

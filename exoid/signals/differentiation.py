@@ -138,6 +138,6 @@ def inner_samples(recording: Recording, head: int, tail: int) -> slice:
         raise ExoidError(
             f"{samples} samples are too few: the filters distort {head} at the beginning and {tail} at the end",
             where=recording.source.name if recording.source else "",
-            remedy="record longer or choose a higher cut-off",
+            remedy="record longer or choose a higher cut-off; of a longer log, pass all with Recording.segments",
         )
     return slice(head, samples - tail)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
+from typing import Any
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -19,8 +21,29 @@ TOLERANCE = 1e-3
 ROUNDING = 1e-15
 """The same error where a record is filtered in segments: below the rounding error of the filter."""
 
+END_DEGREE = 7
+"""Degree of the polynomials that continue a motion beyond its ends; the filter itself passes this degree unchanged."""
+END_WINDOW = 2.0
+"""Length of motion that such a polynomial is fitted to, in periods of the cut-off,"""
+FEWEST_POINTS = 12
+"""or so many samples if that is more."""
+CONTINUED = 1e-8
+"""Response of the filter up to which a motion is continued."""
+SLOW_RATE = 4.0
+"""Rate, in cut-off frequencies, below which a filter rings for many samples,"""
+RINGING_RATE, STRICT = 3.0, 1e-6
+"""rate below which it rings at half the rate, which no motion does, and its tolerance,"""
+HIGHEST_ORDER = 4
+"""and highest order of one pass with which it does not."""
+END_LOSS = 1.0
+"""Length at each end of a motion that `smooth_motion` may distort, in periods of the cut-off; see `motion_edge`."""
+
 OVERSAMPLING = 4.0
 """Rows per row of independent noise, so that products of two filtered signals do not alias onto frequency zero."""
+
+
+REFLECTION: dict[str, Any] = {"mode": "reflect", "reflect_type": "odd"}
+"""Arguments of `numpy.pad` that reflect a signal about its end points."""
 
 
 def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
@@ -48,21 +71,110 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Flo
         ExoidError: The cut-off is not between 0 and half the rate, or the record is not longer than
             `edge_length` samples.
     """
-    sections = scipy.signal.butter(order, _design_frequency(rate, cutoff, order), fs=rate, output="sos")
     pad = edge_length(rate, cutoff, order)
-    if len(x) <= pad:
+    _refuse_short(x, rate, cutoff, pad)
+    return _both_passes(x, rate, cutoff, order, pad, partial(np.pad, pad_width=((0, 0), (pad, pad)), **REFLECTION))
+
+
+def smooth_motion(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
+    """Low-pass angles, velocities or accelerations as `zero_phase`, with a continuation that keeps their curvature.
+
+    At each end, the motion is continued by the polynomial of degree 7 that fits the last two periods of the cut-off
+    best. The filter passes polynomials of this degree unchanged, so that only what they do not fit is distorted. Rows
+    less than `motion_edge` from an end should not be used.
+
+    Args:
+        x: Motion in any unit, (N, ...); filtered along the first axis.
+        rate: Sampling rate [Hz].
+        cutoff: −3 dB frequency of the two passes together [Hz], below ``rate`` / 2.
+        order: Order of one pass.
+
+    Returns:
+        Filtered motion, of the shape of ``x``.
+
+    Raises:
+        ExoidError: The cut-off is not between 0 and half the rate, or the record is shorter than the fit.
+    """
+    pad = edge_length(rate, cutoff, order, CONTINUED)
+    window = max(FEWEST_POINTS, round(END_WINDOW * rate / cutoff))
+    _refuse_short(x, rate, cutoff, window - 1)
+    return _both_passes(x, rate, cutoff, order, pad, partial(_continue, weights=_continuation(window, pad)))
+
+
+def motion_edge(rate: float, cutoff: float, order: int = 4) -> int:
+    """Count the samples at each end of a record that are not used after `smooth_motion`.
+
+    This is one period of the cut-off f_k, and at least six samples. Bound of the error that the end causes beyond them
+    in the acceleration of a sine of frequency f, as part of its amplitude, for orders up to 4:
+
+    * 1e-5 for f ≤ f_k/8,
+    * 2e-4 for f ≤ f_k/4, half of the cut-off of the parallel filter by default,
+    * 1e-2 for f ≤ f_k/2, where the filter itself attenuates by 2e-3.
+
+    Noise of the angle causes at most 1.5 times as much noise of the acceleration as far from the end. The error falls
+    by ten with every further 0.9 periods (``tests/signals/test_motion_edge.py``). For faster motions there is no bound.
+    Filters ring longer at rates below 4 f_k and if their order is higher. The count there is that of `edge_length`,
+    below 3 f_k with a tolerance of 1e-6.
+
+    Args:
+        rate: Sampling rate [Hz].
+        cutoff: −3 dB frequency of the two passes together [Hz].
+        order: Order of one pass.
+
+    Returns:
+        Number of samples at each end.
+
+    Raises:
+        ExoidError: The cut-off is not between 0 and half the rate.
+    """
+    if rate < SLOW_RATE * cutoff or order > HIGHEST_ORDER:
+        return edge_length(rate, cutoff, order, TOLERANCE if rate > RINGING_RATE * cutoff else STRICT)
+    return max(FEWEST_POINTS // 2, math.ceil(END_LOSS * rate / cutoff))
+
+
+def _refuse_short(x: FloatArray, rate: float, cutoff: float, most: int) -> None:
+    """Refuse a record of no more than so many samples."""
+    if len(x) <= most:
         raise ExoidError(
             f"{len(x)} samples ({len(x) / rate:.4g} s) are too few for a cut-off of {cutoff:.4g} Hz: "
-            f"more than {pad} ({pad / rate:.4g} s) are needed",
+            f"more than {most} ({most / rate:.4g} s) are needed",
             remedy="record longer or choose a higher cut-off",
         )
+
+
+def _both_passes(
+    x: FloatArray, rate: float, cutoff: float, order: int, pad: int, extend: Callable[[FloatArray], FloatArray]
+) -> FloatArray:
+    """Filter forwards and backwards; ``extend`` continues signals (K, N) beyond both ends by ``pad`` samples."""
+    sections = scipy.signal.butter(order, design_frequency(rate, cutoff, order), fs=rate, output="sos")
     signals = x.reshape(len(x), -1).T
     out = np.empty(signals.shape)
     width = max(1, BLOCK_BYTES // (8 * len(x)))
     for first in range(0, len(signals), width):
         rows = slice(first, first + width)
-        out[rows] = scipy.signal.sosfiltfilt(sections, signals[rows], padlen=pad)
+        filtered = scipy.signal.sosfiltfilt(sections, extend(signals[rows]), padtype=None, padlen=0)
+        out[rows] = filtered[:, pad:-pad]
     return out.T.reshape(x.shape)
+
+
+def _continue(signals: FloatArray, weights: FloatArray) -> FloatArray:
+    """Signals (K, N) with polynomials beyond both ends, of which ``weights`` gives those before the first sample."""
+    window = weights.shape[1]
+    first, last = signals[:, :1], signals[:, -1:]  # relative to them, rounding errors of large angles do not grow
+    before = first + (signals[:, :window] - first) @ weights.T
+    after = last + (signals[:, : -window - 1 : -1] - last) @ weights.T
+    return np.concatenate([before, signals, after[:, ::-1]], axis=1)
+
+
+@lru_cache(maxsize=16)
+def _continuation(window: int, length: int) -> FloatArray:
+    """Weights that continue ``window`` samples by ``length`` samples before them: least-squares polynomials."""
+    inside = 2.0 * np.arange(window) / (window - 1) - 1.0
+    before = 2.0 * np.arange(-length, 0) / (window - 1) - 1.0
+    fit = np.linalg.pinv(np.polynomial.legendre.legvander(inside, END_DEGREE))
+    weights: FloatArray = np.polynomial.legendre.legvander(before, END_DEGREE) @ fit
+    weights.flags.writeable = False
+    return weights
 
 
 def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = TOLERANCE) -> int:
@@ -88,7 +200,7 @@ def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = T
     Raises:
         ExoidError: The cut-off is not between 0 and half the rate.
     """
-    zeros, poles, gain = scipy.signal.butter(order, _design_frequency(rate, cutoff, order), fs=rate, output="zpk")
+    zeros, poles, gain = scipy.signal.butter(order, design_frequency(rate, cutoff, order), fs=rate, output="zpk")
     radius = float(np.abs(poles).max())
     if radius < 1e-9:  # all poles at the origin: the response is over after one sample
         return 1
@@ -153,7 +265,7 @@ def zero_phase_gain(frequency: FloatArray, rate: float, cutoff: float, order: in
     Raises:
         ExoidError: The cut-off is not between 0 and half the rate.
     """
-    ratio = np.tan(math.pi * frequency / rate) / math.tan(math.pi * _design_frequency(rate, cutoff, order) / rate)
+    ratio = np.tan(math.pi * frequency / rate) / math.tan(math.pi * design_frequency(rate, cutoff, order) / rate)
     with np.errstate(over="ignore"):  # the gain at half the rate is 0
         return np.asarray(1.0 / (1.0 + ratio ** (2 * order)))
 
@@ -179,8 +291,20 @@ def exponential_moving_average(x: FloatArray, alpha: float) -> FloatArray:
     return np.asarray(smoothed, dtype=np.float64)
 
 
-def _design_frequency(rate: float, cutoff: float, order: int) -> float:
-    """Cut-off f_d [Hz] of one pass for which both passes together have −3 dB at ``cutoff``."""
+def design_frequency(rate: float, cutoff: float, order: int) -> float:
+    """Compute the cut-off f_d of one pass for which both passes together have −3 dB at ``cutoff``.
+
+    Args:
+        rate: Sampling rate [Hz].
+        cutoff: −3 dB frequency of the two passes together [Hz].
+        order: Order of one pass.
+
+    Returns:
+        Cut-off frequency of one pass [Hz].
+
+    Raises:
+        ExoidError: The cut-off is not between 0 and half the rate, or the order is below 1.
+    """
     if order < 1 or order != int(order):
         raise ExoidError(f"filter order is {order}", remedy="pass a whole number from 1; 4 is usual")
     if not 0.0 < cutoff < rate / 2.0:

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 
 from . import checks
@@ -79,6 +79,28 @@ def read_log(
     if "v" in arrays:
         checks.refuse_velocity_in_other_unit(time, arrays["q"], arrays["v"], joints, where)
     return Log(time, arrays, joints, table.source, where)
+
+
+def read_mask(table: Table, column: str) -> BoolArray:
+    """Read which samples count from a column of 0 and 1.
+
+    Args:
+        table: Columns of the file.
+        column: Its header.
+
+    Returns:
+        The mask, (N,).
+
+    Raises:
+        ExoidError: There is no such column, or it has other values.
+    """
+    if column not in table.header:
+        missing = _missing(column, "it is to be the mask", table)
+        raise ExoidError(missing.what, where=missing.where, remedy="name a column of 0 and 1 as mask")
+    try:
+        return checks.as_mask(table.numbers([column])[:, 0])
+    except ExoidError as error:
+        raise ExoidError(error.what, where=f"{table.file}, column {column}", remedy=error.remedy) from None
 
 
 def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:

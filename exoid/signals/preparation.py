@@ -10,7 +10,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .differentiation import Kinematics, derive, inner_samples
-from .filters import TOLERANCE, ParallelFilter, edge_length, exponential_moving_average, zero_phase
+from .filters import TOLERANCE, ParallelFilter, exponential_moving_average, motion_edge, smooth_motion
 from .recording import Recording
 
 
@@ -184,9 +184,9 @@ class Smoothed(_Unfiltered):
         """
         recording = recording.resampled()
         rate = recording.sample_rate
-        edge = edge_length(rate, self.cutoff, self.order)
+        edge = motion_edge(rate, self.cutoff, self.order)
         valid = inner_samples(recording, edge, edge)
-        return derive(recording, lambda x: zero_phase(x, rate, self.cutoff, self.order), valid, accuracy=4)
+        return derive(recording, lambda x: smooth_motion(x, rate, self.cutoff, self.order), valid, accuracy=4)
 
 
 @dataclass(frozen=True)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.tables import html_table
 from exoid.torso import TorsoMotion
@@ -18,7 +18,7 @@ from exoid.torso import TorsoMotion
 from . import checks, timebase
 from .csv_writer import write_csv
 from .formats import ReadOptions, Table, open_table, read_text_table
-from .log import read_log
+from .log import read_log, read_mask
 from .source import Source
 from .source_location import SourceLocation
 
@@ -41,6 +41,8 @@ class Recording:
         tau: Actuator torques [N·m], (N, n); None for a motion without torques.
         joint_names: Names of the n columns.
         source: File of the data; None for arrays made in memory.
+        mask: Samples that count, (N,): only these become rows of τ = W β; None if all do. The angles of the others
+            are still needed for velocity and acceleration, their torques are not used. See :meth:`segments`.
         torso: Tilt of the torso, the same at all samples; None if it is upright and still.
         largest_angle: Limit of the angles [rad], beyond which they count as degrees; ``math.inf`` for a joint that
             makes full turns.
@@ -63,6 +65,7 @@ class Recording:
     _: KW_ONLY
     joint_names: tuple[str, ...]
     source: Source | None = None
+    mask: BoolArray | None = None
     torso: TorsoMotion | None = None
     largest_angle: float = checks.LARGEST_ANGLE
 
@@ -79,6 +82,8 @@ class Recording:
             values = getattr(self, name)
             if values is not None or name in ("time", "q"):
                 object.__setattr__(self, name, checks.as_numbers(values, name))
+        if self.mask is not None:
+            object.__setattr__(self, "mask", checks.as_mask(self.mask))
 
     def _check(self) -> None:
         where, names, samples = SourceLocation(), self.joint_names, self.time.size
@@ -89,6 +94,8 @@ class Recording:
         for quantity, values in self._arrays().items():
             checks.refuse_shape(values, (samples, len(names)), quantity)
         checks.refuse_too_few(samples, where)
+        if self.mask is not None:
+            checks.refuse_shape(self.mask, (samples,), "mask")
         checks.refuse_not_finite(self.time[:, np.newaxis], ("time",), where)
         for quantity, values in self._arrays().items():
             columns = tuple(f"{quantity}_{name}" for name in names)
@@ -109,7 +116,8 @@ class Recording:
 
     def _size(self) -> str:
         uneven = "" if self.is_uniform else " (uneven)"
-        return f"{len(self)} samples at {self.sample_rate:.4g} Hz, {self.duration:.4g} s{uneven}"
+        part = "" if self.mask is None else f", {np.count_nonzero(self.mask)} in {len(self.segment_times)} segments"
+        return f"{len(self)} samples at {self.sample_rate:.4g} Hz, {self.duration:.4g} s{uneven}{part}"
 
     def __len__(self) -> int:
         return len(self.time)
@@ -188,7 +196,44 @@ class Recording:
             ExoidError: Fewer than 10 samples are left.
         """
         arrays = {quantity: values[start:stop] for quantity, values in self._arrays().items()}
-        return self._with(time=self.time[start:stop], **arrays)
+        mask = None if self.mask is None else self.mask[start:stop]
+        return self._with(time=self.time[start:stop], mask=mask, **arrays)
+
+    def segments(self, segments: Iterable[tuple[float, float]]) -> Recording:
+        """Let only samples in some segments count, such as the swing phases of a walk.
+
+        Unlike :meth:`between`, this does not cut the recording: velocity and acceleration are derived from all of it,
+        so that segments lose nothing at their ends. The torque outside is not used, and τ = W β need not hold there.
+
+        Args:
+            segments: Start and stop of each segment [s]: samples with start ≤ time < stop count.
+
+        Returns:
+            The recording with a mask; samples that did not count before do not count either.
+
+        Raises:
+            ExoidError: A segment is not a pair of times, ends before it starts, or contains no sample.
+        """
+        inside = np.zeros(len(self), dtype=np.bool_)
+        for start, stop in checks.as_segments(segments):
+            first, last = np.searchsorted(self.time, [start, stop])
+            if first == last:
+                raise ExoidError(
+                    f"no sample in the segment from {start:.6g} s to {stop:.6g} s",
+                    where=self.source.name if self.source else "",
+                    remedy=f"the recording lasts from {self.time[0]:.6g} s to {self.time[-1]:.6g} s",
+                )
+            inside[first:last] = True
+        return self._with(mask=inside if self.mask is None else inside & self.mask)
+
+    @property
+    def segment_times(self) -> tuple[tuple[float, float], ...]:
+        """First and last time stamp of each segment of the mask [s]; empty if all samples count."""
+        if self.mask is None:
+            return ()
+        edges = np.flatnonzero(np.diff(self.mask, prepend=False, append=False))
+        pairs = zip(edges[::2], edges[1::2], strict=True)
+        return tuple((float(self.time[first]), float(self.time[stop - 1])) for first, stop in pairs)
 
     def between(self, start: float, stop: float) -> Recording:
         """Select the samples with ``start`` ≤ time < ``stop``.
@@ -239,10 +284,13 @@ class Recording:
             quantity: timebase.interpolate(time, values[rows], grid, smooth=quantity in ("q", "v"))
             for quantity, values in self._arrays().items()
         }
-        return self._with(time=grid, **arrays)
+        mask = None if self.mask is None else timebase.interpolate_mask(self.time, self.mask, grid)
+        return self._with(time=grid, mask=mask, **arrays)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write columns ``time, q_<joint>, …``, which `from_csv` reads back exactly.
+
+        A mask becomes a column ``mask`` of 0 and 1, which ``from_csv(path, mask="mask")`` reads.
 
         Args:
             path: File to write; an existing one is replaced only when the new one is complete.
@@ -252,7 +300,10 @@ class Recording:
         """
         arrays = self._arrays()
         header = ["time", *(f"{quantity}_{name}" for quantity in arrays for name in self.joint_names)]
-        write_csv(path, header, np.column_stack([self.time, *arrays.values()]))
+        columns = [self.time, *arrays.values()]
+        if self.mask is not None:
+            header, columns = [*header, "mask"], [*columns, self.mask.astype(np.float64)]
+        write_csv(path, header, np.column_stack(columns))
 
     @classmethod
     def from_csv(
@@ -264,6 +315,7 @@ class Recording:
         angle_unit: Literal["rad", "deg"] = "rad",
         largest_angle: float = checks.LARGEST_ANGLE,
         resample: bool = True,
+        mask: str | None = None,
     ) -> Recording:
         """Read a CSV log with columns ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>``.
 
@@ -279,6 +331,7 @@ class Recording:
             angle_unit: Unit of angles in the file; "deg" applies to q, v and a.
             largest_angle: Limit of the angles [rad], beyond which they count as degrees.
             resample: Whether to resample uneven time stamps, as `resampled` does.
+            mask: Header of a column of 0 and 1; only samples with 1 count, see :attr:`mask`.
 
         Returns:
             The recording.
@@ -287,7 +340,7 @@ class Recording:
             ExoidError: The file cannot be read, or its data fail a check. The error names file, line and column.
         """
         table = read_text_table(path)
-        return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample)
+        return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample, mask)
 
     @classmethod
     def from_file(
@@ -301,6 +354,7 @@ class Recording:
         resample: bool = True,
         topic: str | None = None,
         stamps: Literal["header", "received"] = "header",
+        mask: str | None = None,
     ) -> Recording:
         """Read a log of any format: its first bytes say which, or an ending of :func:`register_format`.
 
@@ -323,6 +377,7 @@ class Recording:
             topic: Topic of joint states, for a bag with several.
             stamps: Time stamps of a bag: "header", when the joints were measured, or "received", when the message was
                 recorded.
+            mask: See :meth:`from_csv`; not for bags, which have no such column.
 
         Returns:
             The recording.
@@ -334,7 +389,7 @@ class Recording:
             >>> Recording.from_file("walk.mcap", columns={"q_hip": "q_left_hip_joint"})  # doctest: +SKIP
         """
         table = open_table(path, ReadOptions(joint_names, dict(columns or {}), topic, stamps))
-        return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample)
+        return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample, mask)
 
     @classmethod
     def _from_table(
@@ -345,6 +400,7 @@ class Recording:
         angle_unit: Literal["rad", "deg"],
         largest_angle: float,
         resample: bool,
+        mask: str | None,
     ) -> Recording:
         """Make a recording of a table."""
         log = read_log(table, joint_names, columns, angle_unit, largest_angle)
@@ -356,6 +412,7 @@ class Recording:
             **arrays,
             joint_names=log.joint_names,
             source=log.source,
+            mask=None if mask is None else read_mask(table, mask),
             largest_angle=largest_angle,
         )
         return recording.resampled() if resample else recording

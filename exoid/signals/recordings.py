@@ -69,6 +69,7 @@ class Recordings(Sequence[Recording | Poses]):
         largest_angle: float = checks.LARGEST_ANGLE,
         topic: str | None = None,
         stamps: Literal["header", "received"] = "header",
+        mask: str | None = None,
     ) -> Recordings:
         """Find the logs in a folder, without its subfolders; ``part.10.csv`` comes after ``part.9.csv``.
 
@@ -80,6 +81,7 @@ class Recordings(Sequence[Recording | Poses]):
             largest_angle: See :meth:`Recording.from_file`.
             topic: See :meth:`Recording.from_file`.
             stamps: See :meth:`Recording.from_file`.
+            mask: See :meth:`Recording.from_file`.
 
         Returns:
             The recordings; no file is read yet.
@@ -95,6 +97,7 @@ class Recordings(Sequence[Recording | Poses]):
             largest_angle=largest_angle,
             topic=topic,
             stamps=stamps,
+            mask=mask,
         )
 
     @staticmethod
@@ -107,6 +110,7 @@ class Recordings(Sequence[Recording | Poses]):
         largest_angle: float = checks.LARGEST_ANGLE,
         topic: str | None = None,
         stamps: Literal["header", "received"] = "header",
+        mask: str | None = None,
     ) -> Recordings:
         """Make a sequence of files.
 
@@ -118,6 +122,7 @@ class Recordings(Sequence[Recording | Poses]):
             largest_angle: See :meth:`Recording.from_file`.
             topic: See :meth:`Recording.from_file`.
             stamps: See :meth:`Recording.from_file`.
+            mask: See :meth:`Recording.from_file`.
 
         Returns:
             The recordings; no file is read yet.
@@ -130,6 +135,7 @@ class Recordings(Sequence[Recording | Poses]):
             largest_angle=largest_angle,
             topic=topic,
             stamps=stamps,
+            mask=mask,
         )
         return Recordings(tuple(RecordingFile(Path(path), read) for path in paths))
 

@@ -6,7 +6,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 
 from .source_location import SourceLocation
@@ -126,3 +126,17 @@ def interpolate(time: FloatArray, values: FloatArray, grid: FloatArray, *, smoot
     curve = scipy.interpolate.CubicSpline(time, values) if smooth else scipy.interpolate.PchipInterpolator(time, values)
     columns: FloatArray = np.ascontiguousarray(curve(grid))
     return columns
+
+
+def interpolate_mask(time: FloatArray, mask: BoolArray, grid: FloatArray) -> BoolArray:
+    """Carry a mask over to other time stamps: a sample counts if both of its neighbours do.
+
+    Args:
+        time: Time stamps [s], (N,), strictly increasing.
+        mask: Samples that count, (N,).
+        grid: New time stamps [s], (M,), within ``time``.
+
+    Returns:
+        Samples at ``grid`` that count, (M,).
+    """
+    return np.asarray(np.interp(grid, time, mask.astype(np.float64)) > 1.0 - EVENNESS)

@@ -179,3 +179,8 @@ def test_a_loop_that_diverges_is_refused(exact):
     unstable = ClosedLoop(Proportional(-300.0), REFERENCE, step=2.5e-3)
     with pytest.raises(ExoidError, match="diverged"):
         identify(LEG, exact, TERMS, OutputError(unstable))
+
+
+def test_output_error_refuses_segments_as_it_simulates_whole_recordings():
+    with pytest.raises(ExoidError, match=r"simulates whole recordings.*Recording\.between"):
+        identify(LEG, log().segments([(1.0, 2.0)]), TERMS, OutputError(LOOP))

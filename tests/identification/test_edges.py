@@ -25,32 +25,46 @@ def start_mid_motion(swing):
 @pytest.mark.parametrize(("rate", "seconds"), RECORDS)
 @pytest.mark.parametrize(("side", "inertias"), LEGS)
 def test_encoder_angles_alone_give_every_parameter_within_two_percent(side, inertias, rate, seconds, estimator):
-    """Three segments with friction, five harmonics of 0.1 Hz, no velocity or acceleration logged; found: 3e-6."""
+    """Three segments with friction, five harmonics of 0.1 Hz, no velocity or acceleration logged.
+
+    Found: 5e-10 at 500 Hz. At 100 Hz the error is 9e-8, that of differences over five points.
+    """
     for seed in (1, 2, 3):
         swing = Swing(exoid.load_leg("bleex", side, inertias), rate, seconds, seed)
         assert start_mid_motion(swing)
-        assert largest_error(swing, estimator=estimator) < 2e-5
+        assert largest_error(swing, estimator=estimator) < (1e-8 if rate > 100.0 else 1e-6)
 
 
 @pytest.mark.parametrize("rate", [500.0, 100.0])
 @pytest.mark.parametrize(("side", "inertias"), LEGS)
 def test_keeping_the_ends_must_err_grossly(side, inertias, rate):
-    """The same with the ends left in: one parameter at least is several percent off."""
+    """The same with motions reflected at the ends: one parameter at least is several percent off."""
     swing = Swing(exoid.load_leg("bleex", side, inertias), rate, 20.0, 2)
     assert largest_error(swing, preparation=WithEdges()) > 0.02
     assert largest_error(swing, preparation=WithEdges()) > 1e3 * largest_error(swing)
 
 
-def test_the_ends_do_not_matter_however_short_the_record():
-    """Two seconds and the ends: what is left is little, but right."""
-    swing = Swing(exoid.load_leg("bleex"), 200.0, 3.0, base=0.5)
-    assert largest_error(swing) < 5e-3
+@pytest.mark.parametrize(("seconds", "bound"), [(6.0, 1e-4), (3.0, 1e-4), (1.5, 1e-3)])
+def test_the_ends_do_not_matter_however_short_the_record(seconds, bound):
+    """Harmonics up to 2.5 Hz, the fastest at a third of the cut-off; found: 2e-5, 3e-5 and 2e-4."""
+    for seed in (1, 2, 3):
+        swing = Swing(exoid.load_leg("bleex"), 200.0, seconds, seed, base=0.5)
+        assert start_mid_motion(swing)
+        assert largest_error(swing) < bound
 
 
-def test_a_step_outside_the_valid_rows_does_not_move_the_estimate():
-    """A torque spike in the first samples, within the stretch that is removed, has no effect to speak of."""
+def test_a_spike_outside_the_valid_rows_does_not_move_the_estimate_at_all():
+    """Torques that are not valid are not filtered either."""
     swing = Swing(exoid.load_leg("bleex"))
     tau = swing.torque.copy()
     tau[:3] += 5.0
-    estimate = exoid.identify(swing.leg, swing.recording(v=None, a=None, tau=tau), TERMS)
-    assert np.abs(estimate.values / swing.truth - 1.0).max() < 1e-3
+    spiked, plain = (
+        exoid.identify(swing.leg, swing.recording(v=None, a=None, tau=each), TERMS) for each in (tau, swing.torque)
+    )
+    np.testing.assert_array_equal(spiked.values, plain.values)
+
+
+def test_the_loss_of_six_seconds_at_five_hertz_is_a_tenth_of_a_second():
+    """It was 0.77 s at each end."""
+    edge = exoid.signals.ZeroPhase(5.0).edge(500.0)
+    assert edge / 500.0 == pytest.approx(0.1)

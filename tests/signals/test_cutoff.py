@@ -21,8 +21,10 @@ def noise_of_acceleration(recording, cutoff, noise):
     preparation = ZeroPhase(cutoff, kinematics_cutoff=2.0 * cutoff)
 
     def acceleration(data):
-        a = preparation.kinematics(data).a
-        return preparation.filter(a, data.sample_rate)[preparation.kinematics(data).valid]
+        a, valid = preparation.kinematics(data)[2:]
+        inside = np.zeros((len(a), 1))
+        inside[valid] = 1.0
+        return preparation.filter(a * inside, data.sample_rate)[valid]
 
     quiet, loud = (acceleration(data) for data in (recording(0.0), recording(noise)))
     return np.sqrt(((loud - quiet) ** 2).mean(axis=0) / (quiet**2).mean(axis=0))

@@ -69,7 +69,7 @@ def test_filtering_in_blocks_of_columns_changes_nothing(monkeypatch):
 def test_ends_are_continued_by_point_reflection():
     """Written out: each pass begins in the state in which the first sample, held for ever, leaves the filter."""
     x, pad = np.random.default_rng(2).normal(size=(500, 3)).cumsum(axis=0), edge_length(100.0, 8.0)
-    sections = signal.butter(4, filters._design_frequency(100.0, 8.0, 4), fs=100.0, output="sos")
+    sections = signal.butter(4, filters.design_frequency(100.0, 8.0, 4), fs=100.0, output="sos")
     y = np.concatenate([2.0 * x[:1] - x[pad:0:-1], x, 2.0 * x[-1:] - x[-2 : -pad - 2 : -1]])
     for _ in range(2):
         state = signal.sosfilt_zi(sections)[:, :, np.newaxis] * y[0]

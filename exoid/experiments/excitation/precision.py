@@ -216,9 +216,10 @@ def _rows(
     rate, std = recording.sample_rate, noise.per_sample(recording.sample_rate)
     for block in _blocks(recording):
         q, v, a, valid = preparation.kinematics(block)
-        W = preparation.filter_columns(model.regressor(q, v, a, block.torso), rate)
-        use = np.zeros(q.shape, dtype=np.bool_)
-        use[valid] = model.usable(v)[valid]
+        inside = np.zeros(len(q), dtype=np.bool_)
+        inside[valid] = True
+        W = preparation.filter_columns(model.regressor(q, v, a, block.torso) * inside[:, None, None], rate)
+        use = model.usable(v) & inside[:, None]
         for joint in range(q.shape[1]):
             weighted = W[:, joint] * use[:, joint, None] / std[joint]
             transposed = np.flip(preparation.filter(np.flip(weighted, axis=0), rate), axis=0)  # Fᵀ, backwards in time

@@ -139,6 +139,8 @@ def _moving(model: TorqueModel, recording: Recording, preparation: ZeroPhase) ->
     recording = replace(for_leg(model, recording).resampled(), v=None, a=None)
     q, v, _, _ = preparation.kinematics(recording)
     usable = model.usable(v).astype(np.float64)
+    if recording.mask is not None:
+        usable *= recording.mask[:, None]
     return Moving(recording.time, recording.q, np.asarray(recording.tau), usable, q, recording.torso)
 
 

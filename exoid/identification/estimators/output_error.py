@@ -14,7 +14,7 @@ from exoid.identification.problem import Problem
 from exoid.regression.fit import Fit, correlated_covariance
 from exoid.regression.least_squares import RFactor, Solution, factorize, solve
 from exoid.regression.residuals import Point, fit_noise
-from exoid.regression.rows import for_leg, make_rows
+from exoid.regression.rows import for_leg, make_rows, source_of
 from exoid.signals import Poses
 
 from .closed_loop import ClosedLoop, as_possible
@@ -191,6 +191,12 @@ class _Matching(NamedTuple):
                 stamps.append(None)
                 continue
             recording = for_leg(model, data).resampled()
+            if recording.mask is not None:
+                raise ExoidError(
+                    "output error simulates whole recordings, and this one has segments",
+                    where=source_of(recording),
+                    remedy="cut them out with Recording.between, or use wls",
+                )
             series: list[_Series] = []
             ran = self.loop.simulate(model, beside, recording)
             for group, (measured, simulated) in enumerate(((recording.q, ran.q), (np.asarray(recording.tau), ran.tau))):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.regression.rows import for_leg, make_rows
+from exoid.regression.rows import make_rows
 from exoid.signals import FiniteDifference, Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel
 
@@ -90,12 +90,11 @@ def rows_in_motion(
     if not recordings:
         raise ExoidError("no recordings", remedy="pass at least one")
     each = [make_rows(model, recording, preparation) for recording in recordings]
-    motions = [preparation.kinematics(for_leg(model, recording).resampled()) for recording in recordings]
     return _of_joint(
         model,
         np.concatenate([rows.W[:, joint] for rows in each]),
         np.concatenate([rows.tau[:, joint] for rows in each]),
-        np.concatenate([motion.v[motion.valid, joint] for motion in motions]),
+        np.concatenate([rows.v[:, joint] for rows in each]),
         min(rows.independent_fraction for rows in each),
     )
 

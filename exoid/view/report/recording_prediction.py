@@ -64,7 +64,9 @@ def predict_recording(estimate: Estimate, recording: Recording) -> RecordingPred
     """
     recording = for_leg(estimate.model, recording).resampled()
     validation = validate(estimate, recording)
-    q, v, a, valid = estimate.preparation.kinematics(recording)
+    q, v, a, inner = estimate.preparation.kinematics(recording)
+    valid = np.zeros(len(recording), dtype=np.bool_)
+    valid[inner] = True if recording.mask is None else recording.mask[inner]
     std = estimate.torque_std(q, v, a, recording.torso, measured=True)[valid]
     half = half_width(LEVEL, estimate.dof) * std
     friction = estimate.model.friction_torque(estimate.model.motion(q, v, a, recording.torso), estimate.values)

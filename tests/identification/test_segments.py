@@ -1,0 +1,197 @@
+"""Swing phases of 0.4 s, as segments of a longer log or as recordings of their own."""
+
+import dataclasses
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+from swings import TERMS, Swing
+
+import exoid
+from exoid import ExoidError
+from exoid.regression.noise import AutoregressiveNoise
+from exoid.regression.rows import make_rows
+from exoid.signals import ZeroPhase
+from exoid.torques import TorqueModel
+
+RATE, SWINGS, LENGTH = 100.0, 30, 0.4
+NOISE = np.array([0.3, 0.2, 0.1])
+
+
+@cache
+def swing(seed=1):
+    return Swing(exoid.load_leg("bleex"), RATE, SWINGS + 1.0, seed, base=0.45)
+
+
+def mask():
+    inside = np.zeros(len(swing().time), dtype=bool)
+    for k in range(SWINGS):
+        inside[round((0.3 + k) * RATE) :][: round(LENGTH * RATE)] = True
+    return inside
+
+
+def log(noise=0.0, seed=1, stance=0.0):
+    """Angles, and torques that outside the swings are not those of a free leg."""
+    tau = swing(seed).torque + noise
+    rng = np.random.default_rng(99)
+    tau = np.where(mask()[:, None], tau, tau + stance * (1.0 + rng.standard_normal(tau.shape)))
+    return swing(seed).recording(v=None, a=None, tau=tau)
+
+
+def segmented(**options):
+    return dataclasses.replace(log(**options), mask=mask())
+
+
+def apart(**options):
+    """Each swing as a recording of its own."""
+    edges = np.flatnonzero(np.diff(mask(), prepend=False, append=False))
+    return [log(**options).slice(first, last) for first, last in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def coloured(seed, time_constant):
+    memory = np.exp(-1.0 / (time_constant * RATE)) if time_constant else 0.0
+    drive = np.random.default_rng(seed).standard_normal(swing().torque.shape)
+    drive[1:] *= np.sqrt(1.0 - memory**2)
+    return NOISE * lfilter([1.0], [1.0, -memory], drive, axis=0)
+
+
+def error(recordings, **options):
+    estimate = exoid.identify(swing().leg, recordings, TERMS, **options)
+    return np.abs(estimate.values / swing().truth - 1.0).max()
+
+
+@pytest.mark.parametrize("estimator", ["wls", "ols", "huber", "gls"])
+def test_segments_give_every_parameter_though_the_torque_between_them_is_that_of_a_stance(estimator):
+    """Noise-free, 50 N·m of another force outside; the parallel filter does not carry it into the segments."""
+    assert error(segmented(stance=50.0), estimator=estimator) < 1e-4
+    assert error(log(stance=50.0), estimator=estimator) > 0.1, "without the mask it must show"
+
+
+def test_torque_outside_the_segments_does_not_change_the_estimate_in_the_last_bit():
+    some, other = (exoid.identify(swing().leg, segmented(stance=s), TERMS) for s in (0.0, 50.0))
+    np.testing.assert_array_equal(some.values, other.values)
+    np.testing.assert_array_equal(some.covariance, other.covariance)
+
+
+def test_segments_lose_no_row_to_the_filter():
+    model = TorqueModel(swing().leg, TERMS)
+    rows = make_rows(model, segmented(), ZeroPhase())
+    np.testing.assert_array_equal(rows.time, swing().time[mask()])
+
+
+def test_rows_of_segments_fulfil_the_equation():
+    model = TorqueModel(swing().leg, TERMS)
+    rows = make_rows(model, segmented(stance=50.0), ZeroPhase())
+    np.testing.assert_allclose(rows.W @ swing().truth, rows.tau, atol=2e-3)
+
+
+def test_a_constant_torque_is_constant_in_rows_as_they_are_shown():
+    """Rows are divided by what the filter makes of ones: both sides do not fade towards the ends of a segment."""
+    steady = dataclasses.replace(segmented(), tau=np.full_like(swing().torque, 3.0))
+    rows = make_rows(TorqueModel(swing().leg, TERMS), steady, ZeroPhase())
+    np.testing.assert_allclose(rows.tau, 3.0, rtol=1e-9)
+
+
+def test_an_estimate_says_which_segments_it_is_from_and_its_file_too(tmp_path):
+    estimate = exoid.identify(swing().leg, segmented(noise=coloured(1, 0.0)), TERMS)
+    assert estimate.inputs[0].segments == segmented().segment_times
+    estimate.save(tmp_path / "estimate.json")
+    assert exoid.Estimate.load(tmp_path / "estimate.json").inputs == estimate.inputs
+    whole = exoid.identify(swing().leg, log(noise=coloured(1, 0.0)), TERMS)
+    assert "segments" not in whole.to_json()["inputs"][0]
+
+
+def test_samples_outside_do_not_count_in_the_noise():
+    """Fifty times the noise outside changes neither residuals nor the number of samples."""
+    noise = coloured(2, 0.0)
+    quiet = exoid.identify(swing().leg, segmented(noise=noise), TERMS)
+    loud = exoid.identify(swing().leg, segmented(noise=np.where(mask()[:, None], noise, 50.0 * noise)), TERMS)
+    assert loud.noise == quiet.noise
+    np.testing.assert_array_equal(loud.residual_rms, quiet.residual_rms)
+    assert quiet.noise[0].samples < 0.5 * exoid.identify(swing().leg, log(noise=noise), TERMS).noise[0].samples
+
+
+def test_a_dead_torque_channel_outside_the_segments_is_none():
+    tau = np.where(mask()[:, None], swing().torque, 0.0)
+    assert error(dataclasses.replace(segmented(), tau=tau)) < 1e-4
+    with pytest.raises(ExoidError, match="is 0 N·m in 61% of the samples"):
+        error(dataclasses.replace(log(), tau=tau))
+
+
+def test_validation_is_of_the_segments_only():
+    estimate = exoid.identify(swing().leg, segmented(noise=coloured(3, 0.0)), TERMS)
+    inside = exoid.validate(estimate, segmented(noise=coloured(4, 0.0), stance=50.0))
+    assert len(inside.time) == mask().sum()
+    assert (inside.rmse < 0.5 * NOISE).all()
+    assert (exoid.validate(estimate, log(stance=50.0)).rmse > 10.0).all()
+
+
+def test_swings_that_were_recorded_apart_identify_the_leg_too():
+    """Of forty samples each, the ends take seven each; it was refused when they took 52 each."""
+    assert error(apart()) < 1e-3
+    assert 2 * ZeroPhase().edge(RATE) == 14
+
+
+def test_a_swing_of_26_samples_gives_rows_and_shorter_ones_say_what_to_do():
+    few = [each.slice(0, 26) for each in apart()]
+    assert error(few) < 2e-3
+    with pytest.raises(ExoidError, match=r"14 samples are too few.*of a longer log, pass all with Recording.segments"):
+        error([each.slice(0, 14) for each in apart()])
+
+
+def test_segments_within_the_ends_of_a_log_are_refused():
+    first = dataclasses.replace(log(), mask=np.arange(len(mask())) < 7)
+    with pytest.raises(ExoidError, match="no sample counts between the first 7 and the last 7"):
+        error(first)
+
+
+def test_a_recording_in_which_nothing_counts_is_refused():
+    with pytest.raises(ExoidError, match="no sample counts: the mask is 0 everywhere"):
+        error(dataclasses.replace(log(), mask=np.zeros(len(mask()))))
+
+
+def test_a_stance_between_the_segments_causes_no_finding():
+    estimate = exoid.identify(swing().leg, segmented(noise=coloured(1, 0.0), stance=50.0), TERMS)
+    assert estimate.findings == ()
+
+
+def test_joint_estimation_of_motion_and_parameters_uses_the_torque_of_the_segments_only():
+    noise = coloured(5, 0.0)
+    assert error(segmented(noise=noise, stance=50.0), estimator="ml") < 0.1
+    assert error(log(noise=noise, stance=50.0), estimator="ml") > 0.1
+
+
+def test_noise_that_outlasts_the_segments_is_warned_of_and_other_noise_is_not():
+    def warned(recordings):
+        estimate = exoid.identify(swing().leg, recordings, TERMS)
+        return any("too short to tell how long the torque noise" in warning for warning in estimate.warnings)
+
+    assert not warned(segmented(noise=coloured(6, 0.0)))
+    assert not warned(apart(noise=coloured(6, 0.0)))
+    assert not warned(log(noise=coloured(6, 1.0)))
+    assert warned(segmented(noise=coloured(6, 1.0)))
+    assert warned([each.slice(0, 26) for each in apart(noise=coloured(6, 0.0))])
+
+
+def test_the_autocorrelation_of_a_noise_model_is_that_of_its_autocovariances():
+    gamma = 0.7 ** np.arange(6) * 4.0 + 0.4 ** np.arange(6)
+    noise = AutoregressiveNoise.from_autocovariances(gamma, 10_000_000)
+    found = [noise.autocorrelation(k) for k in range(6)]
+    np.testing.assert_allclose(found, gamma / gamma[0], atol=2e-3)
+    assert AutoregressiveNoise.none().autocorrelation(3) == 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("time_constant", [0.0, 0.05])
+@pytest.mark.parametrize("form", [segmented, apart])
+def test_intervals_from_thirty_swings_contain_the_truth_as_often_as_they_say(form, time_constant):
+    """Nominal 95 %; 40 replicates of 15 parameters."""
+    inside = []
+    for seed in range(40):
+        recordings = form(noise=coloured([seed, 7], time_constant), seed=seed)
+        estimate = exoid.identify(swing().leg, recordings, TERMS)
+        low, high = estimate.interval().T
+        inside.append((low <= swing().truth) & (swing().truth <= high))
+    assert 0.92 < np.mean(inside) < 0.985
+    assert np.mean(inside, axis=0).min() > 0.79

@@ -1,0 +1,109 @@
+"""What the ends of a record do to velocity and acceleration: the bound that `motion_edge` states."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from exoid import ExoidError
+from exoid.signals import central_difference, edge_length, motion_edge, second_difference, smooth_motion
+
+RATES = (4.0, 5.0, 6.0, 10.0, 31.25, 100.0)
+"""Rates over the cut-off."""
+BOUND = {1 / 8: 1e-5, 1 / 4: 2e-4, 1 / 2: 1e-2}
+"""Frequency over the cut-off, and the part of its acceleration that may be wrong."""
+
+
+def error_of_acceleration(rate, cutoff, order, frequencies, ends=smooth_motion):
+    """Error that the ends cause at each sample of the first half, over the amplitude, (N/2,)."""
+    samples = max(60, round(16 * rate / cutoff))
+    angles = 2.0 * np.pi * np.outer(np.arange(samples) / rate, frequencies)
+    waves = np.hstack([np.cos(angles), np.sin(angles)])
+    found = second_difference(ends(waves, rate, cutoff, order), rate, 4)
+    real, imaginary = np.hsplit(found, 2)
+    wave = np.exp(1j * angles)
+    gain = (real + 1j * imaginary)[samples // 2] / wave[samples // 2]
+    error = np.hypot(real - (gain * wave).real, imaginary - (gain * wave).imag) / (2.0 * np.pi * frequencies) ** 2
+    return error.max(axis=1)[: samples // 2]
+
+
+@pytest.mark.parametrize("order", [2, 3, 4])
+@pytest.mark.parametrize("rate", RATES)
+def test_the_end_of_a_record_spoils_no_more_of_the_acceleration_than_the_bound_says(rate, order):
+    for share, bound in BOUND.items():
+        frequencies = np.linspace(0.01, share, 30) * 10.0
+        error = error_of_acceleration(10.0 * rate, 10.0, order, frequencies)
+        assert error[motion_edge(10.0 * rate, 10.0, order) :].max() < bound
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_point_reflection_would_exceed_the_bound_by_far(rate):
+    def reflected(x, rate, cutoff, order):
+        beyond = edge_length(rate, cutoff, order)
+        continued = np.pad(x, ((beyond, beyond), (0, 0)), mode="reflect", reflect_type="odd")
+        return smooth_motion(continued, rate, cutoff, order)[beyond:-beyond]
+
+    edge = motion_edge(10.0 * rate, 10.0)
+    error = error_of_acceleration(10.0 * rate, 10.0, 4, np.array([1.0]), reflected)
+    if rate > 4.0:
+        assert error[edge] > 1e2 * BOUND[1 / 8]
+    assert error[0] > 0.5
+
+
+@pytest.mark.parametrize("order", [2, 4])
+@pytest.mark.parametrize("rate", RATES)
+def test_noise_of_the_acceleration_is_not_much_more_beyond_the_edge_than_far_inside(rate, order):
+    samples = round(14 * rate)
+    smoothed = smooth_motion(np.eye(samples), 10.0 * rate, 10.0, order)
+    for derived in (
+        smoothed,
+        central_difference(smoothed, 10.0 * rate, 4),
+        second_difference(smoothed, 10.0 * rate, 4),
+    ):
+        size = np.linalg.norm(derived, axis=1) / np.linalg.norm(derived[samples // 2])
+        edge = motion_edge(10.0 * rate, 10.0, order)
+        assert size[edge:-edge].max() < 1.5
+        worst = size[0]
+    assert worst > 1.5, "without an edge the bound must not hold"
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.floats(0.5, 2.5), st.floats(1.0, 8.0), st.sampled_from([100.0, 250.0, 1000.0]))
+def test_random_motions_that_begin_anywhere_keep_the_bound(seed, seconds, cutoff, rate):
+    """Six harmonics below half of the cut-off, as sums of sines: errors are at most the bound times all amplitudes."""
+    rng = np.random.default_rng(seed)
+    kinematics_cutoff = 2.0 * cutoff
+    frequencies = rng.uniform(0.02, 0.25, 6) * kinematics_cutoff
+    amplitude, phase = rng.uniform(0.0, 1.0, 6), rng.uniform(0.0, 2.0 * np.pi, 6)
+    edge = motion_edge(rate, kinematics_cutoff)
+    t = np.arange(max(round(seconds * rate), 4 * edge)) / rate
+
+    def motion(time):
+        return np.sin(2.0 * np.pi * np.outer(time, frequencies) + phase) @ amplitude
+
+    beyond = edge_length(rate, kinematics_cutoff, tolerance=1e-12)
+    longer = np.arange(-beyond, len(t) + beyond) / rate
+    inside = slice(beyond, beyond + len(t))
+    full = second_difference(smooth_motion(motion(longer)[:, None], rate, kinematics_cutoff), rate, 4)[inside]
+    found = second_difference(smooth_motion(motion(t)[:, None], rate, kinematics_cutoff), rate, 4)
+    size = float(amplitude @ (2.0 * np.pi * frequencies) ** 2)
+    assert np.abs(found - full)[edge:-edge].max() < 2.0 * BOUND[1 / 4] * size  # both ends at once
+
+
+def test_polynomials_of_degree_seven_are_smoothed_without_any_error():
+    t = np.linspace(-1.0, 1.0, 400)
+    powers = np.stack([t**k for k in range(8)], axis=1)
+    np.testing.assert_allclose(smooth_motion(powers, 200.0, 10.0), powers, atol=1e-9)
+
+
+def test_a_large_constant_angle_costs_no_accuracy():
+    t = np.arange(400) / 200.0
+    wave = 0.3 * np.sin(5.0 * t)[:, None]
+    moved = smooth_motion(wave + 1000.0, 200.0, 10.0) - 1000.0
+    np.testing.assert_allclose(moved, smooth_motion(wave, 200.0, 10.0), atol=1e-8)
+
+
+def test_a_record_that_the_continuation_cannot_be_fitted_to_is_refused():
+    with pytest.raises(ExoidError, match=r"39 samples .* are too few for a cut-off of 10 Hz: more than 39"):
+        smooth_motion(np.zeros((39, 1)), 200.0, 10.0)
+    assert smooth_motion(np.zeros((40, 1)), 200.0, 10.0).shape == (40, 1)
