@@ -156,12 +156,14 @@ def test_a_stance_between_the_segments_causes_no_finding():
     assert estimate.findings == ()
 
 
+@pytest.mark.slow
 def test_joint_estimation_of_motion_and_parameters_uses_the_torque_of_the_segments_only():
     noise = coloured(5, 0.0)
     assert error(segmented(noise=noise, stance=50.0), estimator="ml") < 0.1
     assert error(log(noise=noise, stance=50.0), estimator="ml") > 0.1
 
 
+@pytest.mark.slow
 def test_noise_that_outlasts_the_segments_is_warned_of_and_other_noise_is_not():
     def warned(recordings):
         estimate = exoid.identify(swing().leg, recordings, TERMS)
