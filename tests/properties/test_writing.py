@@ -23,6 +23,9 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits o
 
 KILLS = 6 * (20 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 1)
 
+LONGEST = 60.0
+"""To wait for a file [s]."""
+
 WRITER = textwrap.dedent(
     """
     import sys
@@ -95,9 +98,11 @@ def test_a_writer_that_is_killed_leaves_nothing_half_written(folder, estimate, w
 
 def test_two_writers_in_one_folder_do_not_harm_each_other(folder, estimate):
     processes = [writer(folder, "save", "csv", "export") for _ in range(2)]
-    end = time.monotonic() + 3.0
-    while time.monotonic() < end:
+    begun = time.monotonic()
+    while (lasted := time.monotonic() - begun) < 3.0 or not (folder / "new.urdf").exists():
         assert_whole(folder, estimate)
+        if lasted > LONGEST:
+            raise TimeoutError("nobody wrote a URDF")
     for process in processes:
         assert process.poll() is None, "one of them failed"
         process.kill()
