@@ -91,8 +91,18 @@ def poor_predictions(
     """
     for joint, error, grown in zip(estimate.joint_names, nrmse, growth, strict=True):
         if not np.isfinite(error):
-            continue
-        if error > POOR:
+            if grown > GROWN:
+                yield Finding(
+                    "large-residual",
+                    joint,
+                    float(grown),
+                    "1",
+                    "error",
+                    f"the measured torque never changes, and the residual is {grown:.3g} times that of the training",
+                    "connect its torque channel, or map the right column",
+                    recording=source,
+                )
+        elif error > POOR:
             worse = "; a constant torque would predict it better" if error > USELESS else ""
             yield Finding(
                 "large-residual",
