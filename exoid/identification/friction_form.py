@@ -106,13 +106,16 @@ def _spread(own: FloatArray) -> FloatArray:
 
 
 def _average(H: FloatArray, h: FloatArray, unit: FloatArray, joints: int) -> FloatArray:
-    """Second moment E[c cᵀ] over all candidates, (n K, n K).
+    """Average the second moment E[c cᵀ] over all candidates.
 
     Args:
         H: XᵀX, (n K, n K).
         h: Xᵀr, (n K,).
         unit: Coefficient of each alternative whose torque has the RMS of that of its joint, (n K,).
         joints: Number n of joints.
+
+    Returns:
+        Second moment, (n K, n K).
     """
     moments, evidence = [], []
     for columns in (*KINDS.values(), tuple(range(COUNT))):

@@ -29,9 +29,10 @@ IDENTIFIABILITY = {
 """Text of each class of identifiability."""
 
 BAND_NOTE = (
-    "If the model is right, the band contains 95 % of newly measured torques. It includes the errors of the parameters, "
-    "a residual as large as that of the fit, and doubt about the form of friction. Measured and predicted torque passed the same filter. A share far "
-    "below 95 % in the table shows that the model is wrong for this recording, or that the leg has changed."
+    "If the model is right, the band contains 95 % of newly measured torques. It includes the errors of the "
+    "parameters, a residual as large as that of the fit, and doubt about the form of friction. Measured torque, "
+    "predicted torque and band passed the same filter. A share far below 95 % in the table shows that the model is "
+    "wrong for this recording, or that the leg has changed."
 )
 """Text above the figures of torque."""
 
