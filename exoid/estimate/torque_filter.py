@@ -16,11 +16,13 @@ class TorqueFilter(NamedTuple):
         preparation: Way from a recording to kinematics and filtered torques.
         source: "of the estimate" or "given".
         chosen: How the estimate's cut-off was chosen, with its value; "" where that is not known.
+        comparable: Whether residuals compare with those of the training: both passed the same kind of filter.
     """
 
     preparation: Preparation
     source: str
     chosen: str
+    comparable: bool = True
 
     @classmethod
     def of(cls, estimate: EstimateData, cutoff: float | None, preparation: Preparation | None) -> TorqueFilter:
@@ -40,9 +42,12 @@ class TorqueFilter(NamedTuple):
         own = estimate.preparation
         where = f", {estimate.cutoff_source}" if estimate.cutoff_source else ""
         chosen = f"{own.cutoff:.4g} Hz{where}" if isinstance(own, ZeroPhase) else ""
-        if cutoff is not None:
-            return cls(ZeroPhase(cutoff), "given", chosen)
-        return cls(own, "of the estimate", chosen) if preparation is None else cls(preparation, "given", chosen)
+        if cutoff is None and preparation is None:
+            return cls(own, "of the estimate", chosen)
+        given = ZeroPhase(cutoff) if cutoff is not None else preparation
+        assert given is not None
+        low_passes = isinstance(own, ZeroPhase) and isinstance(given, ZeroPhase)
+        return cls(given, "given", chosen, given == own or low_passes)
 
     @property
     def cutoff(self) -> float | None:

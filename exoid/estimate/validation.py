@@ -235,12 +235,13 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
     alone = Validation(estimate.joint_names, time, measured, predicted, name or "array", half_width=half, filter=chosen)
     used = slice(prepared.rows.start, prepared.rows.stop)
     ranges = MotionRanges.of(prepared.motion.q[used], prepared.motion.v[used], prepared.motion.a[used])
-    of_training = np.sqrt(bandwidth) * estimate.residual_rms
-    growth = np.divide(alone.rmse, of_training, out=np.ones_like(alone.rmse), where=of_training > 0.0)
-    found = (
-        *extrapolations(estimate, ranges, name),
-        *poor_predictions(estimate, alone.nrmse, growth, name),
-        *narrow_bands(estimate, alone.coverage, len(time) * preparation.independent_fraction(rate), name),
-        *late_torques(estimate.joint_names, time, predicted, alone.residual, alone.coverage, name),
-    )
+    found = [*extrapolations(estimate, ranges, name)]
+    growth = np.ones_like(alone.rmse)
+    if chosen.comparable:
+        of_training = np.sqrt(bandwidth) * estimate.residual_rms
+        growth = np.divide(alone.rmse, of_training, out=growth, where=of_training > 0.0)
+        independent = len(time) * preparation.independent_fraction(rate)
+        found += narrow_bands(estimate, alone.coverage, independent, name)
+        found += late_torques(estimate.joint_names, time, predicted, alone.residual, alone.coverage, name)
+    found += poor_predictions(estimate, alone.nrmse, growth, name)
     return replace(alone, findings=ordered(found))

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.checks import FittedLeg
@@ -20,6 +22,9 @@ SIZES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
 
 TINY = 1e-12
 """Smallest norm to divide by."""
+
+RANK = 1e-12
+"""Directions of the parameters whose squared singular value is below this part of the largest absorb nothing."""
 
 KEPT = 1e-9
 """Directions whose variance is below this part of the largest are left out."""
@@ -54,29 +59,67 @@ def friction_form_error(
     rows = _rows(model, fitted, data)
     if not rows:
         return None
-    P, n = len(fitted.values), len(speed)
-    usable = np.concatenate([one.usable for one in rows])[..., None]
-    every = np.concatenate([one.W for one in rows]) * usable
-    tau = np.concatenate([one.tau for one in rows]) * usable[..., 0]
-    size = np.sqrt((tau**2).mean(axis=0))
-    weights = 1.0 / np.maximum(np.maximum(residual_rms, 1e-9 * size), TINY)
-    residual = (tau - every[..., :P] @ fitted.values) * weights
-    W = (every[..., :P] * weights[:, None]).reshape(-1, P)
-    Z = _spread(every[..., P:] * weights[:, None])
-    free = np.isnan(fitted.fixed) & (np.linalg.norm(W, axis=0) > TINY)
-    G = np.zeros((P, n * COUNT))
-    norms = np.linalg.norm(W[:, free], axis=0)
-    G[free] = np.linalg.lstsq(W[:, free] / norms, Z, rcond=1e-7)[0] / norms[:, None]
-    share = np.tile(np.sqrt(np.clip(independent, 0.0, 1.0)), len(tau))
-    X = (Z - W @ G) * share[:, None]
-    scale = np.sqrt((every[..., P:] ** 2).mean(axis=0)).ravel()  # RMS of each alternative before the weights
-    unit = np.divide(np.repeat(size, COUNT), scale, out=np.zeros(n * COUNT), where=scale > TINY)
-    moment = _average(X.T @ X, X.T @ (residual.ravel() * share), unit, n)
-    L = _root(moment, scale * np.repeat(weights, COUNT))
-    error = ModelError(speed, -G @ L, L.reshape(n, COUNT, -1), np.zeros(n))
-    counted = np.maximum(usable[..., 0].sum(axis=0), 1)
-    explained = (error.variance(every) * usable[..., 0]).sum(axis=0) / counted
+    joints = [_Joint.of(rows, j, fitted.values, float(residual_rms[j])) for j in range(len(speed))]
+    G = _absorbed(joints, np.isnan(fitted.fixed))
+    size = len(joints) * COUNT
+    H, h = np.zeros((size, size)), np.zeros(size)
+    for j, joint in enumerate(joints):
+        X = -joint.W @ G
+        X[:, _places(j)] += joint.Z
+        share = min(max(float(independent[j]), 0.0), 1.0)
+        H += share * X.T @ X
+        h += share * X.T @ joint.residual
+    unit = np.concatenate([joint.unit for joint in joints])
+    L = _root(_average(H, h, unit, len(joints)), np.divide(1.0, unit, out=np.ones(size), where=unit > 0.0))
+    error = ModelError(speed, -G @ L, L.reshape(len(joints), COUNT, -1), np.zeros(len(joints)))
+    count = np.maximum(sum(one.usable.sum(axis=0) for one in rows), 1)
+    explained = sum((error.variance(one.W) * one.usable).sum(axis=0) for one in rows) / count
     return ModelError(error.speed, error.parameters, error.alternatives, explained)
+
+
+class _Joint(NamedTuple):
+    """Weighted rows of one joint: those of the parameters W (N, P), alternatives Z (N, K), residuals r (N,).
+
+    Attributes:
+        W: Columns of the parameters.
+        Z: Columns of the alternatives.
+        residual: Residuals.
+        unit: Coefficient of each alternative whose torque has the RMS of that of the joint, (K,); 0 for one without.
+    """
+
+    W: FloatArray
+    Z: FloatArray
+    residual: FloatArray
+    unit: FloatArray
+
+    @staticmethod
+    def of(rows: Sequence[Rows], j: int, values: FloatArray, residual_rms: float) -> _Joint:
+        """Take the usable rows of a joint, over the RMS residual."""
+        columns = np.concatenate([one.W[one.usable[:, j], j] for one in rows])
+        tau = np.concatenate([one.tau[one.usable[:, j], j] for one in rows])
+        size = float(np.sqrt(np.mean(tau**2))) if len(tau) else 0.0
+        weight = 1.0 / max(residual_rms, 1e-9 * size, TINY)
+        W, Z = columns[:, : len(values)], columns[:, len(values) :]
+        scale = np.sqrt((Z**2).sum(axis=0) / max(len(Z), 1))
+        unit = np.divide(size, scale, out=np.zeros(len(scale)), where=scale > TINY)
+        return _Joint(weight * W, weight * Z, weight * (tau - W @ values), unit)
+
+
+def _places(j: int) -> slice:
+    """Places of a joint's alternatives among those of all joints."""
+    return slice(j * COUNT, (j + 1) * COUNT)
+
+
+def _absorbed(joints: Sequence[_Joint], free: NDArray[np.bool_]) -> FloatArray:
+    """Regress the alternatives on the parameters that are free, (P, n K)."""
+    WW = np.asarray(sum(joint.W.T @ joint.W for joint in joints))
+    WZ = np.hstack([joint.W.T @ joint.Z for joint in joints])
+    used = free & (np.diag(WW) > TINY)
+    scale = 1.0 / np.sqrt(np.diag(WW)[used])
+    G = np.zeros_like(WZ)
+    inverse = np.linalg.pinv(scale[:, None] * WW[np.ix_(used, used)] * scale, rcond=RANK, hermitian=True)
+    G[used] = scale[:, None] * (inverse @ (scale[:, None] * WZ[used]))
+    return G
 
 
 def _rows(model: WithAlternatives, fitted: FittedLeg, data: Sequence[Recording | Poses]) -> list[Rows]:
@@ -94,15 +137,6 @@ def _rows(model: WithAlternatives, fitted: FittedLeg, data: Sequence[Recording |
             before += len(stretch)
         found.append(chain([rows for rows in kept if len(rows.time)]))
     return found
-
-
-def _spread(own: FloatArray) -> FloatArray:
-    """Give each joint's columns (N, n, K) a place of their own, (N n, n K)."""
-    N, n, K = own.shape
-    out = np.zeros((N, n, n, K))
-    for j in range(n):
-        out[:, j, j] = own[:, j]
-    return out.reshape(N * n, n * K)
 
 
 def _average(H: FloatArray, h: FloatArray, unit: FloatArray, joints: int) -> FloatArray:
@@ -135,7 +169,7 @@ def _average(H: FloatArray, h: FloatArray, unit: FloatArray, joints: int) -> Flo
 
 
 def _root(moment: FloatArray, scale: FloatArray) -> FloatArray:
-    """L with L Lᵀ = E[c cᵀ], without directions that hardly matter in units of the residuals, (n K, r)."""
+    """L with L Lᵀ = E[c cᵀ], without directions that hardly matter in units of the joints' torques, (n K, r)."""
     scale = np.where(scale > TINY, scale, 1.0)
     sizes, vectors = np.linalg.eigh(scale[:, None] * moment * scale)
     kept = sizes > KEPT * max(sizes[-1], TINY)

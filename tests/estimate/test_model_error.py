@@ -134,6 +134,21 @@ def test_without_checks_there_is_none_and_bands_are_those_of_parameters_and_nois
     assert (std >= estimate.residual_rms).all()
 
 
+def test_known_parameters_absorb_nothing(leg):
+    recording = log(leg, "stribeck", SLOW, 1)
+    free = exoid.identify(leg, recording)
+    held = exoid.identify(leg, recording, known={"c0_hip": free.value("c0_hip")})
+    place = free.names.index("c0_hip")
+    assert free.model_error.parameters[place].any()
+    assert not held.model_error.parameters[place].any()
+
+
+def test_one_state_alone_has_a_band(leg, estimates):
+    """The direction of motion is that of the velocity where there is no motion before."""
+    std = estimates["presliding"].torque_std([[0.1, 0.2]], [[0.5, 0.5]], [[0.0, 0.0]], measured=True)
+    assert (std < 5.0 * estimates["presliding"].residual_rms).all()
+
+
 def test_a_file_without_a_model_error_can_be_read(estimates):
     data = estimates["stribeck"].to_json()
     del data["model_error"], data["cutoff_source"]

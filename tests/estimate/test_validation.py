@@ -174,3 +174,12 @@ def test_few_effective_samples_do_not_make_a_band_narrow(swing, estimate):
     late = with_torque(swing.test, 1.2 * swing.test.tau)
     assert any(kind == "narrow-band" for kind, _ in kinds(exoid.validate(estimate, late)))
     assert not any(kind == "narrow-band" for kind, _ in kinds(exoid.validate(rare, late)))
+
+
+def test_residuals_of_another_kind_of_filter_are_not_compared_with_the_training(swing):
+    """Behind finite differences the residuals are mostly noise of accelerations, which a low-pass does not leave."""
+    estimate = exoid.identify(swing.leg, swing.train, preparation=FiniteDifference())
+    found = exoid.validate(estimate, swing.test, cutoff=8.0)
+    assert found.verdict == "predicts"
+    wrong = exoid.validate(estimate, with_torque(swing.test, -swing.test.tau), cutoff=8.0)
+    assert wrong.verdict == "does not predict"
