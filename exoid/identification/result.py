@@ -17,8 +17,15 @@ from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from exoid.findings import Finding
-from exoid.regression.diagnostics import Collinearity, JointNoise, describe_noise, parameter_scale, reference_scale
-from exoid.regression.fit import SamplesLeft, Uncertainty, condition_number, samples_left, uncertainty_of
+from exoid.regression.diagnostics import (
+    Collinearity,
+    JointNoise,
+    condition_number,
+    describe_noise,
+    parameter_scale,
+    reference_scale,
+)
+from exoid.regression.fit import SamplesLeft, Uncertainty, samples_left, uncertainty_of
 from exoid.regression.influence import Influence, influence
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.trends import Trend, residual_trends, trend_warnings
@@ -162,7 +169,7 @@ class Result:
             trends=trends,
             findings=(*(self.shifts[group] if self.shifts else ()), *checkup.findings),
             ranges=checkup.ranges,
-            model_error=model_error(self.fitted, group, checkup.ranges, residual_rms, noise),
+            model_error=model_error(self.fitted, group, checkup.ranges, residual_rms, noise) if self.check else None,
             cutoff_source=self.cutoff_source,
         )
 
