@@ -24,10 +24,18 @@ from .inputs import (
     refuse_other_segments,
 )
 
+NOT_PREDICTED = 1
+"""Exit status where the estimate does not predict the logs."""
+
 
 def validate(
     estimate: Annotated[str, typer.Argument(metavar="EST.JSON", help="Estimate of exoid identify -o.")],
     logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="Logs of any kind, or a dataset's name:test.")],
+    cutoff: Annotated[
+        float | None,
+        typer.Option(metavar="HZ", help="Cut-off of both torques, the same for all estimates that are compared."),
+    ] = None,
+    strict: Annotated[bool, typer.Option("--strict", help='Exit status 1 for "predicts poorly" too.')] = False,
     column: Column = None,
     degrees: Degrees = False,
     start: Start = None,
@@ -38,12 +46,18 @@ def validate(
     mask: Mask = None,
     as_json: AsJson = False,
 ) -> None:
-    """Predict the torque of the LOGs from their motion and compare it with the measured one."""
+    """Predict the torque of the LOGs from their motion and compare it with the measured one.
+
+    The exit status is 1 if the estimate does not predict them, and 2 for bad input.
+    """
     loaded = estimates.Estimate.load(estimate)
     refuse_other_segments(segments, logs)
     recordings = read_logs(logs, LogOptions(column, degrees, start, stop, topic, received, segments, mask))
-    result = estimates.validate(loaded, recordings)
+    result = estimates.validate(loaded, recordings, cutoff=cutoff)
     if as_json:
         typer.echo(json.dumps(result.to_json(), indent=1))
     else:
         typer.echo(str(result))
+    fails = ("does not predict", "predicts poorly") if strict else ("does not predict",)
+    if result.verdict in fails:
+        raise typer.Exit(NOT_PREDICTED)

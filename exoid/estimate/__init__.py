@@ -5,10 +5,12 @@ from .data import EstimateData, Input
 from .estimate import Estimate
 from .export import Export
 from .grouped import GroupedEstimate
+from .model_error import ModelError
 from .nonlinear import NonlinearParameters
 from .parameter import Parameter
 from .prediction import predict_motion
 from .torque_band import TorqueBand
+from .torque_filter import TorqueFilter
 from .validation import Validation, validate
 
 __all__ = [
@@ -18,9 +20,11 @@ __all__ = [
     "Export",
     "GroupedEstimate",
     "Input",
+    "ModelError",
     "NonlinearParameters",
     "Parameter",
     "TorqueBand",
+    "TorqueFilter",
     "Validation",
     "compare",
     "predict_motion",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -21,10 +21,12 @@ from exoid.signals import Preparation
 from exoid.torques import Regrouped, TorqueModel
 from exoid.torso import TorsoMotion
 
+from .alternative_friction import WithAlternatives
+from .model_error import ModelError
 from .motion_ranges import MotionRanges
 from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from .parameter import Parameter, ParameterTable
-from .torque_band import TorqueBand, torque_std
+from .torque_band import TorqueBand, parameter_variance, torque_std
 
 LARGE = 1e300
 """Stands for what is infinite, as files hold finite numbers."""
@@ -83,6 +85,9 @@ class EstimateData(ParameterTable):
             uncertainty.
         findings: Faults of the logs or the model that checks found, the worst first; see ``docs/checks.md``.
         ranges: Ranges of the motion that was fitted; None where they were not stored.
+        model_error: Doubt about the form of friction, which widens bands beyond the motion that was fitted; None where
+            it was not stored, or where logs were not checked.
+        cutoff_source: How the cut-off of the preparation was chosen; "" where that was not stored.
     """
 
     model: TorqueModel
@@ -108,6 +113,8 @@ class EstimateData(ParameterTable):
     prior_gains: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     findings: tuple[Finding, ...] = ()
     ranges: MotionRanges | None = None
+    model_error: ModelError | None = None
+    cutoff_source: str = ""
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
@@ -234,23 +241,45 @@ class EstimateData(ParameterTable):
     ) -> FloatArray:
         """Standard deviation of :meth:`torque` [N·m], (N, n), as if loads of friction and fitted settings were exact.
 
+        A measured torque includes the model error: friction may have another form than the terms, as far as the
+        residuals allow. Inside the motion of the training that is part of the residuals. Beyond it, it grows.
+
         Args:
-            q: Joint angles [rad], (N, n).
+            q: Joint angles [rad], (N, n), in time order if ``measured``.
             v: Joint velocities [rad/s], (N, n).
             a: Joint accelerations [rad/s²], (N, n).
             torso: Motion of the torso, if it moves.
-            measured: Whether to add the noise of a new measurement, which has passed the same filter as those that the
-                estimate was made from.
+            measured: Whether to add the model error, and the noise of a new measurement, which has passed the same
+                filter as those that the estimate was made from.
 
         Returns:
             Standard deviations [N·m], (N, n).
         """
+        model = self.band_model if measured else self.model.loaded_by(self.values)
+        variance = self.measured_variance if measured else partial(parameter_variance, self.covariance)
+        return torque_std(model, variance, model.motion(q, v, a, torso))
+
+    @property
+    def band_model(self) -> TorqueModel | WithAlternatives:
+        """Torque model with the columns that the band of a measured torque needs."""
         model = self.model.loaded_by(self.values)
-        std = torque_std(model, self.covariance, model.motion(q, v, a, torso))
-        if not measured:
-            return std
+        return model if self.model_error is None else self.model_error.model(model, self.values)
+
+    def measured_variance(self, rows: FloatArray, bandwidth: float = 1.0) -> FloatArray:
+        """Variance of a measured torque about the predicted one: parameters, noise and model error.
+
+        Args:
+            rows: Rows of :attr:`band_model`, filtered like the torque, (N, n, P or more).
+            bandwidth: Noise bandwidth of that filter over that of the training's; noise counts as white.
+
+        Returns:
+            Variance [N²·m²], (N, n).
+        """
         lost = (self.dof + len(self.values)) / self.dof  # residuals are smaller than noise, as they were fitted
-        return np.asarray(np.sqrt(std**2 + lost * self.residual_rms**2))
+        noise, of_parameters = lost * self.residual_rms**2, parameter_variance(self.covariance, rows)
+        if self.model_error is None:
+            return of_parameters + bandwidth * noise
+        return of_parameters + bandwidth * self.model_error.noise(noise) + self.model_error.variance(rows)
 
     def torque_band(
         self,

@@ -25,6 +25,7 @@ from exoid.signals.preparation_names import preparation_from_json, preparation_t
 from exoid.torques import TorqueModel, term_from_json, term_to_json
 
 from .data import EstimateData, Input
+from .model_error import model_error_from_json, model_error_to_json
 from .motion_ranges import ranges_from_json, ranges_to_json
 from .nonlinear import NonlinearParameters
 
@@ -111,6 +112,8 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
         "warnings": list(estimate.warnings),
         "findings": findings_to_json(estimate.findings),
         "ranges": ranges_to_json(estimate.ranges, estimate.joint_names),
+        "model_error": model_error_to_json(estimate.model_error),
+        "cutoff_source": estimate.cutoff_source,
         "known": dict(estimate.prior_knowledge.known),
         "prior": {name: list(pair) for name, pair in estimate.prior_knowledge.prior.values.items()},
         "prior_gains": estimate.prior_gains.tolist(),
@@ -184,6 +187,8 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         collinearity=_by_name(data["collinearity"], model.names),
         findings=findings_from_json(data.get("findings", [])),  # files of exoid 0.1 have none
         ranges=ranges_from_json(data.get("ranges"), leg.joint_names),
+        model_error=model_error_from_json(data.get("model_error"), leg.joint_names, model.names),
+        cutoff_source=str(data.get("cutoff_source", "")),
     )
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.torques import Motion, TorqueModel
+from exoid.regression.model import MotionSamples, RegressorModel
 
 BLOCK = 8192
 """Samples worked on at once."""
@@ -27,11 +28,35 @@ class TorqueBand(NamedTuple):
     upper: FloatArray
 
 
-def torque_std(model: TorqueModel, covariance: FloatArray, motion: Motion) -> FloatArray:
-    """Standard deviation √(W C Wᵀ) that the parameters' errors give a torque [N·m], (N, n)."""
+def parameter_variance(covariance: FloatArray, rows: FloatArray) -> FloatArray:
+    """Variance w C wᵀ that the parameters' errors give a torque.
+
+    Args:
+        covariance: Covariance C of the parameters, (P, P).
+        rows: Rows w of the regressor, (N, n, P or more); further columns do not count.
+
+    Returns:
+        Variance [N²·m²], (N, n).
+    """
+    W = rows[..., : len(covariance)]
+    return np.asarray(np.clip(((W @ covariance) * W).sum(axis=-1), 0.0, None))
+
+
+def torque_std(
+    model: RegressorModel, variance: Callable[[FloatArray], FloatArray], motion: MotionSamples
+) -> FloatArray:
+    """Standard deviation of torques of a motion, block by block.
+
+    Args:
+        model: Model whose columns the variance needs.
+        variance: Variance [N²·m²], (N, n), of torques whose rows are given, (N, n, P).
+        motion: Motion of N samples.
+
+    Returns:
+        Standard deviations [N·m], (N, n).
+    """
     std = np.empty(motion.q.shape)
     for start in range(0, len(motion.q), BLOCK):
         rows = slice(start, start + BLOCK)
-        W = model.columns(motion.rows(rows)).transpose(2, 1, 0)
-        std[rows] = np.sqrt(np.clip(((W @ covariance) * W).sum(axis=-1), 0.0, None))
+        std[rows] = np.sqrt(variance(model.columns(motion.rows(rows)).transpose(2, 1, 0)))
     return std

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -11,16 +11,22 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.findings import Finding, finding_lines, findings_to_json, ordered
+from exoid.regression.intervals import half_width
 from exoid.regression.rows import each_row, prepare
 from exoid.signals import Preparation, Recording
 from exoid.tables import DataTable, make_table, to_html, to_text
 
 from .data import EstimateData
 from .motion_ranges import MotionRanges
-from .validation_checks import extrapolations, poor_predictions
+from .torque_filter import TorqueFilter
+from .validation_checks import extrapolations, late_torques, narrow_bands, poor_predictions
+from .verdict import Verdict, verdict_line, verdict_of
 
-HEADERS = ("joint", "RMSE [N·m]", "NRMSE", "R²")
+HEADERS = ("joint", "RMSE [N·m]", "NRMSE", "R²", "in 95 % band")
 """Columns of :meth:`Validation.rows`."""
+
+LEVEL = 0.95
+"""Probability that the band contains a measured torque."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -34,7 +40,10 @@ class Validation:
         predicted: Filtered predicted torque [N·m], (N, n).
         source: Name of the recording, or of all.
         parts: Validation of each recording where there are several; samples of all follow each other above.
-        findings: Motion beyond that of the training, and torque that is not predicted.
+        findings: Motion beyond that of the training, and torque that is late or not predicted.
+        half_width: Half the width of the 95 % band of the filtered measured torque [N·m], (N, n): errors of parameters
+            and of the form of friction, and noise.
+        filter: Filter of both torques.
     """
 
     joint_names: tuple[str, ...]
@@ -44,10 +53,12 @@ class Validation:
     source: str
     parts: tuple[Validation, ...] = ()
     findings: tuple[Finding, ...] = ()
+    half_width: FloatArray = field(kw_only=True)
+    filter: TorqueFilter = field(kw_only=True)
 
     def __post_init__(self) -> None:
         """Forbid changes."""
-        for array in (self.time, self.measured, self.predicted):
+        for array in (self.time, self.measured, self.predicted, self.half_width):
             array.flags.writeable = False
 
     @property
@@ -71,21 +82,36 @@ class Validation:
         """Coefficient of determination 1 − Σ residual² / Σ (measured − mean)², (n,)."""
         return 1.0 - self.nrmse**2
 
+    @property
+    def coverage(self) -> FloatArray:
+        """Share of the samples whose measured torque is inside the 95 % band, (n,)."""
+        return np.asarray((np.abs(self.residual) <= self.half_width).mean(axis=0))
+
+    @property
+    def verdict(self) -> Verdict:
+        """Verdict by the findings: "predicts", "predicts poorly" or "does not predict"; see docs/identification.md."""
+        return verdict_of(self.findings)
+
     def to_json(self) -> dict[str, Any]:
         """Turn the figures of a validation into what JSON can hold.
 
         Returns:
-            Source, number of samples, joints and their RMSE [N·m], NRMSE and R², and findings; the same of each
-            recording where there are several.
+            Source, verdict, number of samples, filter, joints and their RMSE [N·m], NRMSE, R² and share inside the
+            band, and findings; the same of each recording where there are several.
         """
         parts = {"recordings": [part.to_json() for part in self.parts]} if self.parts else {}
         return {
             "source": self.source,
+            "verdict": self.verdict,
+            "cutoff": self.filter.cutoff,
+            "cutoff_source": self.filter.source,
+            "cutoff_of_estimate": self.filter.chosen,
             "samples": len(self.time),
             "joint_names": list(self.joint_names),
             "rmse": self.rmse.tolist(),
             "nrmse": _numbers(self.nrmse),
             "r2": _numbers(self.r2),
+            "coverage_95": self.coverage.tolist(),
             "findings": findings_to_json(self.findings),
             **parts,
         }
@@ -105,21 +131,30 @@ class Validation:
 
     def _report(self) -> list[DataTable | str]:
         """Title, tables and number of samples."""
-        samples = f"{len(self.time)} samples, both torques filtered alike"
+        samples = f"{len(self.time)} samples, both torques {self.filter}"
         tables: list[DataTable | str] = [make_table(HEADERS, self.rows())]
         if self.parts:
             of_parts = [(part.source, *row) for part in self.parts for row in part.rows()]
             tables += ["each recording:", make_table(("recording", *HEADERS), of_parts)]
-        return [f"Prediction of {self.source}", *tables, samples, *finding_lines(self.findings)]
+        return [
+            f"Prediction of {self.source}",
+            *tables,
+            samples,
+            *finding_lines(self.findings),
+            verdict_line(self.findings),
+        ]
 
     def rows(self) -> list[tuple[str, ...]]:
-        """Write joint, RMSE, NRMSE and R² as rows of a table.
+        """Write joint, RMSE, NRMSE, R² and share inside the band as rows of a table.
 
         Returns:
             One row a joint.
         """
-        columns = (self.joint_names, self.rmse, self.nrmse, self.r2)
-        return [(name, f"{e:.4g}", f"{n:.4f}", f"{r:.4f}") for name, e, n, r in zip(*columns, strict=True)]
+        columns = (self.joint_names, self.rmse, self.nrmse, self.r2, self.coverage)
+        return [
+            (name, f"{e:.4g}", f"{n:.4f}", f"{r:.4f}", f"{100.0 * c:.1f} %")
+            for name, e, n, r, c in zip(*columns, strict=True)
+        ]
 
 
 def _numbers(array: FloatArray) -> list[float | None]:
@@ -128,53 +163,84 @@ def _numbers(array: FloatArray) -> list[float | None]:
 
 
 def validate(
-    estimate: EstimateData, recordings: Recording | Iterable[Recording], *, preparation: Preparation | None = None
+    estimate: EstimateData,
+    recordings: Recording | Iterable[Recording],
+    *,
+    cutoff: float | None = None,
+    preparation: Preparation | None = None,
 ) -> Validation:
     """Predict the torque of one or several recordings and compare.
+
+    NRMSE depends on the cut-off. To compare two estimates, pass the same ``cutoff`` for both: motion and torques then
+    pass the same filters, whatever the estimates were identified with.
 
     Args:
         estimate: The estimate.
         recordings: Motions with torques, better none that the estimate was fitted to.
-        preparation: Filter of both torques; None for the estimate's own.
+        cutoff: Cut-off frequency of both torques [Hz]; None for the estimate's own preparation.
+        preparation: Another way from a recording to filtered torques; ``cutoff`` then does not apply.
 
     Returns:
-        Measured and predicted torque with RMSE, NRMSE and R² of each joint, over all recordings and of each.
+        Measured and predicted torque with RMSE, NRMSE, R² and share inside the 95 % band of each joint, over all
+        recordings and of each, with findings and a verdict.
 
     Raises:
-        ExoidError: There is no recording, or one lacks a joint or the torque or is too short for the filter.
+        ExoidError: There is no recording, or one lacks a joint or the torque or is too short for the filter; or both
+            cutoff and preparation are given.
 
     Example:
         >>> data = exoid.datasets.bleex_swing()
         >>> validation = exoid.validate(exoid.identify(data.leg, data.train), data.test)
         >>> bool((validation.nrmse < 0.07).all())
         True
+        >>> validation.verdict
+        'predicts'
     """
     several = [recordings] if isinstance(recordings, Recording) else list(recordings)
     wrong = [item for item in several if not isinstance(item, Recording)]
     if wrong or not several:
         what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"
         raise ExoidError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
-    parts = tuple(_validate_one(estimate, each, preparation or estimate.preparation) for each in several)
+    if cutoff is not None and preparation is not None:
+        raise ExoidError("cutoff is that of the parallel filter, which preparation replaces", remedy="pass one of them")
+    chosen = TorqueFilter.of(estimate, cutoff, preparation)
+    parts = tuple(_validate_one(estimate, each, chosen) for each in several)
     if len(parts) == 1:
         return parts[0]
-    time, measured, predicted = (
-        np.concatenate([getattr(part, name) for part in parts]) for name in ("time", "measured", "predicted")
+    time, measured, predicted, half = (
+        np.concatenate([getattr(part, name) for part in parts])
+        for name in ("time", "measured", "predicted", "half_width")
     )
     source = ", ".join(part.source for part in parts)
-    findings = tuple(finding for part in parts for finding in part.findings)
-    return Validation(estimate.joint_names, time, measured, predicted, source, parts, findings)
+    findings = ordered([finding for part in parts for finding in part.findings])
+    return Validation(
+        estimate.joint_names, time, measured, predicted, source, parts, findings, half_width=half, filter=chosen
+    )
 
 
-def _validate_one(estimate: EstimateData, recording: Recording, preparation: Preparation) -> Validation:
+def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFilter) -> Validation:
     """Predict the torque of one recording, block by block."""
-    prepared = prepare(estimate.model, recording, preparation, every=True)
-    rows = each_row(estimate.model, prepared)
-    parts = [(of_some.time, of_some.tau, of_some.W @ estimate.values) for of_some in rows]
-    time, measured, predicted = (np.concatenate(part) for part in zip(*parts, strict=True))
-    source = recording.source.name if recording.source else "array"
-    alone = Validation(estimate.joint_names, time, measured, predicted, source)
+    model, preparation, count = estimate.band_model, chosen.preparation, len(estimate.values)
+    prepared = prepare(model, recording, preparation, every=True)
+    rate = 1.0 / float(prepared.time[1] - prepared.time[0])
+    bandwidth = preparation.independent_fraction(rate) / estimate.preparation.independent_fraction(rate)
+    factor = half_width(LEVEL, estimate.dof)
+    parts = []
+    for rows in each_row(model, prepared):
+        half = factor * np.sqrt(estimate.measured_variance(rows.W, bandwidth))
+        parts.append((rows.time, rows.tau, rows.W[..., :count] @ estimate.values, half))
+    time, measured, predicted, half = (np.concatenate(part) for part in zip(*parts, strict=True))
+    name = recording.source.name if recording.source else ""
+    alone = Validation(estimate.joint_names, time, measured, predicted, name or "array", half_width=half, filter=chosen)
     used = prepared.inside
     ranges = MotionRanges.of(prepared.motion.q[used], prepared.motion.v[used], prepared.motion.a[used])
-    name = recording.source.name if recording.source else ""
-    found = (*extrapolations(estimate, ranges, name), *poor_predictions(estimate, alone.nrmse, name))
+    found = [*extrapolations(estimate, ranges, name)]
+    growth = np.ones_like(alone.rmse)
+    if chosen.comparable:
+        of_training = np.sqrt(bandwidth) * estimate.residual_rms
+        growth = np.divide(alone.rmse, of_training, out=growth, where=of_training > 0.0)
+        independent = len(time) * preparation.independent_fraction(rate)
+        found += narrow_bands(estimate, alone.coverage, independent, name)
+        found += late_torques(estimate.joint_names, time, predicted, alone.residual, alone.coverage, name)
+    found += poor_predictions(estimate, alone.nrmse, growth, name)
     return replace(alone, findings=ordered(found))

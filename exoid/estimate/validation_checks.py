@@ -1,10 +1,11 @@
-"""Findings of a validation: motion beyond that of the training, and torque that is not predicted."""
+"""Findings of a validation: motion beyond that of the training, and torque that is not predicted or is late."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.findings import Finding
@@ -20,6 +21,21 @@ ANGLE = 0.2
 
 POOR, USELESS = 0.5, 1.0
 """NRMSE beyond which a prediction is poor, and worse than a constant torque."""
+
+GROWN = 2.0
+"""A residual so many times larger than that of the training is large,"""
+
+NEGLIGIBLE = 0.02
+"""unless its NRMSE is below this."""
+
+NARROW = 0.85
+"""A band of 95 % that contains less than this share is too narrow,"""
+
+SIGNIFICANT = 1e-3
+"""where chance would give so small a share with less than this probability."""
+
+LATE = 0.5
+"""A torque is late where so large a correlation with its time derivative is left in the residual."""
 
 
 def extrapolations(estimate: EstimateData, ranges: MotionRanges, source: str = "") -> Iterator[Finding]:
@@ -59,19 +75,34 @@ def extrapolations(estimate: EstimateData, ranges: MotionRanges, source: str = "
                 )
 
 
-def poor_predictions(estimate: EstimateData, nrmse: FloatArray, source: str = "") -> Iterator[Finding]:
-    """Find joints whose torque is predicted badly.
+def poor_predictions(
+    estimate: EstimateData, nrmse: FloatArray, growth: FloatArray, source: str = ""
+) -> Iterator[Finding]:
+    """Find joints whose torque is predicted badly: by itself, or in comparison with the training.
 
     Args:
         estimate: The estimate.
         nrmse: RMSE of each joint over the standard deviation of its torque, (n,).
+        growth: RMSE of each joint over that of the training, (n,).
         source: Name of the recording.
 
     Yields:
         One finding for each joint.
     """
-    for joint, error in zip(estimate.joint_names, nrmse, strict=True):
-        if np.isfinite(error) and error > POOR:
+    for joint, error, grown in zip(estimate.joint_names, nrmse, growth, strict=True):
+        if not np.isfinite(error):
+            if grown > GROWN:
+                yield Finding(
+                    "large-residual",
+                    joint,
+                    float(grown),
+                    "1",
+                    "error",
+                    f"the measured torque never changes, and the residual is {grown:.3g} times that of the training",
+                    "connect its torque channel, or map the right column",
+                    recording=source,
+                )
+        elif error > POOR:
             worse = "; a constant torque would predict it better" if error > USELESS else ""
             yield Finding(
                 "large-residual",
@@ -81,5 +112,99 @@ def poor_predictions(estimate: EstimateData, nrmse: FloatArray, source: str = ""
                 "error" if error > USELESS else "warning",
                 f"the estimate leaves {error:.0%} of the torque unexplained{worse}",
                 "check signs, units and joints of this recording, and whether the leg has changed (exoid check)",
+                recording=source,
+            )
+        elif grown > GROWN and error > NEGLIGIBLE:
+            yield Finding(
+                "large-residual",
+                joint,
+                float(grown),
+                "1",
+                "warning",
+                f"the residual is {grown:.3g} times that of the training",
+                "identify from motions like this one, or compare terms of friction (exoid select)",
+                recording=source,
+            )
+
+
+def narrow_bands(estimate: EstimateData, coverage: FloatArray, samples: float, source: str = "") -> Iterator[Finding]:
+    """Find joints whose torque leaves its 95 % band too often.
+
+    The share is tested by the binomial distribution of effective samples: decimated to the pace of independent noise,
+    times the share of effective samples in the training.
+
+    Args:
+        estimate: The estimate.
+        coverage: Share of the samples inside the band, (n,).
+        samples: Number of samples that carry independent white noise.
+        source: Name of the recording.
+
+    Yields:
+        One finding for each joint.
+    """
+    for k, (joint, share) in enumerate(zip(estimate.joint_names, coverage, strict=True)):
+        count = max(1, round(samples * effective_share(estimate, k)))
+        inside = np.ceil(share * count)
+        if share < NARROW and scipy.stats.binom.cdf(inside, count, 0.95) < SIGNIFICANT:
+            yield Finding(
+                "narrow-band",
+                joint,
+                float(share),
+                "1",
+                "warning",
+                f"only {share:.0%} of the torque is inside the 95 % band: the model errs by more than in the training",
+                "identify from motions like this one, or check whether the leg has changed",
+                recording=source,
+            )
+
+
+def effective_share(estimate: EstimateData, joint: int) -> float:
+    """Independent samples of the residual over those of white noise, in the training."""
+    if not estimate.noise:
+        return 1.0
+    noise = estimate.noise[joint]
+    return min(1.0, noise.effective_samples / max(noise.samples, 1))
+
+
+def late_torques(
+    joints: Sequence[str],
+    time: FloatArray,
+    predicted: FloatArray,
+    residual: FloatArray,
+    coverage: FloatArray,
+    source: str = "",
+) -> Iterator[Finding]:
+    """Find joints whose torque is late: τ(t) ≈ τ̂(t − δ) leaves the residual −δ dτ̂/dt.
+
+    Joints whose torque stays inside its band are left out: errors of the model suffice to explain their residuals.
+
+    Args:
+        joints: Names of the joints, (n,).
+        time: [s], (N,), evenly spaced.
+        predicted: Predicted torque [N·m], (N, n).
+        residual: Measured less predicted torque [N·m], (N, n).
+        coverage: Share of the samples inside the band, (n,).
+        source: Name of the recording.
+
+    Yields:
+        One finding for each joint.
+    """
+    if len(time) < 3:
+        return
+    rate = np.gradient(predicted, time, axis=0)
+    for joint, torque, slope, error, share in zip(joints, predicted.T, rate.T, residual.T, coverage, strict=True):
+        product, power = float(slope @ error), float(slope @ slope)
+        size = np.sqrt(power * float(error @ error))
+        matters = float(error.std()) > NEGLIGIBLE * float((error + torque).std())
+        if share < NARROW and matters and abs(product) > LATE * size > 0.0:
+            delay = -product / power
+            yield Finding(
+                "torque-delay",
+                joint,
+                delay,
+                "s",
+                "warning",
+                f"the torque comes {1e3 * abs(delay):.3g} ms {'after' if delay > 0.0 else 'before'} the predicted one",
+                "correct the time stamps of this recording (exoid check)",
                 recording=source,
             )

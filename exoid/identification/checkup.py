@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.checks import Checkup, FittedLeg, check_fit, torque_delays, without_delay
 from exoid.errors import ExoidError
+from exoid.estimate.model_error import ModelError
+from exoid.estimate.motion_ranges import MotionRanges
 from exoid.findings import Finding
+from exoid.regression.diagnostics import JointNoise
 from exoid.regression.rows import for_leg
 from exoid.signals import Cluster, Poses
 from exoid.torques import TorqueModel
 
 from .fitting import Fitted, Task
+from .friction_form import friction_form_error
 from .group_rows import Group
 
 
@@ -31,6 +37,33 @@ def check_group(fitted: Fitted, group: int, covariance: FloatArray) -> Checkup:
     if isinstance(data, Cluster):
         return Checkup()
     return check_fit(_fitted_leg(fitted, group, covariance), data)
+
+
+def model_error(
+    fitted: Fitted,
+    group: int,
+    ranges: MotionRanges | None,
+    residual_rms: FloatArray,
+    noise: Sequence[JointNoise],
+) -> ModelError | None:
+    """Estimate how far friction of another form may move the torques that one group's estimate predicts.
+
+    Args:
+        fitted: The fit of all groups.
+        group: Index of the group.
+        ranges: Ranges of its motion; None where they are not known.
+        residual_rms: RMS residual of each joint [N·m], (n,).
+        noise: Noise of the residuals of each joint.
+
+    Returns:
+        The model error; None for recordings on a cluster, or without ranges.
+    """
+    data = fitted.problem.groups[group].data
+    if ranges is None or isinstance(data, Cluster):
+        return None
+    nothing = np.zeros((len(fitted.models[group].names),) * 2)
+    share = np.array([joint.effective_samples / max(joint.samples, 1) for joint in noise])
+    return friction_form_error(_fitted_leg(fitted, group, nothing), ranges.speed, residual_rms, share, data)
 
 
 def without_delays(task: Task, fitted: Fitted) -> tuple[Task, tuple[tuple[Finding, ...], ...]]:

@@ -122,7 +122,8 @@ def identify(
         prior: Value and standard deviation of parameters, by name, or ``Prior.from_leg(leg, 0.2)``.
         nonnegative: Whether to bound friction and rotor inertia by zero.
         delay: "auto" to estimate by how much torques are late, and to shift them; None to leave them as they are.
-        check: Whether to check logs and fit for faults: ``findings`` of the estimate (docs/checks.md).
+        check: Whether to check logs and fit for faults, ``findings`` of the estimate (docs/checks.md), and for friction
+            of other forms, which widens bands (``model_error``).
 
     Returns:
         The estimate; with groups, one for each with their joint covariance.
@@ -154,8 +155,23 @@ def identify(
     if delay is not None:
         task, shifts = without_delays(task, fitted)
         fitted = fit_model(task) if any(shifts) else fitted
-    result = Result.of(fitted, list(summaries.values()), chosen, white=noise == "white", check=check, shifts=shifts)
+    result = Result.of(
+        fitted,
+        list(summaries.values()),
+        chosen,
+        white=noise == "white",
+        check=check,
+        shifts=shifts,
+        cutoff_source=_cutoff_source(preparation, cutoff),
+    )
     return result.estimate() if groups[0].name == "" else result.grouped_estimate()
+
+
+def _cutoff_source(preparation: Preparation | str | None, cutoff: float | None) -> str:
+    """Say how the cut-off was chosen."""
+    if preparation is not None:
+        return "that of the preparation passed to identify"
+    return "chosen by the noise of the angles" if cutoff is None else "passed to identify"
 
 
 def fit_model(task: Task, start: Start | None = None) -> Fitted:

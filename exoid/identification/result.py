@@ -33,7 +33,7 @@ from exoid.regression.trends import Trend, residual_trends, trend_warnings
 from exoid.torques import TorqueModel
 
 from .agreement import Agreement, shared_agreement
-from .checkup import check_group
+from .checkup import check_group, model_error
 from .estimators import Estimator, name_of
 from .fitting import Fitted
 from .recording_summary import RecordingSummary, angles
@@ -53,6 +53,7 @@ class Result:
         uncertainty: Covariance of all parameters, and the noise that it is for.
         check: Whether to check logs and fit for faults.
         shifts: Delays that were taken out of the torques of each group; empty for none.
+        cutoff_source: How the cut-off was chosen.
     """
 
     fitted: Fitted
@@ -61,6 +62,7 @@ class Result:
     uncertainty: Uncertainty
     check: bool = False
     shifts: tuple[tuple[Finding, ...], ...] = ()
+    cutoff_source: str = ""
 
     @classmethod
     def of(
@@ -72,6 +74,7 @@ class Result:
         white: bool,
         check: bool = False,
         shifts: tuple[tuple[Finding, ...], ...] = (),
+        cutoff_source: str = "",
     ) -> Result:
         """Find noise and covariance of a fit.
 
@@ -82,12 +85,13 @@ class Result:
             white: Whether the covariance assumes white noise.
             check: Whether to check logs and fit for faults.
             shifts: Delays that were taken out of the torques of each group; empty for none.
+            cutoff_source: How the cut-off was chosen.
 
         Returns:
             The result.
         """
         uncertainty = uncertainty_of(fitted.problem, fitted.fit, white=white)
-        return cls(fitted, summaries, estimator, uncertainty, check, shifts)
+        return cls(fitted, summaries, estimator, uncertainty, check, shifts, cutoff_source)
 
     def estimate(self) -> Estimate:
         """Make the estimate of the only group."""
@@ -138,6 +142,10 @@ class Result:
         bounded = [problem.names[k] for k in solution.bounded]
         alone = len(problem.groups) == 1
         checkup = check_group(self.fitted, group, covariance) if self.check else Checkup()
+        residual_rms = np.array(
+            [rms_residual(of_joint, solution.values[every]) for of_joint in zip(*rows.by_kind, strict=True)]
+        )
+        noise = self._noise_of(group)
         return Estimate(
             model=model,
             values=values,
@@ -145,13 +153,11 @@ class Result:
             condition_number=solution.condition_number if alone else condition_number(solution.inverse, every),
             dof=float(self._samples_left.groups[group]),
             dof_each=self._degrees_of_freedom[places],
-            residual_rms=np.array(
-                [rms_residual(of_joint, solution.values[every]) for of_joint in zip(*rows.by_kind, strict=True)]
-            ),
+            residual_rms=residual_rms,
             estimator=fit.name or name_of(self.estimator),
             preparation=rows.preparation,
             inputs=self._inputs,
-            noise=self._noise_of(group),
+            noise=noise,
             parameter_scale=parameter_scale(rows.r_factors)[:count],
             reference_scale=self._reference_scales[group],
             collinearity=self._collinearity.indices[places],
@@ -164,6 +170,8 @@ class Result:
             trends=trends,
             findings=(*(self.shifts[group] if self.shifts else ()), *checkup.findings),
             ranges=checkup.ranges,
+            model_error=model_error(self.fitted, group, checkup.ranges, residual_rms, noise) if self.check else None,
+            cutoff_source=self.cutoff_source,
         )
 
     @cached_property

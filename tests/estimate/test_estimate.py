@@ -12,6 +12,7 @@ from swings import TERMS, Swing
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Offset, Stiffness, Validation, Viscous
 from exoid.estimate import Input
+from exoid.estimate.torque_filter import TorqueFilter
 from exoid.regression import JointNoise
 from exoid.signals import PREPARATIONS, FiniteDifference, MovingAverage, ZeroPhase
 from exoid.torques import TorqueModel
@@ -87,7 +88,10 @@ def test_a_validation_prints_one_line_a_joint():
     time = np.arange(4) / 10.0
     measured = np.array([[1.0, 2.0], [3.0, 2.0], [1.0, 2.0], [3.0, 2.0]])
     predicted = measured + np.array([0.5, 0.25])
-    validation = Validation(("hip", "knee"), time, measured, predicted, "a_rather_long_file_name_of_a_log.csv")
+    half = np.full((4, 2), [0.6, 0.2])
+    low_pass = TorqueFilter(ZeroPhase(8.0), "of the estimate", "8 Hz, chosen by the noise of the angles")
+    name = "a_rather_long_file_name_of_a_log.csv"
+    validation = Validation(("hip", "knee"), time, measured, predicted, name, half_width=half, filter=low_pass)
     same("validation.txt", str(validation))
     assert repr(validation) == "Validation(nrmse: hip 0.500, knee nan)"
 
@@ -118,7 +122,10 @@ def test_validation_predicts_what_the_estimate_predicts(estimate, swing):
 
 def test_validation_json_has_null_where_there_is_no_number():
     flat = np.ones((3, 1))
-    text = json.dumps(Validation(("hip",), np.arange(3.0), flat, flat, "x").to_json(), allow_nan=False)
+    plain = TorqueFilter(FiniteDifference(), "of the estimate", "")
+    validation = Validation(("hip",), np.arange(3.0), flat, flat, "x", half_width=flat, filter=plain)
+    text = json.dumps(validation.to_json(), allow_nan=False)
+    assert json.loads(text)["cutoff"] is None
     assert json.loads(text)["nrmse"] == [None]
 
 

@@ -1,10 +1,15 @@
-"""Validation of one recording and of several: figures are those of all samples, and of each recording."""
+"""Validation: figures over all samples and of each recording, cut-off, share inside the band, findings and verdict."""
+
+import dataclasses
 
 import numpy as np
 import pytest
 
 import exoid
 from exoid import ExoidError
+from exoid.signals import FiniteDifference, ZeroPhase
+
+CHOSEN = "8 Hz, chosen by the noise of the angles"
 
 
 @pytest.fixture(scope="module")
@@ -17,6 +22,14 @@ def estimate(swing):
     return exoid.identify(swing.leg, swing.train)
 
 
+def kinds(validation):
+    return {(finding.kind, finding.joint) for finding in validation.findings}
+
+
+def with_torque(recording, tau):
+    return dataclasses.replace(recording, tau=tau)
+
+
 def test_several_recordings_are_judged_over_all_samples_and_one_by_one(swing, estimate):
     logs = [swing.test, swing.train]
     alone = [exoid.validate(estimate, log) for log in logs]
@@ -25,6 +38,8 @@ def test_several_recordings_are_judged_over_all_samples_and_one_by_one(swing, es
     measured = np.concatenate([one.measured for one in alone])
     np.testing.assert_allclose(both.rmse, np.sqrt((residual**2).mean(axis=0)), rtol=1e-12)
     np.testing.assert_allclose(both.nrmse, both.rmse / measured.std(axis=0), rtol=1e-12)
+    inside = np.concatenate([np.abs(one.residual) <= one.half_width for one in alone])
+    np.testing.assert_allclose(both.coverage, inside.mean(axis=0), rtol=1e-12)
     for part, one in zip(both.parts, alone, strict=True):
         np.testing.assert_array_equal(part.rmse, one.rmse)
         assert part.source in str(both)
@@ -44,3 +59,127 @@ def test_one_recording_in_a_list_is_that_recording(swing, estimate):
 def test_what_is_no_recording_is_refused(estimate, given, match):
     with pytest.raises(ExoidError, match=match):
         exoid.validate(estimate, given)
+
+
+# -------------------------------------------------------------------------------------------- cut-off
+
+
+def test_the_cut_off_and_how_it_was_chosen_are_printed(swing, estimate):
+    own = exoid.validate(estimate, swing.test)
+    text = " ".join(str(own).split())
+    assert "both torques low-passed at 8 Hz (cut-off of the estimate, chosen by the noise of the angles)" in text
+    given = exoid.validate(estimate, swing.test, cutoff=4.0)
+    assert f"low-passed at 4 Hz (given; the estimate's is {CHOSEN})" in " ".join(str(given).split())
+    assert (own.to_json()["cutoff"], own.to_json()["cutoff_source"]) == (8.0, "of the estimate")
+    assert (given.to_json()["cutoff"], given.to_json()["cutoff_source"]) == (4.0, "given")
+    assert given.to_json()["cutoff_of_estimate"] == CHOSEN
+
+
+def test_a_cut_off_passed_to_identify_is_called_so_also_after_saving(swing, tmp_path):
+    exoid.identify(swing.leg, swing.train, cutoff=5.0).save(tmp_path / "leg.json")
+    loaded = exoid.Estimate.load(tmp_path / "leg.json")
+    assert "5 Hz (cut-off of the estimate, passed to identify)" in " ".join(
+        str(exoid.validate(loaded, swing.test)).split()
+    )
+
+
+def test_a_preparation_without_a_cut_off_is_named(swing, estimate):
+    assert "prepared by finite-difference (given)" in str(
+        exoid.validate(estimate, swing.test, preparation=FiniteDifference())
+    )
+
+
+def test_a_given_cut_off_puts_estimates_with_other_filters_on_equal_terms(swing, estimate):
+    """The measured torque is the same to the last bit; behind their own filters it is not."""
+    slow = exoid.identify(swing.leg, swing.train, cutoff=3.0)
+    one, other = (exoid.validate(each, swing.test, cutoff=6.0) for each in (estimate, slow))
+    np.testing.assert_array_equal(one.measured, other.measured)
+    assert len(exoid.validate(estimate, swing.test).time) != len(exoid.validate(slow, swing.test).time)
+    np.testing.assert_allclose(
+        one.predicted, exoid.validate(estimate, swing.test, preparation=ZeroPhase(6.0)).predicted
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "match"),
+    [
+        ({"cutoff": 5.0, "preparation": ZeroPhase(5.0)}, "which preparation replaces"),
+        ({"cutoff": 0.0}, "cutoff is 0"),
+        ({"cutoff": 80.0}, "80"),
+    ],
+)
+def test_a_cut_off_that_cannot_be_used_is_refused(swing, estimate, options, match):
+    with pytest.raises(ExoidError, match=match):
+        exoid.validate(estimate, swing.test, **options)
+
+
+# ------------------------------------------------------------------------------------ band and verdict
+
+
+@pytest.mark.parametrize("cutoff", [None, 4.0])
+def test_a_good_estimate_predicts_and_its_band_contains_95_percent(swing, estimate, cutoff):
+    found = exoid.validate(estimate, swing.test, cutoff=cutoff)
+    assert found.verdict == "predicts"
+    assert not found.findings
+    assert ((found.coverage > 0.9) & (found.coverage < 0.99)).all()
+    assert str(found).rstrip().endswith("verdict: predicts")
+    assert found.to_json()["verdict"] == "predicts"
+    assert found.to_json()["coverage_95"] == found.coverage.tolist()
+    assert f"{100.0 * found.coverage[0]:.1f} %" in found._repr_html_()
+
+
+def test_a_torque_of_the_other_sign_is_not_predicted(swing, estimate):
+    found = exoid.validate(estimate, with_torque(swing.test, -swing.test.tau))
+    assert found.verdict == "does not predict"
+    assert (found.nrmse > 1.0).all()
+    assert found.findings[0].severity == "error"
+    assert "verdict: does not predict (large-residual at left_hip, left_knee, left_ankle" in str(found)
+
+
+def test_a_torque_that_never_changes_is_not_predicted(swing, estimate):
+    found = exoid.validate(estimate, with_torque(swing.test, np.zeros_like(swing.test.tau)))
+    assert found.verdict == "does not predict"
+
+
+def test_the_worst_recording_decides(swing, estimate):
+    wrong = with_torque(swing.test, -swing.test.tau)
+    assert exoid.validate(estimate, [swing.test, swing.train]).verdict == "predicts"
+    assert exoid.validate(estimate, [swing.test, wrong]).verdict == "does not predict"
+
+
+def test_a_leg_that_has_become_heavier_is_predicted_poorly(swing, estimate):
+    """NRMSE stays below 0.5, but the residual is far larger than that of the training, and leaves the band."""
+    found = exoid.validate(estimate, with_torque(swing.test, 1.2 * swing.test.tau))
+    assert (found.nrmse < 0.35).all()
+    assert found.verdict == "predicts poorly"
+    assert {("large-residual", "left_hip"), ("narrow-band", "left_hip"), ("narrow-band", "left_knee")} <= kinds(found)
+    assert not any(kind == "torque-delay" for kind, _ in kinds(found))
+
+
+def test_a_late_torque_is_named_with_its_delay(swing, estimate):
+    samples = 3
+    tau = np.vstack([np.repeat(swing.test.tau[:1], samples, axis=0), swing.test.tau[:-samples]])
+    found = exoid.validate(estimate, with_torque(swing.test, tau))
+    delays = {finding.joint: finding.value for finding in found.findings if finding.kind == "torque-delay"}
+    assert found.verdict == "predicts poorly"
+    for joint in swing.leg.joint_names:
+        assert delays[joint] == pytest.approx(samples / swing.test.sample_rate, rel=0.1)
+
+
+def test_few_effective_samples_do_not_make_a_band_narrow(swing, estimate):
+    """Half a second of one residual says little, however often it is sampled."""
+    rare = dataclasses.replace(
+        estimate, noise=tuple(dataclasses.replace(one, effective_samples=2.0) for one in estimate.noise)
+    )
+    late = with_torque(swing.test, 1.2 * swing.test.tau)
+    assert any(kind == "narrow-band" for kind, _ in kinds(exoid.validate(estimate, late)))
+    assert not any(kind == "narrow-band" for kind, _ in kinds(exoid.validate(rare, late)))
+
+
+def test_residuals_of_another_kind_of_filter_are_not_compared_with_the_training(swing):
+    """Behind finite differences the residuals are mostly noise of accelerations, which a low-pass does not leave."""
+    estimate = exoid.identify(swing.leg, swing.train, preparation=FiniteDifference())
+    found = exoid.validate(estimate, swing.test, cutoff=8.0)
+    assert found.verdict == "predicts"
+    wrong = exoid.validate(estimate, with_torque(swing.test, -swing.test.tau), cutoff=8.0)
+    assert wrong.verdict == "does not predict"

@@ -8,12 +8,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate, Validation, validate
-from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording
-
-LEVEL = 0.95
-"""Probability that the prediction band contains a newly measured torque."""
 
 
 class RecordingPrediction(NamedTuple):
@@ -24,7 +20,6 @@ class RecordingPrediction(NamedTuple):
         q: Angles [rad], (N, n).
         v: Velocities [rad/s], (N, n).
         validation: Measured and predicted torque.
-        band_half_width: Half the width of the prediction band [N·m], (N, n).
         friction: Friction terms of the predicted torque [N·m], (N, n).
     """
 
@@ -32,13 +27,17 @@ class RecordingPrediction(NamedTuple):
     q: FloatArray
     v: FloatArray
     validation: Validation
-    band_half_width: FloatArray
     friction: FloatArray
+
+    @property
+    def band_half_width(self) -> FloatArray:
+        """Half the width of the prediction band [N·m], (N, n)."""
+        return self.validation.half_width
 
     @property
     def coverage(self) -> FloatArray:
         """Share of the measured torques within the band, (n,)."""
-        return np.asarray((np.abs(self.validation.residual) <= self.band_half_width).mean(axis=0))
+        return self.validation.coverage
 
     @property
     def measured_friction(self) -> FloatArray:
@@ -49,8 +48,7 @@ class RecordingPrediction(NamedTuple):
 def predict_recording(estimate: Estimate, recording: Recording) -> RecordingPrediction:
     """Predict the torque of a recording, its prediction band, and its friction.
 
-    Torque and friction pass the filter of the estimate's preparation. The band does not: where friction changes sign
-    within a sample it is slightly too wide.
+    Torque, friction and band pass the filter of the estimate's preparation.
 
     Args:
         estimate: The estimate.
@@ -67,8 +65,6 @@ def predict_recording(estimate: Estimate, recording: Recording) -> RecordingPred
     q, v, a, inner = estimate.preparation.kinematics(recording)
     valid = np.zeros(len(recording), dtype=np.bool_)
     valid[inner] = True if recording.mask is None else recording.mask[inner]
-    std = estimate.torque_std(q, v, a, recording.torso, measured=True)[valid]
-    half = half_width(LEVEL, estimate.dof) * std
     friction = estimate.model.friction_torque(estimate.model.motion(q, v, a, recording.torso), estimate.values)
     filtered = estimate.preparation.filter_columns(friction, recording.sample_rate)[valid]
-    return RecordingPrediction(recording, q[valid], v[valid], validation, half, filtered)
+    return RecordingPrediction(recording, q[valid], v[valid], validation, filtered)

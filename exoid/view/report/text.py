@@ -8,6 +8,7 @@ import numpy as np
 
 from exoid.estimate import Estimate
 from exoid.estimate.text import HEADERS, assumptions, influences, parameter_rows
+from exoid.estimate.verdict import verdict_line
 from exoid.findings import finding_lines, findings_table
 from exoid.regression.trends import trend_warnings
 from exoid.tables import DataTable
@@ -28,9 +29,10 @@ IDENTIFIABILITY = {
 """Text of each class of identifiability."""
 
 BAND_NOTE = (
-    "If the model is right, the band contains 95 % of newly measured torques. It includes the errors of the parameters "
-    "and a residual as large as that of the fit. Measured and predicted torque passed the same filter. A share far "
-    "below 95 % in the table shows that the model is wrong for this recording, or that the leg has changed."
+    "If the model is right, the band contains 95 % of newly measured torques. It includes the errors of the "
+    "parameters, a residual as large as that of the fit, and doubt about the form of friction. Measured torque, "
+    "predicted torque and band passed the same filter. A share far below 95 % in the table shows that the model is "
+    "wrong for this recording, or that the leg has changed."
 )
 """Text above the figures of torque."""
 
@@ -63,6 +65,8 @@ def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[s
             f"On the held-out recording {prediction.validation.source} the estimate {quality} (RMS error over the "
             f"standard deviation of the torque: {joints})."
         )
+        if prediction.validation.findings:
+            lines.append(sentence(verdict_line(prediction.validation.findings)))
     if not tested:
         lines.append("There is no held-out recording: the errors below are those of the fit.")
     lines += [f"{finding.kind}{f' at {finding.joint}' if finding.joint else ''}: {finding.message}." for finding in bad]

@@ -1,0 +1,122 @@
+"""Model error of an estimate: what friction of another form may add to a torque, above all beyond the training."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.torques import TorqueModel
+
+from .alternative_friction import COUNT, WithAlternatives
+
+LEAST_NOISE = 0.25
+"""At least this part of the residual variance is noise, whatever the alternatives explain."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModelError:
+    """Second moment of the torque that friction of other forms would add, after the parameters have absorbed theirs.
+
+    A joint's torque may contain z c, with z the columns of :class:`WithAlternatives` and c unknown coefficients. The
+    fit of the parameters alone absorbs w G c of it, with G the regression of z on the training's rows. The prediction
+    then errs by (z − w G) c, which is as small as the residuals inside the training and grows beyond it. With
+    E[c cᵀ] = L Lᵀ its second moment is ‖(z − w G) L‖² = ‖w A + z B‖².
+
+    Attributes:
+        speed: Largest speed of the training [rad/s], (n,).
+        parameters: A, (P, r).
+        alternatives: B of each joint, (n, K, r).
+        explained: Mean second moment on the rows of the training [N²·m²], (n,): part of the residual variance.
+    """
+
+    speed: FloatArray
+    parameters: FloatArray
+    alternatives: FloatArray
+    explained: FloatArray
+
+    def __post_init__(self) -> None:
+        """Check shapes and forbid changes."""
+        joints, rank = len(self.speed), self.parameters.shape[1]
+        fits = self.alternatives.shape == (joints, COUNT, rank) and self.explained.shape == (joints,)
+        for array in (self.speed, self.parameters, self.alternatives, self.explained):
+            if not (fits and np.isfinite(array).all()):
+                raise ExoidError("the model error does not fit the estimate's joints", remedy="identify again")
+            array.flags.writeable = False
+
+    def model(self, model: TorqueModel, values: FloatArray) -> WithAlternatives:
+        """Add the columns of the alternatives to a torque model.
+
+        Args:
+            model: Torque model of the estimate.
+            values: Its parameters, (P,).
+
+        Returns:
+            Model with P + K columns.
+        """
+        return WithAlternatives(model, values, self.speed)
+
+    def variance(self, rows: FloatArray) -> FloatArray:
+        """Second moment of the error of predicted torques.
+
+        Args:
+            rows: Rows of parameters and alternatives, filtered or not, (N, n, P + K).
+
+        Returns:
+            Second moments [N²·m²], (N, n).
+        """
+        count = len(self.parameters)
+        moved = rows[..., :count] @ self.parameters + np.einsum("njk,jkr->njr", rows[..., count:], self.alternatives)
+        return np.asarray((moved**2).sum(axis=-1))
+
+    def noise(self, residual: FloatArray) -> FloatArray:
+        """Part of a residual variance that is noise.
+
+        Args:
+            residual: Residual variance of the training [N²·m²], (n,).
+
+        Returns:
+            The variance less what alternatives explain of it, (n,).
+        """
+        return np.maximum(residual - self.explained, LEAST_NOISE * residual)
+
+
+def model_error_to_json(model_error: ModelError | None) -> dict[str, Any]:
+    """Turn a model error into a JSON object.
+
+    Args:
+        model_error: The model error; None for none.
+
+    Returns:
+        Its arrays; empty for none.
+    """
+    if model_error is None:
+        return {}
+    names = ("speed", "parameters", "alternatives", "explained")
+    return {name: getattr(model_error, name).tolist() for name in names}
+
+
+def model_error_from_json(
+    data: Mapping[str, Any] | None, joints: Sequence[str], parameters: Sequence[str]
+) -> ModelError | None:
+    """Read what :func:`model_error_to_json` wrote.
+
+    Args:
+        data: The JSON object; None in files of exoid 0.1.
+        joints: Names of the joints, (n,).
+        parameters: Names of the parameters, (P,).
+
+    Returns:
+        The model error; None where there is none.
+    """
+    if not data:
+        return None
+    n, count = len(joints), len(parameters)
+    speed, explained = (np.array(data[name], dtype=np.float64).reshape(n) for name in ("speed", "explained"))
+    A = np.array(data["parameters"], dtype=np.float64).reshape(count, -1)
+    B = np.array(data["alternatives"], dtype=np.float64).reshape(n, COUNT, -1)
+    return ModelError(speed, A, B, explained)

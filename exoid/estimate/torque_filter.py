@@ -1,0 +1,65 @@
+"""Filter of measured and predicted torque in a validation, and where its cut-off comes from."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from exoid.signals import Preparation, ZeroPhase
+
+from .data import EstimateData
+
+
+class TorqueFilter(NamedTuple):
+    """Filter that measured and predicted torque pass; prints itself.
+
+    Attributes:
+        preparation: Way from a recording to kinematics and filtered torques.
+        source: "of the estimate" or "given".
+        chosen: How the estimate's cut-off was chosen, with its value; "" where that is not known.
+        comparable: Whether residuals compare with those of the training: both passed the same kind of filter.
+    """
+
+    preparation: Preparation
+    source: str
+    chosen: str
+    comparable: bool = True
+
+    @classmethod
+    def of(cls, estimate: EstimateData, cutoff: float | None, preparation: Preparation | None) -> TorqueFilter:
+        """Choose the filter of a validation.
+
+        Args:
+            estimate: The estimate.
+            cutoff: Cut-off frequency that was given [Hz]; None for none.
+            preparation: Preparation that was given; None for none.
+
+        Returns:
+            The filter: the given one, or the estimate's own.
+
+        Raises:
+            ExoidError: The cut-off is not positive.
+        """
+        own = estimate.preparation
+        where = f", {estimate.cutoff_source}" if estimate.cutoff_source else ""
+        chosen = f"{own.cutoff:.4g} Hz{where}" if isinstance(own, ZeroPhase) else ""
+        if cutoff is None and preparation is None:
+            return cls(own, "of the estimate", chosen)
+        given = ZeroPhase(cutoff) if cutoff is not None else preparation
+        assert given is not None
+        low_passes = isinstance(own, ZeroPhase) and isinstance(given, ZeroPhase)
+        return cls(given, "given", chosen, given == own or low_passes)
+
+    @property
+    def cutoff(self) -> float | None:
+        """Cut-off frequency of the torques [Hz]; None for a preparation without one."""
+        return self.preparation.cutoff if isinstance(self.preparation, ZeroPhase) else None
+
+    def __str__(self) -> str:
+        """Write filter and source in one phrase."""
+        if self.cutoff is None:
+            return f"prepared by {self.preparation.name} ({self.source})"
+        if self.source == "given":
+            estimates = f"; the estimate's is {self.chosen}" if self.chosen else ""
+            return f"low-passed at {self.cutoff:.4g} Hz (given{estimates})"
+        _, _, how = self.chosen.partition(", ")
+        return f"low-passed at {self.cutoff:.4g} Hz (cut-off of the estimate{', ' + how if how else ''})"

@@ -1,0 +1,51 @@
+"""Verdict of a validation: whether an estimate predicts a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+from exoid.findings import Finding
+
+Verdict = Literal["predicts", "predicts poorly", "does not predict"]
+
+WORDS: tuple[Verdict, ...] = ("predicts", "predicts poorly", "does not predict")
+"""Verdicts, the best first."""
+
+LOWERING = ("large-residual", "narrow-band", "torque-delay")
+"""Findings that lower the verdict; an extrapolation alone does not, as the torque was measured and predicted there."""
+
+
+def verdict_of(findings: Sequence[Finding]) -> Verdict:
+    """Judge a prediction by its findings.
+
+    An error (NRMSE above 1: a constant torque would predict better) means "does not predict". A warning that the
+    residual is large, the band too narrow, or the torque late means "predicts poorly".
+
+    Args:
+        findings: Findings of a validation.
+
+    Returns:
+        The verdict.
+    """
+    lowering = [finding for finding in findings if finding.kind in LOWERING]
+    if any(finding.severity == "error" for finding in lowering):
+        return "does not predict"
+    return "predicts poorly" if lowering else "predicts"
+
+
+def verdict_line(findings: Sequence[Finding]) -> str:
+    """Write the verdict and its reasons in one line.
+
+    Args:
+        findings: Findings of a validation.
+
+    Returns:
+        The line.
+    """
+    reasons = []
+    for kind in (*LOWERING, "extrapolation"):
+        joints = dict.fromkeys(finding.joint for finding in findings if finding.kind == kind)
+        if joints:
+            reasons.append(f"{kind} at {', '.join(joints)}")
+    return f"verdict: {verdict_of(findings)}" + (f" ({'; '.join(reasons)})" if reasons else "")

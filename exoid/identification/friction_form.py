@@ -1,0 +1,176 @@
+"""Doubt about the form of friction: how much other forms may add to the torque, by the residuals of the training."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.checks import FittedLeg
+from exoid.checks.sample import few_of, some_samples
+from exoid.errors import ExoidError
+from exoid.estimate.alternative_friction import COUNT, KINDS, WithAlternatives
+from exoid.estimate.model_error import ModelError
+from exoid.regression.rows import Rows, chain, decimate, form_rows, prepare
+from exoid.signals import Poses, Recording
+
+SIZES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
+"""Prior sizes of an alternative's torque, as parts of the RMS torque of its joint."""
+
+TINY = 1e-12
+"""Smallest norm to divide by."""
+
+RANK = 1e-12
+"""Directions of the parameters whose squared singular value is below this part of the largest absorb nothing."""
+
+KEPT = 1e-9
+"""Directions whose variance is below this part of the largest are left out."""
+
+
+def friction_form_error(
+    fitted: FittedLeg,
+    speed: FloatArray,
+    residual_rms: FloatArray,
+    independent: FloatArray,
+    data: Sequence[Recording | Poses],
+) -> ModelError | None:
+    """Average over forms of friction that the terms do not have (Bayesian model averaging).
+
+    The candidates are presliding, Stribeck, quadratic and load-dependent friction, each alone and all together. Each
+    has coefficients c ~ N(0, s²), with s in :data:`SIZES` (in units of a joint's RMS torque). With X the alternatives'
+    weighted rows less what the parameters absorb, and r the weighted residuals, c has the posterior covariance
+    S = (XᵀX + s⁻²)⁻¹ and mean S Xᵀr, and the evidence of the candidate is log p = ½ rᵀX S Xᵀr − ½ log|1 + s² XᵀX|.
+    Rows count by their share of independent samples. E[c cᵀ] is the mean over candidates, by their evidence.
+
+    Args:
+        fitted: Torque model, preparation, parameters, and which of them are known.
+        speed: Largest speed of the training [rad/s], (n,).
+        residual_rms: RMS residual of each joint [N·m], (n,).
+        independent: Independent samples over decimated rows of each joint, (n,).
+        data: Recordings and poses.
+
+    Returns:
+        The model error; None where no recording in motion gives rows.
+    """
+    model = WithAlternatives(fitted.model, fitted.values, speed)
+    rows = _rows(model, fitted, data)
+    if not rows:
+        return None
+    joints = [_Joint.of(rows, j, fitted.values, float(residual_rms[j])) for j in range(len(speed))]
+    G = _absorbed(joints, np.isnan(fitted.fixed))
+    size = len(joints) * COUNT
+    H, h = np.zeros((size, size)), np.zeros(size)
+    for j, joint in enumerate(joints):
+        X = -joint.W @ G
+        X[:, _places(j)] += joint.Z
+        share = min(max(float(independent[j]), 0.0), 1.0)
+        H += share * X.T @ X
+        h += share * X.T @ joint.residual
+    unit = np.concatenate([joint.unit for joint in joints])
+    L = _root(_average(H, h, unit, len(joints)), np.divide(1.0, unit, out=np.ones(size), where=unit > 0.0))
+    error = ModelError(speed, -G @ L, L.reshape(len(joints), COUNT, -1), np.zeros(len(joints)))
+    count = np.maximum(sum(one.usable.sum(axis=0) for one in rows), 1)
+    explained = sum((error.variance(one.W) * one.usable).sum(axis=0) for one in rows) / count
+    return ModelError(error.speed, error.parameters, error.alternatives, explained)
+
+
+class _Joint(NamedTuple):
+    """Weighted rows of one joint: those of the parameters W (N, P), alternatives Z (N, K), residuals r (N,).
+
+    Attributes:
+        W: Columns of the parameters.
+        Z: Columns of the alternatives.
+        residual: Residuals.
+        unit: Coefficient of each alternative whose torque has the RMS of that of the joint, (K,); 0 for one without.
+    """
+
+    W: FloatArray
+    Z: FloatArray
+    residual: FloatArray
+    unit: FloatArray
+
+    @staticmethod
+    def of(rows: Sequence[Rows], j: int, values: FloatArray, residual_rms: float) -> _Joint:
+        """Take the usable rows of a joint, over the RMS residual."""
+        columns = np.concatenate([one.W[one.usable[:, j], j] for one in rows])
+        tau = np.concatenate([one.tau[one.usable[:, j], j] for one in rows])
+        size = float(np.sqrt(np.mean(tau**2))) if len(tau) else 0.0
+        weight = 1.0 / max(residual_rms, 1e-9 * size, TINY)
+        W, Z = columns[:, : len(values)], columns[:, len(values) :]
+        scale = np.sqrt((Z**2).sum(axis=0) / max(len(Z), 1))
+        unit = np.divide(size, scale, out=np.zeros(len(scale)), where=scale > TINY)
+        return _Joint(weight * W, weight * Z, weight * (tau - W @ values), unit)
+
+
+def _places(j: int) -> slice:
+    """Places of a joint's alternatives among those of all joints."""
+    return slice(j * COUNT, (j + 1) * COUNT)
+
+
+def _absorbed(joints: Sequence[_Joint], free: NDArray[np.bool_]) -> FloatArray:
+    """Regress the alternatives on the parameters that are free, (P, n K)."""
+    WW = np.asarray(sum(joint.W.T @ joint.W for joint in joints))
+    WZ = np.hstack([joint.W.T @ joint.Z for joint in joints])
+    used = free & (np.diag(WW) > TINY)
+    scale = 1.0 / np.sqrt(np.diag(WW)[used])
+    G = np.zeros_like(WZ)
+    inverse = np.linalg.pinv(scale[:, None] * WW[np.ix_(used, used)] * scale, rcond=RANK, hermitian=True)
+    G[used] = scale[:, None] * (inverse @ (scale[:, None] * WZ[used]))
+    return G
+
+
+def _rows(model: WithAlternatives, fitted: FittedLeg, data: Sequence[Recording | Poses]) -> list[Rows]:
+    """Form decimated rows of recordings in motion, of as many samples as checks look at."""
+    found = []
+    moving = [one for one in few_of(data) if isinstance(one, Recording)]
+    for one in some_samples(fitted.model, moving):
+        try:
+            prepared = prepare(model, one, fitted.preparation)
+        except ExoidError:  # too short for the filter
+            continue
+        before, kept = 0, []
+        for stretch in prepared.stretches():
+            kept.append(decimate(form_rows(model, prepared, stretch), before, len(prepared.rows)))
+            before += len(stretch)
+        found.append(chain([rows for rows in kept if len(rows.time)]))
+    return found
+
+
+def _average(H: FloatArray, h: FloatArray, unit: FloatArray, joints: int) -> FloatArray:
+    """Average the second moment E[c cᵀ] over all candidates.
+
+    Args:
+        H: XᵀX, (n K, n K).
+        h: Xᵀr, (n K,).
+        unit: Coefficient of each alternative whose torque has the RMS of that of its joint, (n K,).
+        joints: Number n of joints.
+
+    Returns:
+        Second moment, (n K, n K).
+    """
+    moments, evidence = [], []
+    for columns in (*KINDS.values(), tuple(range(COUNT))):
+        chosen = np.flatnonzero(np.tile(np.isin(np.arange(COUNT), columns), joints) & (unit > 0.0))
+        for size in SIZES:
+            scale = size * unit[chosen]
+            sizes, vectors = np.linalg.eigh(scale[:, None] * H[np.ix_(chosen, chosen)] * scale)
+            sizes = 1.0 + np.clip(sizes, 0.0, None)
+            mean = vectors @ (vectors.T @ (scale * h[chosen]) / sizes)
+            evidence.append(0.5 * float(scale * h[chosen] @ mean - np.log(sizes).sum()))
+            whole = np.zeros_like(H)
+            inner = (vectors / sizes) @ vectors.T + np.multiply.outer(mean, mean)
+            whole[np.ix_(chosen, chosen)] = scale[:, None] * inner * scale
+            moments.append(whole)
+    weights = np.exp(np.array(evidence) - max(evidence))
+    return np.asarray(np.tensordot(weights / weights.sum(), np.array(moments), axes=1))
+
+
+def _root(moment: FloatArray, scale: FloatArray) -> FloatArray:
+    """L with L Lᵀ = E[c cᵀ], without directions that hardly matter in units of the joints' torques, (n K, r)."""
+    scale = np.where(scale > TINY, scale, 1.0)
+    sizes, vectors = np.linalg.eigh(scale[:, None] * moment * scale)
+    kept = sizes > KEPT * max(sizes[-1], TINY)
+    return np.asarray((vectors[:, kept] * np.sqrt(sizes[kept])) / scale[:, None])

@@ -1,0 +1,78 @@
+"""``exoid validate``: cut-off, verdict and exit status."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.cli import main
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """An estimate, and logs with the other sign and with a heavier leg."""
+    path = tmp_path_factory.mktemp("validate")
+    data = exoid.datasets.bleex_swing()
+    exoid.identify(data.leg, data.train).save(path / "leg.json")
+    for name, factor in (("negated", -1.0), ("heavier", 1.2)):
+        test = data.test
+        exoid.Recording(test.time, test.q, tau=factor * test.tau, joint_names=test.joint_names).to_csv(
+            path / f"{name}.csv"
+        )
+    return path
+
+
+@pytest.fixture
+def validate(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["exoid", "validate", "leg.json", *arguments])
+        with pytest.raises(SystemExit) as exit_:
+            main()
+        return exit_.value.code or 0, *capsys.readouterr()
+
+    return run
+
+
+def test_an_estimate_that_predicts_ends_in_status_0(validate):
+    code, out, err = validate("bleex_swing:test", "--strict")
+    assert (code, err) == (0, "")
+    assert "verdict: predicts\n" in out
+
+
+def test_an_estimate_that_does_not_predict_ends_in_status_1_with_the_table(validate):
+    code, out, err = validate("negated.csv")
+    assert (code, err) == (1, "")
+    assert "R²" in out
+    assert "verdict: does not predict" in out
+
+
+def test_one_of_several_logs_that_is_not_predicted_suffices(validate):
+    assert validate("bleex_swing:test", "negated.csv")[0] == 1
+
+
+def test_a_poor_prediction_fails_only_under_strict(validate):
+    code, out, _ = validate("heavier.csv", "--json")
+    assert (code, json.loads(out)["verdict"]) == (0, "predicts poorly")
+    code, strict, _ = validate("heavier.csv", "--json", "--strict")
+    assert (code, strict) == (1, out)
+
+
+def test_the_cut_off_is_passed_on(validate):
+    code, out, _ = validate("bleex_swing:test", "--cutoff", "4", "--json")
+    data = exoid.datasets.bleex_swing()
+    estimate = exoid.Estimate.load("leg.json")
+    assert code == 0
+    assert json.loads(out) == exoid.validate(estimate, data.test, cutoff=4.0).to_json()
+    other = json.loads(validate("bleex_swing:test", "--json")[1])
+    assert not np.allclose(json.loads(out)["rmse"], other["rmse"])
+
+
+def test_bad_input_stays_status_2(validate):
+    code, out, err = validate("bleex_swing:test", "--cutoff", "-1")
+    assert (code, out) == (2, "")
+    assert "cutoff is -1" in err
+    assert validate("missing.csv")[0] == 2
