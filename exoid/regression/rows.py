@@ -14,6 +14,7 @@ from exoid.errors import ExoidError
 from exoid.signals import ParallelFilter, Poses, Preparation, Recording
 
 from .model import MotionSamples, RegressorModel
+from .reversals import around_stops, without_reversals
 
 BLOCK = 16384
 """Samples whose regressor is formed at once,"""
@@ -95,6 +96,7 @@ class Prepared(NamedTuple):
         rows: Samples that become rows: not spoilt by the ends of the record, evenly spaced.
         independent_fraction: Share of the rows that carry independent noise.
         parallel: Filter that columns and torque still have to pass; None for none.
+        reversals: Mask of samples of each joint whose friction is not known, (N, n); None to take them as they are.
     """
 
     time: FloatArray
@@ -104,6 +106,7 @@ class Prepared(NamedTuple):
     rows: range
     independent_fraction: float = 1.0
     parallel: ParallelFilter | None = None
+    reversals: NDArray[np.bool_] | None = None
 
     @property
     def reach(self) -> int:
@@ -125,7 +128,8 @@ def prepare(
         model: Torque model.
         data: The recording.
         preparation: Filter and differentiation.
-        every: Whether each sample is to be a row; else only as many as are not redundant behind the filter.
+        every: Whether each sample is to be a row, as for a prediction. A fit needs only as many as are not redundant
+            behind the filter, and takes out of them what terms do not say about reversals.
 
     Returns:
         Arrays of all samples, from which columns follow block by block.
@@ -149,6 +153,7 @@ def prepare(
     q, v, a, valid = preparation.kinematics(recording)
     parallel, rows = preparation.parallel(rate), range(len(recording))[valid]
     stride = 1 if parallel is None or every else parallel.stride
+    slow = None if parallel is None or every else model.reversing(v)
     return Prepared(
         recording.time,
         model.motion(q, v, a, recording.torso),
@@ -157,6 +162,7 @@ def prepare(
         rows[(len(rows) - 1) % stride // 2 :: stride],
         min(1.0, preparation.independent_fraction(rate) * stride),
         parallel,
+        None if parallel is None or slow is None else around_stops(slow, parallel),
     )
 
 
@@ -183,6 +189,7 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
         columns, tau = columns[..., rows], tau[:, rows]
     else:
         columns, tau = _filtered(prepared.parallel, columns, tau, model.acting, inside)
+        _take_out_reversals(prepared, stretch, columns, tau)
     count = len(model.names)
     W, tau = columns[:count].transpose(2, 1, 0), tau.T
     if len(columns) > count:
@@ -204,6 +211,17 @@ def _filtered(
     for (parameter, joint), twin in zip(places, twins, strict=False):
         out[parameter, joint] = filtered[twin]
     return out, filtered[twins[len(places) :]]
+
+
+def _take_out_reversals(prepared: Prepared, stretch: range, columns: FloatArray, tau: FloatArray) -> None:
+    """Take the unknown friction around reversals out of columns (P or more, n, N) and torques (n, N)."""
+    if prepared.parallel is None or prepared.reversals is None:
+        return
+    for joint, unknown in enumerate(prepared.reversals.T):
+        acting = np.flatnonzero(columns[:, joint].any(axis=1))
+        signals = np.vstack([columns[acting, joint], tau[joint]])
+        signals = without_reversals(signals, unknown, stretch, prepared.parallel)
+        columns[acting, joint], tau[joint] = signals[:-1], signals[-1]
 
 
 def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
