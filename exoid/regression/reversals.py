@@ -28,7 +28,7 @@ LONGEST = 1.0
 PIECE = 1024
 """Rows that are projected together."""
 
-LARGEST_SHARE = 0.5
+LARGEST_SHARE = 0.7
 """Share of the independent samples of a piece that pulses may take; where there are more, the rows stay."""
 
 NEGLIGIBLE = 1e-6
@@ -87,12 +87,10 @@ def without_reversals(
 
 
 def _pulses(unknown: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.intp]:
-    """Samples of the pulses: evenly over each reversal, no farther apart than a quarter of the cut-off's period."""
+    """Samples of the pulses: from end to end of each reversal, at most a quarter of the cut-off's period apart."""
     spacing = 0.25 * parallel.rate / parallel.cutoff
     found = [
-        start + (np.arange(count) + 0.5) * (end - start) / count
-        for start, end in _runs(unknown)
-        for count in (max(1, math.ceil((end - start) / spacing)),)
+        np.rint(np.linspace(start, end - 1, 1 + math.ceil((end - start) / spacing))) for start, end in _runs(unknown)
     ]
     return np.unique(np.concatenate([np.zeros(0), *found]).astype(np.intp))
 
