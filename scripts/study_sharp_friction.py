@@ -8,7 +8,7 @@ the motions the error is within the limit: 1 % for X, Y and J, 3 % for friction 
 which is zero, is counted like the others.
 
     OMP_NUM_THREADS=1 python scripts/study_sharp_friction.py                              # 20 motions, some minutes
-    OMP_NUM_THREADS=1 python scripts/study_sharp_friction.py --width 0.02                 # another width [rad/s]
+    OMP_NUM_THREADS=1 python scripts/study_sharp_friction.py --width 0.02                 # tanh(v / 0.02) throughout
     OMP_NUM_THREADS=1 python scripts/study_sharp_friction.py --motions 4 --torque-noise 0.3 --angle-noise 1e-4
 """
 
@@ -17,7 +17,6 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -182,16 +181,13 @@ def main() -> None:
     parser.add_argument("--stiffness", type=float, default=30.0, help="of the controller [rad/s]")
     parser.add_argument("--torque-noise", type=float, default=0.0, help="[N·m]")
     parser.add_argument("--angle-noise", type=float, default=0.0, help="[rad]")
-    parser.add_argument("--width", type=float, help="of Coulomb friction [rad/s]; the default terms' without")
+    parser.add_argument("--width", type=float, help="Coulomb friction tanh(v / width) [rad/s], also at reversals")
     parser.add_argument("--workers", type=int, default=2)
     given = parser.parse_args()
     case = Case(given.leg, given.seconds, given.rate, given.stiffness, given.torque_noise, given.angle_noise)
-    terms = None
+    terms: tuple[exoid.Term, ...] | None = None
     if given.width is not None:
-        default = exoid.torques.DEFAULT_TERMS
-        terms = tuple(
-            replace(term, smoothing=given.width) if isinstance(term, exoid.Coulomb) else term for term in default
-        )
+        terms = (exoid.Coulomb(smoothing=given.width), *exoid.torques.DEFAULT_TERMS[1:])
     study(case, given.motions, terms, given.workers)
 
 

@@ -158,16 +158,12 @@ class Augmented:
         """
         return self.model.usable(v)
 
-    def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
-        """Say which samples of which joint belong to a reversal.
+    def reversing(self, v: FloatArray) -> None:
+        """Say that all samples count: a fault may show at reversals.
 
         Args:
             v: Velocities [rad/s], (N, n).
-
-        Returns:
-            Mask, (N, n); None for none.
         """
-        return self.model.reversing(v)
 
     def regressor(self, q: Any, v: Any, a: Any, torso: Any = None) -> FloatArray:  # noqa: ANN401 - arrays of any kind
         """Columns of parameters and nuisances.

@@ -15,7 +15,7 @@ from .term import NonlinearParameter, Term
 from .terms import Armature, Coulomb, Offset, Stiffness, Viscous
 
 DEFAULT_TERMS: tuple[Term, ...] = (
-    Coulomb(smoothing=0.005, reversal_speed=0.02),
+    Coulomb(smoothing=0.015, reversal_speed=0.03),
     Viscous(),
     Armature(),
     Offset(),
