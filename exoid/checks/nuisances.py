@@ -158,6 +158,13 @@ class Augmented:
         """
         return self.model.usable(v)
 
+    def reversing(self, v: FloatArray) -> None:
+        """Say that all samples count: a fault may show at reversals.
+
+        Args:
+            v: Velocities [rad/s], (N, n).
+        """
+
     def regressor(self, q: Any, v: Any, a: Any, torso: Any = None) -> FloatArray:  # noqa: ANN401 - arrays of any kind
         """Columns of parameters and nuisances.
 

@@ -146,3 +146,11 @@ class WithAlternatives:
             Mask, (N, n).
         """
         return self.model.usable(v)
+
+    def reversing(self, v: FloatArray) -> None:
+        """Take no reversal out: predictions keep all rows, and forms of friction differ most where joints turn round.
+
+        Args:
+            v: Velocities [rad/s], (N, n).
+        """
+        return

@@ -17,7 +17,7 @@ from exoid.errors import ExoidError
 
 from .least_squares import RFactor, Solution
 from .noise import AutoregressiveNoise
-from .problem import RowSource
+from .problem import RowProblem, RowSource
 from .residuals import Noises, Point, Sandwich, Series, matrix_root, over_recordings, sandwich
 
 BLOCKS = 20
@@ -31,6 +31,13 @@ ROUNDING = 1e-9
 
 TINY = 1e-300
 """Smallest variance to divide by."""
+
+ACCURACY = 5e-4
+"""Accuracy of the rows, over the RMS torque of their joint: no interval is narrower than for noise of this size.
+
+Residuals of a simulation without noise are smaller, but they are the errors of filters and differences. These are not
+random, and what they do to a parameter is not seen in the residuals.
+"""
 
 
 class Covariance(NamedTuple):
@@ -101,7 +108,7 @@ class Uncertainty(NamedTuple):
         return self.found.dofs
 
 
-def uncertainty_of(problem: RowSource, fit: Fit, *, white: bool) -> Uncertainty:
+def uncertainty_of(problem: RowProblem, fit: Fit, *, white: bool) -> Uncertainty:
     """Find the noise in the residuals of a fit and the covariance under it.
 
     Args:
@@ -120,7 +127,7 @@ def uncertainty_of(problem: RowSource, fit: Fit, *, white: bool) -> Uncertainty:
     if fit.noises is None:
         bare = sandwich(problem, fit.point, solution)
         found = textbook if white else _correlated(problem, fit.point, solution, bare)
-        return Uncertainty(found, bare.noises, white)
+        return Uncertainty(_not_below(found, smallest_variances(problem, fit)), bare.noises, white)
     if fit.correlated is not None:
         return Uncertainty(textbook if white else fit.correlated, fit.noises, white)
     if white:
@@ -160,6 +167,34 @@ def _rescaled(covariance: FloatArray, found: Jackknife) -> Covariance:
     variances = np.diag(covariance)
     scale = np.sqrt(np.divide(found.variances, variances, out=np.ones(len(variances)), where=variances > TINY))
     return Covariance(covariance * np.multiply.outer(scale, scale), found.dofs, covariance)
+
+
+def smallest_variances(problem: RowProblem, fit: Fit) -> FloatArray:
+    """Compute the variances for white noise of :data:`ACCURACY` of the RMS torque of each joint.
+
+    Args:
+        problem: The problem.
+        fit: Its solution.
+
+    Returns:
+        Variance of each parameter, zero for known ones, (P,).
+    """
+    inverse = fit.solution.inverse
+    variances = np.zeros(len(inverse))
+    for r_factor, weight in zip(problem.r_factors, fit.weights, strict=True):
+        if r_factor.rows:
+            size = ACCURACY**2 * float(r_factor.R[:, -1] @ r_factor.R[:, -1]) / r_factor.samples
+            variances += weight**4 * size * ((r_factor.R[:, :-1] @ inverse) ** 2).sum(axis=0)
+    return variances
+
+
+def _not_below(found: Covariance, smallest: FloatArray) -> Covariance:
+    """Raise the variances that are smaller; correlations stay."""
+    variances = np.diag(found.matrix)
+    if (variances >= smallest).all():
+        return found
+    scale = np.sqrt(np.maximum(1.0, smallest / np.maximum(variances, TINY)))
+    return found._replace(matrix=found.matrix * np.multiply.outer(scale, scale))
 
 
 class SamplesLeft(NamedTuple):

@@ -91,3 +91,7 @@ class RegressorModel(Protocol):
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
         """Which samples of which joint may be fitted, (N, n)."""
         ...
+
+    def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
+        """Which samples of which joint belong to a reversal, (N, n); None for none."""
+        ...

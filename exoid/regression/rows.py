@@ -14,6 +14,7 @@ from exoid.errors import ExoidError
 from exoid.signals import ParallelFilter, Poses, Preparation, Recording
 
 from .model import MotionSamples, RegressorModel
+from .reversals import around_stops, without_reversals
 
 BLOCK = 16384
 """Samples whose regressor is formed at once,"""
@@ -97,6 +98,7 @@ class Prepared(NamedTuple):
         independent_fraction: Share of the rows that carry independent noise.
         parallel: Filter that columns and torque still have to pass; None for none. Samples that do not count are zero
             on both sides of the equation before they pass it.
+        reversals: Mask of samples of each joint whose friction is not known, (N, n); None to take them as they are.
     """
 
     time: FloatArray
@@ -107,6 +109,7 @@ class Prepared(NamedTuple):
     inside: NDArray[np.bool_]
     independent_fraction: float = 1.0
     parallel: ParallelFilter | None = None
+    reversals: NDArray[np.bool_] | None = None
 
     @property
     def reach(self) -> int:
@@ -128,7 +131,8 @@ def prepare(
         model: Torque model.
         data: The recording.
         preparation: Filter and differentiation.
-        every: Whether each sample is to be a row; else only as many as are not redundant behind the filter.
+        every: Whether each sample is to be a row, as for a prediction. A fit needs only as many as are not redundant
+            behind the filter, and takes out of them what terms do not say about reversals.
 
     Returns:
         Arrays of all samples, from which columns follow block by block.
@@ -154,6 +158,7 @@ def prepare(
     counted = np.flatnonzero(inside)
     rows = range(int(counted[0]), int(counted[-1]) + 1)
     stride = 1 if parallel is None or every else parallel.stride
+    slow = None if parallel is None or every else model.reversing(v)
     return Prepared(
         recording.time,
         model.motion(q, v, a, recording.torso),
@@ -163,6 +168,7 @@ def prepare(
         inside,
         min(1.0, preparation.independent_fraction(rate) * stride),
         parallel,
+        None if parallel is None or slow is None else around_stops(slow, parallel) & inside[:, None],
     )
 
 
@@ -204,6 +210,7 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
         columns, tau = columns[..., rows], tau[:, rows]
     else:
         columns, tau = _filtered(prepared.parallel, columns, tau, model.acting, prepared.inside[around], inside)
+        _take_out_reversals(prepared, stretch, columns, tau)
     count = len(model.names)
     W, tau = columns[:count].transpose(2, 1, 0), tau.T
     if len(columns) > count:
@@ -239,6 +246,17 @@ def _surrounded(parallel: ParallelFilter, signals: FloatArray, rows: range) -> F
     after = max(0, rows[-1] + 1 + parallel.reach - signals.shape[1])
     padded = np.pad(signals, ((0, 0), (before, after))) if before or after else signals
     return parallel(padded, range(rows.start + before, rows.stop + before, rows.step))
+
+
+def _take_out_reversals(prepared: Prepared, stretch: range, columns: FloatArray, tau: FloatArray) -> None:
+    """Take the unknown friction around reversals out of columns (P or more, n, N) and torques (n, N)."""
+    if prepared.parallel is None or prepared.reversals is None:
+        return
+    for joint, unknown in enumerate(prepared.reversals.T):
+        acting = np.flatnonzero(columns[:, joint].any(axis=1))
+        signals = np.vstack([columns[acting, joint], tau[joint]])
+        signals = without_reversals(signals, unknown, stretch, prepared.parallel)
+        columns[acting, joint], tau[joint] = signals[:-1], signals[-1]
 
 
 def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:

@@ -14,7 +14,12 @@ from .stribeck import Stribeck
 from .term import NonlinearParameter, Term
 from .terms import Armature, Coulomb, Offset, Stiffness, Viscous
 
-DEFAULT_TERMS: tuple[Term, ...] = (Coulomb(), Viscous(), Armature(), Offset())
+DEFAULT_TERMS: tuple[Term, ...] = (
+    Coulomb(smoothing=0.015, reversal_speed=0.03),
+    Viscous(),
+    Armature(),
+    Offset(),
+)
 """Terms of a leg if the caller gives none. Leaving out an effect that exists costs far more accuracy than including one
 that does not."""
 

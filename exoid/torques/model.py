@@ -315,6 +315,24 @@ class TorqueModel:
             usable[:, block.joint] &= block.term.usable(v[:, block.joint])
         return usable
 
+    def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
+        """Select the samples at which a joint turns round, so that its friction is not a function of its velocity.
+
+        Args:
+            v: Joint velocities of a recording [rad/s], (N, n).
+
+        Returns:
+            Whether a joint turns round, (N, n); None if no term asks for it.
+        """
+        found = [(block.joint, block.term.reversing(v[:, block.joint])) for block in self.blocks]
+        if all(mask is None for _, mask in found):
+            return None
+        reversing = np.zeros(v.shape, dtype=np.bool_)
+        for joint, mask in found:
+            if mask is not None:
+                reversing[:, joint] |= mask
+        return reversing
+
     @cached_property
     def _units(self) -> dict[str, str]:
         """Unit of each parameter that is not regrouped."""

@@ -212,6 +212,19 @@ class Term(ABC):
         """
         return np.ones(len(v), dtype=np.bool_)
 
+    def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
+        """Select the samples around reversals, at which the torque of the joint is not that of the term.
+
+        A fit behind the parallel filter takes any torque of the joint at these samples for unknown.
+
+        Args:
+            v: Velocity of the joint over a recording [rad/s], (N,).
+
+        Returns:
+            Whether each sample belongs to a reversal, (N,); None for none.
+        """
+        return None
+
     def joint_indices(self, names: Sequence[str], labels: Sequence[str]) -> tuple[int, ...]:
         """Find the joints it acts on among those of a leg.
 

@@ -15,6 +15,9 @@ from .internal_state import InternalState
 from .presliding import Presliding
 from .term import JointMotion, NonlinearParameter, Term, number
 
+SLOW = 0.05
+"""Largest reversal speed over the RMS velocity: slow motion is no reversal."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class DryFriction(Term):
@@ -26,6 +29,9 @@ class DryFriction(Term):
             the smoothing. 0 for none.
         dead_band: Speed up to which samples are left out of the fit [rad/s], as in doc. 1, sec. III-G; the columns are
             zero there.
+        reversal_speed: Speed below which a joint that turns round may stick [rad/s], at most :data:`SLOW` of the RMS
+            velocity. A fit behind the parallel filter takes friction there for unknown; a prediction smooths it. 0 for
+            friction that is a function of velocity throughout.
 
     Raises:
         ExoidError: A setting is negative or not finite, or smoothing is nonlinear beside presliding.
@@ -34,6 +40,7 @@ class DryFriction(Term):
     smoothing: float | NonlinearParameter = 0.02
     presliding: float | NonlinearParameter = 0.0
     dead_band: float = 0.0
+    reversal_speed: float = 0.0
 
     def __post_init__(self) -> None:
         """Check the settings."""
@@ -43,10 +50,12 @@ class DryFriction(Term):
                 raise ExoidError(
                     f"{type(self).__name__}({name}={value})", remedy=f"{unit}, zero or positive, or NonlinearParameter"
                 )
-        if not 0.0 <= self.dead_band < np.inf:
-            raise ExoidError(
-                f"{type(self).__name__}(dead_band={self.dead_band})", remedy="a velocity in rad/s, zero or positive"
-            )
+        for name in ("dead_band", "reversal_speed"):
+            if not 0.0 <= getattr(self, name) < np.inf:
+                raise ExoidError(
+                    f"{type(self).__name__}({name}={getattr(self, name)})",
+                    remedy="a velocity in rad/s, zero or positive",
+                )
         if isinstance(self.smoothing, NonlinearParameter) and self.presliding != 0.0:
             raise ExoidError(
                 f"{type(self).__name__} has a nonlinear smoothing, which presliding replaces",
@@ -96,6 +105,23 @@ class DryFriction(Term):
             Whether each sample is outside, (N,).
         """
         return np.asarray(np.abs(v) > self.dead_band) if self.dead_band > 0.0 else super().usable(v)
+
+    def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
+        """Select the samples around reversals: slower than the reversal speed, or at a change of sign.
+
+        Args:
+            v: Velocity of the joint over a recording [rad/s], (N,).
+
+        Returns:
+            Whether each sample belongs to a reversal, (N,); None without a reversal speed.
+        """
+        if self.reversal_speed == 0.0 or not v.any():
+            return None
+        slow = np.abs(v) <= min(self.reversal_speed, SLOW * float(np.sqrt(np.mean(v**2))))
+        turns = v[1:] * v[:-1] < 0.0
+        slow[1:] |= turns
+        slow[:-1] |= turns
+        return slow
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,64 @@
+"""Pulses at reversals are taken out of filtered rows; rests and shaking joints keep theirs."""
+
+import numpy as np
+import pytest
+
+from exoid.regression.reversals import around_stops, without_reversals
+from exoid.signals import ParallelFilter
+
+FILTER = ParallelFilter(500.0, 8.0, 4)
+SAMPLES = 10_000
+ROWS = range(500, SAMPLES - 500, FILTER.stride)
+
+
+def reversals(*spans):
+    """Mask of one joint that is true over spans of samples."""
+    mask = np.zeros(SAMPLES, dtype=bool)
+    for start, end in spans:
+        mask[start:end] = True
+    return mask
+
+
+def test_any_torque_at_a_reversal_vanishes():
+    """As well as pulses a quarter of the period apart describe it, also across the cuts between pieces."""
+    unknown = reversals((1000, 1040), (3000, 3100), (5300, 5330))
+    signal = np.where(unknown, np.random.default_rng(0).normal(1.0, 1.0, SAMPLES), 0.0)[None]
+    filtered = FILTER(signal, ROWS)
+    left = without_reversals(filtered, unknown, ROWS, FILTER)
+    assert np.linalg.norm(left) < 0.02 * np.linalg.norm(filtered)
+
+
+def test_rows_far_from_reversals_stay():
+    unknown = reversals((5000, 5040))
+    signal = FILTER(np.random.default_rng(1).normal(size=(2, SAMPLES)), ROWS)
+    left = without_reversals(signal, unknown, ROWS, FILTER)
+    far = np.abs(np.array(ROWS) - 5020) > 500
+    np.testing.assert_allclose(left[:, far], signal[:, far], atol=0.02)
+    assert np.abs(left - signal).max() > 0.1
+
+
+def test_projection_is_a_projection():
+    unknown = reversals((2000, 2050), (2600, 2640), (7000, 7200))
+    signal = FILTER(np.random.default_rng(2).normal(size=(3, SAMPLES)), ROWS)
+    once = without_reversals(signal, unknown, ROWS, FILTER)
+    np.testing.assert_allclose(without_reversals(once, unknown, ROWS, FILTER), once, atol=1e-10)
+    np.testing.assert_allclose(once @ signal.T, once @ once.T, atol=1e-8)
+
+
+def test_no_reversal_changes_nothing():
+    signal = FILTER(np.random.default_rng(3).normal(size=(1, SAMPLES)), ROWS)
+    np.testing.assert_array_equal(without_reversals(signal, reversals(), ROWS, FILTER), signal)
+
+
+def test_rests_are_no_reversals():
+    found = around_stops(np.array([reversals((100, 140)), reversals((3000, 6000))]).T, FILTER)
+    assert found[:, 0].sum() == 40 + 2 * np.ceil(500.0 / (4.0 * np.pi * 8.0))
+    assert not found[:, 1].any()
+
+
+@pytest.mark.parametrize(("every", "kept"), [(50, True), (400, False)])
+def test_a_joint_that_shakes_keeps_its_rows(every, kept):
+    """Where reversals are so dense that nothing would be left."""
+    unknown = reversals(*((start, start + 20) for start in range(0, SAMPLES, every)))
+    signal = FILTER(np.random.default_rng(4).normal(size=(1, SAMPLES)), ROWS)
+    assert (without_reversals(signal, unknown, ROWS, FILTER) == signal).all() == kept
