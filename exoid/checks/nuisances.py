@@ -45,6 +45,7 @@ class Nuisance(NamedTuple):
         unit: Unit of the fault.
         columns: Indices of the columns that it combines.
         group: Whether the columns have a coefficient each; else they share one.
+        form: Form of the fault, such as "Stribeck friction"; "" for any.
     """
 
     kind: str
@@ -53,6 +54,7 @@ class Nuisance(NamedTuple):
     unit: str
     columns: tuple[int, ...]
     group: bool = False
+    form: str = ""
 
     def matrix(self, count: int) -> FloatArray:
         """Combine columns.
@@ -222,6 +224,8 @@ class _Work:
                 out[:] = _gravity_change(self._fitted_leg, motion.q, j)
             case "length":
                 out[:] = self._lengthened(j)
+            case "clock":
+                out[:] = self._faster()
             case "force":
                 out[j] = motion.q[:, column.other]
             case "force²":
@@ -274,6 +278,11 @@ class _Work:
         longer = replace(leg, chain=replace(leg.chain, offsets=offsets))
         return (_planar_torque(longer, self.augmented.values, self.motion) - self.of_leg) / STEP
 
+    def _faster(self) -> FloatArray:
+        """Derivative of the torque by the relative speed of the clock, (n, N): all but gravity goes with its square."""
+        still = np.zeros_like(self.motion.v)
+        return 2.0 * (self.of_leg - self._rigid(self.motion._replace(v=still, a=still)))
+
     @cached_property
     def _fitted_leg(self) -> Leg:
         leg = self.augmented.model.leg
@@ -282,6 +291,14 @@ class _Work:
 
 FRICTION = ("sharpness", "friction |v|", "friction v²", "friction Stribeck", "friction load")
 """Columns of one joint's velocity."""
+
+FORMS = {
+    "friction |v|": ("asymmetric friction", "N·m·s/rad"),
+    "friction v²": ("quadratic friction", "N·m·s²/rad²"),
+    "friction Stribeck": ("Stribeck friction", "N·m"),
+    "friction load": ("friction that grows with the load", "1"),
+}
+"""Form that each column describes, and its unit."""
 
 
 def column_layout(model: TorqueModel) -> tuple[Column, ...]:
@@ -309,6 +326,8 @@ def column_layout(model: TorqueModel) -> tuple[Column, ...]:
             columns += [Column("length", j, every)]
     if not planar:
         columns += [Column("gravity", k, every) for k in range(2)]
+    if n > 2 or (n > 1 and not planar):  # of a planar leg of two segments it is that of the length
+        columns += [Column("clock", 0, every)]
     return tuple(columns)
 
 
@@ -316,7 +335,7 @@ def nuisances(model: TorqueModel, layout: Sequence[Column]) -> tuple[Nuisance, .
     """List the faults that are tested, as combinations of nuisance columns.
 
     In a planar leg a tilt of the base changes the torque as the zero of the first angle does, so that only one of the
-    two is tested.
+    two is tested. Of the torque scales of two joints only the ratio shows, so that only the second is tested.
 
     Args:
         model: The torque model.
@@ -335,19 +354,22 @@ def nuisances(model: TorqueModel, layout: Sequence[Column]) -> tuple[Nuisance, .
         found.append(Nuisance("torque-delay", "", -1, "s", every))
     for j, joint in enumerate(names):
         found.append(Nuisance("torque-delay", joint, j, "s", tuple(places["delay", j])))
-        found.append(Nuisance("torque-scale", joint, j, "1", tuple(places["gain", j])))
+        if len(names) != 2 or j == 1:  # of two joints only the ratio shows
+            found.append(Nuisance("torque-scale", joint, j, "1", tuple(places["gain", j])))
         found.append(Nuisance("angle-scale", joint, j, "1", tuple(places["scale", j])))
         tilts = planar and j == 0
         zero = tuple(places["zero", j])
         found.append(Nuisance("gravity-direction" if tilts else "angle-offset", "" if tilts else joint, j, "rad", zero))
         if ("length", j) in places:
             found.append(Nuisance("segment-length", joint, j, "1", tuple(places["length", j])))
-        friction = tuple(places[kind, j][0] for kind in FRICTION[1:])
-        found.append(Nuisance("unmodelled-friction", joint, j, "N·m", friction, group=True))
+        for kind, (form, unit) in FORMS.items():
+            found.append(Nuisance("unmodelled-friction", joint, j, unit, tuple(places[kind, j]), form=form))
         force = (*places["force", j], *places["force²", j])
         found.append(Nuisance("unmodelled-force", joint, j, "N·m", force, group=True))
         if ("cross-talk", j) in places:
             found.append(Nuisance("cross-talk", joint, j, "1", tuple(places["cross-talk", j]), group=True))
+    if ("clock", 0) in places:
+        found.append(Nuisance("clock", "", -1, "1", tuple(places["clock", 0])))
     if not planar:
         tilt = tuple(places["gravity", k][0] for k in range(2))
         found.append(Nuisance("gravity-direction", "", -1, "rad", tilt, group=True))
