@@ -24,7 +24,6 @@ from faulty_logs import (
     mixed,
     negative,
     noisier,
-    off,
     only_noise,
     other_friction,
     overlapping,
@@ -104,15 +103,13 @@ DISTURBANCES = (
     Corruption("stale torque samples", ("stale-samples",), None, (0.05, 0.2), torque(stale, None)),
     Corruption("torque saturated", ("saturation",), None, (0.95, 0.75), torque(clipped, None)),
     Corruption("one-sided spikes", ("spikes",), None, (0.005, 0.02), torque(spiked, None)),
-    Corruption("angle zero, joint 1 [deg]", ("gravity-direction",), None, (1.0, 5.0), angle(shifted, 0)),
+    Corruption("angle zero, joint 1 [deg]", ("gravity-direction", "angle-offset"), None, (1.0, 5.0), angle(shifted, 0)),
     Corruption("angle zero, joint 2 [deg]", ("angle-offset",), 1, (1.0, 5.0), angle(shifted, 1)),
     Corruption("torque late [s]", ("torque-delay",), None, (0.005, 0.02), torque(late, None)),
-    Corruption(
-        "torque low-passed [s]", ("torque-delay", "torque-low-pass"), None, (0.005, 0.02), torque(low_passed, None)
-    ),
+    Corruption("torque low-passed [s]", ("torque-delay",), None, (0.005, 0.02), torque(low_passed, None)),
     Corruption("torque held [samples]", ("stale-samples",), None, (2.0, 5.0), torque(held, None)),
     Corruption("velocity late, joint 2 [s]", ("velocity-delay",), 1, (0.01, 0.05), late_velocity),
-    Corruption("tilt [deg]", ("gravity-direction",), None, (1.0, 5.0), tilted),
+    Corruption("tilt [deg]", ("gravity-direction", "angle-offset"), None, (1.0, 5.0), tilted),
     Corruption("cross-talk", ("cross-talk",), None, (0.01, 0.03), talking),
     Corruption("friction under load", FRICTION, None, (0.02, 0.05), rubbing(lambda v, t: direction(v) * np.abs(t))),
     Corruption(
@@ -134,9 +131,9 @@ DISTURBANCES = (
     Corruption("noise that grows with torque", (), None, (0.02, 0.05), noisier(lambda v, t: np.abs(t))),
     Corruption("log twice", ("repeated-data",), None, (1.0,), twice),
     Corruption("parts that overlap", ("repeated-data",), None, (0.2, 0.5), overlapping),
-    Corruption("slow clock", ("clock",), None, (0.01, 0.05), slow_clock),
+    Corruption("slow clock", ("clock", "segment-length"), None, (0.01, 0.05), slow_clock),
     Corruption("angle wraps, joint 2 [rad]", ("angle-wrap",), 1, (-0.8,), wrapped),
     Corruption("torque in mN·m", ("torque-scale",), None, (1000.0,), torque(scaled, None)),
     Corruption("torque is noise", ("large-residual",), None, (1.0,), torque(only_noise, None)),
-    Corruption("torque offset", (), None, (0.1,), torque(off, None)),
+    Corruption("strap [N/m]", ("unmodelled-force",), None, (20.0, 50.0), strapped),
 )

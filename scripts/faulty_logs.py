@@ -290,11 +290,6 @@ def stale(x: FloatArray, share: float, rng: np.random.Generator) -> FloatArray:
     return x[np.maximum.accumulate(np.where(at_random(share, x, rng), 0, np.arange(len(x))))]
 
 
-def off(x: FloatArray, part: float, _: np.random.Generator) -> FloatArray:
-    """Add a constant, a part of the standard deviation."""
-    return x + part * np.std(x)
-
-
 def talking(log: Log, part: float, _: np.random.Generator) -> Log:
     """Let every sensor see a part of every other torque."""
     n = len(log.leg.joint_names)

@@ -21,6 +21,7 @@ import argparse
 import os
 from collections.abc import Callable, Iterator, Sequence
 from itertools import product
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -166,13 +167,34 @@ def clean(study: Study) -> None:
 
 def real(study: Study) -> None:
     """Print findings in the real recordings."""
-    for name in ("dfki_double_pendulum", "teststand_leg"):
+    for name, load in (("dfki_double_pendulum", _double_pendulum), ("teststand_leg", _teststand_leg)):
         if study.only not in name:
             continue
-        data = getattr(exoid.datasets, name)()
+        try:
+            leg, log = load()
+        except (ExoidError, OSError) as error:
+            print(f"{name}: not there ({error})")
+            continue
         print(f"{name}:")
-        for finding in exoid.check(data.leg, data.train):
+        for finding in exoid.check(leg, log):
             print(f"    {finding}")
+
+
+def _double_pendulum() -> tuple[exoid.Leg, exoid.Recording]:
+    """Leg and training part of the DFKI recording."""
+    data = exoid.datasets.dfki_double_pendulum()
+    return data.leg, data.train
+
+
+def _teststand_leg() -> tuple[exoid.Leg, exoid.Recording]:
+    """Two joints, whose foot is pressed and pulled by hand."""
+    folder = Path(os.environ.get("EXOID_DATA_DIR", ".")) / "teststand_leg"
+    q, tau = (np.loadtxt(folder / f"dg_hopper_teststand-joint_{name}.dat") for name in ("positions", "torques"))
+    _, first, second = np.intersect1d(q[:, 0], tau[:, 0], return_indices=True)
+    q, tau = q[first], tau[second]
+    leg = exoid.Leg.from_urdf(folder / "teststand.urdf", ("HFE", "KFE"))
+    time = (q[:, 0] - q[0, 0]) / 1000.0
+    return leg, exoid.Recording(time=time, q=q[:, 1:], tau=tau[:, 1:], joint_names=("HFE", "KFE"))
 
 
 def disturbances(study: Study) -> None:

@@ -18,13 +18,13 @@ from .sample import Checked, gather
 from .score import HALF_WIDTH, Evidence, Score, State
 from .sentences import describe_fault
 
-FALSE_ALARMS = 0.002
+FALSE_ALARMS = 0.005
 """Probability with which some fault would be found in a log without any."""
 
 LARGE_GAIN = 0.05
 """A fault that explains more than this part of the squared residuals is tested with the noise that is left then."""
 
-SMALLEST_MOVE = 1.0
+SMALLEST_MOVE = 0.5
 """A fault matters if it moves a parameter by more than so many half widths of its interval."""
 
 DOUBTFUL_MOVE = 0.25
