@@ -123,7 +123,7 @@ def findings_of(model: TorqueModel, sizes: Sequence[FaultSize]) -> tuple[Finding
         place = (finding.kind, finding.joint)
         if place in findings:  # another form of the same fault
             first = findings[place]
-            findings[place] = first.affecting(dict.fromkeys((*first.parameters, *moved)))
+            findings[place] = first.affecting(tuple(dict.fromkeys((*first.parameters, *moved))))
         else:
             findings[place] = finding
     return tuple(findings.values())

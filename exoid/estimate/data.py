@@ -81,6 +81,7 @@ class EstimateData(ParameterTable):
             uncertainty.
         findings: Faults of the logs or the model that checks found, the worst first; see ``docs/checks.md``.
         ranges: Ranges of the motion that was fitted; None where they were not stored.
+        torque_delays: Delays that were taken out of the torques [s], (n,); validation takes them out too.
     """
 
     model: TorqueModel
@@ -106,6 +107,7 @@ class EstimateData(ParameterTable):
     prior_gains: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     findings: tuple[Finding, ...] = ()
     ranges: MotionRanges | None = None
+    torque_delays: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
@@ -114,8 +116,10 @@ class EstimateData(ParameterTable):
         for name, number in unknown.items():
             if not len(getattr(self, name)):
                 object.__setattr__(self, name, np.full(count, number))
+        if not len(self.torque_delays):
+            object.__setattr__(self, "torque_delays", np.zeros(joints))
         shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("values", *unknown), (count,))
-        shapes |= {"covariance": (count, count), "residual_rms": (joints,)}
+        shapes |= {"covariance": (count, count), "residual_rms": (joints,), "torque_delays": (joints,)}
         priors = len(self.prior_knowledge.prior.values)
         shapes["prior_gains"] = (count, priors) if np.size(self.prior_gains) else (0, 0)
         for name, shape in shapes.items():

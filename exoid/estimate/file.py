@@ -111,6 +111,7 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
         "warnings": list(estimate.warnings),
         "findings": findings_to_json(estimate.findings),
         "ranges": ranges_to_json(estimate.ranges, estimate.joint_names),
+        "torque_delays": dict(zip(estimate.joint_names, estimate.torque_delays.tolist(), strict=True)),
         "known": dict(estimate.prior_knowledge.known),
         "prior": {name: list(pair) for name, pair in estimate.prior_knowledge.prior.values.items()},
         "prior_gains": estimate.prior_gains.tolist(),
@@ -183,6 +184,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         collinearity=_by_name(data["collinearity"], model.names),
         findings=findings_from_json(data.get("findings", [])),  # files of exoid 0.1 have none
         ranges=ranges_from_json(data.get("ranges"), leg.joint_names),
+        torque_delays=_by_name(data.get("torque_delays", dict.fromkeys(leg.joint_names, 0.0)), leg.joint_names),
     )
 
 

@@ -17,7 +17,7 @@ from exoid.tables import DataTable, make_table, to_html, to_text
 
 from .data import EstimateData
 from .motion_ranges import MotionRanges
-from .validation_checks import extrapolations, poor_predictions
+from .validation_checks import as_trained, extrapolations, poor_predictions, shifted_torques
 
 HEADERS = ("joint", "RMSE [N·m]", "NRMSE", "R²")
 """Columns of :meth:`Validation.rows`."""
@@ -132,6 +132,8 @@ def validate(
 ) -> Validation:
     """Predict the torque of one or several recordings and compare.
 
+    Torques are shifted by the delays that the estimate found (``identify(delay="auto")``); a finding says so.
+
     Args:
         estimate: The estimate.
         recordings: Motions with torques, better none that the estimate was fitted to.
@@ -167,6 +169,7 @@ def validate(
 
 def _validate_one(estimate: EstimateData, recording: Recording, preparation: Preparation) -> Validation:
     """Predict the torque of one recording, block by block."""
+    recording = as_trained(estimate, recording)
     prepared = prepare(estimate.model, recording, preparation, every=True)
     rows = (form_rows(estimate.model, prepared, stretch) for stretch in prepared.stretches())
     parts = [(of_some.time, of_some.tau, of_some.W @ estimate.values) for of_some in rows]
@@ -176,5 +179,9 @@ def _validate_one(estimate: EstimateData, recording: Recording, preparation: Pre
     used = slice(prepared.rows.start, prepared.rows.stop)
     ranges = MotionRanges.of(prepared.motion.q[used], prepared.motion.v[used], prepared.motion.a[used])
     name = recording.source.name if recording.source else ""
-    found = (*extrapolations(estimate, ranges, name), *poor_predictions(estimate, alone.nrmse, name))
+    found = (
+        *shifted_torques(estimate, name),
+        *extrapolations(estimate, ranges, name),
+        *poor_predictions(estimate, alone.nrmse, name),
+    )
     return replace(alone, findings=ordered(found))

@@ -8,6 +8,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.findings import Finding
+from exoid.regression.rows import for_leg
+from exoid.signals import Recording, without_torque_delay
 
 from .data import EstimateData
 from .motion_ranges import MotionRanges
@@ -20,6 +22,46 @@ ANGLE = 0.2
 
 POOR, USELESS = 0.5, 1.0
 """NRMSE beyond which a prediction is poor, and worse than a constant torque."""
+
+
+def as_trained(estimate: EstimateData, recording: Recording) -> Recording:
+    """Shift torques by the delays that were taken out of those of the training.
+
+    Args:
+        estimate: The estimate, with its delays.
+        recording: A recording.
+
+    Returns:
+        The recording; as it is where the estimate has no delays.
+    """
+    if not estimate.torque_delays.any():
+        return recording
+    chosen = for_leg(estimate.model, recording)
+    return without_torque_delay(chosen, dict(enumerate(estimate.torque_delays.tolist())))
+
+
+def shifted_torques(estimate: EstimateData, source: str = "") -> Iterator[Finding]:
+    """Say by how much torques are shifted.
+
+    Args:
+        estimate: The estimate, with its delays.
+        source: Name of the recording.
+
+    Yields:
+        One finding for each joint whose torque is shifted.
+    """
+    for joint, delay in zip(estimate.joint_names, estimate.torque_delays.tolist(), strict=True):
+        if delay:
+            yield Finding(
+                "torque-delay",
+                joint,
+                delay,
+                "s",
+                "info",
+                f"the torque of {joint} was shifted by {1e3 * delay:.3g} ms, the delay of the training",
+                "correct the time stamps of both logs, and identify without delay",
+                recording=source,
+            )
 
 
 def extrapolations(estimate: EstimateData, ranges: MotionRanges, source: str = "") -> Iterator[Finding]:

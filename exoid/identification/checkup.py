@@ -3,24 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.checks import Checkup, FittedLeg, check_fit, signal_findings, torque_delays, without_delay
+from exoid.checks import Checkup, FittedLeg, check_fit, count_once, signal_findings, torque_delays
 from exoid.errors import ExoidError
 from exoid.findings import Finding, ordered
 from exoid.leg import Leg
 from exoid.regression.fit import uncertainty_of
 from exoid.regression.parameters import PriorKnowledge
 from exoid.regression.rows import for_leg
-from exoid.signals import Cluster, Poses, Preparation, Recording
+from exoid.signals import Cluster, Poses, Preparation, Recording, without_torque_delay
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .estimators import find_estimator
 from .fitting import Fitted, Task
 from .groups import Group, make_groups, prepare_groups, summarize_groups
 from .solving import fit_model
+
+NOT_CHECKED = Finding(
+    "not-checked",
+    "",
+    0.0,
+    "1",
+    "info",
+    "recordings on a cluster were not searched for faults",
+    "run exoid check on some of them before they are sent",
+)
+"""Stands for the checks of recordings on a cluster."""
 
 
 def check(
@@ -59,12 +71,12 @@ def check(
         ()
     """
     used = DEFAULT_TERMS if terms is None else tuple(terms)
-    groups = make_groups(leg, recordings, None)
+    groups, repeats = groups_counted_once(make_groups(leg, recordings, None))
     model = TorqueModel.at_start(leg, used)
     data = groups[0].data
     if isinstance(data, Cluster):
         raise ExoidError("recordings are on the workers of a cluster", remedy="check them before they are sent")
-    signals = signal_findings(model, data)
+    signals = (*repeats[0], *signal_findings(model, data))
     try:
         knowledge = PriorKnowledge.of(known, None, nonnegative=False)
         summaries = summarize_groups(
@@ -77,7 +89,24 @@ def check(
         return ordered((*signals, refused))
     covariance = uncertainty_of(fitted.problem, fitted.fit, white=False).covariance
     count = len(fitted.models[0].names)
-    return check_group(fitted, 0, covariance[:count, :count]).findings
+    return ordered((*repeats[0], *check_group(fitted, 0, covariance[:count, :count]).findings))
+
+
+def groups_counted_once(groups: Sequence[Group]) -> tuple[tuple[Group, ...], tuple[tuple[Finding, ...], ...]]:
+    """Leave out data that occur twice within a group.
+
+    Args:
+        groups: Groups of recordings; those on a cluster stay as they are.
+
+    Returns:
+        The groups, and findings that name what was left out of each.
+    """
+    kept, findings = [], []
+    for group in groups:
+        once = None if isinstance(group.data, Cluster) else count_once(group.data)
+        kept.append(group if once is None else group._replace(data=once.data))
+        findings.append(() if once is None else once.findings)
+    return tuple(kept), tuple(findings)
 
 
 def check_group(fitted: Fitted, group: int, covariance: FloatArray) -> Checkup:
@@ -89,15 +118,29 @@ def check_group(fitted: Fitted, group: int, covariance: FloatArray) -> Checkup:
         covariance: Covariance of the parameters of its model, (P, P).
 
     Returns:
-        Findings and ranges of the motion; nothing for recordings on a cluster.
+        Findings and ranges of the motion; for recordings on a cluster only that they were not checked.
     """
     data = fitted.problem.groups[group].data
     if isinstance(data, Cluster):
-        return Checkup()
+        return Checkup((NOT_CHECKED,))
     return check_fit(_fitted_leg(fitted, group, covariance), data)
 
 
-def without_delays(task: Task, fitted: Fitted) -> tuple[Task, tuple[tuple[Finding, ...], ...]]:
+class WithoutDelays(NamedTuple):
+    """Recordings with shifted torques.
+
+    Attributes:
+        task: Torque model and data.
+        delays: Delays that were taken out of the torques of each group [s], (n,) each.
+        findings: What was shifted in each group.
+    """
+
+    task: Task
+    delays: tuple[FloatArray, ...]
+    findings: tuple[tuple[Finding, ...], ...]
+
+
+def without_delays(task: Task, fitted: Fitted) -> WithoutDelays:
     """Estimate by how much torques are late, and shift them.
 
     Args:
@@ -105,21 +148,22 @@ def without_delays(task: Task, fitted: Fitted) -> tuple[Task, tuple[tuple[Findin
         fitted: Fit to the data as they are.
 
     Returns:
-        The task with shifted torques, and findings that say by how much, for each group.
+        The task with shifted torques, delays, and findings that say by how much.
 
     Raises:
         ExoidError: Recordings are on a cluster.
     """
-    groups, shifts = [], []
+    groups, found, shifts = [], [], []
     for k, group in enumerate(task.groups):
         if isinstance(group.data, Cluster):
             raise ExoidError("delays of recordings on a cluster cannot be corrected", remedy="leave delay out")
         nothing = np.zeros((len(fitted.models[k].names),) * 2)
         delays = torque_delays(_fitted_leg(fitted, k, nothing), group.data)
         groups.append(_shifted(group, delays.values) if delays.values.any() else group)
+        found.append(delays.values)
         each = zip(group.leg.joint_names, delays.values, delays.half, strict=True)
         shifts.append(tuple(_shift_finding(joint, delay, half) for joint, delay, half in each if delay))
-    return task._replace(groups=tuple(groups)), tuple(shifts)
+    return WithoutDelays(task._replace(groups=tuple(groups)), tuple(found), tuple(shifts))
 
 
 def _shifted(group: Group, delays: FloatArray) -> Group:
@@ -128,7 +172,7 @@ def _shifted(group: Group, delays: FloatArray) -> Group:
     model = TorqueModel.at_start(group.leg, ())
     by_joint = {k: float(delay) for k, delay in enumerate(delays) if delay}
     chosen = (for_leg(model, one) for one in group.data)
-    data = [one if isinstance(one, Poses) else without_delay(one, by_joint) for one in chosen]
+    data = [one if isinstance(one, Poses) else without_torque_delay(one, by_joint) for one in chosen]
     return group._replace(data=data)
 
 
@@ -142,7 +186,7 @@ def _shift_finding(joint: str, delay: float, half: float) -> Finding:
         "info",
         f"the torque of {joint} came {1e3 * abs(delay):.3g} ms {'after' if delay > 0.0 else 'before'} the motion, "
         "and was shifted by that",
-        "correct the time stamps of the log, so that validation sees the same",
+        "correct the time stamps of the log; validation shifts its torques by the same",
         interval=(float(delay - half), float(delay + half)),
     )
 

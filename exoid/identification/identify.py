@@ -8,17 +8,17 @@ from typing import overload
 from exoid.errors import ExoidError
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
-from exoid.findings import Finding
 from exoid.leg import Leg
 from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .checkup import without_delays
+from .checkup import groups_counted_once, without_delays
 from .estimators import Estimator, find_estimator, name_of
 from .fitting import Task
 from .group_checks import refuse_nonlinear_terms
 from .groups import Measured, make_groups, own_parameters, prepare_groups, summarize_groups
+from .mended import Mended
 from .result import Result
 from .solving import fit_model
 
@@ -134,7 +134,7 @@ def identify(
     _check_delay(delay)
     chosen, terms = find_estimator(estimator), _check_terms(terms)
     _refuse_without_effect(chosen, preparation, cutoff)
-    groups = make_groups(leg, recordings, own)
+    groups, repeats = groups_counted_once(make_groups(leg, recordings, own))
     if len(groups) > 1:
         refuse_nonlinear_terms({group.name: group.leg for group in groups}, terms)
     models = {group.name: TorqueModel.at_start(group.leg, terms) for group in groups}
@@ -145,11 +145,12 @@ def identify(
     )
     task = Task(prepare_groups(groups, models, summaries, preparation, cutoff), terms, chosen, own_names, knowledge)
     fitted = fit_model(task)
-    shifts: tuple[tuple[Finding, ...], ...] = ()
+    mended = Mended(repeats)
     if delay is not None:
-        task, shifts = without_delays(task, fitted)
+        task, delays, shifts = without_delays(task, fitted)
         fitted = fit_model(task) if any(shifts) else fitted
-    result = Result.of(fitted, list(summaries.values()), chosen, white=noise == "white", check=check, shifts=shifts)
+        mended = mended.shifted(delays, shifts)
+    result = Result.of(fitted, list(summaries.values()), chosen, white=noise == "white", check=check, mended=mended)
     return result.estimate() if groups[0].name == "" else result.grouped_estimate()
 
 

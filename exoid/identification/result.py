@@ -16,7 +16,7 @@ from exoid.estimate.equality import own_equality
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
-from exoid.findings import Finding
+from exoid.findings import ordered
 from exoid.regression.diagnostics import Collinearity, JointNoise, describe_noise, parameter_scale, reference_scale
 from exoid.regression.fit import SamplesLeft, Uncertainty, condition_number, samples_left, uncertainty_of
 from exoid.regression.influence import Influence, influence
@@ -28,6 +28,7 @@ from .agreement import Agreement, shared_agreement
 from .checkup import check_group
 from .estimators import Estimator, name_of
 from .fitting import Fitted
+from .mended import NOTHING_MENDED, Mended
 from .recording_summary import RecordingSummary, angles
 
 BELOW_ZERO = 0.005
@@ -44,7 +45,7 @@ class Result:
         estimator: The estimator.
         uncertainty: Covariance of all parameters, and the noise that it is for.
         check: Whether to check logs and fit for faults.
-        shifts: Delays that were taken out of the torques of each group; empty for none.
+        mended: Faults that were mended before the fit.
     """
 
     fitted: Fitted
@@ -52,7 +53,7 @@ class Result:
     estimator: Estimator
     uncertainty: Uncertainty
     check: bool = False
-    shifts: tuple[tuple[Finding, ...], ...] = ()
+    mended: Mended = NOTHING_MENDED
 
     @classmethod
     def of(
@@ -63,7 +64,7 @@ class Result:
         *,
         white: bool,
         check: bool = False,
-        shifts: tuple[tuple[Finding, ...], ...] = (),
+        mended: Mended = NOTHING_MENDED,
     ) -> Result:
         """Find noise and covariance of a fit.
 
@@ -73,13 +74,13 @@ class Result:
             estimator: The estimator.
             white: Whether the covariance assumes white noise.
             check: Whether to check logs and fit for faults.
-            shifts: Delays that were taken out of the torques of each group; empty for none.
+            mended: Faults that were mended before the fit.
 
         Returns:
             The result.
         """
         uncertainty = uncertainty_of(fitted.problem, fitted.fit, white=white)
-        return cls(fitted, summaries, estimator, uncertainty, check, shifts)
+        return cls(fitted, summaries, estimator, uncertainty, check, mended)
 
     def estimate(self) -> Estimate:
         """Make the estimate of the only group."""
@@ -154,8 +155,9 @@ class Result:
             bounded=tuple(names[name] for name in bounded if name in names),
             influence=None if self._influence is None else self._influence.at(places),
             trends=trends,
-            findings=(*(self.shifts[group] if self.shifts else ()), *checkup.findings),
+            findings=ordered((*self.mended.findings_of(group), *checkup.findings)),
             ranges=checkup.ranges,
+            torque_delays=self.mended.delays[group] if self.mended.delays else np.zeros(0),
         )
 
     @cached_property

@@ -11,6 +11,7 @@ from .preparation_names import PREPARATIONS, preparation_by_name, register_prepa
 from .recording import Recording
 from .recordings import Recordings
 from .source import Source
+from .torque_delay import without_torque_delay
 
 __all__ = [
     "PREPARATIONS",
@@ -36,5 +37,6 @@ __all__ = [
     "register_format",
     "register_preparation",
     "second_difference",
+    "without_torque_delay",
     "zero_phase",
 ]
