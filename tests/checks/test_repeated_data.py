@@ -54,7 +54,7 @@ def test_two_logs_of_the_same_motion_are_two():
 
 
 def test_samples_at_rest_are_not_the_same_data():
-    leg, log = clean()
+    _, log = clean()
     q, tau = log.q.copy(), log.tau.copy()
     q[:300], tau[:300] = q[300], tau[300]
     rest = dataclasses.replace(log, q=q, tau=tau)
