@@ -29,7 +29,7 @@ from .alternatives import POOR, gross_findings, negative_parameters
 from .channels import channel_findings
 from .model_checks import Delays, delays, find_faults, findings_of
 from .repeats import MOST_COMPARED, repeated_data
-from .sample import Checked, few_of, gather, names_of, segments, some_samples
+from .sample import Checked, averaged, few_of, gather, names_of, segments, some_samples
 from .score import Evidence
 from .timing import timing_findings
 
@@ -122,7 +122,8 @@ def _checked(fitted: FittedLeg, data: Sequence[Recording | Poses]) -> Checked:
     """Take samples for a check; plain differences are noisier than the faults that are looked for, and are not used."""
     noisy = isinstance(fitted.preparation, (FiniteDifference, MovingAverage))
     preparation = ZeroPhase() if noisy else fitted.preparation
-    return Checked(fitted.model, some_samples(fitted.model, data), preparation, fitted.fixed)
+    sampled = some_samples(fitted.model, data)
+    return Checked(fitted.model, tuple(averaged(one, preparation) for one in sampled), preparation, fitted.fixed)
 
 
 def _signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> Iterator[Finding]:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.dynamics import gravity_torque, inverse_dynamics
+from exoid.dynamics import TorqueSlopes, gravity_torque, inverse_dynamics, inverse_dynamics_slopes
 from exoid.leg import Leg
 from exoid.reduction.planar import fill_regressor
 from exoid.torques import Coulomb, Regrouped, TorqueModel
@@ -217,9 +217,9 @@ class _Work:
             case "cross-talk":
                 out[j] = self.torque[column.other]
             case "zero":
-                out[:] = self._moved(q=(j, STEP, 0.0)) / STEP
+                out[:] = self._by_angle(j)
             case "scale":
-                out[:] = self._moved(q=(j, 0.0, STEP), others=True) / STEP
+                out[:] = self._by_scale(j)
             case "gravity":
                 out[:] = _gravity_change(self._fitted_leg, motion.q, j)
             case "length":
@@ -249,18 +249,31 @@ class _Work:
             case _:
                 return np.asarray(np.tanh(v / width) * np.abs(self.of_leg[j]))
 
-    def _moved(self, q: tuple[int, float, float], *, others: bool = False) -> FloatArray:
-        """Change of the rigid-body torque when an angle moves by a step, or by a part of itself, (n, N)."""
-        j, step, part = q
+    def _by_angle(self, j: int) -> FloatArray:
+        """Derivative of the rigid-body torque by an angle, (n, N)."""
+        if self.augmented.model.leg.chain is None:
+            return self._slopes.q[:, :, j].T
+        q = self.motion.q.copy()
+        q[:, j] += STEP
+        return (self._rigid(self.motion._replace(q=q)) - self.of_leg) / STEP
+
+    def _by_scale(self, j: int) -> FloatArray:
+        """Derivative of the rigid-body torque by the scale of an angle and its derivatives, (n, N)."""
         motion = self.motion
-        arrays = [motion.q.copy(), motion.v, motion.a]
-        arrays[0][:, j] += step + part * motion.q[:, j]
-        if others:
-            for k in (1, 2):
-                arrays[k] = arrays[k].copy()
-                arrays[k][:, j] *= 1.0 + part
-        moved = motion._replace(q=arrays[0], v=arrays[1], a=arrays[2])
-        return self._rigid(moved) - self.of_leg
+        if self.augmented.model.leg.chain is None:
+            pairs = zip(self._slopes, (motion.q, motion.v, motion.a), strict=True)
+            return np.asarray(sum(slope[:, :, j].T * x[:, j] for slope, x in pairs))
+        scaled = [x.copy() for x in (motion.q, motion.v, motion.a)]
+        for x in scaled:
+            x[:, j] *= 1.0 + STEP
+        q, v, a = scaled
+        return (self._rigid(motion._replace(q=q, v=v, a=a)) - self.of_leg) / STEP
+
+    @cached_property
+    def _slopes(self) -> TorqueSlopes:
+        """Derivatives of the rigid-body torque of a leg that is not planar."""
+        motion = self.motion
+        return inverse_dynamics_slopes(self._fitted_leg.model, motion.q, motion.v, motion.a)
 
     def _rigid(self, motion: Motion) -> FloatArray:
         """Rigid-body torque with the fitted parameters, (n, N)."""
@@ -280,6 +293,9 @@ class _Work:
 
     def _faster(self) -> FloatArray:
         """Derivative of the torque by the relative speed of the clock, (n, N): all but gravity goes with its square."""
+        leg = self.augmented.model.leg
+        if leg.chain is None:
+            return 2.0 * (self.of_leg - gravity_torque(self._fitted_leg.model, self.motion.q).T)
         still = np.zeros_like(self.motion.v)
         return 2.0 * (self.of_leg - self._rigid(self.motion._replace(v=still, a=still)))
 
