@@ -23,6 +23,9 @@ SAME_ROWS = 0.05
 FEWEST = 20
 """Fewest samples in a row that are the same data."""
 
+SAMPLE = np.uint64(7)
+"""Whether anything occurs twice is first seen on the rows whose hash has these bits zero."""
+
 SOLID = 0.9
 """A stretch of a recording is the same as in another where this part of its samples is."""
 
@@ -57,12 +60,20 @@ def count_once(data: Sequence[Recording | Poses]) -> Once:
         return _paths_once(data)
     if sum(len(one) for one in data) > MOST_COMPARED or len(data) < 2:
         return Once(data, ())
+    hashes = [None if isinstance(one, Poses) else _hashes(one) for one in data]
+    of_motions = [rows for rows in hashes if rows is not None]
+    common = _common(of_motions)
+    if not len(common):
+        return Once(data, ())
+    befores = [np.intersect1d(rows, common) for rows in of_motions]
     kept: list[Recording | Poses] = []
-    findings = []
+    findings, seen = [], 0
     for k, one in enumerate(data):
         parts = [one]
-        for before in data[:k]:
-            parts = [rest for part in parts for rest in _without(part, before)]
+        if isinstance(one, Recording):
+            for before in befores[:seen]:
+                parts = [rest for part in parts for rest in _without(part, before)]
+            seen += 1
         lost = len(one) - sum(len(part) for part in parts)
         if lost:
             findings.append(_counted_once(_name(one, k), lost / len(one)))
@@ -85,9 +96,12 @@ def repeated_data(
     """
     if len(recordings) < 2:
         return
-    rows = [_distinct(_hashes(one)) for one in recordings]
-    for first, second in combinations(range(len(recordings)), 2):
-        share = len(np.intersect1d(rows[first], rows[second])) / max(1, min(len(rows[first]), len(rows[second])))
+    hashes = [_hashes(one) for one in recordings]
+    common = _common(hashes)
+    rows = [np.intersect1d(_distinct(own), common) for own in hashes]
+    for first, second in combinations([k for k, own in enumerate(rows) if len(own)], 2):
+        shortest = max(1, min(len(recordings[first]), len(recordings[second])))
+        share = len(np.intersect1d(rows[first], rows[second])) / shortest
         if share > SAME_ROWS:
             yield Finding(
                 "repeated-data",
@@ -114,13 +128,10 @@ def _paths_once(data: Recordings) -> Once:
     return Once(Recordings(tuple(kept.values()), data.watch) if findings else data, tuple(findings))
 
 
-def _without(one: Recording | Poses, before: Recording | Poses) -> Iterator[Recording | Poses]:
-    """Cut out of a recording what an earlier one contains."""
-    if isinstance(one, Poses) or isinstance(before, Poses):
-        yield one
-        return
-    stretch = _shared(_hashes(one), _hashes(before))
-    if stretch is None:
+def _without(one: Recording | Poses, before: NDArray[np.uint64]) -> Iterator[Recording | Poses]:
+    """Cut out of a recording the stretch whose rows an earlier one contains."""
+    stretch = _stretch(_hashes(one), before) if isinstance(one, Recording) and len(before) else None
+    if stretch is None or isinstance(one, Poses):
         yield one
         return
     for part in (slice(0, stretch.start), slice(stretch.stop, len(one))):
@@ -128,14 +139,26 @@ def _without(one: Recording | Poses, before: Recording | Poses) -> Iterator[Reco
             yield one.slice(part.start, part.stop)
 
 
-def _shared(rows: NDArray[np.uint64], before: NDArray[np.uint64]) -> slice | None:
+def _stretch(rows: NDArray[np.uint64], before: NDArray[np.uint64]) -> slice | None:
     """Stretch of some rows that others contain too; None where there is none."""
-    same = np.isin(rows, np.intersect1d(_distinct(rows), _distinct(before)))
+    same = np.isin(rows, before)
     places = np.flatnonzero(same)
-    if len(places) < max(FEWEST, SAME_ROWS * min(len(rows), len(before))):
+    if len(places) < max(FEWEST, SAME_ROWS * len(rows)):
         return None
     stretch = slice(int(places[0]), int(places[-1]) + 1)
     return stretch if same[stretch].mean() > SOLID else None
+
+
+def _common(hashes: Sequence[NDArray[np.uint64]]) -> NDArray[np.uint64]:
+    """Rows that occur once in each of several recordings."""
+    if len(hashes) < 2:
+        return np.zeros(0, dtype=np.uint64)
+    sample = np.concatenate([rows[rows & SAMPLE == 0] for rows in hashes])
+    if (np.diff(np.sort(sample)) != 0).all():
+        return sample[:0]
+    every = [_distinct(rows) for rows in hashes]
+    values, counts = np.unique(np.concatenate(every), return_counts=True)
+    return np.asarray(values[counts > 1])
 
 
 def _distinct(hashes: NDArray[np.uint64]) -> NDArray[np.uint64]:
