@@ -158,13 +158,13 @@ def late_velocities(recording: Recording, acting: Mapping[str, Sequence[str]], n
     v = central_difference(q, rate, 4)
     a = central_difference(v, rate, 4)
     inner = slice(edge, len(q) - edge)
+    names = tuple(dict.fromkeys(name for of_joint in acting.values() for name in of_joint))  # joints are coupled
     for k, joint in enumerate(even.joint_names):
         rows = np.column_stack([v[inner, k], a[inner, k], np.ones(len(q) - 2 * edge)])
         late = _delay(rows, logged[inner, k])
         if late is None:
             continue
         gain, delay, error = late
-        names = tuple(acting.get(joint, ()))
         if abs(delay) > max(LATE * error, SHORTEST_DELAY):
             yield Finding(
                 "velocity-delay",
