@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -16,9 +17,16 @@ from exoid.estimate.equality import own_equality
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
-from exoid.findings import ordered
-from exoid.regression.diagnostics import Collinearity, JointNoise, describe_noise, parameter_scale, reference_scale
-from exoid.regression.fit import SamplesLeft, Uncertainty, condition_number, samples_left, uncertainty_of
+from exoid.findings import Finding, ordered
+from exoid.regression.diagnostics import (
+    Collinearity,
+    JointNoise,
+    condition_number,
+    describe_noise,
+    parameter_scale,
+    reference_scale,
+)
+from exoid.regression.fit import SamplesLeft, Uncertainty, samples_left, uncertainty_of
 from exoid.regression.influence import Influence, influence
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.trends import Trend, residual_trends, trend_warnings
@@ -28,11 +36,53 @@ from .agreement import Agreement, shared_agreement
 from .checkup import check_group
 from .estimators import Estimator, name_of
 from .fitting import Fitted
-from .mended import NOTHING_MENDED, Mended
 from .recording_summary import RecordingSummary, angles
 
 BELOW_ZERO = 0.005
 """Probability with which a parameter that is zero would be said to be negative."""
+
+
+class Mended(NamedTuple):
+    """Faults that were mended.
+
+    Attributes:
+        findings: What was mended in each group; empty for nothing.
+        delays: Delays that were taken out of the torques of each group [s], (n,) each; empty for none.
+    """
+
+    findings: tuple[tuple[Finding, ...], ...] = ()
+    delays: tuple[FloatArray, ...] = ()
+
+    def shifted(self, delays: Sequence[FloatArray], findings: Sequence[Sequence[Finding]]) -> Mended:
+        """Add delays that were taken out.
+
+        Args:
+            delays: Delays of the torques of each group [s], (n,) each.
+            findings: What was shifted in each group.
+
+        Returns:
+            All that was mended.
+        """
+        before = self.findings or ((),) * len(findings)
+        both = zip(before, findings, strict=True)
+        return Mended(tuple((*old, *new) for old, new in both), tuple(delays))
+
+    def beside(self, group: int, others: tuple[Finding, ...]) -> tuple[Finding, ...]:
+        """Add what was mended in a group to other findings.
+
+        Args:
+            group: Index of the group.
+            others: Findings of the logs as they were fitted.
+
+        Returns:
+            All findings, the worst first.
+        """
+        own = self.findings[group] if self.findings else ()
+        return ordered((*own, *others)) if own else others
+
+
+NOTHING_MENDED = Mended()
+"""Stands for logs that were fitted as they are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +205,7 @@ class Result:
             bounded=tuple(names[name] for name in bounded if name in names),
             influence=None if self._influence is None else self._influence.at(places),
             trends=trends,
-            findings=ordered((*self.mended.findings_of(group), *checkup.findings)),
+            findings=self.mended.beside(group, checkup.findings),
             ranges=checkup.ranges,
             torque_delays=self.mended.delays[group] if self.mended.delays else np.zeros(0),
         )
