@@ -45,6 +45,40 @@ def inverse_dynamics(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArr
     return np.array([pin.rnea(model, data, *row) for row in rows]).reshape(v.shape)
 
 
+class TorqueSlopes(NamedTuple):
+    """Derivatives of joint torques by angles, velocities and accelerations.
+
+    Attributes:
+        q: By angles [N·m/rad], (N, n, n).
+        v: By velocities [N·m·s/rad], (N, n, n).
+        a: By accelerations, the mass matrix [kg·m²], (N, n, n).
+    """
+
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+
+
+def inverse_dynamics_slopes(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray) -> TorqueSlopes:
+    """Compute the derivatives of :func:`inverse_dynamics`.
+
+    Args:
+        model: The model.
+        q: Joint angles [rad], (N, n).
+        v: Joint velocities [rad/s], (N, n).
+        a: Joint accelerations [rad/s²], (N, n).
+
+    Returns:
+        Derivatives, [i, j, k] that of torque j by joint k at sample i.
+    """
+    data = model.createData()
+    slopes = np.empty((3, len(v), model.nv, model.nv))
+    for i, row in enumerate(zip(configuration(model, q), v, a, strict=True)):
+        slopes[0, i], slopes[1, i], slopes[2, i] = pin.computeRNEADerivatives(model, data, *row)
+    upper = np.triu(slopes[2])  # Pinocchio fills the upper half
+    return TorqueSlopes(slopes[0], slopes[1], upper + np.triu(upper, 1).transpose(0, 2, 1))
+
+
 def joint_torque_regressor(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
     """Compute Pinocchio's regressor Y with Y π = RNEA(q, v, a).
 

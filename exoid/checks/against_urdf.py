@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.errors import ExoidError
 from exoid.findings import Finding
+from exoid.leg import Leg
 from exoid.lift import check as can_exist
+from exoid.lift import lift
 from exoid.torques import TorqueModel
 
 from .score import Evidence
@@ -25,8 +29,8 @@ EXPLAINED = 0.4
 VISIBLE = 0.1
 """The rigid bodies' torque is to be at least this part of the joint's."""
 
-DRAWS = 60
-"""Sets of parameters that are drawn from the estimate's distribution to see whether one can exist."""
+IMPOSSIBLE = 4.5
+"""Parameters that no leg can have are so many standard deviations from the nearest that one can."""
 
 TURNED = 0.2
 """A mass moment that points elsewhere by this angle is reported [rad]."""
@@ -72,7 +76,7 @@ def torque_scale(model: TorqueModel, evidence: Evidence) -> Iterator[Finding]:
 
 
 def impossible_leg(model: TorqueModel, values: FloatArray, covariance: FloatArray) -> Iterator[Finding]:
-    """Find parameters that no leg can have, by more than their errors; only of planar legs.
+    """Find parameters that no leg can have, by more than their errors.
 
     Args:
         model: Torque model.
@@ -83,27 +87,42 @@ def impossible_leg(model: TorqueModel, values: FloatArray, covariance: FloatArra
         One finding, or none.
     """
     leg = model.leg
-    if leg.chain is None:
-        return
     rigid = len(leg.parameter_names)
-    verdict = can_exist(leg, values[:rigid])
-    if verdict.physical:
+    bodies, errors = values[:rigid], covariance[:rigid, :rigid]
+    reasons = can_exist(leg, bodies).reasons if leg.chain is not None else ("densities would be negative",)
+    if not reasons:
         return
-    sizes, vectors = np.linalg.eigh(covariance[:rigid, :rigid])
-    root = vectors * np.sqrt(np.maximum(sizes, 0.0))
-    draws = np.random.default_rng(0).standard_normal((DRAWS, rigid)) @ root.T
-    if any(can_exist(leg, values[:rigid] + 1.5 * draw).physical for draw in draws):
+    try:
+        apart = max(_wrong_side(leg, bodies, errors), lift(leg, bodies, errors).distance)
+    except (ExoidError, np.linalg.LinAlgError):  # a covariance without a metric
+        return
+    if apart < IMPOSSIBLE:
         return
     yield Finding(
         "impossible-leg",
         "",
-        1.0,
+        apart,
         "1",
         "warning",
-        "no leg can have these parameters: " + "; ".join(verdict.reasons),
+        f"no leg can have these parameters ({'; '.join(reasons)}): the nearest that can are {apart:.3g} standard "
+        "deviations away",
         "look for a wrong sign, unit or length; rotor inertia and springs that the model lacks also do this",
         parameters=tuple(leg.parameter_names),
     )
+
+
+def _wrong_side(leg: Leg, values: FloatArray, covariance: FloatArray) -> float:
+    """By how many standard deviations the centre of mass of a segment is on the wrong side of its joint."""
+    if leg.chain is None:
+        return 0.0
+    sizes = [0.0]
+    for start in range(0, 3 * len(leg.joint_names), 3):
+        place = slice(start, start + 2)
+        direction = leg.parameters[place]
+        std = float(np.sqrt(direction @ covariance[place, place] @ direction))
+        if std > 0.0:
+            sizes.append(-float(direction @ values[place]) / std)
+    return max(sizes)
 
 
 def far_from_urdf(model: TorqueModel, values: FloatArray, std: FloatArray) -> Iterator[Finding]:
@@ -225,6 +244,49 @@ def nrmse_of(evidence: Evidence, values: FloatArray) -> FloatArray:
         rms = float(np.sqrt(np.mean((tau - W @ values) ** 2))) if len(tau) else 0.0
         found.append(rms / spread if spread > 0.0 else 0.0)
     return np.array(found)
+
+
+def torque_shares(evidence: Evidence, values: FloatArray) -> FloatArray:
+    """Part of a joint's torque that each parameter makes up, at the joint where it is largest, (P,).
+
+    Args:
+        evidence: Rows.
+        values: Parameters, (P,).
+
+    Returns:
+        The parts.
+    """
+    parts = [
+        np.linalg.norm(R[:, : evidence.count], axis=0) / max(float(np.linalg.norm(R[:, -1])), 1e-300)
+        for R in evidence.factors
+    ]
+    return np.asarray(np.abs(values) * np.max(parts, axis=0))
+
+
+def negative_friction(model: TorqueModel, values: FloatArray, below: NDArray[np.bool_]) -> Iterator[Finding]:
+    """Find friction and rotor inertia that are negative.
+
+    Args:
+        model: Torque model.
+        values: Parameters, (P,).
+        below: Which parameters are negative by more than their errors and matter, (P,).
+
+    Yields:
+        One finding, or none.
+    """
+    rigid = set(model.leg.parameter_names)
+    names = tuple(name for name, is_below in zip(model.names, below, strict=True) if is_below and name not in rigid)
+    if names:
+        yield Finding(
+            "impossible-leg",
+            "",
+            float(values[model.names.index(names[0])]),
+            model.units[model.names.index(names[0])],
+            "warning",
+            f"{', '.join(names)}: friction or rotor inertia cannot be negative, by more than their errors",
+            "a term is missing, a sign is wrong, or the torque is not that of this joint",
+            parameters=names,
+        )
 
 
 def _scale_finding(joint: str, scale: float, names: Sequence[str]) -> Finding:

@@ -22,10 +22,10 @@ from .sample import Checked
 from .score import r_factor
 
 POOR = 0.2
-"""Alternatives are tried where the NRMSE of a joint is above this,"""
+"""Alternatives are worth trying where the NRMSE of a joint is above this,"""
 
-NEGATIVE = -3.0
-"""or where a parameter that cannot be negative is, by so many standard deviations."""
+NEGATIVE, MATTERS = -4.5, 0.02
+"""or where a parameter that cannot be negative is, by so many standard deviations, and by this part of the torque."""
 
 BETTER = 1.6
 """An alternative is accepted if residuals, relative to the torque, are so many times smaller (geometric mean),"""
@@ -71,21 +71,22 @@ class Alternative(NamedTuple):
     value: float = 0.0
 
 
-def is_suspicious(model: TorqueModel, values: FloatArray, std: FloatArray, nrmse: FloatArray) -> bool:
-    """Say whether a fit is so poor that gross faults are worth trying.
+def negative_parameters(
+    model: TorqueModel, values: FloatArray, std: FloatArray, shares: FloatArray
+) -> NDArray[np.bool_]:
+    """Which parameters are negative although they cannot be, by more than their errors, and matter.
 
     Args:
         model: Torque model.
         values: Fitted parameters, (P,).
         std: Their standard deviations, (P,).
-        nrmse: RMS residual of each joint over the standard deviation of its torque, (n,).
+        shares: Part of the torque that each makes up, (P,).
 
     Returns:
-        Whether it is.
+        Mask, (P,).
     """
-    never = _never_negative(model)
-    beyond = (values < NEGATIVE * std) & (values < 0.0) & never
-    return bool((nrmse > POOR).any() or beyond.any())
+    below = (values < NEGATIVE * std) & (values < 0.0) & (shares > MATTERS)
+    return np.asarray(below & _never_negative(model))
 
 
 def gross_findings(checked: Checked) -> tuple[Finding, ...]:

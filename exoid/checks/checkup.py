@@ -15,16 +15,23 @@ from exoid.regression.rows import for_leg
 from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, ZeroPhase
 from exoid.torques import TorqueModel
 
-from .against_urdf import far_from_urdf, impossible_leg, large_residuals, nrmse_of, torque_scale, turned_segment
-from .alternatives import gross_findings, is_suspicious
+from .against_urdf import (
+    far_from_urdf,
+    impossible_leg,
+    large_residuals,
+    negative_friction,
+    nrmse_of,
+    torque_scale,
+    torque_shares,
+    turned_segment,
+)
+from .alternatives import POOR, gross_findings, negative_parameters
 from .channels import channel_findings
 from .model_checks import Delays, delays, find_faults, findings_of
-from .sample import Checked, few_of, gather, names_of, segments, some_samples
+from .repeats import MOST_COMPARED, repeated_data
+from .sample import Checked, averaged, few_of, gather, names_of, segments, some_samples
 from .score import Evidence
-from .timing import repeated_data, timing_findings
-
-MOST_COMPARED = 1_000_000
-"""Recordings with more samples in all are not searched for data that occur twice."""
+from .timing import timing_findings
 
 
 class FittedLeg(NamedTuple):
@@ -115,7 +122,8 @@ def _checked(fitted: FittedLeg, data: Sequence[Recording | Poses]) -> Checked:
     """Take samples for a check; plain differences are noisier than the faults that are looked for, and are not used."""
     noisy = isinstance(fitted.preparation, (FiniteDifference, MovingAverage))
     preparation = ZeroPhase() if noisy else fitted.preparation
-    return Checked(fitted.model, some_samples(fitted.model, data), preparation, fitted.fixed)
+    sampled = some_samples(fitted.model, data)
+    return Checked(fitted.model, tuple(averaged(one, preparation) for one in sampled), preparation, fitted.fixed)
 
 
 def _signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> Iterator[Finding]:
@@ -150,10 +158,11 @@ def _fit_findings(
     model, values = fitted.model, fitted.values
     std = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
     nrmse = nrmse_of(evidence, values)
+    below = negative_parameters(model, values, std, torque_shares(evidence, values))
     broken = any(finding.severity == "error" for finding in before)
     found: list[Finding] = []
     if not broken:
-        if is_suspicious(model, values, std, nrmse):
+        if (nrmse > POOR).any() or below.any():
             found += gross_findings(checked)
         gross = bool(found)
         if not gross:
@@ -167,4 +176,5 @@ def _fit_findings(
     yield from found
     if not any(finding.severity == "error" for finding in found):
         yield from impossible_leg(model, values, fitted.covariance)
+        yield from negative_friction(model, values, below)
     yield from large_residuals(model, nrmse)

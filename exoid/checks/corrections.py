@@ -6,10 +6,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.signals import Poses, Recording
+from exoid.signals import Poses, Recording, without_torque_delay
 
 CORRECTED = ("torque-delay", "torque-scale", "angle-offset", "angle-scale", "gravity-direction")
 """Kinds of fault that can be taken out of a recording; that of gravity in a planar leg only."""
@@ -29,7 +28,7 @@ def corrected(data: Recording | Poses, kind: str, joint: int, delta: float) -> R
     """
     joints = range(len(data.joint_names)) if joint < 0 else (joint,)
     if kind == "torque-delay":
-        return data if isinstance(data, Poses) else without_delay(data, dict.fromkeys(joints, delta))
+        return data if isinstance(data, Poses) else without_torque_delay(data, dict.fromkeys(joints, delta))
     q = data.q.copy()
     changes: dict[str, Any] = {}
     for k in joints:
@@ -43,27 +42,6 @@ def corrected(data: Recording | Poses, kind: str, joint: int, delta: float) -> R
         elif kind == "torque-scale" and data.tau is not None:
             changes["tau"] = _scaled(changes.get("tau", data.tau), k, 1.0 / (1.0 + delta))
     return replace(data, **changes)
-
-
-def without_delay(recording: Recording, delays: dict[int, float]) -> Recording:
-    """Shift torques against the motion.
-
-    Args:
-        recording: A recording with even time stamps.
-        delays: Time by which the torque of each joint is late [s], by its index.
-
-    Returns:
-        The recording with torques at t + delay; the first or last value fills the end.
-    """
-    if recording.tau is None:
-        return recording
-    even = recording.resampled()
-    assert even.tau is not None
-    tau = even.tau.copy()
-    for joint, delay in delays.items():
-        at = np.clip(even.time + delay, even.time[0], even.time[-1])
-        tau[:, joint] = scipy.interpolate.CubicSpline(even.time, even.tau[:, joint])(at)
-    return replace(even, tau=tau)
 
 
 def _scaled(x: FloatArray, joint: int, factor: float) -> FloatArray:

@@ -18,14 +18,17 @@ from .sample import Checked, gather
 from .score import HALF_WIDTH, Evidence, Score, State
 from .sentences import describe_fault
 
-FALSE_ALARMS = 0.002
+FALSE_ALARMS = 0.005
 """Probability with which some fault would be found in a log without any."""
 
 LARGE_GAIN = 0.05
 """A fault that explains more than this part of the squared residuals is tested with the noise that is left then."""
 
-SMALLEST_MOVE = 1.0
+SMALLEST_MOVE = 0.5
 """A fault matters if it moves a parameter by more than so many half widths of its interval."""
+
+DOUBTFUL_MOVE = 0.25
+"""A fault that matters makes all parameters doubtful that it moves by more than this."""
 
 STEPS = 6
 """Faults that are looked for at most."""
@@ -78,6 +81,17 @@ class FaultSize(NamedTuple):
         """Changes of the parameters in half widths, (P,)."""
         return np.divide(np.abs(self.move), self.half, out=np.zeros_like(self.move), where=self.half > 0.0)
 
+    def moving_at_least(self, total: FloatArray) -> FaultSize:
+        """Blame this fault for what all faults together move more than it does alone.
+
+        Args:
+            total: Change of the parameters by all faults, (P,).
+
+        Returns:
+            The same fault.
+        """
+        return self._replace(move=np.where(np.abs(total) > np.abs(self.move), total, self.move))
+
 
 def is_corrected(nuisance: Nuisance) -> bool:
     """Say whether a fault is taken out of the recordings.
@@ -99,15 +113,20 @@ def findings_of(model: TorqueModel, sizes: Sequence[FaultSize]) -> tuple[Finding
         sizes: The faults with their sizes.
 
     Returns:
-        Findings, with the parameters that they move by more than their intervals.
+        One finding for each kind and joint, with the parameters that it makes doubtful.
     """
-    findings = []
+    findings: dict[tuple[str, str], Finding] = {}
     for size in sizes:
-        moved = [name for name, move in zip(model.names, size.moves, strict=True) if move > SMALLEST_MOVE]
+        moved = [name for name, move in zip(model.names, size.moves, strict=True) if move > DOUBTFUL_MOVE]
         severity: Severity = "error" if size.moves.max(initial=0.0) > SEVERE else "warning"
-        finding = describe_fault(size.fault.nuisance, size.delta, HALF_WIDTH * size.std, severity)
-        findings.append(finding.affecting(moved))
-    return tuple(findings)
+        finding = describe_fault(size.fault.nuisance, size.delta, HALF_WIDTH * size.std, severity).affecting(moved)
+        place = (finding.kind, finding.joint)
+        if place in findings:  # another form of the same fault
+            first = findings[place]
+            findings[place] = first.affecting(tuple(dict.fromkeys((*first.parameters, *moved))))
+        else:
+            findings[place] = finding
+    return tuple(findings.values())
 
 
 def find_faults(checked: Checked, values: FloatArray, evidence: Evidence | None = None) -> tuple[FaultSize, ...]:
@@ -130,6 +149,7 @@ def find_faults(checked: Checked, values: FloatArray, evidence: Evidence | None 
     faults: list[Fault] = []
     try:
         evidence = gather(checked, values) if evidence is None else evidence
+        before = evidence.state(()).values
         for _ in range(STEPS):
             best = _best(evidence, candidates, faults, protecting, limit)
             if best is None:
@@ -145,7 +165,11 @@ def find_faults(checked: Checked, values: FloatArray, evidence: Evidence | None 
                 columns = [column for fault in faults for column in fault.columns]
                 evidence = gather(checked, evidence.state(columns).values)
         sizes = (_size(evidence, fault, faults, protecting) for fault in faults)
-        return tuple(size for size in sizes if size.p_value < limit and size.moves.max(initial=0.0) > SMALLEST_MOVE)
+        found = [size for size in sizes if size.p_value < limit and size.moves.max(initial=0.0) > SMALLEST_MOVE]
+        if found:
+            columns = [column for fault in faults for column in fault.columns]
+            found[0] = found[0].moving_at_least(evidence.state(columns).values - before)
+        return tuple(found)
     except (ExoidError, np.linalg.LinAlgError):
         return ()  # too little is left for a check
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.dynamics import gravity_torque, inverse_dynamics
+from exoid.dynamics import TorqueSlopes, gravity_torque, inverse_dynamics, inverse_dynamics_slopes
 from exoid.leg import Leg
 from exoid.reduction.planar import fill_regressor
 from exoid.torques import Coulomb, Regrouped, TorqueModel
@@ -45,6 +45,7 @@ class Nuisance(NamedTuple):
         unit: Unit of the fault.
         columns: Indices of the columns that it combines.
         group: Whether the columns have a coefficient each; else they share one.
+        form: Form of the fault, such as "Stribeck friction"; "" for any.
     """
 
     kind: str
@@ -53,6 +54,7 @@ class Nuisance(NamedTuple):
     unit: str
     columns: tuple[int, ...]
     group: bool = False
+    form: str = ""
 
     def matrix(self, count: int) -> FloatArray:
         """Combine columns.
@@ -222,13 +224,15 @@ class _Work:
             case "cross-talk":
                 out[j] = self.torque[column.other]
             case "zero":
-                out[:] = self._moved(q=(j, STEP, 0.0)) / STEP
+                out[:] = self._by_angle(j)
             case "scale":
-                out[:] = self._moved(q=(j, 0.0, STEP), others=True) / STEP
+                out[:] = self._by_scale(j)
             case "gravity":
                 out[:] = _gravity_change(self._fitted_leg, motion.q, j)
             case "length":
                 out[:] = self._lengthened(j)
+            case "clock":
+                out[:] = self._faster()
             case "force":
                 out[j] = motion.q[:, column.other]
             case "force²":
@@ -252,18 +256,31 @@ class _Work:
             case _:
                 return np.asarray(np.tanh(v / width) * np.abs(self.of_leg[j]))
 
-    def _moved(self, q: tuple[int, float, float], *, others: bool = False) -> FloatArray:
-        """Change of the rigid-body torque when an angle moves by a step, or by a part of itself, (n, N)."""
-        j, step, part = q
+    def _by_angle(self, j: int) -> FloatArray:
+        """Derivative of the rigid-body torque by an angle, (n, N)."""
+        if self.augmented.model.leg.chain is None:
+            return self._slopes.q[:, :, j].T
+        q = self.motion.q.copy()
+        q[:, j] += STEP
+        return (self._rigid(self.motion._replace(q=q)) - self.of_leg) / STEP
+
+    def _by_scale(self, j: int) -> FloatArray:
+        """Derivative of the rigid-body torque by the scale of an angle and its derivatives, (n, N)."""
         motion = self.motion
-        arrays = [motion.q.copy(), motion.v, motion.a]
-        arrays[0][:, j] += step + part * motion.q[:, j]
-        if others:
-            for k in (1, 2):
-                arrays[k] = arrays[k].copy()
-                arrays[k][:, j] *= 1.0 + part
-        moved = motion._replace(q=arrays[0], v=arrays[1], a=arrays[2])
-        return self._rigid(moved) - self.of_leg
+        if self.augmented.model.leg.chain is None:
+            pairs = zip(self._slopes, (motion.q, motion.v, motion.a), strict=True)
+            return np.asarray(sum(slope[:, :, j].T * x[:, j] for slope, x in pairs))
+        scaled = [x.copy() for x in (motion.q, motion.v, motion.a)]
+        for x in scaled:
+            x[:, j] *= 1.0 + STEP
+        q, v, a = scaled
+        return (self._rigid(motion._replace(q=q, v=v, a=a)) - self.of_leg) / STEP
+
+    @cached_property
+    def _slopes(self) -> TorqueSlopes:
+        """Derivatives of the rigid-body torque of a leg that is not planar."""
+        motion = self.motion
+        return inverse_dynamics_slopes(self._fitted_leg.model, motion.q, motion.v, motion.a)
 
     def _rigid(self, motion: Motion) -> FloatArray:
         """Rigid-body torque with the fitted parameters, (n, N)."""
@@ -281,6 +298,14 @@ class _Work:
         longer = replace(leg, chain=replace(leg.chain, offsets=offsets))
         return (_planar_torque(longer, self.augmented.values, self.motion) - self.of_leg) / STEP
 
+    def _faster(self) -> FloatArray:
+        """Derivative of the torque by the relative speed of the clock, (n, N): all but gravity goes with its square."""
+        leg = self.augmented.model.leg
+        if leg.chain is None:
+            return 2.0 * (self.of_leg - gravity_torque(self._fitted_leg.model, self.motion.q).T)
+        still = np.zeros_like(self.motion.v)
+        return 2.0 * (self.of_leg - self._rigid(self.motion._replace(v=still, a=still)))
+
     @cached_property
     def _fitted_leg(self) -> Leg:
         leg = self.augmented.model.leg
@@ -289,6 +314,14 @@ class _Work:
 
 FRICTION = ("sharpness", "friction |v|", "friction v²", "friction Stribeck", "friction load")
 """Columns of one joint's velocity."""
+
+FORMS = {
+    "friction |v|": ("asymmetric friction", "N·m·s/rad"),
+    "friction v²": ("quadratic friction", "N·m·s²/rad²"),
+    "friction Stribeck": ("Stribeck friction", "N·m"),
+    "friction load": ("friction that grows with the load", "1"),
+}
+"""Form that each column describes, and its unit."""
 
 
 def column_layout(model: TorqueModel) -> tuple[Column, ...]:
@@ -316,6 +349,8 @@ def column_layout(model: TorqueModel) -> tuple[Column, ...]:
             columns += [Column("length", j, every)]
     if not planar:
         columns += [Column("gravity", k, every) for k in range(2)]
+    if n > 2 or (n > 1 and not planar):  # of a planar leg of two segments it is that of the length
+        columns += [Column("clock", 0, every)]
     return tuple(columns)
 
 
@@ -323,7 +358,7 @@ def nuisances(model: TorqueModel, layout: Sequence[Column]) -> tuple[Nuisance, .
     """List the faults that are tested, as combinations of nuisance columns.
 
     In a planar leg a tilt of the base changes the torque as the zero of the first angle does, so that only one of the
-    two is tested.
+    two is tested. Of the torque scales of two joints only the ratio shows, so that only the second is tested.
 
     Args:
         model: The torque model.
@@ -342,19 +377,22 @@ def nuisances(model: TorqueModel, layout: Sequence[Column]) -> tuple[Nuisance, .
         found.append(Nuisance("torque-delay", "", -1, "s", every))
     for j, joint in enumerate(names):
         found.append(Nuisance("torque-delay", joint, j, "s", tuple(places["delay", j])))
-        found.append(Nuisance("torque-scale", joint, j, "1", tuple(places["gain", j])))
+        if len(names) != 2 or j == 1:  # of two joints only the ratio shows
+            found.append(Nuisance("torque-scale", joint, j, "1", tuple(places["gain", j])))
         found.append(Nuisance("angle-scale", joint, j, "1", tuple(places["scale", j])))
         tilts = planar and j == 0
         zero = tuple(places["zero", j])
         found.append(Nuisance("gravity-direction" if tilts else "angle-offset", "" if tilts else joint, j, "rad", zero))
         if ("length", j) in places:
             found.append(Nuisance("segment-length", joint, j, "1", tuple(places["length", j])))
-        friction = tuple(places[kind, j][0] for kind in FRICTION[1:])
-        found.append(Nuisance("unmodelled-friction", joint, j, "N·m", friction, group=True))
+        for kind, (form, unit) in FORMS.items():
+            found.append(Nuisance("unmodelled-friction", joint, j, unit, tuple(places[kind, j]), form=form))
         force = (*places["force", j], *places["force²", j])
         found.append(Nuisance("unmodelled-force", joint, j, "N·m", force, group=True))
         if ("cross-talk", j) in places:
             found.append(Nuisance("cross-talk", joint, j, "1", tuple(places["cross-talk", j]), group=True))
+    if ("clock", 0) in places:
+        found.append(Nuisance("clock", "", -1, "1", tuple(places["clock", 0])))
     if not planar:
         tilt = tuple(places["gravity", k][0] for k in range(2))
         found.append(Nuisance("gravity-direction", "", -1, "rad", tilt, group=True))

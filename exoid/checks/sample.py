@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.motion_ranges import MotionRanges
 from exoid.regression.rows import Rows, chain, decimate, for_leg, form_rows, prepare
-from exoid.signals import Poses, Preparation, Recording, Recordings
+from exoid.signals import Poses, Preparation, Recording, Recordings, ZeroPhase
 from exoid.torques import TorqueModel
 
 from .nuisances import Augmented
@@ -23,6 +24,9 @@ MOST_SAMPLES = 60_000
 SEGMENT = 6_000
 """so many samples each."""
 
+
+RATE, PER_CUTOFF = 250.0, 25.0
+"""Faster logs are averaged to at least this rate [Hz], and to so many samples in 1/cut-off."""
 
 MOST_STORED = 20
 """Of recordings on disk a check reads so many, spread evenly."""
@@ -82,6 +86,31 @@ def some_samples(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple
 def _inner(mask: BoolArray) -> BoolArray:
     """All but the ends, which derivatives may spoil."""
     return mask[len(mask) // 10 : len(mask) - len(mask) // 10]
+
+
+def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Poses:
+    """Average neighbouring samples of a log that is much faster than its filter.
+
+    Args:
+        one: Recording with even time stamps, or poses.
+        preparation: Filter; only the parallel filter says which rate is enough.
+
+    Returns:
+        A shorter recording, or the same.
+    """
+    if not isinstance(one, Recording) or not isinstance(preparation, ZeroPhase):
+        return one
+    size = int(one.sample_rate / max(RATE, PER_CUTOFF * preparation.cutoff))
+    if size < 2 or len(one) < 20 * size:
+        return one
+    count = len(one) // size * size
+    means = {
+        name: of_all[:count].reshape(-1, size, *of_all.shape[1:]).mean(axis=1)
+        for name in ("time", "q", "v", "a", "tau")
+        if (of_all := getattr(one, name)) is not None
+    }
+    mask = None if one.mask is None else np.asarray(one.mask[:count].reshape(-1, size).all(axis=1))
+    return replace(one, **means, mask=mask)
 
 
 def few_of(data: Sequence[Recording | Poses]) -> Sequence[Recording | Poses]:

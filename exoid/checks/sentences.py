@@ -31,7 +31,8 @@ def describe_fault(nuisance: Nuisance, delta: FloatArray, half: FloatArray, seve
     whose = f"the torque of {joint}" if joint else "the torque of all joints"
     message, remedy = {
         "torque-delay": (
-            f"{whose} comes {1e3 * abs(value):.3g} ms {'after' if value > 0.0 else 'before'} the motion",
+            f"{whose} comes {1e3 * abs(value):.3g} ms {'after' if value > 0.0 else 'before'} the motion"
+            + (", or its sensor has a low-pass of that time constant" if value > 0.0 else ""),
             'correct the time stamps, or identify with delay="auto" (--delay auto)',
         ),
         "torque-scale": (
@@ -53,11 +54,17 @@ def describe_fault(nuisance: Nuisance, delta: FloatArray, half: FloatArray, seve
             "level the base, or give its tilt: Recording(torso=TorsoMotion(pitch=...))",
         ),
         "segment-length": (
-            f"the segment behind {joint} is {100.0 * value:+.3g} % longer than in the URDF",
-            "measure the distance between the joint axes and correct the URDF",
+            f"the segment behind {joint} is {100.0 * value:+.3g} % longer than in the URDF, or the clock of the log is "
+            "off by half of that",
+            "measure the distance between the joint axes and correct the URDF; compare the log with another clock",
+        ),
+        "clock": (
+            f"the motion is {100.0 * abs(value):.3g} % {'faster' if value > 0.0 else 'slower'} than the time stamps "
+            "say: coupling and gravity contradict each other",
+            "compare the stamps with another clock, and check the lengths of all segments",
         ),
         "unmodelled-friction": (
-            f"the residual of {joint} depends on its velocity, or on its load, as friction of another form does",
+            f"the residual of {joint} depends on its velocity or load as {nuisance.form} does",
             "compare terms with exoid select: Stribeck friction, friction under load, presliding",
         ),
         "unmodelled-force": (

@@ -1,9 +1,8 @@
-"""Checks of time, which need no model: missing samples, angles that wrap, late velocities, data that occur twice."""
+"""Checks of time, which need no model: missing samples, angles that wrap, late velocities."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import combinations
 
 import numpy as np
 
@@ -34,9 +33,6 @@ SHORTEST_DELAY = 1e-3
 
 GAIN = 0.05
 """A velocity has another scale than its angle if its gain is off by this much."""
-
-SAME_ROWS = 0.05
-"""Recordings that share this part of their samples contain the same data twice."""
 
 
 def timing_findings(recording: Recording, acting: Mapping[str, Sequence[str]], name: str = "") -> Iterator[Finding]:
@@ -162,13 +158,13 @@ def late_velocities(recording: Recording, acting: Mapping[str, Sequence[str]], n
     v = central_difference(q, rate, 4)
     a = central_difference(v, rate, 4)
     inner = slice(edge, len(q) - edge)
+    names = tuple(dict.fromkeys(name for of_joint in acting.values() for name in of_joint))  # joints are coupled
     for k, joint in enumerate(even.joint_names):
         rows = np.column_stack([v[inner, k], a[inner, k], np.ones(len(q) - 2 * edge)])
         late = _delay(rows, logged[inner, k])
         if late is None:
             continue
         gain, delay, error = late
-        names = tuple(acting.get(joint, ()))
         if abs(delay) > max(LATE * error, SHORTEST_DELAY):
             yield Finding(
                 "velocity-delay",
@@ -195,42 +191,6 @@ def late_velocities(recording: Recording, acting: Mapping[str, Sequence[str]], n
                 parameters=names,
                 recording=name,
             )
-
-
-def repeated_data(
-    recordings: Sequence[Recording], names: Sequence[str], parameters: Sequence[str]
-) -> Iterator[Finding]:
-    """Find recordings that contain the same samples.
-
-    Args:
-        recordings: The recordings.
-        names: Their names.
-        parameters: Names of all parameters.
-
-    Yields:
-        One finding for each pair.
-    """
-    if len(recordings) < 2:
-        return
-    rows = [{row.tobytes() for row in _with_torque(one)} for one in recordings]
-    for first, second in combinations(range(len(recordings)), 2):
-        share = len(rows[first] & rows[second]) / max(1, min(len(rows[first]), len(rows[second])))
-        if share > SAME_ROWS:
-            yield Finding(
-                "repeated-data",
-                "",
-                share,
-                "1",
-                "warning",
-                f"{names[first] or first + 1} and {names[second] or second + 1} share {share:.0%} of their samples, "
-                "which count twice: intervals are too narrow",
-                "pass every sample once",
-                parameters=tuple(parameters),
-            )
-
-
-def _with_torque(recording: Recording) -> FloatArray:
-    return recording.q if recording.tau is None else np.ascontiguousarray(np.hstack([recording.q, recording.tau]))
 
 
 def _jumps(q: FloatArray, interval: float) -> tuple[FloatArray, FloatArray]:

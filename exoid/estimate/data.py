@@ -88,6 +88,7 @@ class EstimateData(ParameterTable):
         model_error: Doubt about the form of friction, which widens bands beyond the motion that was fitted; None where
             it was not stored, or where logs were not checked.
         cutoff_source: How the cut-off of the preparation was chosen; "" where that was not stored.
+        torque_delays: Delays that were taken out of the torques [s], (n,); validation takes them out too.
     """
 
     model: TorqueModel
@@ -115,6 +116,7 @@ class EstimateData(ParameterTable):
     ranges: MotionRanges | None = None
     model_error: ModelError | None = None
     cutoff_source: str = ""
+    torque_delays: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
@@ -123,8 +125,10 @@ class EstimateData(ParameterTable):
         for name, number in unknown.items():
             if not len(getattr(self, name)):
                 object.__setattr__(self, name, np.full(count, number))
+        if not len(self.torque_delays):
+            object.__setattr__(self, "torque_delays", np.zeros(joints))
         shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("values", *unknown), (count,))
-        shapes |= {"covariance": (count, count), "residual_rms": (joints,)}
+        shapes |= {"covariance": (count, count), "residual_rms": (joints,), "torque_delays": (joints,)}
         priors = len(self.prior_knowledge.prior.values)
         shapes["prior_gains"] = (count, priors) if np.size(self.prior_gains) else (0, 0)
         for name, shape in shapes.items():

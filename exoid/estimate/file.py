@@ -114,6 +114,7 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
         "ranges": ranges_to_json(estimate.ranges, estimate.joint_names),
         "model_error": model_error_to_json(estimate.model_error),
         "cutoff_source": estimate.cutoff_source,
+        "torque_delays": dict(zip(estimate.joint_names, estimate.torque_delays.tolist(), strict=True)),
         "known": dict(estimate.prior_knowledge.known),
         "prior": {name: list(pair) for name, pair in estimate.prior_knowledge.prior.values.items()},
         "prior_gains": estimate.prior_gains.tolist(),
@@ -189,6 +190,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         ranges=ranges_from_json(data.get("ranges"), leg.joint_names),
         model_error=model_error_from_json(data.get("model_error"), leg.joint_names, model.names),
         cutoff_source=str(data.get("cutoff_source", "")),
+        torque_delays=_by_name(data.get("torque_delays", dict.fromkeys(leg.joint_names, 0.0)), leg.joint_names),
     )
 
 

@@ -19,7 +19,14 @@ from exoid.tables import DataTable, make_table, to_html, to_text
 from .data import EstimateData
 from .motion_ranges import MotionRanges
 from .torque_filter import TorqueFilter
-from .validation_checks import extrapolations, late_torques, narrow_bands, poor_predictions
+from .validation_checks import (
+    as_trained,
+    extrapolations,
+    late_torques,
+    narrow_bands,
+    poor_predictions,
+    shifted_torques,
+)
 from .verdict import Verdict, verdict_line, verdict_of
 
 HEADERS = ("joint", "RMSE [N·m]", "NRMSE", "R²", "in 95 % band")
@@ -174,6 +181,8 @@ def validate(
     NRMSE depends on the cut-off. To compare two estimates, pass the same ``cutoff`` for both: motion and torques then
     pass the same filters, whatever the estimates were identified with.
 
+    Torques are shifted by the delays that the estimate found (``identify(delay="auto")``); a finding says so.
+
     Args:
         estimate: The estimate.
         recordings: Motions with torques, better none that the estimate was fitted to.
@@ -220,6 +229,7 @@ def validate(
 
 def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFilter) -> Validation:
     """Predict the torque of one recording, block by block."""
+    recording = as_trained(estimate, recording)
     model, preparation, count = estimate.band_model, chosen.preparation, len(estimate.values)
     prepared = prepare(model, recording, preparation, every=True)
     rate = 1.0 / float(prepared.time[1] - prepared.time[0])
@@ -234,7 +244,7 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
     alone = Validation(estimate.joint_names, time, measured, predicted, name or "array", half_width=half, filter=chosen)
     used = prepared.inside
     ranges = MotionRanges.of(prepared.motion.q[used], prepared.motion.v[used], prepared.motion.a[used])
-    found = [*extrapolations(estimate, ranges, name)]
+    found = [*shifted_torques(estimate, name), *extrapolations(estimate, ranges, name)]
     growth = np.ones_like(alone.rmse)
     if chosen.comparable:
         of_training = np.sqrt(bandwidth) * estimate.residual_rms

@@ -9,6 +9,8 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.findings import Finding
+from exoid.regression.rows import for_leg
+from exoid.signals import Recording, without_torque_delay
 
 from .data import EstimateData
 from .motion_ranges import MotionRanges
@@ -36,6 +38,46 @@ SIGNIFICANT = 1e-3
 
 LATE = 0.5
 """A torque is late where so large a correlation with its time derivative is left in the residual."""
+
+
+def as_trained(estimate: EstimateData, recording: Recording) -> Recording:
+    """Shift torques by the delays that were taken out of those of the training.
+
+    Args:
+        estimate: The estimate, with its delays.
+        recording: A recording.
+
+    Returns:
+        The recording; as it is where the estimate has no delays.
+    """
+    if not estimate.torque_delays.any():
+        return recording
+    chosen = for_leg(estimate.model, recording)
+    return without_torque_delay(chosen, dict(enumerate(estimate.torque_delays.tolist())))
+
+
+def shifted_torques(estimate: EstimateData, source: str = "") -> Iterator[Finding]:
+    """Say by how much torques are shifted.
+
+    Args:
+        estimate: The estimate, with its delays.
+        source: Name of the recording.
+
+    Yields:
+        One finding for each joint whose torque is shifted.
+    """
+    for joint, delay in zip(estimate.joint_names, estimate.torque_delays.tolist(), strict=True):
+        if delay:
+            yield Finding(
+                "torque-delay",
+                joint,
+                delay,
+                "s",
+                "info",
+                f"the torque of {joint} was shifted by {1e3 * delay:.3g} ms, the delay of the training",
+                "correct the time stamps of both logs, and identify without delay",
+                recording=source,
+            )
 
 
 def extrapolations(estimate: EstimateData, ranges: MotionRanges, source: str = "") -> Iterator[Finding]:

@@ -13,7 +13,7 @@ from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .checkup import check_group
+from .checkup import check_group, groups_counted_once
 from .estimators import find_estimator
 from .fitting import Task
 from .group_rows import Group
@@ -57,11 +57,12 @@ def check(
         ()
     """
     used = DEFAULT_TERMS if terms is None else tuple(terms)
-    groups, model = (Group.alone(leg, recordings),), TorqueModel.at_start(leg, used, tuple(known or ()))
+    groups, (repeats,) = groups_counted_once((Group.alone(leg, recordings),))
+    model = TorqueModel.at_start(leg, used, tuple(known or ()))
     data = groups[0].data
     if isinstance(data, Cluster):
         raise ExoidError("recordings are on the workers of a cluster", remedy="check them before they are sent")
-    signals = signal_findings(model, data)
+    signals = (*repeats, *signal_findings(model, data))
     try:
         knowledge = PriorKnowledge.of(known, None, nonnegative=False)
         summaries = summarize_groups(
@@ -74,4 +75,4 @@ def check(
         return ordered((*signals, refused))
     covariance = uncertainty_of(fitted.problem, fitted.fit, white=False).covariance
     count = len(fitted.models[0].names)
-    return check_group(fitted, 0, covariance[:count, :count]).findings
+    return ordered((*repeats, *check_group(fitted, 0, covariance[:count, :count]).findings))

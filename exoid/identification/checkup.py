@@ -3,23 +3,52 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.checks import Checkup, FittedLeg, check_fit, torque_delays, without_delay
+from exoid.checks import Checkup, FittedLeg, check_fit, count_once, torque_delays
 from exoid.errors import ExoidError
 from exoid.estimate.model_error import ModelError
 from exoid.estimate.motion_ranges import MotionRanges
 from exoid.findings import Finding
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.rows import for_leg
-from exoid.signals import Cluster, Poses
+from exoid.signals import Cluster, Poses, without_torque_delay
 from exoid.torques import TorqueModel
 
 from .fitting import Fitted, Task
 from .friction_form import friction_form_error
 from .group_rows import Group
+
+NOT_CHECKED = Finding(
+    "not-checked",
+    "",
+    0.0,
+    "1",
+    "info",
+    "recordings on a cluster were not searched for faults",
+    "run exoid check on some of them before they are sent",
+)
+"""Stands for the checks of recordings on a cluster."""
+
+
+def groups_counted_once(groups: Sequence[Group]) -> tuple[tuple[Group, ...], tuple[tuple[Finding, ...], ...]]:
+    """Leave out data that occur twice within a group.
+
+    Args:
+        groups: Groups of recordings; those on a cluster stay as they are.
+
+    Returns:
+        The groups, and findings that name what was left out of each.
+    """
+    kept, findings = [], []
+    for group in groups:
+        once = None if isinstance(group.data, Cluster) else count_once(group.data)
+        kept.append(group if once is None else group._replace(data=once.data))
+        findings.append(() if once is None else once.findings)
+    return tuple(kept), tuple(findings)
 
 
 def check_group(fitted: Fitted, group: int, covariance: FloatArray) -> Checkup:
@@ -31,11 +60,11 @@ def check_group(fitted: Fitted, group: int, covariance: FloatArray) -> Checkup:
         covariance: Covariance of the parameters of its model, (P, P).
 
     Returns:
-        Findings and ranges of the motion; nothing for recordings on a cluster.
+        Findings and ranges of the motion; for recordings on a cluster only that they were not checked.
     """
     data = fitted.problem.groups[group].data
     if isinstance(data, Cluster):
-        return Checkup()
+        return Checkup((NOT_CHECKED,))
     return check_fit(_fitted_leg(fitted, group, covariance), data)
 
 
@@ -66,7 +95,21 @@ def model_error(
     return friction_form_error(_fitted_leg(fitted, group, nothing), ranges.speed, residual_rms, share, data)
 
 
-def without_delays(task: Task, fitted: Fitted) -> tuple[Task, tuple[tuple[Finding, ...], ...]]:
+class WithoutDelays(NamedTuple):
+    """Recordings with shifted torques.
+
+    Attributes:
+        task: Torque model and data.
+        delays: Delays that were taken out of the torques of each group [s], (n,) each.
+        findings: What was shifted in each group.
+    """
+
+    task: Task
+    delays: tuple[FloatArray, ...]
+    findings: tuple[tuple[Finding, ...], ...]
+
+
+def without_delays(task: Task, fitted: Fitted) -> WithoutDelays:
     """Estimate by how much torques are late, and shift them.
 
     Args:
@@ -74,21 +117,22 @@ def without_delays(task: Task, fitted: Fitted) -> tuple[Task, tuple[tuple[Findin
         fitted: Fit to the data as they are.
 
     Returns:
-        The task with shifted torques, and findings that say by how much, for each group.
+        The task with shifted torques, delays, and findings that say by how much.
 
     Raises:
         ExoidError: Recordings are on a cluster.
     """
-    groups, shifts = [], []
+    groups, found, shifts = [], [], []
     for k, group in enumerate(task.groups):
         if isinstance(group.data, Cluster):
             raise ExoidError("delays of recordings on a cluster cannot be corrected", remedy="leave delay out")
         nothing = np.zeros((len(fitted.models[k].names),) * 2)
         delays = torque_delays(_fitted_leg(fitted, k, nothing), group.data)
         groups.append(_shifted(group, delays.values) if delays.values.any() else group)
+        found.append(delays.values)
         each = zip(group.leg.joint_names, delays.values, delays.half, strict=True)
         shifts.append(tuple(_shift_finding(joint, delay, half) for joint, delay, half in each if delay))
-    return task._replace(groups=tuple(groups)), tuple(shifts)
+    return WithoutDelays(task._replace(groups=tuple(groups)), tuple(found), tuple(shifts))
 
 
 def _shifted(group: Group, delays: FloatArray) -> Group:
@@ -97,7 +141,7 @@ def _shifted(group: Group, delays: FloatArray) -> Group:
     model = TorqueModel.at_start(group.leg, ())
     by_joint = {k: float(delay) for k, delay in enumerate(delays) if delay}
     chosen = (for_leg(model, one) for one in group.data)
-    data = [one if isinstance(one, Poses) else without_delay(one, by_joint) for one in chosen]
+    data = [one if isinstance(one, Poses) else without_torque_delay(one, by_joint) for one in chosen]
     return group._replace(data=data)
 
 
@@ -111,7 +155,7 @@ def _shift_finding(joint: str, delay: float, half: float) -> Finding:
         "info",
         f"the torque of {joint} came {1e3 * abs(delay):.3g} ms {'after' if delay > 0.0 else 'before'} the motion, "
         "and was shifted by that",
-        "correct the time stamps of the log, so that validation sees the same",
+        "correct the time stamps of the log; validation shifts its torques by the same",
         interval=(float(delay - half), float(delay + half)),
     )
 

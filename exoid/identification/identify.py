@@ -9,20 +9,19 @@ from exoid.errors import ExoidError
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
-from exoid.findings import Finding
 from exoid.leg import Leg
 from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .checkup import without_delays
+from .checkup import groups_counted_once, without_delays
 from .estimators import Estimator, find_estimator, fit_by, name_of
 from .fitting import Fitted, Start, Task
 from .group_rows import Group, Measured
 from .groups import make_groups, own_parameters, refuse_nonlinear_terms
 from .problem import Problem
 from .recording_summary import prepare_groups, summarize_groups
-from .result import Result
+from .result import Preliminaries, Result
 from .variable_projection import search
 
 NOISES = ("correlated", "white")
@@ -139,7 +138,7 @@ def identify(
     _check_delay(delay)
     chosen, terms = find_estimator(estimator), _check_terms(terms)
     _refuse_without_effect(chosen, preparation, cutoff)
-    groups = _groups(leg, recordings, own)
+    groups, before = _groups(leg, recordings, own)
     if len(groups) > 1:
         refuse_nonlinear_terms({group.name: group.leg for group in groups}, terms)
     knowledge = PriorKnowledge.of(known, prior, nonnegative=nonnegative)
@@ -151,19 +150,12 @@ def identify(
     prepared = prepare_groups(groups, models, summaries, preparation, cutoff)
     task = Task(prepared, tuple(models.values()), terms, chosen, own_names, knowledge)
     fitted = fit_model(task)
-    shifts: tuple[tuple[Finding, ...], ...] = ()
     if delay is not None:
-        task, shifts = without_delays(task, fitted)
+        task, delays, shifts = without_delays(task, fitted)
         fitted = fit_model(task) if any(shifts) else fitted
-    result = Result.of(
-        fitted,
-        list(summaries.values()),
-        chosen,
-        white=noise == "white",
-        check=check,
-        shifts=shifts,
-        cutoff_source=_cutoff_source(preparation, cutoff),
-    )
+        before = before.shifted(delays, shifts)
+    before = before._replace(cutoff_source=_cutoff_source(preparation, cutoff))
+    result = Result.of(fitted, list(summaries.values()), chosen, white=noise == "white", check=check, before=before)
     return result.estimate() if groups[0].name == "" else result.grouped_estimate()
 
 
@@ -200,11 +192,17 @@ def _groups(
     leg: Leg | Mapping[str, Leg],
     recordings: Measured | Mapping[str, Measured] | Cluster,
     own: str | Sequence[str] | None,
-) -> tuple[Group, ...]:
-    """Bring legs and recordings together: one group, unless one of the arguments speaks of several."""
+) -> tuple[tuple[Group, ...], Preliminaries]:
+    """Bring legs and recordings together, data that occur twice once: one group, unless an argument names several."""
+    groups: tuple[Group, ...]
     if own is None and not isinstance(leg, Mapping) and not isinstance(recordings, Mapping):
-        return (Group.alone(leg, recordings),)
-    return make_groups(leg, recordings, own)
+        groups = (Group.alone(leg, recordings),)
+    else:
+        groups = make_groups(leg, recordings, own)
+    if any(not isinstance(group.data, Cluster) and len(group.data) > 1 for group in groups):
+        groups, repeats = groups_counted_once(groups)
+        return groups, Preliminaries(repeats)
+    return groups, Preliminaries()
 
 
 def _check_noise(noise: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -16,7 +17,7 @@ from exoid.estimate.equality import own_equality
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
-from exoid.findings import Finding
+from exoid.findings import Finding, ordered
 from exoid.regression.diagnostics import (
     Collinearity,
     JointNoise,
@@ -42,6 +43,51 @@ BELOW_ZERO = 0.005
 """Probability with which a parameter that is zero would be said to be negative."""
 
 
+class Preliminaries(NamedTuple):
+    """What was mended and chosen before the fit.
+
+    Attributes:
+        findings: What was mended in each group; empty for nothing.
+        delays: Delays that were taken out of the torques of each group [s], (n,) each; empty for none.
+        cutoff_source: How the cut-off was chosen.
+    """
+
+    findings: tuple[tuple[Finding, ...], ...] = ()
+    delays: tuple[FloatArray, ...] = ()
+    cutoff_source: str = ""
+
+    def shifted(self, delays: Sequence[FloatArray], findings: Sequence[Sequence[Finding]]) -> Preliminaries:
+        """Add delays that were taken out.
+
+        Args:
+            delays: Delays of the torques of each group [s], (n,) each.
+            findings: What was shifted in each group.
+
+        Returns:
+            All that was mended.
+        """
+        before = self.findings or ((),) * len(findings)
+        both = zip(before, findings, strict=True)
+        return self._replace(findings=tuple((*old, *new) for old, new in both), delays=tuple(delays))
+
+    def beside(self, group: int, others: tuple[Finding, ...]) -> tuple[Finding, ...]:
+        """Add what was mended in a group to other findings.
+
+        Args:
+            group: Index of the group.
+            others: Findings of the logs as they were fitted.
+
+        Returns:
+            All findings, the worst first.
+        """
+        own = self.findings[group] if self.findings else ()
+        return ordered((*own, *others)) if own else others
+
+
+NO_PRELIMINARIES = Preliminaries()
+"""Stands for logs that were fitted as they are."""
+
+
 @dataclass(frozen=True, eq=False)
 class Result:
     """A fit with what its residuals say.
@@ -52,8 +98,7 @@ class Result:
         estimator: The estimator.
         uncertainty: Covariance of all parameters, and the noise that it is for.
         check: Whether to check logs and fit for faults.
-        shifts: Delays that were taken out of the torques of each group; empty for none.
-        cutoff_source: How the cut-off was chosen.
+        before: What was mended and chosen before the fit.
     """
 
     fitted: Fitted
@@ -61,8 +106,7 @@ class Result:
     estimator: Estimator
     uncertainty: Uncertainty
     check: bool = False
-    shifts: tuple[tuple[Finding, ...], ...] = ()
-    cutoff_source: str = ""
+    before: Preliminaries = NO_PRELIMINARIES
 
     @classmethod
     def of(
@@ -73,8 +117,7 @@ class Result:
         *,
         white: bool,
         check: bool = False,
-        shifts: tuple[tuple[Finding, ...], ...] = (),
-        cutoff_source: str = "",
+        before: Preliminaries = NO_PRELIMINARIES,
     ) -> Result:
         """Find noise and covariance of a fit.
 
@@ -84,14 +127,13 @@ class Result:
             estimator: The estimator.
             white: Whether the covariance assumes white noise.
             check: Whether to check logs and fit for faults.
-            shifts: Delays that were taken out of the torques of each group; empty for none.
-            cutoff_source: How the cut-off was chosen.
+            before: What was mended and chosen before the fit.
 
         Returns:
             The result.
         """
         uncertainty = uncertainty_of(fitted.problem, fitted.fit, white=white)
-        return cls(fitted, summaries, estimator, uncertainty, check, shifts, cutoff_source)
+        return cls(fitted, summaries, estimator, uncertainty, check, before)
 
     def estimate(self) -> Estimate:
         """Make the estimate of the only group."""
@@ -168,10 +210,11 @@ class Result:
             bounded=tuple(names[name] for name in bounded if name in names),
             influence=None if self._influence is None else self._influence.at(places),
             trends=trends,
-            findings=(*(self.shifts[group] if self.shifts else ()), *checkup.findings),
+            findings=self.before.beside(group, checkup.findings),
             ranges=checkup.ranges,
             model_error=model_error(self.fitted, group, checkup.ranges, residual_rms, noise) if self.check else None,
-            cutoff_source=self.cutoff_source,
+            cutoff_source=self.before.cutoff_source,
+            torque_delays=self.before.delays[group] if self.before.delays else np.zeros(0),
         )
 
     @cached_property

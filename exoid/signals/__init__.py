@@ -19,6 +19,7 @@ from .preparation_names import PREPARATIONS, preparation_by_name, register_prepa
 from .recording import Recording
 from .recordings import Recordings
 from .source import Source
+from .torque_delay import without_torque_delay
 
 __all__ = [
     "PREPARATIONS",
@@ -46,5 +47,6 @@ __all__ = [
     "register_preparation",
     "second_difference",
     "smooth_motion",
+    "without_torque_delay",
     "zero_phase",
 ]

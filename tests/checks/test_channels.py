@@ -108,12 +108,6 @@ def test_a_late_velocity_is_found_with_its_delay():
     assert finding.value == pytest.approx(0.05, abs=0.005)
 
 
-def test_the_same_data_twice_are_found():
-    leg, log = clean()
-    assert "repeated-data" in kinds(exoid.check(leg, [log, log.slice(0, 1500)]))
-    assert "repeated-data" not in kinds(exoid.check(leg, [log.slice(0, 1500), log.slice(1500, None)]))
-
-
 def test_an_angle_that_wraps_is_found():
     leg, log = clean()
 

@@ -63,6 +63,23 @@ def test_findings_of_groups_keep_their_group():
     assert both.findings == (*both["good"].findings, *both["bad"].findings)
 
 
+def test_validation_shifts_torques_by_the_delay_of_the_training(tmp_path):
+    leg, log = clean()
+    bad = late(log, 0.02, range(3))
+    mended = exoid.identify(leg, bad, delay="auto")
+    assert mended.torque_delays == pytest.approx([0.02] * 3, abs=0.001)
+    mended.save(tmp_path / "est.json")
+    loaded = exoid.Estimate.load(tmp_path / "est.json")
+    np.testing.assert_array_equal(loaded.torque_delays, mended.torque_delays)
+    validation = exoid.validate(loaded, bad)
+    right = exoid.validate(exoid.identify(leg, log), log).nrmse
+    assert (validation.nrmse < 1.1 * right).all()
+    assert (exoid.validate(exoid.identify(leg, bad), bad).nrmse > 1.2 * right).any()
+    shifts = [finding for finding in validation.findings if finding.kind == "torque-delay"]
+    assert [finding.value for finding in shifts] == mended.torque_delays.tolist()
+    assert exoid.validate(exoid.identify(leg, log), log).findings == ()
+
+
 def test_a_faster_motion_than_that_of_the_training_is_an_extrapolation():
     leg, log = clean()
     estimate = exoid.identify(leg, log)

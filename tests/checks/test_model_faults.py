@@ -146,12 +146,23 @@ def test_a_spring_is_an_unmodelled_force_unless_it_is_modelled():
     assert kinds(exoid.check(leg, pulled, terms)) == set()
 
 
-def test_friction_of_another_form_is_named():
+FORMS = {
+    "quadratic": lambda v, load: v * np.abs(v) / v.std() ** 2,
+    "asymmetric": lambda v, load: np.abs(v) / v.std(),
+    "Stribeck": lambda v, load: np.tanh(v / 0.02) * np.exp(-((v / 0.2) ** 2)),
+    "load": lambda v, load: np.tanh(v / 0.02) * np.abs(load) / load.std(),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_friction_of_another_form_is_named(form):
     leg, log = clean()
     v = np.gradient(log.q[:, 1]) * log.sample_rate
-    extra = 0.05 * log.tau[:, 1].std() * v * np.abs(v) / v.std() ** 2
-    found = exoid.check(leg, with_column(log, "tau", 1, lambda x: x + extra))
-    assert of_kind(found, "unmodelled-friction").joint == leg.joint_names[1]
+    extra = 0.05 * log.tau[:, 1].std() * FORMS[form](v, log.tau[:, 1])
+    finding = of_kind(exoid.check(leg, with_column(log, "tau", 1, lambda x: x + extra)), "unmodelled-friction")
+    assert finding.joint == leg.joint_names[1]
+    assert form in finding.message
+    assert "c0_knee" in finding.parameters or "d_knee" in finding.parameters
 
 
 def test_cross_talk_is_named():
@@ -168,12 +179,44 @@ def test_torque_that_is_only_noise_is_found():
     assert ("large-residual", leg.joint_names[1]) in {(finding.kind, finding.joint) for finding in found}
 
 
-def test_parameters_that_no_leg_can_have_are_found():
+def acceleration(log):
+    """Derivative of the angles [rad/s²]."""
+    v = np.gradient(log.q, axis=0) * log.sample_rate
+    return np.gradient(v, axis=0) * log.sample_rate
+
+
+def test_inertia_that_no_leg_can_have_is_found():
     leg, log = clean()
-    still = leg.regressor(log.q, np.zeros_like(log.q), np.zeros_like(log.q))
-    moment = still[..., 3] * -2.0 * leg.parameters[3]
-    found = exoid.check(leg, dataclasses.replace(log, tau=log.tau + moment))
-    assert kinds(found)
+    less = 0.5 * leg.parameters[2] * acceleration(log)[:, 0]  # J1 less J2 becomes negative
+    finding = of_kind(exoid.check(leg, with_column(log, "tau", 0, lambda x: x - less)), "impossible-leg")
+    assert finding.value > 4.5
+    assert "left_thigh" in finding.message or "J1" in finding.message
+    assert "J1" in finding.parameters
+    little = 0.01 * less
+    assert kinds(exoid.check(leg, with_column(log, "tau", 0, lambda x: x - little))) == set()
+
+
+def test_a_segment_on_the_wrong_side_of_its_joint_is_found():
+    leg, log = clean()
+    v = np.gradient(log.q, axis=0) * log.sample_rate
+    moment = leg.regressor(log.q, v, acceleration(log))[..., 3:5] @ leg.parameters[3:5]
+    found = exoid.check(leg, dataclasses.replace(log, tau=log.tau - 1.4 * moment))
+    assert "impossible-leg" in kinds(found)
+
+
+def test_negative_rotor_inertia_is_found():
+    leg, log = clean()
+    less = 0.5 * leg.parameters[5] * acceleration(log)[:, 1]
+    finding = of_kind(exoid.check(leg, with_column(log, "tau", 1, lambda x: x - less)), "impossible-leg")
+    assert finding.parameters == ("Ia_knee",)
+    assert finding.value < 0.0
+
+
+def test_a_slow_clock_is_found_with_its_size():
+    leg, log = clean()
+    finding = of_kind(exoid.check(leg, dataclasses.replace(log, time=0.98 * log.time)), "clock")
+    assert finding.value == pytest.approx(-0.02, abs=0.004)
+    assert finding.interval[1] < 0.0
 
 
 def test_a_leg_far_from_its_urdf_is_information():

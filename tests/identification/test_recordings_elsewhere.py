@@ -121,6 +121,7 @@ def test_a_damaged_log_is_named(folder, tmp_path):
 def test_a_cluster_that_reads_files_gives_the_estimate_of_memory(client, folder, in_memory, estimator):
     found = exoid.identify(SWING.leg, Cluster.of_files(client, Recordings.from_folder(folder)), TERMS, estimator)
     assert_same(found, identify(SWING.leg, in_memory, TERMS, estimator))
+    assert [(finding.kind, finding.severity) for finding in found.findings] == [("not-checked", "info")]
 
 
 def test_workers_that_are_threads_of_this_process_do_not_wait_for_it(folder, in_memory):

@@ -1,0 +1,32 @@
+"""Torques that are logged later than the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from .recording import Recording
+
+
+def without_torque_delay(recording: Recording, delays: Mapping[int, float]) -> Recording:
+    """Shift torques against the motion.
+
+    Args:
+        recording: A recording.
+        delays: Time by which the torque of each joint is late [s], by its index.
+
+    Returns:
+        The recording at even times with torques at t + delay; the first or last value fills the end.
+    """
+    if recording.tau is None:
+        return recording
+    even = recording.resampled()
+    assert even.tau is not None
+    tau = even.tau.copy()
+    for joint, delay in delays.items():
+        at = np.clip(even.time + delay, even.time[0], even.time[-1])
+        tau[:, joint] = scipy.interpolate.CubicSpline(even.time, even.tau[:, joint])(at)
+    return replace(even, tau=tau)
