@@ -16,7 +16,7 @@ from exoid.control import ControlModel
 from exoid.control.tracking import tracking_table
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.files import refuse_unwritable
+from exoid.files import make_folder
 from exoid.leg import Leg
 from exoid.rig import Payload, Plant, Reference
 from exoid.signals import Recording
@@ -24,6 +24,7 @@ from exoid.tables import DataTable, to_text
 
 from .inputs import AsJson, Report, refuse
 from .numbers import joint_values
+from .outputs import check_outputs
 from .progress import progress_bar
 
 HARMONICS = 6
@@ -77,13 +78,12 @@ def track(
     controllers have the same model; --payload and --friction change the rig.
     """
     from exoid import reproduce  # noqa: PLC0415 - matplotlib would slow down the help
-    from exoid.view.figure_files import make_folder, write_figures  # noqa: PLC0415
+    from exoid.view.figure_files import write_figures  # noqa: PLC0415
 
     options = TrackOptions(kp, kd, rate, period, scale, speed, reference, payload, friction)
     if figures is not None:
         make_folder(figures)
-    if report is not None:
-        refuse_unwritable(report)
+    check_outputs({"--report": report}, [what, reference])
     if what == "cuhk":
         given = {f"--{name}": value for name, value in options._asdict().items()}
         refuse(given, "cuhk is document 2's comparison; name an estimate")

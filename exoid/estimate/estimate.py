@@ -95,7 +95,7 @@ class Estimate(EstimateData):
             What was written, which prints itself: where the parameters are, and by how much they had to move.
 
         Raises:
-            ExoidError: A file cannot be written.
+            ExoidError: A file cannot be written, or is the URDF that was identified.
         """
         return export_urdf(self, path)
 

@@ -15,7 +15,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.exported import IN_URDF, SCHEMA, sidecar_of
-from exoid.files import write_together
+from exoid.files import refuse_content, refuse_unwritable, write_together
 from exoid.leg import Leg
 from exoid.lift import Lift, lift
 from exoid.lift.lumping import distribute_bodies
@@ -138,13 +138,16 @@ def export_urdf(estimate: EstimateData, path: str | os.PathLike[str]) -> Export:
         What was written.
 
     Raises:
-        ExoidError: The path names no URDF, or a file cannot be written.
+        ExoidError: The path names no URDF, is the URDF that was identified or a recording, or cannot be written.
     """
     urdf = Path(path)
     sidecar = sidecar_of(urdf) if urdf.name else urdf
     if sidecar == urdf:
         raise ExoidError(f"{str(path)!r} is no name for a URDF", remedy="give a file such as leg.urdf")
     leg = estimate.model.leg
+    for file in (urdf, sidecar):
+        refuse_content(file, [leg.description.sha256, *(each.sha256 for each in estimate.inputs)])
+        refuse_unwritable(file)
     p = len(leg.parameter_names)
     lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p])
     links = distribute_bodies(leg, lifted.link_parameters)

@@ -14,7 +14,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.description import describe
 from exoid.errors import ExoidError
-from exoid.files import write_whole
+from exoid.files import refuse_content, write_whole
 from exoid.leg import Leg
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.influence import influence_from_json, influence_to_json
@@ -37,7 +37,11 @@ def write_estimate(estimate: EstimateData, path: str | os.PathLike[str]) -> None
     Args:
         estimate: The estimate.
         path: File to write.
+
+    Raises:
+        ExoidError: The file cannot be written, or is a recording of the estimate.
     """
+    refuse_content(path, [each.sha256 for each in estimate.inputs if each.sha256])
     write_whole(path, [estimate_text(estimate)])
 
 

@@ -136,7 +136,7 @@ def test_document_2s_comparison_is_printed(track, monkeypatch):
         (("bleex", "--payload", "-1"), "invalid payload"),
         (("bleex", "--friction", "-1"), "times the friction"),
         (("bleex", "--rate", "0"), "0 Hz"),
-        (("est.json", "--figures", "est.json"), "cannot write figures"),
+        (("est.json", "--figures", "est.json"), "cannot write files"),
     ],
     ids=lambda x: " ".join(x) if isinstance(x, tuple) else "",
 )
