@@ -104,7 +104,7 @@ def describe_error(error: Exception) -> tuple[str, int]:
         The line, and the exit status.
     """
     if isinstance(error, ExoidError):
-        return str(error), BAD_INPUT
+        return error.for_command(), BAD_INPUT
     what = " ".join(str(error).split())
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""

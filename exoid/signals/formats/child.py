@@ -141,8 +141,8 @@ class Child:
             raise self._death(file, seconds, late=timer.has_ended)
         self.usable = bool(reply["stays"])
         if "error" in reply:
-            what, where, remedy = reply["error"]
-            raise ExoidError(what, where=where, remedy=remedy)
+            what, where, remedy, command = reply["error"]
+            raise ExoidError(what, where=where, remedy=remedy, command=command)
         return Content(arrays, reply["facts"])
 
     def end(self) -> None:

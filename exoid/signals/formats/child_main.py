@@ -56,7 +56,7 @@ def _answer(request: Mapping[str, Any], replies: IO[bytes]) -> bool:
             arrays = {name: np.ascontiguousarray(values) for name, values in content.arrays.items()}
     except ExoidError as error:
         content, arrays = Content({}), {}
-        reply: dict[str, Any] = {"error": (error.what, error.where, error.remedy)}
+        reply: dict[str, Any] = {"error": (error.what, error.where, error.remedy, error.command)}
     else:
         reply = {"facts": content.facts, "arrays": [(name, x.dtype.str, x.shape) for name, x in arrays.items()]}
     stays = _stays()
