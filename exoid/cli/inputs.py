@@ -198,8 +198,7 @@ def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None
         )
     if options.start is None and options.stop is None:
         return recording
-    start = recording.time[0] if options.start is None else options.start
-    return recording.between(start, float("inf") if options.stop is None else options.stop)
+    return recording.between(options.start, options.stop)
 
 
 def _columns(pairs: Sequence[str] | None) -> dict[str, str] | None:

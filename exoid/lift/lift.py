@@ -19,6 +19,8 @@ infinity in these coordinates, which takes hundreds of steps.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -135,6 +137,20 @@ class Lift:
         return to_text(title, *parts, make_table(("parameter", "requested", "consistent", "change"), moved))
 
 
+@contextmanager
+def _in_range() -> Iterator[None]:
+    """Turn numbers that no arithmetic can hold into an error about the estimate."""
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):  # the result is checked
+            yield
+    except (np.linalg.LinAlgError, ValueError) as error:
+        raise ExoidError(
+            f"no links can be found for these parameters ({error}): they are far from those of a leg",
+            remedy="check the estimate: its units, its standard deviations and its warnings",
+        ) from error
+
+
+@_in_range()
 def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Lift:
     """Find the physically consistent links with these base parameters that are nearest to the leg's own.
 
@@ -151,8 +167,8 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
         about 1e-8 of the prior, counts as infeasible. So does an estimate whose links exceed :data:`HEAVIEST`.
 
     Raises:
-        ExoidError: Values or covariance do not fit the leg or are not finite, or the covariance has a negative
-            eigenvalue.
+        ExoidError: Values or covariance do not fit the leg or are not finite, the covariance has a negative eigenvalue,
+            or the values are so large that the arithmetic fails.
 
     Example:
         >>> leg = exoid.load_leg("bleex")
@@ -177,6 +193,8 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
     links = problem.back @ unit
     if feasible:
         links = links + leg.reduction.spread @ (target - leg.reduction.collect @ links)  # the last rounding error
+    if not np.isfinite(links).all():
+        raise np.linalg.LinAlgError("the numbers overflow")
     return Lift(
         names=leg.parameter_names,
         target=target,
