@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import os
+import signal
 import sys
+import threading
 from typing import Annotated
 
 import typer
@@ -60,6 +62,8 @@ def main() -> None:
 
     The exit status is 2 for bad input, and 1 for an error of the program.
     """
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, _terminate)
     words = [word for word in sys.argv[1:] if word != TRACEBACK]
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
@@ -72,6 +76,12 @@ def main() -> None:
         line, status = describe_error(error)
         typer.echo(f"exoid: {line}", err=True)
         sys.exit(status)
+
+
+def _terminate(*_: object) -> None:
+    """End as Ctrl-C does, so that workers and servers end too."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    sys.exit(128 + signal.SIGTERM)
 
 
 def _run(words: list[str]) -> None:
