@@ -24,7 +24,8 @@ from . import (
 from .catalog import load_leg
 from .errors import ExoidError
 from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, validate
-from .identification import identify
+from .findings import Finding
+from .identification import check, identify
 from .leg import Leg
 from .signals import Recording, Recordings
 from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
@@ -38,6 +39,7 @@ __all__ = [
     "Coulomb",
     "Estimate",
     "ExoidError",
+    "Finding",
     "GroupedEstimate",
     "Leg",
     "Offset",
@@ -48,6 +50,7 @@ __all__ = [
     "Validation",
     "Viscous",
     "catalog",
+    "check",
     "codegen",
     "compare",
     "control",

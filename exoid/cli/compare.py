@@ -14,7 +14,7 @@ from .inputs import AsJson
 
 def compare(
     first: Annotated[str, typer.Argument(metavar="A.JSON", help="Estimate of exoid identify -o.")],
-    second: Annotated[str, typer.Argument(metavar="B.JSON", help="Another estimate, from other logs.")],
+    second: Annotated[str, typer.Argument(metavar="B.JSON", help="Another, of other logs or by another estimator.")],
     as_json: AsJson = False,
 ) -> None:
     """Test whether B differs from A: left and right, one day and another, with and without a wearer."""

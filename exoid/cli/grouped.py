@@ -27,6 +27,8 @@ class Settings(TypedDict):
     known: dict[str, float]
     prior: dict[str, tuple[float, float]]
     nonnegative: bool
+    delay: str | None
+    check: bool
 
 
 class GroupedLogs(NamedTuple):

@@ -76,6 +76,11 @@ def identify(
     nonnegative: Annotated[
         bool, typer.Option("--nonnegative", help="Keep friction and rotor inertia at 0 or above.")
     ] = False,
+    delay: Annotated[
+        str | None,
+        typer.Option(metavar="auto", help="auto: estimate by how much torques are late, and shift them."),
+    ] = None,
+    check: Annotated[bool, typer.Option("--check/--no-check", help="Look for faults of the logs.")] = True,
     test: Annotated[
         list[str] | None, typer.Option(metavar="LOG", help="Predict a log that is not fitted. Repeatable.")
     ] = None,
@@ -111,6 +116,8 @@ def identify(
         known=parse_known(known),
         prior=parse_prior(prior),
         nonnegative=nonnegative,
+        delay=delay,
+        check=check,
     )
     if grouped is not None:
         typer.echo(grouped.identify(all_at_once(recordings), find, settings, as_json=as_json))

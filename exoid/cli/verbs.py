@@ -13,6 +13,9 @@ VERBS = {
     "identify": (
         "Identify the parameters of LEG from the LOGs: columns time, q_<joint>, tau_<joint>, optionally v_ and a_."
     ),
+    "check": (
+        "Check the LOGs of LEG for late, frozen, clipped or swapped channels, wrong units and zeros, and straps."
+    ),
     "select": "Select terms, filter and estimator for LEG by blocked cross-validation inside the LOGs.",
     "validate": "Predict the torque of the LOGs from their motion and compare it with the measured one.",
     "compare": "Test whether B differs from A: left and right, one day and another, with and without a wearer.",

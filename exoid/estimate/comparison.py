@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -22,6 +22,12 @@ SIGNIFICANT = 0.05
 RANK = 1e-10
 """Directions whose variance, in units of the parameters' own, is below this count as known exactly by both."""
 
+
+DEPENDENT = (
+    "both estimates were made from {}: their errors depend on each other, so ± is the largest error that the "
+    "difference can have, the sum of both, and p-values are upper bounds"
+)
+"""Note on estimates of the same recordings."""
 
 FloatsByName = Mapping[str, FloatArray]
 """A number of each parameter, by the name of a prior."""
@@ -122,22 +128,21 @@ def compare(first: EstimateData, second: EstimateData) -> Comparison:
     given errs in both alike: of its variance σ² only (g₂ − g₁) σ² (g₂ − g₁)ᵀ is left, g = ∂β/∂p being how far each
     follows it. Parameters that were held fixed in both are not tested.
 
+    Two estimators of one recording, or recordings that overlap, have errors that depend on each other in a way that
+    the estimates do not say. The error of a difference is then at most the sum of both errors, and C at most
+    2 (C₁ + C₂). These bounds take the place of C: a p-value is at most the one stated, and a note says so.
+
     Args:
         first: An estimate.
-        second: Another one, from other recordings.
+        second: Another one of the same parameters.
 
     Returns:
         Differences with their tests.
 
     Raises:
-        ExoidError: There is no common parameter, units differ, or both were made from the same recording, so that
-            their errors are not independent.
+        ExoidError: There is no common parameter, or units differ.
     """
     shared = {source.sha256 for source in first.inputs} & {source.sha256 for source in second.inputs}
-    if shared:
-        sources = ", ".join(source.name for source in first.inputs if source.sha256 in shared)
-        what = f"both estimates were made from {sources}: their errors are not independent"
-        raise ExoidError(what, remedy="compare estimates from different recordings")
     names = tuple(name for name in first.names if name in second.names)
     if not names:
         raise ExoidError(
@@ -149,6 +154,13 @@ def compare(first: EstimateData, second: EstimateData) -> Comparison:
     if units != tuple(second.units[k] for k in other):
         raise ExoidError("units of the common parameters differ", remedy="compare estimates of legs of one kind")
     difference = second.values[other] - first.values[one]
+    held = np.array([name in first.prior_knowledge.known and name in second.prior_knowledge.known for name in names])
+    if shared:
+        sources = ", ".join(dict.fromkeys(source.name for source in first.inputs if source.sha256 in shared))
+        bounds = _Bounds.of(first.covariance[np.ix_(one, one)], second.covariance[np.ix_(other, other)])
+        dof, least = np.minimum(first.dof_each[one], second.dof_each[other]), min(first.dof, second.dof)
+        notes = (f"{DEPENDENT.format(sources)}", *_told(first, second, ()))
+        return wald(names, units, difference, bounds.covariance, dof, least, held=held, notes=notes, std=bounds.std)
     own = _own(first)[np.ix_(one, one)], _own(second)[np.ix_(other, other)]
     spread = (
         {name: x[one] for name, x in _spread(first).items()},
@@ -160,9 +172,20 @@ def compare(first: EstimateData, second: EstimateData) -> Comparison:
     v1, v2 = (np.diag(each) for each in own)
     dof = welch(v1, v2, first.dof_each[one], second.dof_each[other])
     dof *= np.divide(np.diag(C), v1 + v2, out=np.ones(len(names)), where=v1 + v2 > 0.0) ** 2  # priors are certain
-    held = np.array([name in first.prior_knowledge.known and name in second.prior_knowledge.known for name in names])
     told = _told(first, second, [name for name in of_both if name not in common])
     return wald(names, units, difference, C, dof, min(first.dof, second.dof), held=held, notes=told)
+
+
+class _Bounds(NamedTuple):
+    """Largest standard deviations and covariance that the difference of two dependent estimates can have."""
+
+    std: FloatArray
+    covariance: FloatArray
+
+    @staticmethod
+    def of(first: FloatArray, second: FloatArray) -> _Bounds:
+        """Take the sum of standard deviations (Cauchy and Schwarz), and 2 (C₁ + C₂)."""
+        return _Bounds(np.sqrt(np.diag(first)) + np.sqrt(np.diag(second)), 2.0 * (first + second))
 
 
 def wald(
@@ -175,6 +198,7 @@ def wald(
     *,
     held: NDArray[np.bool_] | None = None,
     notes: tuple[str, ...] = (),
+    std: FloatArray | None = None,
 ) -> Comparison:
     """Test whether differences are zero, each alone and all together.
 
@@ -187,11 +211,12 @@ def wald(
         least: Degrees of freedom of the test of all.
         held: Parameters that are not tested, (P,).
         notes: Notes for the reader.
+        std: Standard deviations of the differences, (P,); None for those of the covariance.
 
     Returns:
         Differences with their tests.
     """
-    std = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    std = np.sqrt(np.clip(np.diag(covariance), 0.0, None)) if std is None else std
     tested = np.ones(len(names), dtype=np.bool_) if held is None else ~held
     p_values = np.where(tested, _each(difference, std, dof), 1.0)
     statistic, p_value = hotelling(difference[tested], covariance[np.ix_(tested, tested)], least)

@@ -10,6 +10,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
+from exoid.findings import Finding, doubtful_parameters
 from exoid.leg import Leg
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.influence import Influence
@@ -20,6 +21,7 @@ from exoid.signals import Preparation
 from exoid.torques import Regrouped, TorqueModel
 from exoid.torso import TorsoMotion
 
+from .motion_ranges import MotionRanges
 from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from .parameter import Parameter, ParameterTable
 from .torque_band import TorqueBand, torque_std
@@ -77,6 +79,8 @@ class EstimateData(ParameterTable):
         trends: Residuals against velocity and angle, joint by joint.
         nonlinear: Nonlinear parameters, such as a Stribeck velocity; the covariance of the values includes their
             uncertainty.
+        findings: Faults of the logs or the model that checks found, the worst first; see ``docs/checks.md``.
+        ranges: Ranges of the motion that was fitted; None where they were not stored.
     """
 
     model: TorqueModel
@@ -100,6 +104,8 @@ class EstimateData(ParameterTable):
     reference_scale: FloatArray = field(default_factory=lambda: np.zeros(0))
     collinearity: FloatArray = field(default_factory=lambda: np.zeros(0))
     prior_gains: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    findings: tuple[Finding, ...] = ()
+    ranges: MotionRanges | None = None
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
@@ -150,6 +156,11 @@ class EstimateData(ParameterTable):
     def regrouped(self) -> tuple[Regrouped, ...]:
         """Parameters that are part of others, as no motion tells them apart."""
         return self.model.regrouped
+
+    @property
+    def doubtful(self) -> frozenset[str]:
+        """Parameters that a finding makes doubtful."""
+        return doubtful_parameters(self.findings)
 
     def __getitem__(self, name: str) -> Parameter:
         """Look up one parameter by name, a nonlinear one too.

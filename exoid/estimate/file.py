@@ -15,6 +15,7 @@ from exoid._typing import FloatArray
 from exoid.description import describe
 from exoid.errors import ExoidError
 from exoid.files import refuse_content, write_whole
+from exoid.findings import findings_from_json, findings_to_json
 from exoid.leg import Leg
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.influence import influence_from_json, influence_to_json
@@ -24,6 +25,7 @@ from exoid.signals.preparation_names import preparation_from_json, preparation_t
 from exoid.torques import TorqueModel, term_from_json, term_to_json
 
 from .data import EstimateData, Input
+from .motion_ranges import ranges_from_json, ranges_to_json
 from .nonlinear import NonlinearParameters
 
 SCHEMA = "exoid-estimate-1"
@@ -111,6 +113,8 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
         "collinearity": dict(zip(estimate.names, estimate.collinearity.tolist(), strict=True)),
         "determined": dict(zip(estimate.names, estimate.identifiability, strict=True)),
         "warnings": list(estimate.warnings),
+        "findings": findings_to_json(estimate.findings),
+        "ranges": ranges_to_json(estimate.ranges, estimate.joint_names),
         "known": dict(estimate.prior_knowledge.known),
         "prior": {name: list(pair) for name, pair in estimate.prior_knowledge.prior.values.items()},
         "prior_gains": estimate.prior_gains.tolist(),
@@ -181,6 +185,8 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         reference_scale=_by_name(data["calm_sizes"], model.names),
         prior_gains=_prior_gains(data["prior_gains"]),
         collinearity=_by_name(data["collinearity"], model.names),
+        findings=findings_from_json(data.get("findings", [])),  # files of exoid 0.1 have none
+        ranges=ranges_from_json(data.get("ranges"), leg.joint_names),
     )
 
 

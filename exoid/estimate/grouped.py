@@ -11,6 +11,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.findings import Finding, finding_lines
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.tables import DataTable, make_table, to_html, to_text
 
@@ -123,6 +124,21 @@ class GroupedEstimate(ParameterTable):
     def own(self) -> tuple[str, ...]:
         """Names of the parameters that each group has of its own, without the group."""
         return self.layout.own
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Findings of all groups, group by group."""
+        return tuple(finding for estimate in self.estimates.values() for finding in estimate.findings)
+
+    @property
+    def doubtful(self) -> frozenset[str]:
+        """Parameters that a finding of some group makes doubtful."""
+        return frozenset(
+            self.names[place]
+            for places, estimate in zip(self.layout.places, self.estimates.values(), strict=True)
+            for name, place in zip(estimate.names, places, strict=False)
+            if name in estimate.doubtful
+        )
 
     def compare(self, first: str, second: str) -> Comparison:
         """Test whether own parameters of two groups differ; errors that they have in common cancel.
@@ -239,6 +255,7 @@ def _closing_lines(grouped: GroupedEstimate) -> Iterator[str]:
         least = float(grouped.agreement.adjusted.min())
         yield f"shared parameters, each group alone: the smallest p of {len(grouped.shared)} is {least:.2g} (Holm)"
     yield from assumptions(grouped.prior_knowledge, grouped.bounded)
+    yield from (f"{group}: {line}" for group in grouped for line in finding_lines(grouped[group].findings))
     yield from (f"warning: {warning}" for warning in grouped.warnings)
     yield from (f"note: {note}" for note in grouped.notes)
 

@@ -71,6 +71,11 @@ class ParameterTable(ABC):
         """Units of the parameters, (P,)."""
 
     @property
+    def doubtful(self) -> frozenset[str]:
+        """Parameters that a finding makes doubtful: they are at best weakly determined."""
+        return frozenset()
+
+    @property
     def std(self) -> FloatArray:
         """Standard deviations, (P,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
@@ -91,13 +96,16 @@ class ParameterTable(ABC):
         10 and 30 % of a tenth of the value that would explain all torque of a joint alone, in these recordings or in a
         calm exercise. Known is what was held fixed, and prior what the prior knows better than the recordings. A value
         that would give three times all torque of a joint is not determined: it only cancels another. And what moves
-        together with others is at best weakly determined from a condition index of 100 on, and not from 300 on.
+        together with others is at best weakly determined from a condition index of 100 on, and not from 300 on. A
+        parameter that a finding makes doubtful is at best weakly determined.
         """
         numbers = zip(self.values, self.std, self.parameter_scale, self.reference_scale, self.collinearity, strict=True)
-        return tuple(
-            identifiability_beside(name, self.prior_knowledge, each[1], identifiability_class(*each))
+        classes = (
+            (name, identifiability_beside(name, self.prior_knowledge, each[1], identifiability_class(*each)))
             for name, each in zip(self.names, numbers, strict=True)
         )
+        doubtful = self.doubtful
+        return tuple("weakly" if name in doubtful and found == "well" else found for name, found in classes)
 
     def interval(self, level: float = 0.95) -> FloatArray:
         """Confidence intervals by Student's t with the degrees of freedom of each parameter, (P, 2).

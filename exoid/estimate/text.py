@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.findings import finding_lines
 from exoid.regression.diagnostics import ILL_CONDITIONED
 from exoid.regression.intervals import half_width
 from exoid.regression.parameters import PriorKnowledge
@@ -82,6 +83,7 @@ def _closing_lines(estimate: EstimateData) -> Iterator[str]:
     yield f"from {names}; {estimate.preparation.name} preparation"
     yield from assumptions(estimate.prior_knowledge, estimate.bounded)
     yield from influences(estimate)
+    yield from finding_lines(estimate.findings)
     yield from (f"warning: {warning}" for warning in estimate.warnings)
     yield from (f"note: {regrouped}" for regrouped in estimate.regrouped)
 

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.findings import Finding, finding_lines, findings_to_json, ordered
 from exoid.regression.rows import form_rows, prepare
 from exoid.signals import Preparation, Recording
 from exoid.tables import DataTable, make_table, to_html, to_text
 
 from .data import EstimateData
+from .motion_ranges import MotionRanges
+from .validation_checks import extrapolations, poor_predictions
 
 HEADERS = ("joint", "RMSE [N·m]", "NRMSE", "R²")
 """Columns of :meth:`Validation.rows`."""
@@ -31,6 +34,7 @@ class Validation:
         predicted: Filtered predicted torque [N·m], (N, n).
         source: Name of the recording, or of all.
         parts: Validation of each recording where there are several; samples of all follow each other above.
+        findings: Motion beyond that of the training, and torque that is not predicted.
     """
 
     joint_names: tuple[str, ...]
@@ -39,6 +43,7 @@ class Validation:
     predicted: FloatArray
     source: str
     parts: tuple[Validation, ...] = ()
+    findings: tuple[Finding, ...] = ()
 
     def __post_init__(self) -> None:
         """Forbid changes."""
@@ -70,8 +75,8 @@ class Validation:
         """Turn the figures of a validation into what JSON can hold.
 
         Returns:
-            Source, number of samples, joints and their RMSE [N·m], NRMSE and R²; the same of each recording where there
-            are several.
+            Source, number of samples, joints and their RMSE [N·m], NRMSE and R², and findings; the same of each
+            recording where there are several.
         """
         parts = {"recordings": [part.to_json() for part in self.parts]} if self.parts else {}
         return {
@@ -81,6 +86,7 @@ class Validation:
             "rmse": self.rmse.tolist(),
             "nrmse": _numbers(self.nrmse),
             "r2": _numbers(self.r2),
+            "findings": findings_to_json(self.findings),
             **parts,
         }
 
@@ -104,7 +110,7 @@ class Validation:
         if self.parts:
             of_parts = [(part.source, *row) for part in self.parts for row in part.rows()]
             tables += ["each recording:", make_table(("recording", *HEADERS), of_parts)]
-        return [f"Prediction of {self.source}", *tables, samples]
+        return [f"Prediction of {self.source}", *tables, samples, *finding_lines(self.findings)]
 
     def rows(self) -> list[tuple[str, ...]]:
         """Write joint, RMSE, NRMSE and R² as rows of a table.
@@ -155,7 +161,8 @@ def validate(
         np.concatenate([getattr(part, name) for part in parts]) for name in ("time", "measured", "predicted")
     )
     source = ", ".join(part.source for part in parts)
-    return Validation(estimate.joint_names, time, measured, predicted, source, parts)
+    findings = tuple(finding for part in parts for finding in part.findings)
+    return Validation(estimate.joint_names, time, measured, predicted, source, parts, findings)
 
 
 def _validate_one(estimate: EstimateData, recording: Recording, preparation: Preparation) -> Validation:
@@ -165,4 +172,9 @@ def _validate_one(estimate: EstimateData, recording: Recording, preparation: Pre
     parts = [(of_some.time, of_some.tau, of_some.W @ estimate.values) for of_some in rows]
     time, measured, predicted = (np.concatenate(part) for part in zip(*parts, strict=True))
     source = recording.source.name if recording.source else "array"
-    return Validation(estimate.joint_names, time, measured, predicted, source)
+    alone = Validation(estimate.joint_names, time, measured, predicted, source)
+    used = slice(prepared.rows.start, prepared.rows.stop)
+    ranges = MotionRanges.of(prepared.motion.q[used], prepared.motion.v[used], prepared.motion.a[used])
+    name = recording.source.name if recording.source else ""
+    found = (*extrapolations(estimate, ranges, name), *poor_predictions(estimate, alone.nrmse, name))
+    return replace(alone, findings=ordered(found))

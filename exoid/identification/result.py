@@ -10,19 +10,29 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.checks import Checkup
 from exoid.estimate.data import Input
 from exoid.estimate.equality import own_equality
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
-from exoid.regression.diagnostics import Collinearity, JointNoise, describe_noise, parameter_scale, reference_scale
-from exoid.regression.fit import SamplesLeft, Uncertainty, condition_number, samples_left, uncertainty_of
+from exoid.findings import Finding
+from exoid.regression.diagnostics import (
+    Collinearity,
+    JointNoise,
+    condition_number,
+    describe_noise,
+    parameter_scale,
+    reference_scale,
+)
+from exoid.regression.fit import SamplesLeft, Uncertainty, samples_left, uncertainty_of
 from exoid.regression.influence import Influence, influence
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.trends import Trend, residual_trends, trend_warnings
 from exoid.torques import TorqueModel
 
 from .agreement import Agreement, shared_agreement
+from .checkup import check_group
 from .estimators import Estimator, name_of
 from .fitting import Fitted
 from .recording_summary import RecordingSummary, angles
@@ -40,16 +50,27 @@ class Result:
         summaries: Summaries of the recordings of each group.
         estimator: The estimator.
         uncertainty: Covariance of all parameters, and the noise that it is for.
+        check: Whether to check logs and fit for faults.
+        shifts: Delays that were taken out of the torques of each group; empty for none.
     """
 
     fitted: Fitted
     summaries: Sequence[Sequence[RecordingSummary]]
     estimator: Estimator
     uncertainty: Uncertainty
+    check: bool = False
+    shifts: tuple[tuple[Finding, ...], ...] = ()
 
     @classmethod
     def of(
-        cls, fitted: Fitted, summaries: Sequence[Sequence[RecordingSummary]], estimator: Estimator, *, white: bool
+        cls,
+        fitted: Fitted,
+        summaries: Sequence[Sequence[RecordingSummary]],
+        estimator: Estimator,
+        *,
+        white: bool,
+        check: bool = False,
+        shifts: tuple[tuple[Finding, ...], ...] = (),
     ) -> Result:
         """Find noise and covariance of a fit.
 
@@ -58,11 +79,14 @@ class Result:
             summaries: Summaries of the recordings of each group.
             estimator: The estimator.
             white: Whether the covariance assumes white noise.
+            check: Whether to check logs and fit for faults.
+            shifts: Delays that were taken out of the torques of each group; empty for none.
 
         Returns:
             The result.
         """
-        return cls(fitted, summaries, estimator, uncertainty_of(fitted.problem, fitted.fit, white=white))
+        uncertainty = uncertainty_of(fitted.problem, fitted.fit, white=white)
+        return cls(fitted, summaries, estimator, uncertainty, check, shifts)
 
     def estimate(self) -> Estimate:
         """Make the estimate of the only group."""
@@ -112,6 +136,7 @@ class Result:
         trends, names = self._trends_of(group), layout.names_of(group)
         bounded = [problem.names[k] for k in solution.bounded]
         alone = len(problem.groups) == 1
+        checkup = check_group(self.fitted, group, covariance) if self.check else Checkup()
         return Estimate(
             model=model,
             values=values,
@@ -136,6 +161,8 @@ class Result:
             bounded=tuple(names[name] for name in bounded if name in names),
             influence=None if self._influence is None else self._influence.at(places),
             trends=trends,
+            findings=(*(self.shifts[group] if self.shifts else ()), *checkup.findings),
+            ranges=checkup.ranges,
         )
 
     @cached_property
@@ -175,7 +202,7 @@ class Result:
     @cached_property
     def _trends(self) -> dict[int, tuple[Trend, ...]]:
         """Residuals of each joint against velocity and angle."""
-        fit, covariance = self.fitted.fit, self.uncertainty.covariance
+        fit, covariance = self.fitted.fit, self.uncertainty.found.stationary
         return residual_trends(
             self.fitted.problem,
             fit.point,
@@ -250,7 +277,8 @@ class Result:
     def _prior_gains(self, group: int) -> FloatArray:
         """How far the parameters of one group follow its priors, (P, K)."""
         problem, fit = self.fitted.problem, self.fitted.fit
-        follows_rows = fit.noises is None or fit.dofs is not None  # ml and output error minimise something else
+        # ml and output error minimise something else
+        follows_rows = fit.correlated is None and (fit.noises is None or fit.whitened)
         names = problem.layout.names_of(group)
         mine = [k for k, name in enumerate(problem.prior_knowledge.prior.values) if name in names]
         if not mine or not follows_rows:

@@ -93,7 +93,7 @@ class _Search:
     def __init__(self, task: Task, settings: Sequence[NonlinearSetting], start: Start | None) -> None:
         self.task, self.nonlinear = task, tuple(settings)
         self.leg = task.groups[0].leg
-        model = TorqueModel.at_start(self.leg, task.terms)
+        model = task.models[0]
         self.regrouped, self.free = model.regrouped, task.prior_knowledge.free(model.names)
         self.weights: Sequence[float] | None
         if start is None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
@@ -11,27 +13,52 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.errors import ExoidError
 
 from .least_squares import RFactor, Solution
 from .noise import AutoregressiveNoise
-from .problem import RowProblem
-from .residuals import Noises, Point, Series, over_recordings, sandwich
-from .rows import NoiseKind
+from .problem import RowSource
+from .residuals import Noises, Point, Sandwich, Series, matrix_root, over_recordings, sandwich
+
+BLOCKS = 20
+"""Rows of all recordings are cut into about so many blocks at least, and into more if there are many samples."""
+
+LEAST_LEFT = 0.1
+"""Without a block, at least this part of the information on any direction counts as left."""
+
+ROUNDING = 1e-9
+"""Changes below this part of the largest are none: the block is of a group without the parameter."""
 
 TINY = 1e-300
 """Smallest variance to divide by."""
+
+
+class Covariance(NamedTuple):
+    """Covariance of parameters.
+
+    Attributes:
+        matrix: Covariance, (P, P).
+        dofs: Degrees of freedom of each variance, (P,); None where they follow from the number of samples.
+        stationary: Covariance by models of stationary noise, independent between joints, alone, (P, P).
+    """
+
+    matrix: FloatArray
+    dofs: FloatArray | None
+    stationary: FloatArray
 
 
 class Fit(NamedTuple):
     """Solution of an estimator, and how rows were weighted.
 
     Attributes:
-        solution: Solution; its covariance is for white noise, unless ``noises`` are given.
+        solution: Solution; its covariance is for white noise, unless ``noises`` are given and ``correlated`` is not.
         weights: Weight of the rows of each R factor.
         clip: Limit of weighted residuals, beyond which they count as the limit.
-        noises: Noise models that the covariance is for; None to estimate them from the residuals.
+        noises: Noise models of the rows, which the covariance is for; None to estimate them from the residuals.
         warnings: Warnings for the reader.
-        dofs: Degrees of freedom of each parameter's variance, (P,); None to compute them.
+        whitened: Whether rows were whitened by these models.
+        correlated: Covariance for correlated noise where the rows of the problem are not those that were fitted; the
+            one of the solution is for white noise.
         name: Name of the estimator with the settings that it chose; "" for its own name.
     """
 
@@ -40,7 +67,8 @@ class Fit(NamedTuple):
     clip: float = np.inf
     noises: Noises | None = None
     warnings: tuple[str, ...] = ()
-    dofs: FloatArray | None = None
+    whitened: bool = False
+    correlated: Covariance | None = None
     name: str = ""
 
     @property
@@ -53,20 +81,27 @@ class Uncertainty(NamedTuple):
     """Covariance of a fit, and the noise that it is for.
 
     Attributes:
-        covariance: Covariance of the parameters, (P, P).
+        found: The covariance.
         noises: Noise of each kind and joint.
-        dofs: Degrees of freedom of each parameter's variance by what is known of the noise, (P,); None where they
-            follow from the number of samples.
         white: Whether the covariance assumes white noise.
     """
 
-    covariance: FloatArray
+    found: Covariance
     noises: Noises
-    dofs: FloatArray | None
     white: bool
 
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the parameters, (P, P)."""
+        return self.found.matrix
 
-def uncertainty_of(problem: RowProblem, fit: Fit, *, white: bool) -> Uncertainty:
+    @property
+    def dofs(self) -> FloatArray | None:
+        """Degrees of freedom of each variance, (P,); None where they follow from the number of samples."""
+        return self.found.dofs
+
+
+def uncertainty_of(problem: RowSource, fit: Fit, *, white: bool) -> Uncertainty:
     """Find the noise in the residuals of a fit and the covariance under it.
 
     Args:
@@ -76,15 +111,55 @@ def uncertainty_of(problem: RowProblem, fit: Fit, *, white: bool) -> Uncertainty
 
     Returns:
         The covariance with its noise.
+
+    Raises:
+        ExoidError: White noise is requested of an estimator that uses a model of correlated noise.
     """
-    noises, dofs, solution = fit.noises, fit.dofs, fit.solution
-    if noises is None:
-        covariance, noises = sandwich(problem, fit.point, solution)
-        solution = solution._replace(covariance=covariance)
-        dofs = None if white else degrees_of_freedom(problem, fit.point, noises, solution, whitened=False)
+    solution = fit.solution
+    textbook = Covariance(solution.covariance, None, solution.covariance)
+    if fit.noises is None:
+        bare = sandwich(problem, fit.point, solution)
+        found = textbook if white else _correlated(problem, fit.point, solution, bare)
+        return Uncertainty(found, bare.noises, white)
+    if fit.correlated is not None:
+        return Uncertainty(textbook if white else fit.correlated, fit.noises, white)
     if white:
-        return Uncertainty(fit.solution.covariance, noises, None, white)
-    return Uncertainty(solution.covariance, noises, dofs, white)
+        raise ExoidError(
+            "this estimator weighs rows by a model of correlated noise, so that noise='white' does not apply",
+            remedy="leave noise out, or use wls",
+        )
+    if not fit.whitened:
+        return Uncertainty(textbook, fit.noises, white)
+    left_out = jackknife(problem, fit.point, fit.noises, solution, whitened=True)
+    return Uncertainty(_rescaled(solution.covariance, left_out), fit.noises, white)
+
+
+def correlated_covariance(rows: RowSource, point: Point, solution: Solution) -> Covariance:
+    """Covariance of a least-squares estimate for correlated noise that need not be stationary, nor independent.
+
+    Args:
+        rows: Its rows.
+        point: Parameters and weights.
+        solution: (WᵀW)⁻¹ of the weighted rows, and a first idea of the covariance.
+
+    Returns:
+        The covariance.
+    """
+    return _correlated(rows, point, solution, sandwich(rows, point, solution))
+
+
+def _correlated(rows: RowSource, point: Point, solution: Solution, bare: Sandwich) -> Covariance:
+    """Variances by the jackknife, correlations by the noise models."""
+    return _rescaled(bare.covariance, jackknife(rows, point, bare.noises, solution, whitened=False))
+
+
+def _rescaled(covariance: FloatArray, found: Jackknife) -> Covariance:
+    """S C S with S_i² = V_i / C_ii; there is nothing to rescale where fewer than two blocks are left out."""
+    if not found.blocks:
+        return Covariance(covariance, None, covariance)
+    variances = np.diag(covariance)
+    scale = np.sqrt(np.divide(found.variances, variances, out=np.ones(len(variances)), where=variances > TINY))
+    return Covariance(covariance * np.multiply.outer(scale, scale), found.dofs, covariance)
 
 
 class SamplesLeft(NamedTuple):
@@ -129,119 +204,157 @@ def samples_left(rows: Sequence[RFactor], inverse: FloatArray, samples: Sequence
     return SamplesLeft(of_groups, each)
 
 
-def condition_number(inverse: FloatArray, places: NDArray[np.intp]) -> float:
-    """Condition number of some parameters' scaled regressor, the columns of all others projected out.
+class Jackknife(NamedTuple):
+    """Variances of parameters by the block jackknife.
+
+    Attributes:
+        variances: Variance of each parameter, (P,).
+        dofs: Degrees of freedom of each variance, (P,); infinite where no noise of the rows enters.
+        blocks: Number of blocks; 0 if there are too few to say anything.
+    """
+
+    variances: FloatArray
+    dofs: FloatArray
+    blocks: int
+
+
+def jackknife(rows: RowSource, point: Point, noises: Noises, solution: Solution, *, whitened: bool) -> Jackknife:
+    """Leave out one block of rows after the other, all joints at once.
+
+    With A = WᵀW, block b has the score s_b and the information G_b. Without the block, the estimate moves by
+    d_b = −(A − G_b)⁻¹ s_b, and the variance of parameter i is (B − 1)/B Σ_b (d_bi − mean)² (Efron 1982). Its degrees of
+    freedom are 3 (Σ_b d_bi²)² / Σ_b d_bi⁴, at most B − 1. Joints share blocks, so that noise may be common to them, and
+    each block has noise of its own size.
+
+    Blocks are independent only if they are long beside the memory of the noise. The rows of a joint are therefore
+    whitened by its noise model Γ = σ² Φ⁻¹ Φ⁻ᵀ. Sample t of the sandwich WᵀΓW has the score y_t η_t and the information
+    y_t x̃_tᵀ, with y = Φ⁻ᵀ X, x̃ = Φ X, and η = Φ e the whitened residuals. Both sum up to those of the rows as they
+    are: Σ_t y_t η_t = Xᵀ e, and Σ_t y_t x̃_tᵀ = XᵀX.
 
     Args:
-        inverse: (WᵀW)⁻¹ of all parameters, zero for known ones, (P, P).
-        places: Indices of the parameters.
+        rows: Rows that were fitted.
+        point: Parameters and weights of the solution.
+        noises: Noise of each kind and joint.
+        solution: (WᵀW)⁻¹ of the weighted rows; its covariance if ``whitened``.
+        whitened: Whether the estimate is that of generalised least squares.
 
     Returns:
-        The condition number, at least 1.
+        Variances with their degrees of freedom; those of priors are included.
     """
-    free = places[np.diag(inverse)[places] > 0.0]
-    information = np.linalg.inv(_scaled(inverse[np.ix_(free, free)]))
-    sizes = np.linalg.eigvalsh(_scaled(np.asarray(information, dtype=np.float64)))
-    return float(np.sqrt(sizes[-1] / max(sizes[0], np.finfo(float).eps)))
+    inverse = solution.covariance if whitened else solution.inverse
+    work = partial(_changes, noises, matrix_root(inverse), point.clip, whitened)
+    changes = np.vstack(list(over_recordings(rows, point, work)))
+    moved = np.abs(changes) > ROUNDING * np.abs(changes).max(axis=0, initial=0.0)
+    count = moved.sum(axis=0)
+    changes = np.where(moved, changes - changes.sum(axis=0) / np.maximum(count, 1), 0.0)
+    squares = changes**2
+    of_rows = squares.sum(axis=0) * (1.0 - 1.0 / np.maximum(count, 1))
+    variances = of_rows + np.einsum("ij,jk,ik->i", inverse, solution.prior_noise, inverse)
+    dofs = 3.0 * squares.sum(axis=0) ** 2 / np.maximum((squares**2).sum(axis=0), TINY)
+    dofs = np.clip(dofs, 1.0, np.maximum(count - 1, 1)) * (variances / np.maximum(of_rows, TINY)) ** 2
+    return Jackknife(variances, np.where(of_rows > TINY, dofs, np.inf), len(changes) if len(changes) > 1 else 0)
 
 
-def _scaled(matrix: FloatArray) -> FloatArray:
-    """Scale rows and columns so that the diagonal is 1."""
-    scale = np.sqrt(np.diag(matrix))
-    return np.asarray(matrix / np.multiply.outer(scale, scale))
+def _changes(noises: Noises, root: FloatArray, clip: float, whitened: bool, parts: Iterator[Series]) -> FloatArray:
+    """Change of the estimate without each block of one recording, (blocks, P)."""
+    delay = max(noise.order for noise in noises.values())
+    length = 0
+    running: dict[int, _WhitenedJoint] = {}
+    scores: dict[int, FloatArray] = defaultdict(lambda: np.zeros(len(root)))
+    informations: dict[int, FloatArray] = defaultdict(lambda: np.zeros((len(root), len(root))))
+    for joints in _together(parts):
+        length = length or _block_length([noises[part.kind, part.joint] for part in joints])
+        for part in joints:
+            if part.begins:
+                noise = noises[part.kind, part.joint]
+                running[part.joint] = _WhitenedJoint(noise, len(part.columns), delay, whole_runs=whitened)
+            rows = running[part.joint].add(part, clip)
+            left = rows.X / max(rows.variance, TINY) if whitened else rows.Y * part.stands_for
+            left, right = root[part.columns].T @ left, rows.X.T @ root[part.columns]
+            cells = rows.places // length
+            for start, stop in itertools.pairwise(np.flatnonzero(np.diff(cells, prepend=-1, append=-1))):
+                scores[cells[start]] += left[:, start:stop] @ rows.residual[start:stop]
+                informations[cells[start]] += left[:, start:stop] @ right[start:stop]
+    if not scores:
+        return np.zeros((0, len(root)))
+    U, sizes, Vt = np.linalg.svd(np.eye(len(root)) - np.array(list(informations.values())))
+    turned = np.einsum("bij,bi->bj", U, np.array(list(scores.values()))) / np.maximum(sizes, LEAST_LEFT)
+    return np.asarray(-np.einsum("bij,bi->bj", Vt, turned) @ root.T)
 
 
-def degrees_of_freedom(
-    problem: RowProblem, point: Point, noises: Noises, solution: Solution, *, whitened: bool
-) -> FloatArray:
-    """Satterthwaite's ν_i = 2 V_i² / var V_i of each parameter's variance V_i, (P,); infinite where V_i is exact.
-
-    The variance of a parameter depends on the noise at the frequencies of the motion, of which a recording contains few
-    periods: ν is well below the number of samples. With the autoregressive noise of kind and joint known to
-    var ln σ² = 2 / N, cov φ = σ² Γ_p⁻¹ / N (Brockwell and Davis, ch. 8), var V_i is that of first order in both. Of N
-    samples a share P / Σ N went into the parameters; for white noise of one joint ν = N − P, as in textbooks.
-    Uncertainty in the selected order is ignored.
-
-    Args:
-        problem: The problem.
-        point: Parameters and weights of its solution.
-        noises: The noise that the covariance is for.
-        solution: Covariance V, and (WᵀW)⁻¹ of the weighted rows.
-        whitened: Whether V = (W Γ⁻¹ Wᵀ)⁻¹, not the sandwich.
-
-    Returns:
-        Degrees of freedom of each parameter, (P,).
-    """
-    rows = solution.covariance if whitened else solution.inverse
-    slopes: dict[tuple[NoiseKind, int], FloatArray] = {}
-    for of_recording in over_recordings(problem, point, partial(_slopes, noises, rows, whitened)):
-        for key, slope in of_recording.items():
-            slopes[key] = slopes.get(key, 0.0) + slope
-    samples = sum(noises[key].samples for key in slopes)
-    left = max(1.0 - float(np.count_nonzero(np.diag(rows))) / max(samples, 1.0), TINY)
-    spread = sum(_spread(noises[key], slope) for key, slope in slopes.items()) / left
-    variance = np.diag(solution.covariance)
-    return np.asarray(np.divide(2.0 * variance**2, spread, out=np.full(len(variance), np.inf), where=spread > TINY))
-
-
-def _slopes(
-    noises: Noises, rows: FloatArray, whitened: bool, parts: Iterator[Series]
-) -> dict[tuple[NoiseKind, int], FloatArray]:
-    """Slopes of what one recording adds to V_i, by kind and joint."""
-    slopes: dict[tuple[NoiseKind, int], FloatArray] = {}
-    running: dict[int, _Slope] = {}
+def _together(parts: Iterator[Series]) -> Iterator[list[Series]]:
+    """Collect what all joints have at the same samples."""
+    joints: list[Series] = []
     for part in parts:
-        key = (part.kind, part.joint)
-        if part.begins:
-            running[part.joint] = _Slope(noises[key], len(rows), whitened)
-        running[part.joint].add(rows[:, part.columns] @ part.X, part.usable)
-        if part.ends:
-            slopes[key] = (1.0 if whitened else part.stands_for**2) * running[part.joint].total()
-    return slopes
+        if joints and part.joint <= joints[-1].joint:
+            yield joints
+            joints = []
+        joints.append(part)
+    if joints:
+        yield joints
 
 
-def _spread(noise: AutoregressiveNoise, slope: FloatArray) -> FloatArray:
-    """Variance of V_i that the noise of one kind and joint leaves, given dV_i / d(ln σ², φ), (P,)."""
-    of_predictors = noise.variances[-1] * (noise.whiten(slope[:, 1:]) ** 2).sum(axis=1) if noise.order else 0.0
-    return np.asarray((2.0 * slope[:, 0] ** 2 + of_predictors) / max(noise.samples, 1.0))
+def _block_length(noises: Sequence[AutoregressiveNoise]) -> int:
+    """Rows in a block, so that all recordings have :data:`BLOCKS`, or ∛N of N independent samples if that is more."""
+    heard = [noise for noise in noises if noise.samples]
+    samples = min((noise.samples for noise in heard), default=1.0)
+    independent = min((noise.samples * noise.effective_share for noise in heard), default=1.0)
+    return max(1, int(np.ceil(samples / max(BLOCKS, independent ** (1.0 / 3.0)))))
 
 
-class _Slope:
-    """dV_i / d(ln σ², φ_1 … φ_p) of what one joint adds to V_i, from rows b_i that come stretch by stretch.
+class _WhitenedRows(NamedTuple):
+    """Consecutive rows of a joint: Φ X, Φ⁻ᵀ X and Φ e, places in the recording, and the variance of what is white."""
 
-    In the sandwich V_i = σ² Σ y², with y = b / φ(L) and ∂y/∂φ_k = L^k y / φ(L). Whitened, b = V X, V_i is
-    Σ u² / σ² with u = φ(L) b and ∂u/∂φ_k = −L^k b, but as it is information that changes, not variance, the sign
-    turns.
+    X: FloatArray
+    Y: FloatArray
+    residual: FloatArray
+    places: NDArray[np.intp]
+    variance: float
+
+
+class _WhitenedJoint:
+    """Whitens the rows of a joint that come block by block.
+
+    Noise looks the same with time reversed: η_t = e_t − Σ_i φ_i e_{t+i} is white, and Y is X filtered forwards. Rows
+    come out when those that follow are known; all joints have the same delay, so that they stay together. Beyond the
+    end and where samples are left out, e and X are zero, which leaves Σ y η = Xᵀ e exact. Generalised least squares
+    whitens each run of samples by itself instead: where fewer samples follow, by a predictor of lower order.
     """
 
-    def __init__(self, noise: AutoregressiveNoise, rows: int, whitened: bool) -> None:
-        self.noise, self.whitened = noise, whitened
+    def __init__(self, noise: AutoregressiveNoise, rows: int, delay: int, *, whole_runs: bool) -> None:
+        """Begin with nothing, for so many rows of X."""
+        self.noise, self.delay, self._done, self._whole_runs = noise, delay, 0, whole_runs
+        self._state = np.zeros((rows, noise.order))
+        self._Y, self._ahead = np.zeros((rows, 0)), np.zeros((rows + 2, 0))
         p = noise.order
-        self._states = np.zeros((2, rows, p))
-        self._past = np.zeros((rows, p))
-        self._sums = np.zeros((rows, p + 1))
-        self._samples = 0
+        self._predictors = np.eye(p + 1)[:1].repeat(p + 1, axis=0)
+        self._predictors[:, 1:] -= noise.predictors
+        self._predictors *= np.sqrt(noise.variances[-1] / np.maximum(noise.variances, TINY))[:, None]
 
-    def add(self, rows: FloatArray, usable: FloatArray | float) -> None:
-        """Go on with the next samples, zero at those left out, (P, N)."""
-        p, polynomial = self.noise.order, self.noise.polynomial
-        head = tail = rows
-        if p and self.whitened:
-            head, self._states[0] = scipy.signal.lfilter(polynomial, [1.0], rows, zi=self._states[0])
-            head = head * usable
-        elif p:
-            head, self._states[0] = scipy.signal.lfilter([1.0], polynomial, rows, zi=self._states[0])
-            tail, self._states[1] = scipy.signal.lfilter([1.0], polynomial, head, zi=self._states[1])
-        past, count = np.hstack([self._past, tail]), rows.shape[1]
-        self._sums[:, 0] += np.einsum("it,it->i", head, head)
-        for k in range(1, p + 1):
-            self._sums[:, k] += 2.0 * np.einsum("it,it->i", head, past[:, p - k : p - k + count])
-        self._past = past[:, past.shape[1] - p :].copy()
-        self._samples += count
+    def add(self, part: Series, clip: float) -> _WhitenedRows:
+        """Go on with the next rows, and return those that are finished; clipped residuals carry no information."""
+        Y, polynomial = part.X, self.noise.polynomial
+        if self.noise.order:
+            Y, self._state = scipy.signal.lfilter([1.0], polynomial, Y, zi=self._state)
+        Y, information = np.hstack([self._Y, Y]), part.X * (np.abs(part.residual) < clip)
+        ahead = np.hstack([self._ahead, np.vstack([information, part.residual, part.usable])])
+        if part.ends:
+            ahead = np.pad(ahead, ((0, 0), (0, self.delay)))
+        count = max(0, ahead.shape[1] - self.delay)
+        white = np.zeros((len(ahead) - 1, count))
+        for k, coefficient in enumerate(self._coefficients(ahead[-1], count)):
+            white += coefficient * ahead[:-1, k : k + count]
+        places = np.arange(self._done, self._done + count)
+        finished = Y[:, :count]
+        self._Y, self._ahead, self._done = Y[:, count:].copy(), ahead[:, count:].copy(), self._done + count
+        return _WhitenedRows(white[:-1], finished, white[-1], places, float(self.noise.variances[-1]))
 
-    def total(self) -> FloatArray:
-        """The slopes of all that was added, (P, p + 1)."""
-        if not self.whitened:
-            self.add(np.zeros((len(self._sums), self.noise.ring(self._samples))), 1.0)
-        size = self.noise.variances[-1]
-        return np.asarray(self._sums * (1.0 / max(size, TINY) if self.whitened else size))
+    def _coefficients(self, usable: FloatArray, count: int) -> FloatArray:
+        """Coefficients of each sample and of those ahead of it, (p + 1, 1 or count)."""
+        if not self._whole_runs:
+            return self.noise.polynomial[:, None]
+        order, unbroken = np.zeros(count, dtype=np.intp), np.ones(count, dtype=np.bool_)
+        for k in range(1, self.noise.order + 1):
+            unbroken &= usable[k : k + count] > 0.0
+            order += unbroken
+        return self._predictors[order].T

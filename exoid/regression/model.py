@@ -38,6 +38,11 @@ class MotionSamples(Protocol):
         """Velocities [rad/s], (N, n)."""
         ...
 
+    @property
+    def a(self) -> FloatArray:
+        """Accelerations [rad/s²], (N, n)."""
+        ...
+
     def rows(self, rows: slice) -> Any:  # noqa: ANN401 - of the same kind
         """Some of the samples."""
         ...

@@ -39,13 +39,8 @@ class LeastSquaresProblem(Protocol):
         ...
 
 
-class RowProblem(LeastSquaresProblem, Protocol):
-    """A problem whose rows can be gone over again, joint by joint."""
-
-    @property
-    def joint_names(self) -> Sequence[str]:
-        """Joint of each row block; groups follow each other."""
-        ...
+class RowSource(Protocol):
+    """Rows that can be gone over again and again, recording by recording."""
 
     @property
     def columns(self) -> Sequence[NDArray[np.intp]]:
@@ -64,17 +59,6 @@ class RowProblem(LeastSquaresProblem, Protocol):
         """
         ...
 
-    def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
-        """Go over the rows, recording by recording, each in order of time.
-
-        Args:
-            decimated: Whether to take only as many rows as carry independent noise.
-
-        Returns:
-            Blocks of rows.
-        """
-        ...
-
     def gather(self, work: Callable[[Iterable[RowBlock]], T]) -> Iterator[T]:
         """Let work go over the decimated rows of each recording, wherever they are, and bring back its results.
 
@@ -83,6 +67,26 @@ class RowProblem(LeastSquaresProblem, Protocol):
 
         Returns:
             Result of the function for each recording.
+        """
+        ...
+
+
+class RowProblem(LeastSquaresProblem, RowSource, Protocol):
+    """A problem whose rows can be gone over again, joint by joint."""
+
+    @property
+    def joint_names(self) -> Sequence[str]:
+        """Joint of each row block; groups follow each other."""
+        ...
+
+    def blocks(self, *, decimated: bool = False) -> Iterator[RowBlock]:
+        """Go over the rows, recording by recording, each in order of time.
+
+        Args:
+            decimated: Whether to take only as many rows as carry independent noise.
+
+        Returns:
+            Blocks of rows.
         """
         ...
 

@@ -13,7 +13,7 @@ from exoid._typing import FloatArray
 
 from .least_squares import Solution
 from .noise import LARGEST_ORDER, AutoregressiveNoise, LagSums, QuadraticForm
-from .problem import RowProblem
+from .problem import RowProblem, RowSource
 from .rows import NoiseKind, RowBlock
 
 PASSES = 5
@@ -86,7 +86,7 @@ class ColumnLayout(NamedTuple):
     weights: NDArray[np.intp]
 
     @staticmethod
-    def of(problem: RowProblem) -> ColumnLayout:
+    def of(problem: RowSource) -> ColumnLayout:
         """Ask a problem."""
         kinds = (NoiseKind(at_rest, 0) for at_rest in (False, True))
         places = [[problem.weight_index(kind, joint) for joint in range(len(problem.columns))] for kind in kinds]
@@ -96,7 +96,7 @@ class ColumnLayout(NamedTuple):
 T = TypeVar("T")
 
 
-def over_recordings(problem: RowProblem, point: Point, work: Callable[[Iterator[Series]], T]) -> Iterator[T]:
+def over_recordings(problem: RowSource, point: Point, work: Callable[[Iterator[Series]], T]) -> Iterator[T]:
     """Let work go over the rows of each recording, joint by joint, decimated to the pace of independent noise.
 
     The rows may be elsewhere, on a disk or on a cluster: what the work finds should be small.
@@ -161,7 +161,7 @@ def _series(blocks: Iterable[RowBlock], layout: ColumnLayout, point: Point) -> I
 
 
 def fit_noise(
-    problem: RowProblem, point: Point, covariance: FloatArray
+    problem: RowSource, point: Point, covariance: FloatArray
 ) -> dict[tuple[NoiseKind, int], AutoregressiveNoise]:
     """Fit an autoregressive model to the residuals of each kind and joint.
 
@@ -177,7 +177,7 @@ def fit_noise(
     Returns:
         Noise model of each kind and joint.
     """
-    roots = [_root(covariance[np.ix_(columns, columns)]).T for columns in problem.columns]
+    roots = [matrix_root(covariance[np.ix_(columns, columns)]).T for columns in problem.columns]
     sums: dict[tuple[NoiseKind, int], FloatArray] = {}
     for found in over_recordings(problem, point, partial(_lag_sums, roots)):
         for key, of_joint in found.items():
@@ -214,7 +214,7 @@ class Sandwich(NamedTuple):
     noises: Noises
 
 
-def sandwich(problem: RowProblem, point: Point, solution: Solution) -> Sandwich:
+def sandwich(problem: RowSource, point: Point, solution: Solution) -> Sandwich:
     """Compute (WᵀW)⁻¹ Wᵀ Γ W (WᵀW)⁻¹ with Γ that of the autoregressive noise in the residuals.
 
     Rows of priors are among those of W, with the noise that the priors say.
@@ -233,7 +233,7 @@ def sandwich(problem: RowProblem, point: Point, solution: Solution) -> Sandwich:
         meat = solution.prior_noise.copy()
         for found in over_recordings(problem, point, partial(_meat, noises, len(meat))):
             meat += found
-        half = inverse @ _root(meat)  # so that no variance is negative, however ill-conditioned the rows
+        half = inverse @ matrix_root(meat)  # so that no variance is negative, however ill-conditioned the rows
         before, covariance = covariance, half @ half.T
         if settled(before, covariance):
             break
@@ -269,7 +269,7 @@ def _model(products: FloatArray, pairs: FloatArray) -> AutoregressiveNoise:
     return AutoregressiveNoise.from_autocovariances(products[:known] / pairs[:known] * taper, samples)
 
 
-def _root(covariance: FloatArray) -> FloatArray:
+def matrix_root(covariance: FloatArray) -> FloatArray:
     """L with L Lᵀ = C, whatever rounding has done to C, and whatever the units."""
     scale = np.sqrt(np.clip(np.diag(covariance), TINY, None))
     sizes, vectors = np.linalg.eigh(covariance / np.multiply.outer(scale, scale))

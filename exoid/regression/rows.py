@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple, TypeVar
 
@@ -58,6 +59,11 @@ class NoiseKind(NamedTuple):
 
     at_rest: bool
     rate_class: int
+
+
+def rate_class(time: FloatArray) -> int:
+    """Logarithm of the sampling interval to base 1.1, rounded."""
+    return 0 if len(time) < 2 else round(math.log(time[1] - time[0]) / math.log(1.1))
 
 
 class RowBlock(NamedTuple):

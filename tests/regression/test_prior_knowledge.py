@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
-from exoid import Armature, Coulomb, Estimate, ExoidError, Offset, Viscous, identify
+from exoid import Armature, Coulomb, Estimate, ExoidError, Offset, Viscous
 from exoid.regression import Prior
 from exoid.signals import FiniteDifference, ZeroPhase
 from exoid.torques import LoadFriction

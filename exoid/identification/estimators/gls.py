@@ -8,7 +8,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.regression.fit import Fit, degrees_of_freedom
+from exoid.regression.fit import Fit
 from exoid.regression.least_squares import RFactor, Solution, factorize, stack
 from exoid.regression.problem import RowProblem
 from exoid.regression.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
@@ -45,8 +45,7 @@ def gls(problem: RowProblem) -> Fit:
         if settled(before.covariance, solution.covariance) and not moved.any():
             break
     warnings = _disagreement(problem.names, solution.values - first.solution.values, reference.covariance)
-    dofs = degrees_of_freedom(problem, Point(solution.values, first.weights), noises, solution, whitened=True)
-    return Fit(solution, first.weights, noises=noises, warnings=warnings, dofs=dofs)
+    return Fit(solution, first.weights, noises=noises, warnings=warnings, whitened=True)
 
 
 def _unbiased(noises: Noises) -> Noises:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,12 +43,12 @@ def huber(problem: RowProblem) -> Fit:
     scales = np.full(len(problem.r_factors), np.nan)
     for _ in range(ROUNDS):
         scales = np.maximum(_scales(problem, solution.values), floor)
-        r_factors, inside = _reweighted(problem, solution.values, scales)
+        r_factors = _reweighted(problem, solution.values, scales)
         before, solution = solution, problem.solve(stack(r_factors))
         if (np.abs(solution.values - before.values) <= SETTLED * np.sqrt(np.diag(solution.covariance))).all():
             break
     # ψ'(r) is 1 inside and 0 beyond: the inverse of Σ ψ' xᵀx takes the place of (WᵀW)⁻¹
-    bread = problem.solve(stack(problem.r_factors, np.sqrt(inside) / scales))
+    bread = problem.solve(stack(_inside(problem, solution.values, scales)))
     solution = solution._replace(
         inverse=bread.inverse, prior_noise=bread.prior_noise, condition_number=bread.condition_number
     )
@@ -63,19 +63,27 @@ def _scales(problem: RowProblem, values: FloatArray) -> FloatArray:
     return np.array([MAD_TO_STD * np.median(np.concatenate(size)) for size in sizes])
 
 
-def _reweighted(problem: RowProblem, values: FloatArray, scales: FloatArray) -> tuple[list[RFactor], FloatArray]:
-    """Triangles of reweighted rows, and the share of residuals that are not clipped."""
+def _reweighted(problem: RowProblem, values: FloatArray, scales: FloatArray) -> list[RFactor]:
+    """R factors of reweighted rows."""
+    return _weighted(problem, values, scales, lambda r: np.sqrt(TUNING / np.maximum(r, TUNING)))
+
+
+def _inside(problem: RowProblem, values: FloatArray, scales: FloatArray) -> list[RFactor]:
+    """R factors of the rows whose residuals are not clipped."""
+    return _weighted(problem, values, scales, lambda r: (r <= TUNING).astype(np.float64))
+
+
+def _weighted(
+    problem: RowProblem, values: FloatArray, scales: FloatArray, weigh: Callable[[FloatArray], FloatArray]
+) -> list[RFactor]:
+    """R factors of rows over their scale, each with a weight by its absolute residual in units of the scale."""
     found: list[list[RFactor]] = [[] for _ in scales]
-    inside, total = np.zeros((2, len(scales)))
     count = len(problem.names)
     for index, columns, table, independent_fraction in _tables(problem):
         r = np.abs(table[-1] - values[columns] @ table[:-1]) / scales[index]
-        scaled = table * (np.sqrt(TUNING / np.maximum(r, TUNING)) / scales[index])
-        r_factor = factorize(scaled.T, len(r), len(r) * independent_fraction)
+        r_factor = factorize((table * (weigh(r) / scales[index])).T, len(r), len(r) * independent_fraction)
         found[index] = [stack([*found[index], r_factor.among(np.append(columns, count), count + 1)])]
-        inside[index] += np.count_nonzero(r <= TUNING)
-        total[index] += len(r)
-    return [r_factor for one in found for r_factor in one], inside / np.maximum(total, 1.0)
+    return [r_factor for one in found for r_factor in one]
 
 
 def _tables(problem: RowProblem) -> Iterator[tuple[int, NDArray[np.intp], FloatArray, float]]:

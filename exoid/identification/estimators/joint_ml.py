@@ -55,10 +55,11 @@ class JointML:
         Σ (q_t − q(t))² / σ_q² + Σ (τ_t − W(q(t), q̇(t), q̈(t)) β)² / σ_τ²
 
     over unfiltered samples, with σ_q and σ_τ of each joint estimated too. The torque thus helps to find the motion, and
-    noise in the angles does not bias β as it does where W is formed from angles as measured. Right if the noise of
-    angles and of torques is white; no controller needs to be known. Torques of poses join in, their angles count as
-    exact. Recorded velocities and accelerations are not used. Where Coulomb friction has a sharp sign, it is smoothed
-    over 0.01 rad/s; samples in a dead band count as angles, not as torques.
+    noise in the angles does not bias β as it does where W is formed from angles as measured. Most precise if the noise
+    of angles and of torques is white; intervals allow for correlated noise of both. No controller needs to be known.
+    Torques of poses join in, their angles count as exact. Recorded velocities and accelerations are not used. Where
+    Coulomb friction has a sharp sign, it is smoothed over 0.01 rad/s; samples in a dead band count as angles, not as
+    torques.
 
     Attributes:
         spacing: Spacing of the knots [s]; None to try a geometric ladder and take the one below that which generalised
@@ -71,6 +72,11 @@ class JointML:
         """Check the spacing."""
         if self.spacing is not None and not 0.0 < self.spacing < math.inf:
             raise ExoidError(f"knots every {self.spacing} s", remedy="give a positive spacing in seconds, or None")
+
+    @property
+    def fits_samples(self) -> bool:
+        """True: no filter makes rows, so that neither cut-off nor preparation applies."""
+        return True
 
     @property
     def name(self) -> str:
@@ -167,4 +173,4 @@ def _as_fit(problem: Problem, first: Fit, found: MotionFit) -> Fit:
     noises = fit_noise(problem, Point(solution.values, first.weights), solution.covariance)
     warnings = () if found.converged else ("the joint fit of motion and parameters has not converged: prefer wls",)
     name = f"ml(spacing={found.spacing:.4g})"
-    return Fit(solution, first.weights, noises=noises, warnings=warnings, name=name)
+    return Fit(solution, first.weights, noises=noises, warnings=warnings, correlated=found.covariance(), name=name)

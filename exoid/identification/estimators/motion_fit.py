@@ -8,11 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.regression.fit import Covariance, correlated_covariance
 from exoid.regression.least_squares import RFactor, Solution
+from exoid.regression.residuals import Point
 from exoid.torques import TorqueModel
 
 from .bordered import eliminate
-from .motion_system import Levels, Moving, Still, System
+from .motion_system import Levels, MotionState, Moving, Still, System
 from .trajectory import Trajectory
 
 ROUNDS = 30
@@ -34,6 +36,8 @@ class MotionFit(NamedTuple):
             each joint, t the share of their degrees of freedom that the fit took: what residuals would be at samples
             that were left out.
         converged: Whether steps had become small.
+        system: The least-squares problem.
+        state: Motions and β at its solution.
     """
 
     solution: Solution
@@ -42,6 +46,13 @@ class MotionFit(NamedTuple):
     motions: list[FloatArray]
     criterion: float
     converged: bool
+    system: System
+    state: MotionState
+
+    def covariance(self) -> Covariance:
+        """Covariance of β for noise of angles and torques that is correlated, as their residuals are."""
+        rows = self.system.influence(self.state, self.levels)
+        return correlated_covariance(rows, Point(self.state.values, [1.0]), self.solution)
 
 
 def fit_motion(
@@ -91,7 +102,9 @@ def fit_motion(
             break
     motions = [t.at_samples(c)[0] for t, c in zip(system.trajectories, state.coefficients, strict=True)]
     criterion = system.criterion(system.residuals(state), levels)
-    return MotionFit(solution._replace(values=state.values), spacing, levels, motions, criterion, converged)
+    return MotionFit(
+        solution._replace(values=state.values), spacing, levels, motions, criterion, converged, system, state
+    )
 
 
 def _as_triangle(matrix: FloatArray, right: FloatArray, redundancy: int) -> RFactor:

@@ -11,7 +11,8 @@ from exoid._typing import FloatArray
 from exoid.torques import Motion, TorqueModel
 from exoid.torso import TorsoMotion
 
-from .bordered import BorderedRows, ReducedSystem
+from .bordered import BorderedRows, ReducedSystem, eliminate
+from .linearised_rows import LinearisedRows, linearised_block
 from .sensitivity import respond, torque
 from .trajectory import WIDTH, Trajectory
 
@@ -182,6 +183,35 @@ class System(NamedTuple):
         usable = np.sum([data.usable.sum(axis=0) for data in self.moving], axis=0)
         every = np.full_like(usable, sum(len(data.q) for data in self.moving))
         return every, usable, np.full_like(usable, sum(len(data.tau) for data in self.still))
+
+    def influence(self, state: MotionState, levels: Levels) -> LinearisedRows:
+        """Rows of torques and angles with the motions eliminated, which β is a least-squares estimate of.
+
+        A motion answers to β with −H_cc⁻¹ H_cβ. Torques have the rows W − J H_cc⁻¹ H_cβ, and angles −B H_cc⁻¹ H_cβ: an
+        error of any sample moves β by (Σ rowᵀ row)⁻¹ rowᵀ times the error.
+
+        Args:
+            state: Motions and β at the solution.
+            levels: Noise.
+
+        Returns:
+            Rows of the torques of each joint, then those of the angles.
+        """
+        blocks = []
+        linear = self.linearise(state, levels)
+        for data, trajectory, rows in zip(self.moving, self.trajectories, linear, strict=True):
+            coupling = eliminate(trajectory, rows).coupling
+            near = trajectory.near(coupling.reshape(trajectory.size, -1, len(state.values)))
+            torques = rows.W - rows.J @ near.reshape(len(near), -1, len(state.values))
+            angles = -np.einsum("tk,tkjp->tjp", trajectory.basis[0], near) * rows.angle_weight[:, None]
+            W, residual = np.concatenate([torques, angles], axis=1), np.hstack([rows.torque, rows.angle])
+            usable = np.hstack([data.usable, np.ones_like(data.usable)])
+            blocks.append(linearised_block(W, residual, state.values, data.time, usable))
+        for poses in self.still:
+            W = poses.W / levels.still[:, None]
+            residual = (poses.tau - poses.W @ state.values) / levels.still
+            blocks.append(linearised_block(W, residual, state.values, None))
+        return LinearisedRows.of(blocks)
 
     def criterion(self, residuals: Residuals, levels: Levels) -> float:
         """See :attr:`MotionFit.criterion`; σ² = Σ residual² / (N (1 − t)), and of t only this is needed."""

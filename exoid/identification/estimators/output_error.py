@@ -11,9 +11,8 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
-from exoid.regression.fit import Fit
+from exoid.regression.fit import Fit, correlated_covariance
 from exoid.regression.least_squares import RFactor, Solution, factorize, solve
-from exoid.regression.noise import AutoregressiveNoise, autocovariance_sums
 from exoid.regression.residuals import Point, fit_noise
 from exoid.regression.rows import for_leg, make_rows
 from exoid.signals import Poses
@@ -21,6 +20,7 @@ from exoid.signals import Poses
 from .closed_loop import ClosedLoop, as_possible
 from .default_start import default_start, refuse_other_friction
 from .least_squares import wls
+from .linearised_rows import LinearisedRows, linearised_block
 
 ROUNDS = 12
 """Gauss–Newton steps at most."""
@@ -36,9 +36,6 @@ EXACT = 1e-9
 
 DIFFERENCE = 1e-3
 """Part of a parameter by which it is changed to see what the simulation answers."""
-
-LARGEST_ORDER = 30
-"""Of the autoregressive model of the residuals."""
 
 NEEDS_LOOP = "OutputError(ClosedLoop(controller, reference))"
 
@@ -58,6 +55,11 @@ class OutputError:
     """
 
     loop: ClosedLoop | None = None
+
+    @property
+    def fits_samples(self) -> bool:
+        """True: no filter makes rows, so that neither cut-off nor preparation applies."""
+        return True
 
     @property
     def name(self) -> str:
@@ -109,13 +111,32 @@ class _Series(NamedTuple):
     group: int
     residual: FloatArray
     J: FloatArray
-    independent: bool
 
 
 class _Answer(NamedTuple):
-    """What the simulation misses, output by output; a group of outputs shares a noise level."""
+    """What the simulation misses, output by output; a group of outputs shares a noise level.
 
-    series: Sequence[_Series]
+    Attributes:
+        recordings: Outputs of each recording: angles and torques, or torques of poses.
+        stamps: Stamps of each recording [s]; None for poses.
+    """
+
+    recordings: Sequence[Sequence[_Series]]
+    stamps: Sequence[FloatArray | None]
+
+    @property
+    def series(self) -> list[_Series]:
+        """Outputs of all recordings."""
+        return [part for parts in self.recordings for part in parts]
+
+    def rows(self, scales: FloatArray, values: FloatArray) -> LinearisedRows:
+        """Weighted rows, linearised about values."""
+        blocks = []
+        for parts, time in zip(self.recordings, self.stamps, strict=True):
+            W = np.stack([part.J / scales[part.group] for part in parts], axis=1)
+            residual = np.column_stack([part.residual / scales[part.group] for part in parts])
+            blocks.append(linearised_block(W, residual, values, time))
+        return LinearisedRows.of(blocks)
 
     def scales(self) -> FloatArray:
         """Root mean square residual of each group."""
@@ -159,21 +180,26 @@ class _Matching(NamedTuple):
         model = self.problem.model
         change = np.maximum(DIFFERENCE * np.abs(values), 0.1 * std)
         beside = values[:, None] + np.column_stack([np.zeros(len(values)), np.diag(change)])
-        series: list[_Series] = []
+        recordings: list[list[_Series]] = []
+        stamps: list[FloatArray | None] = []
         n = len(model.leg.joint_names)
         for data in self.problem.local_data:
             if isinstance(data, Poses):
                 rows = make_rows(model, data, self.problem.preparation)
                 residual = rows.tau - rows.W @ values
-                series += [_Series(2 * n + j, residual[:, j], rows.W[:, j], True) for j in range(n)]
+                recordings.append([_Series(2 * n + j, residual[:, j], rows.W[:, j]) for j in range(n)])
+                stamps.append(None)
                 continue
             recording = for_leg(model, data).resampled()
+            series: list[_Series] = []
             ran = self.loop.simulate(model, beside, recording)
             for group, (measured, simulated) in enumerate(((recording.q, ran.q), (np.asarray(recording.tau), ran.tau))):
                 J = (simulated[..., 1:] - simulated[..., :1]) / change
                 residual = measured - simulated[..., 0]
-                series += [_Series(group * n + j, residual[:, j], J[:, j], False) for j in range(n)]
-        return _Answer(series)
+                series += [_Series(group * n + j, residual[:, j], J[:, j]) for j in range(n)]
+            recordings.append(series)
+            stamps.append(recording.time)
+        return _Answer(recordings, stamps)
 
 
 def _descend(
@@ -195,26 +221,13 @@ def _descend(
 def _as_fit(matching: _Matching, first: Fit, values: FloatArray, answer: _Answer, converged: bool) -> Fit:
     scales, problem = answer.scales(), matching.problem
     solution = matching.solve(answer, scales, values)
-    covariance = _sandwich(answer, scales, solution)
-    noises = fit_noise(problem, Point(values, first.weights), covariance)
+    correlated = correlated_covariance(answer.rows(scales, values), Point(values, [1.0]), solution)
+    noises = fit_noise(problem, Point(values, first.weights), correlated.matrix)
     warnings = () if converged else ("output error has not converged: check controller and reference",)
     solution = solution._replace(
         values=values,
-        covariance=covariance,
         inverse=first.solution.inverse,
         prior_noise=first.solution.prior_noise,
         bounded=(),
     )
-    return Fit(solution, first.weights, noises=noises, warnings=warnings)
-
-
-def _sandwich(answer: _Answer, scales: FloatArray, solution: Solution) -> FloatArray:
-    """Covariance with an autoregressive model of the residuals of each output."""
-    meat = solution.prior_noise.copy()
-    for part in answer.series:
-        residual, J = part.residual / scales[part.group], part.J.T / scales[part.group]
-        largest = 0 if part.independent else min(LARGEST_ORDER, len(residual) // 10)
-        gamma = autocovariance_sums(residual, largest) / len(residual)
-        meat += AutoregressiveNoise.from_autocovariances(gamma, len(residual)).quadratic_form(J)
-    covariance = solution.inverse @ meat @ solution.inverse
-    return np.asarray(0.5 * (covariance + covariance.T))
+    return Fit(solution, first.weights, noises=noises, warnings=warnings, correlated=correlated)

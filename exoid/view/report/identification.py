@@ -52,6 +52,7 @@ def identification_report(
     tested = [predict_recording(estimate, recording) for recording in held_out]
     contents: dict[str, Iterator[Block]] = {
         "Parameters": _parameters(estimate, other_values),
+        "Findings": text.finding_blocks(estimate),
         "Measured and predicted torque": _torque(estimate, tested or fitted, bool(tested)),
         "Friction": _friction(estimate, fitted),
         "Residuals": _residuals(estimate, fitted),

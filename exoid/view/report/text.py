@@ -8,6 +8,7 @@ import numpy as np
 
 from exoid.estimate import Estimate
 from exoid.estimate.text import HEADERS, assumptions, influences, parameter_rows
+from exoid.findings import finding_lines, findings_table
 from exoid.regression.trends import trend_warnings
 from exoid.tables import DataTable
 
@@ -51,6 +52,7 @@ def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[s
         Sentences.
     """
     grades = estimate.identifiability
+    bad = [finding for finding in estimate.findings if finding.severity != "info"]
     counts = ", ".join(f"{grades.count(grade)} {text}" for grade, text in IDENTIFIABILITY.items() if grade in grades)
     lines = [f"{len(grades)} parameters: {counts}."]
     for prediction in tested:
@@ -63,7 +65,15 @@ def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[s
         )
     if not tested:
         lines.append("There is no held-out recording: the errors below are those of the fit.")
+    lines += [f"{finding.kind}{f' at {finding.joint}' if finding.joint else ''}: {finding.message}." for finding in bad]
     return lines + [f"Warning: {warning}." for warning in estimate.warnings]
+
+
+def finding_blocks(estimate: Estimate) -> Iterator[Block]:
+    """Table of findings, and what each means; nothing where there are none."""
+    if estimate.findings:
+        yield findings_table(estimate.findings)
+        yield Text([sentence(line) for line in finding_lines(estimate.findings)])
 
 
 def parameter_table(estimate: Estimate, other_values: Mapping[str, Mapping[str, float]]) -> DataTable:

@@ -1,0 +1,6 @@
+"""Checks of logs and fits: each finds faults that would otherwise pass in silence."""
+
+from .checkup import Checkup, FittedLeg, check_fit, signal_findings, torque_delays
+from .corrections import without_delay
+
+__all__ = ["Checkup", "FittedLeg", "check_fit", "signal_findings", "torque_delays", "without_delay"]

@@ -1,0 +1,257 @@
+"""Gross faults: does the log fit by far better with other signs, another order of joints, or angles in degrees?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.findings import Finding
+from exoid.regression.rows import form_rows, prepare
+from exoid.signals import Poses, Recording
+from exoid.torques import TorqueModel
+
+from .sample import Checked
+from .score import r_factor
+
+POOR = 0.2
+"""Alternatives are tried where the NRMSE of a joint is above this,"""
+
+NEGATIVE = -3.0
+"""or where a parameter that cannot be negative is, by so many standard deviations."""
+
+BETTER = 1.6
+"""An alternative is accepted if residuals, relative to the torque, are so many times smaller (geometric mean),"""
+
+CLEARLY = 1.1
+"""and one that is more far-fetched only if they are so many times smaller still."""
+
+ROUNDS = 3
+"""Weights of the joints and residuals are computed in turn so often."""
+
+ENOUGH = 12_000
+"""Samples that are looked at, at most."""
+
+SWAPPED_JOINTS = 4
+"""Up to so many joints all pairs are swapped, beyond only neighbours."""
+
+TINY = 1e-12
+
+
+class Alternative(NamedTuple):
+    """Another reading of a log.
+
+    Attributes:
+        kind: Kind of the finding.
+        joint: Joints that it concerns; "" for all.
+        angles: Factor of each angle, (n,).
+        angle_order: Index of the logged angle of each joint, (n,).
+        torques: Factor of each torque, (n,).
+        torque_order: Index of the logged torque of each joint, (n,).
+        message: Meaning.
+        remedy: Advice.
+        value: Factor of the logged values; 0 to report how many times smaller residuals become.
+    """
+
+    kind: str
+    joint: str
+    angles: tuple[float, ...]
+    angle_order: tuple[int, ...]
+    torques: tuple[float, ...]
+    torque_order: tuple[int, ...]
+    message: str
+    remedy: str
+    value: float = 0.0
+
+
+def is_suspicious(model: TorqueModel, values: FloatArray, std: FloatArray, nrmse: FloatArray) -> bool:
+    """Say whether a fit is so poor that gross faults are worth trying.
+
+    Args:
+        model: Torque model.
+        values: Fitted parameters, (P,).
+        std: Their standard deviations, (P,).
+        nrmse: RMS residual of each joint over the standard deviation of its torque, (n,).
+
+    Returns:
+        Whether it is.
+    """
+    never = _never_negative(model)
+    beyond = (values < NEGATIVE * std) & (values < 0.0) & never
+    return bool((nrmse > POOR).any() or beyond.any())
+
+
+def gross_findings(checked: Checked) -> tuple[Finding, ...]:
+    """Try other signs, orders of joints and units, and report the one that fits by far better.
+
+    Friction, rotor inertia and the J of planar segments are kept from being negative: all torques with the wrong sign
+    would fit as well otherwise.
+
+    Args:
+        checked: Torque model and data.
+
+    Returns:
+        One finding, or none.
+    """
+    model = checked.model
+    trial = checked._replace(data=tuple(_shortened(checked.data)))
+    base = tuple(alternatives(model))
+    try:
+        as_logged = _Factors.of(trial, base[0])
+        reference = as_logged.misfit(checked, base[0])
+        best, least = base[0], reference - np.log(BETTER)
+        for alternative in base[1:]:
+            same_angles = alternative.angles == base[0].angles and alternative.angle_order == base[0].angle_order
+            factors = as_logged if same_angles else _Factors.of(trial, alternative)
+            misfit = factors.misfit(checked, alternative)
+            if misfit < least:
+                best, least = alternative, misfit - np.log(CLEARLY)
+    except (ExoidError, np.linalg.LinAlgError):
+        return ()
+    if best is base[0]:
+        return ()
+    ratio = float(np.exp(reference - least - np.log(CLEARLY)))
+    message = f"{best.message}: residuals are then {ratio:.3g} times smaller"
+    return (
+        Finding(best.kind, best.joint, best.value or ratio, "1", "error", message, best.remedy, parameters=model.names),
+    )
+
+
+def alternatives(model: TorqueModel) -> Iterator[Alternative]:
+    """List readings of a log, the log as it is first, the likely before the far-fetched.
+
+    Args:
+        model: Torque model, for its joints.
+
+    Yields:
+        The readings.
+    """
+    names, n = model.joint_names, len(model.joint_names)
+    ones, order = (1.0,) * n, tuple(range(n))
+    yield Alternative("", "", ones, order, ones, order, "", "")
+    flipped = tuple(tuple(-1.0 if k == j else 1.0 for k in range(n)) for j in range(n))
+    turn = "negate the column where the log is read"
+    for j, joint in enumerate(names):
+        text = f"the torque of {joint} has the wrong sign"
+        if j == 0:  # a leg that is its own mirror image
+            text = f"the torque of {joint} has the wrong sign, or its angle has"
+        yield Alternative("torque-sign", joint, ones, order, flipped[j], order, text, turn, -1.0)
+    if n > 1:
+        text = "all torques have the wrong sign, or all angles have"
+        yield Alternative("torque-sign", "", ones, order, (-1.0,) * n, order, text, turn, -1.0)
+        for j, joint in enumerate(names):
+            text = f"the angle of {joint} has the wrong sign, or its axis in the URDF has"
+            yield Alternative("angle-sign", joint, flipped[j], order, ones, order, text, turn, -1.0)
+            text = f"angle and torque of {joint} have the wrong sign, or its axis in the URDF has"
+            yield Alternative("angle-sign", joint, flipped[j], order, flipped[j], order, text, turn, -1.0)
+    pairs = combinations(range(n), 2) if n <= SWAPPED_JOINTS else ((j, j + 1) for j in range(n - 1))
+    map_columns = "map the columns by name (columns=, --column NAME=HEADER)"
+    for i, k in pairs:
+        swapped = tuple(k if j == i else i if j == k else j for j in range(n))
+        both = f"{names[i]}, {names[k]}"
+        text = f"the torques of {names[i]} and {names[k]} are swapped"
+        yield Alternative("joint-order", both, ones, order, ones, swapped, text, map_columns)
+        text = f"the angles of {names[i]} and {names[k]} are swapped"
+        yield Alternative("joint-order", both, ones, swapped, ones, order, text, map_columns)
+        text = f"{names[i]} and {names[k]} are swapped"
+        yield Alternative("joint-order", both, ones, swapped, ones, swapped, text, map_columns)
+    unit = float(np.pi / 180.0)
+    in_degrees = 'read the log with angle_unit="deg" (--degrees), or convert the column'
+    yield Alternative(
+        "angle-scale", "", (unit,) * n, order, ones, order, "all angles are degrees", in_degrees, 1.0 / unit
+    )
+    for j, joint in enumerate(names if n > 1 else ()):
+        factors = tuple(unit if k == j else 1.0 for k in range(n))
+        text = f"the angle of {joint} is in degrees"
+        yield Alternative("angle-scale", joint, factors, order, ones, order, text, in_degrees, 1.0 / unit)
+
+
+class _Factors(NamedTuple):
+    """R factors of the rows of each joint with the torques of all joints, [W τ₁ … τₙ]."""
+
+    of_joints: list[FloatArray]
+
+    @classmethod
+    def of(cls, checked: Checked, alternative: Alternative) -> _Factors:
+        """Form the rows of recordings whose angles are read otherwise."""
+        model = checked.model
+        joints = len(model.joint_names)
+        tables: list[list[FloatArray]] = [[] for _ in range(joints)]
+        for one in checked.data:
+            prepared = prepare(model, _reread(one, alternative), checked.preparation)
+            for stretch in prepared.stretches():
+                rows = form_rows(model, prepared, stretch)
+                for j in range(joints):
+                    tables[j].append(np.column_stack([rows.W[:, j], rows.tau])[rows.usable[:, j]])
+        stacked = [np.vstack(of_joint) for of_joint in tables]
+        return cls([r_factor(of_joint) for of_joint in stacked])
+
+    def misfit(self, checked: Checked, alternative: Alternative) -> float:
+        """Mean logarithm of residual over torque of the joints, with torques read otherwise."""
+        model, fixed = checked.model, checked.fixed
+        count, free = len(model.names), ~np.isfinite(checked.fixed)
+        known = np.where(free, 0.0, fixed)
+        rows = []
+        for R, source, factor in zip(self.of_joints, alternative.torque_order, alternative.torques, strict=True):
+            rows.append((R[:, :count][:, free], factor * R[:, count + source] - R[:, :count] @ known))
+        level = np.maximum(np.array([np.linalg.norm(t) for _, t in rows]), TINY)
+        lower = np.where(_never_negative(model)[free], 0.0, -np.inf)
+        weights = 1.0 / level
+        for _ in range(ROUNDS):
+            A = np.vstack([w * W for w, (W, _) in zip(weights, rows, strict=True)])
+            b = np.concatenate([w * t for w, (_, t) in zip(weights, rows, strict=True)])
+            x = _bounded(A, b, lower)
+            left = np.array([np.linalg.norm(t - W @ x) for W, t in rows])
+            weights = 1.0 / np.maximum(left, 1e-6 * level)
+        return float(np.mean(np.log(np.maximum(left, 1e-6 * level) / level)))
+
+
+def _bounded(A: FloatArray, b: FloatArray, lower: FloatArray) -> FloatArray:
+    """Least squares with some values not below zero, columns scaled to unit length."""
+    scale = np.linalg.norm(A, axis=0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    x, *_ = np.linalg.lstsq(A / scale, b, rcond=1e-9)
+    if (x < lower).any():
+        R = r_factor(np.column_stack([A / scale, b]))
+        x = scipy.optimize.lsq_linear(R[:, :-1], R[:, -1], (lower, np.inf), method="bvls", tol=1e-8).x
+    return np.asarray(x / scale)
+
+
+def _never_negative(model: TorqueModel) -> NDArray[np.bool_]:
+    """Which parameters cannot be negative: friction, rotor inertia and J of planar segments, (P,)."""
+    planar = model.leg.chain is not None
+    rigid = set(model.leg.parameter_names) if planar else set()
+    inertia = [name in rigid and name[0] == "J" for name in model.names]
+    return np.asarray(model.nonnegative | np.array(inertia))
+
+
+def _shortened(data: Sequence[Recording | Poses]) -> Iterator[Recording | Poses]:
+    """Take the first recordings, up to so many samples."""
+    left = ENOUGH
+    for one in data:
+        if left <= 0:
+            return
+        if len(one) > left and isinstance(one, Recording) and left >= ENOUGH // 4:
+            yield one.slice(0, left)
+        else:
+            yield one
+        left -= len(one)
+
+
+def _reread(one: Recording | Poses, alternative: Alternative) -> Recording | Poses:
+    """Read the angles of a recording otherwise."""
+    order, factors = list(alternative.angle_order), np.array(alternative.angles)
+    if order == sorted(order) and (factors == 1.0).all():
+        return one
+    if isinstance(one, Poses):
+        return replace(one, q=one.q[:, order] * factors)
+    v = None if one.v is None else one.v[:, order] * factors
+    a = None if one.a is None else one.a[:, order] * factors
+    return replace(one, q=one.q[:, order] * factors, v=v, a=a)

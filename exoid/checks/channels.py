@@ -1,0 +1,315 @@
+"""Checks of single channels, which need no model: rails, frozen and repeated values, dropouts, spikes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.findings import Finding
+from exoid.signals import Recording
+
+from .runs import Runs, noise_size, quantum
+
+RAIL_SHARE = 0.002
+"""Samples at an extreme that make it a rail: at least this share of them, and at least :data:`FEWEST`."""
+
+FEWEST = 5
+
+STEEP = 1.5
+"""A clipped signal reaches its rail in steps of more than so many quanta."""
+
+PILE = 5.0
+"""A rail holds so many times more samples than each of the three values next to it."""
+
+FROZEN_ANGLE, FROZEN_TORQUE = 0.5, 0.15
+"""Shortest time for which a channel that moves has to stand still to count as frozen [s]."""
+
+LONG_RUN = 8.0
+"""A frozen channel stands still so many times longer than in 99 % of its other runs."""
+
+SPEED_SHARE = 0.4
+"""A joint that freezes while moving faster than this share of its RMS speed has not come to rest."""
+
+JUMP = 1.5
+"""An angle that comes back jumps by so many times the 99 % quantile of its steps."""
+
+FINE = 0.2
+"""A signal whose quantum is below this part of its median step repeats no value by chance."""
+
+STALE_SHARE = 0.01
+DROPOUT_SHARE = 0.002
+SPIKE_SHARE = 0.002
+SPIKE = 12.0
+"""A spike is so many times the noise of the torque, and at least :data:`SPIKE_PART` of its standard deviation."""
+SPIKE_PART = 0.4
+ISOLATED = 5.0
+"""A spike is also so many times larger than 95 % of all deviations: noise that grows with speed has none."""
+
+
+class Channel(NamedTuple):
+    """One quantity of one joint.
+
+    Attributes:
+        time: Stamps [s], (N,).
+        x: Signal, (N,).
+        others: All angles [rad], (N, n), to see whether the leg moves.
+        joint: Name of the joint.
+        parameters: Parameters that act on the joint.
+        recording: Name of the recording.
+    """
+
+    time: FloatArray
+    x: FloatArray
+    others: FloatArray
+    joint: str
+    parameters: tuple[str, ...]
+    recording: str
+
+
+def channel_findings(recording: Recording, acting: Mapping[str, Sequence[str]], name: str = "") -> Iterator[Finding]:
+    """Check every torque and angle of a recording.
+
+    Args:
+        recording: The recording, with the joints of the leg.
+        acting: Parameters that act on each joint, by its name.
+        name: Name of the recording.
+
+    Yields:
+        Findings of the kinds saturation, stuck-channel, stale-samples, dropout and spikes.
+    """
+    for k, joint in enumerate(recording.joint_names):
+        names = tuple(acting.get(joint, ()))
+        angle = Channel(recording.time, recording.q[:, k], recording.q, joint, names, name)
+        yield from frozen_angle(angle)
+        if recording.tau is None:
+            continue
+        torque = angle._replace(x=recording.tau[:, k])
+        yield from saturation(torque)
+        yield from frozen_torque(torque)
+        yield from repeated_values(torque)
+        yield from outliers(torque)
+
+
+def saturation(channel: Channel) -> Iterator[Finding]:
+    """Find torques that stop at a rail.
+
+    A peak of a quantised signal also stays at one value, but the signal comes there in steps of one quantum. A clipped
+    signal arrives at full slope.
+
+    Args:
+        channel: The torque.
+
+    Yields:
+        One finding for each side that is clipped.
+    """
+    x = channel.x
+    runs, step = Runs.of(x, 1e-9 * float(np.ptp(x))), quantum(x)
+    if len(runs.start) < 3:
+        return
+    usual = float(np.median(runs.length))
+    for rail in (float(x.max()), float(x.min())):
+        at_rail = np.abs(runs.value - rail) <= 1e-9 * float(np.ptp(x))
+        count = int(runs.length[at_rail].sum())
+        if count < max(FEWEST, RAIL_SHARE * len(x), 3.0 * usual):
+            continue
+        places = np.flatnonzero(at_rail & (runs.length >= max(2, 1.5 * usual)))
+        inner = places[(places > 0) & (places < len(runs.start) - 1)]
+        if not len(inner):
+            continue
+        entry = np.abs(runs.value[inner] - runs.value[inner - 1])
+        leave = np.abs(runs.value[inner + 1] - runs.value[inner])
+        if float(np.median(np.maximum(entry, leave))) <= STEEP * step:
+            continue
+        near = (np.abs(x - rail) <= 3.5 * step) & (np.abs(x - rail) > 0.5 * step)
+        if count <= PILE * near.sum() / 3.0:
+            continue
+        share = count / len(x)
+        yield Finding(
+            "saturation",
+            channel.joint,
+            rail,
+            "N·m",
+            "error" if share > 0.05 else "warning",
+            f"{share:.1%} of the torques are exactly {rail:.4g} N·m: the sensor or the amplifier is at its limit, and "
+            "the true torque is larger",
+            "record a slower or smaller motion, raise the limit, or cut out these segments",
+            parameters=channel.parameters,
+            recording=channel.recording,
+        )
+
+
+def frozen_torque(channel: Channel) -> Iterator[Finding]:
+    """Find times in which a torque keeps one value although the leg moves.
+
+    Args:
+        channel: The torque.
+
+    Yields:
+        One finding, for the longest time.
+    """
+    runs = Runs.of(channel.x)
+    spans = _long_runs(channel, runs, FROZEN_TORQUE)
+    moving = [k for k in spans if _moves(channel.others[runs.start[k] : runs.stop[k]], channel.others)]
+    yield from _frozen(channel, runs, moving, "torque")
+
+
+def frozen_angle(channel: Channel) -> Iterator[Finding]:
+    """Find times in which an angle keeps one value although the joint cannot have come to rest.
+
+    A joint at rest slows down before and speeds up afterwards. A channel that freezes stops at full speed, or jumps
+    when it comes back.
+
+    Args:
+        channel: The angle.
+
+    Yields:
+        One finding, for the longest time.
+    """
+    x, runs = channel.x, Runs.of(channel.x)
+    steps = np.abs(np.diff(x))
+    if not steps.any():
+        return
+    usual, large = float(np.sqrt(np.mean(steps**2))), float(np.quantile(steps, 0.99))
+    frozen = []
+    for k in _long_runs(channel, runs, FROZEN_ANGLE):
+        first, stop = int(runs.start[k]), int(runs.stop[k])
+        before, after = steps[max(0, first - 6) : max(0, first - 1)], steps[stop : stop + 5]
+        jump = steps[stop - 1] if stop < len(x) else 0.0
+        sudden = any(len(near) > 2 and float(near.mean()) > SPEED_SHARE * usual for near in (before, after))
+        if jump > JUMP * large or sudden:
+            frozen.append(k)
+    yield from _frozen(channel, runs, frozen, "angle")
+
+
+def repeated_values(channel: Channel) -> Iterator[Finding]:
+    """Find torques that repeat the sample before, as those of a slower bus do.
+
+    Args:
+        channel: The torque.
+
+    Yields:
+        One finding, or none.
+    """
+    steps = np.abs(np.diff(channel.x))
+    moved = steps[steps > 0.0]
+    if (
+        np.mean(steps == 0.0) < STALE_SHARE
+        or len(moved) < FEWEST
+        or quantum(channel.x) > FINE * float(np.median(moved))
+    ):
+        return
+    runs = Runs.of(channel.x)
+    inner = np.isin(channel.x[1:], (channel.x.max(), channel.x.min()))
+    long = np.zeros(len(steps), dtype=np.bool_)
+    for k in _long_runs(channel, runs, FROZEN_TORQUE):
+        long[runs.start[k] : runs.stop[k]] = True
+    share = float(np.mean((steps == 0.0) & ~inner & ~long))
+    if share < STALE_SHARE:
+        return
+    fresh = (1.0 - share) * _rate(channel.time)
+    yield Finding(
+        "stale-samples",
+        channel.joint,
+        share,
+        "1",
+        "warning",
+        f"{share:.1%} of the torques repeat the sample before: the log asks faster than the sensor answers (about "
+        f"{fresh:.3g} new values a second), so that torque is late by up to a sample of the sensor",
+        "log at the rate of the sensor, or with the time stamps of its own messages",
+        parameters=channel.parameters,
+        recording=channel.recording,
+    )
+
+
+def outliers(channel: Channel) -> Iterator[Finding]:
+    """Find dropouts to zero and spikes of the torque.
+
+    Args:
+        channel: The torque.
+
+    Yields:
+        A finding of kind dropout, or spikes, or none.
+    """
+    x = channel.x
+    middle = scipy.signal.medfilt(x, 5)
+    apart = x - middle
+    size = max(SPIKE * noise_size(apart), SPIKE_PART * float(np.std(middle)), SPIKE * quantum(x))
+    odd: NDArray[np.bool_] = np.abs(apart) > size
+    odd[:2] = odd[-2:] = False
+    zero = odd & (x == 0.0)
+    if zero.sum() >= max(3, DROPOUT_SHARE * len(x)):
+        share = float(np.mean((x == 0.0) & (np.abs(middle) > 0.0)))
+        yield Finding(
+            "dropout",
+            channel.joint,
+            share,
+            "1",
+            "error",
+            f"the torque drops to exactly 0 in {share:.1%} of the samples: messages were lost and filled with zeros",
+            "remove these samples, or write NaN where there is no value and interpolate short gaps",
+            parameters=channel.parameters,
+            recording=channel.recording,
+        )
+        odd &= x != 0.0
+    odd &= np.abs(apart) > ISOLATED * float(np.quantile(np.abs(apart), 0.95))
+    share = float(np.mean(odd))
+    if odd.sum() >= max(4, SPIKE_SHARE * len(x)):
+        lean = float(np.mean(np.sign(apart[odd])))
+        yield Finding(
+            "spikes",
+            channel.joint,
+            share,
+            "1",
+            "warning",
+            f"{share:.1%} of the torques are spikes of {float(np.median(np.abs(apart[odd]))):.3g} N·m"
+            + (", nearly all to one side, which looks like an offset" if abs(lean) > 0.5 else ""),
+            "remove them at their source, or identify with the estimator huber",
+            parameters=channel.parameters,
+            recording=channel.recording,
+        )
+
+
+def _long_runs(channel: Channel, runs: Runs, shortest: float) -> list[int]:
+    """Runs that last for a while, and much longer than usual."""
+    least = max(10.0, shortest * _rate(channel.time))
+    long = runs.length >= least
+    others = runs.length[~long]
+    usual = float(np.quantile(others, 0.99)) if len(others) else 1.0
+    return [int(k) for k in np.flatnonzero(long & (runs.length >= LONG_RUN * usual))]
+
+
+def _moves(part: FloatArray, whole: FloatArray) -> bool:
+    """Whether some joint moves in a part of a recording."""
+    return bool((np.ptp(part, axis=0) > 0.05 * np.ptp(whole, axis=0)).any())
+
+
+def _rate(time: FloatArray) -> float:
+    return float((len(time) - 1) / (time[-1] - time[0]))
+
+
+def _frozen(channel: Channel, runs: Runs, places: Sequence[int], quantity: str) -> Iterator[Finding]:
+    """Describe the times in which a channel is frozen."""
+    if not places:
+        return
+    count = int(sum(runs.length[k] for k in places))
+    worst = max(places, key=lambda k: runs.length[k])
+    start, stop = channel.time[runs.start[worst]], channel.time[runs.stop[worst] - 1]
+    more = f" and {len(places) - 1} other times" if len(places) > 1 else ""
+    share = count / len(channel.x)
+    yield Finding(
+        "stuck-channel",
+        channel.joint,
+        count / _rate(channel.time),
+        "s",
+        "error" if share > 0.02 else "warning",
+        f"the {quantity} keeps one value from {start:.3f} s to {stop:.3f} s{more} ({share:.1%} of the log) although "
+        "the leg moves: the channel froze",
+        "use the part of the log before or after it (Recording.between, --start, --stop)",
+        parameters=channel.parameters,
+        recording=channel.recording,
+    )

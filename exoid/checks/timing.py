@@ -1,0 +1,276 @@
+"""Checks of time, which need no model: missing samples, angles that wrap, late velocities, data that occur twice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.findings import Finding
+from exoid.signals import Recording, ZeroPhase
+from exoid.signals.differentiation import central_difference
+
+from .runs import noise_size
+
+WINDOW = 4
+"""Samples on each side of an interval, through which lines are laid."""
+
+GAP_SIZE = 9.0
+"""A jump in time is so many times its noise,"""
+
+SHORTEST_GAP, SHORTEST_TIME = 0.7, 5e-3
+"""and at least this part of a sampling interval, and this time [s]: stamps of real logs jitter."""
+
+WRAP = 0.1
+"""A jump by a whole turn is off by this part of it at most."""
+
+LATE = 4.5
+"""A velocity is late if its delay is so many times its standard deviation,"""
+
+SHORTEST_DELAY = 1e-3
+"""and at least this [s]."""
+
+GAIN = 0.05
+"""A velocity has another scale than its angle if its gain is off by this much."""
+
+SAME_ROWS = 0.05
+"""Recordings that share this part of their samples contain the same data twice."""
+
+
+def timing_findings(recording: Recording, acting: Mapping[str, Sequence[str]], name: str = "") -> Iterator[Finding]:
+    """Check the times of a recording.
+
+    Args:
+        recording: The recording, with the joints of the leg.
+        acting: Parameters that act on each joint, by its name.
+        name: Name of the recording.
+
+    Yields:
+        Findings of the kinds angle-wrap, missing-samples, velocity-delay and velocity-scale.
+    """
+    yield from wraps(recording, acting, name)
+    yield from missing_samples(recording, acting, name)
+    yield from late_velocities(recording, acting, name)
+
+
+def wraps(recording: Recording, acting: Mapping[str, Sequence[str]], name: str = "") -> Iterator[Finding]:
+    """Find angles that jump by a whole turn.
+
+    Args:
+        recording: The recording.
+        acting: Parameters that act on each joint.
+        name: Name of the recording.
+
+    Yields:
+        One finding for each joint.
+    """
+    for k, joint in enumerate(recording.joint_names):
+        steps = np.diff(recording.q[:, k])
+        turns = np.abs(np.abs(steps) - 2.0 * np.pi) < WRAP * 2.0 * np.pi
+        if turns.any():
+            when = recording.time[int(turns.argmax()) + 1]
+            yield Finding(
+                "angle-wrap",
+                joint,
+                float(turns.sum()),
+                "1",
+                "error",
+                f"the angle jumps by a whole turn {turns.sum()} times, first at {when:.3f} s",
+                "unwrap it: q = np.unwrap(q, axis=0)",
+                parameters=tuple(acting.get(joint, ())),
+                recording=name,
+            )
+
+
+def missing_samples(recording: Recording, acting: Mapping[str, Sequence[str]], name: str = "") -> Iterator[Finding]:
+    """Find places where samples are missing although the time stamps run on.
+
+    Lines through the four samples on each side of an interval meet in its middle, but for noise and a change of the
+    acceleration. Where samples are missing, every angle jumps there by its velocity times the time that is missing: the
+    jumps of all joints together give that time, with its standard deviation.
+
+    Args:
+        recording: The recording.
+        acting: Parameters that act on each joint.
+        name: Name of the recording.
+
+    Yields:
+        One finding for all places.
+    """
+    if len(recording) < 8 * WINDOW:
+        return
+    rate = recording.sample_rate
+    q = recording.q
+    wrapped = (np.abs(np.diff(q, axis=0)) > np.pi).max(axis=1)
+    jump, velocity = _jumps(q, 1.0 / rate)
+    noise = np.array([noise_size(of_joint) for of_joint in jump.T])
+    floor = 1e-3 * np.sqrt(np.mean(velocity**2, axis=0)) / rate  # exact motions have no noise
+    weight = 1.0 / np.maximum(noise, np.maximum(floor, 1e-12)) ** 2
+    information = (velocity**2 * weight).sum(axis=1)
+    gap = (velocity * jump * weight).sum(axis=1) / np.maximum(information, 1e-300)
+    size = gap * np.sqrt(information)
+    still = (np.diff(q, axis=0) == 0.0).astype(np.float64)
+    frozen = np.max([np.convolve(of_joint, np.ones(2 * WINDOW), "same") for of_joint in still.T], axis=0) >= 5.0
+    inner = slice(WINDOW - 1, len(q) - WINDOW)
+    odd = (size > GAP_SIZE) & (gap > max(SHORTEST_GAP / rate, SHORTEST_TIME)) & ~frozen[inner] & ~wrapped[inner]
+    unexplained = ((jump - gap[:, None] * velocity) ** 2 * weight).sum(axis=1)
+    odd &= unexplained < 0.3 * size**2
+    places = _peaks(odd, size)
+    if not places:
+        return
+    worst = max(places, key=lambda k: gap[k])
+    lost = float(sum(gap[k] for k in places))
+    error = max(2.0 / float(np.sqrt(information[worst])), 0.5 / rate)  # no finer than half an interval
+    names = dict.fromkeys(name for joint in recording.joint_names for name in acting.get(joint, ()))
+    yield Finding(
+        "missing-samples",
+        "",
+        lost,
+        "s",
+        "warning",
+        f"{len(places)} gap{'s' if len(places) > 1 else ''} although the time stamps run on: at "
+        f"{recording.time[worst + WINDOW - 1]:.3f} s all angles jump by what they travel in {1e3 * gap[worst]:.3g} ms",
+        "use the stamps of the sensors, or split the log there and pass the parts (Recording.between)",
+        interval=(max(0.0, lost - error), lost + error) if len(places) == 1 else None,
+        parameters=tuple(names),
+        recording=name,
+    )
+
+
+def late_velocities(recording: Recording, acting: Mapping[str, Sequence[str]], name: str = "") -> Iterator[Finding]:
+    """Compare logged velocities with the derivative of the angles: v = g (q̇ − d q̈).
+
+    Args:
+        recording: The recording.
+        acting: Parameters that act on each joint.
+        name: Name of the recording.
+
+    Yields:
+        Findings of the kinds velocity-delay and velocity-scale.
+    """
+    if recording.v is None:
+        return
+    even = recording.resampled()
+    rate = even.sample_rate
+    low_pass = ZeroPhase(cutoff=min(6.0, 0.15 * rate))
+    edge = low_pass.edge(rate)
+    if len(even) <= 2 * edge + 20 or even.v is None:
+        return
+    q, logged = low_pass.filter(even.q, rate), low_pass.filter(even.v, rate)
+    v = central_difference(q, rate, 4)
+    a = central_difference(v, rate, 4)
+    inner = slice(edge, len(q) - edge)
+    for k, joint in enumerate(even.joint_names):
+        rows = np.column_stack([v[inner, k], a[inner, k], np.ones(len(q) - 2 * edge)])
+        late = _delay(rows, logged[inner, k])
+        if late is None:
+            continue
+        gain, delay, error = late
+        names = tuple(acting.get(joint, ()))
+        if abs(delay) > max(LATE * error, SHORTEST_DELAY):
+            yield Finding(
+                "velocity-delay",
+                joint,
+                delay,
+                "s",
+                "warning",
+                f"the logged velocity comes {1e3 * delay:.3g} ms {'after' if delay > 0.0 else 'before'} the derivative "
+                "of the angle",
+                "leave the velocity out of the log: exoid derives it from the angle without delay",
+                interval=(delay - 2.0 * error, delay + 2.0 * error),
+                parameters=names,
+                recording=name,
+            )
+        if abs(gain - 1.0) > GAIN:
+            yield Finding(
+                "velocity-scale",
+                joint,
+                gain,
+                "1",
+                "error",
+                f"the logged velocity is {gain:.3g} times the derivative of the angle",
+                "leave the velocity out of the log, or correct its unit or sign",
+                parameters=names,
+                recording=name,
+            )
+
+
+def repeated_data(
+    recordings: Sequence[Recording], names: Sequence[str], parameters: Sequence[str]
+) -> Iterator[Finding]:
+    """Find recordings that contain the same samples.
+
+    Args:
+        recordings: The recordings.
+        names: Their names.
+        parameters: Names of all parameters.
+
+    Yields:
+        One finding for each pair.
+    """
+    if len(recordings) < 2:
+        return
+    rows = [{row.tobytes() for row in _with_torque(one)} for one in recordings]
+    for first, second in combinations(range(len(recordings)), 2):
+        share = len(rows[first] & rows[second]) / max(1, min(len(rows[first]), len(rows[second])))
+        if share > SAME_ROWS:
+            yield Finding(
+                "repeated-data",
+                "",
+                share,
+                "1",
+                "warning",
+                f"{names[first] or first + 1} and {names[second] or second + 1} share {share:.0%} of their samples, "
+                "which count twice: intervals are too narrow",
+                "pass every sample once",
+                parameters=tuple(parameters),
+            )
+
+
+def _with_torque(recording: Recording) -> FloatArray:
+    return recording.q if recording.tau is None else np.ascontiguousarray(np.hstack([recording.q, recording.tau]))
+
+
+def _jumps(q: FloatArray, interval: float) -> tuple[FloatArray, FloatArray]:
+    """Jump of the angle [rad] and velocity [rad/s] in the middle of each inner interval, (N − 2 W + 1, n)."""
+    k = np.arange(WINDOW) - 0.5 * (WINDOW - 1)
+    slope = k / (k @ k)
+    level = np.full(WINDOW, 1.0 / WINDOW)
+    to_middle = 0.5 * WINDOW
+    ahead, behind = level - to_middle * slope, level + to_middle * slope
+    windows = np.lib.stride_tricks.sliding_window_view(q, WINDOW, axis=0)
+    left, right = windows[:-WINDOW], windows[WINDOW:]
+    jump = right @ ahead - left @ behind
+    velocity = 0.5 * (right @ slope + left @ slope) / interval
+    return jump, velocity
+
+
+def _peaks(odd: FloatArray, size: FloatArray) -> list[int]:
+    """Largest of each group of neighbours."""
+    places: list[int] = []
+    for k in np.flatnonzero(odd):
+        if places and k - places[-1] <= 2 * WINDOW:
+            if size[k] > size[places[-1]]:
+                places[-1] = int(k)
+        else:
+            places.append(int(k))
+    return places
+
+
+def _delay(rows: FloatArray, logged: FloatArray) -> tuple[float, float, float] | None:
+    """Gain, delay [s] and its standard deviation, from blocks of the record; None where nothing moves."""
+    if np.std(rows[:, 0]) == 0.0 or np.std(logged) == 0.0:
+        return None
+    whole, *_ = np.linalg.lstsq(rows, logged, rcond=None)
+    gain = float(whole[0])
+    if gain == 0.0:
+        return None
+    residual = logged - rows @ whole
+    blocks = np.array_split(np.arange(len(rows)), max(4, min(20, len(rows) // 50)))
+    inverse = np.linalg.pinv(rows.T @ rows)
+    scores = np.array([rows[block].T @ residual[block] for block in blocks])
+    covariance = inverse @ (scores.T @ scores) @ inverse * len(blocks) / (len(blocks) - 1)
+    delay = -float(whole[1]) / gain
+    return gain, delay, float(np.sqrt(covariance[1, 1])) / abs(gain)

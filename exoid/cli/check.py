@@ -1,0 +1,64 @@
+"""``exoid check``: the mistakes that logs have, before or beside an identification."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from exoid import identification
+from exoid.findings import Finding, finding_lines, findings_table, findings_to_json
+from exoid.tables import to_text
+from exoid.torques import TERMS
+
+from .inputs import (
+    AsJson,
+    Column,
+    Degrees,
+    LogOptions,
+    Received,
+    Start,
+    Stop,
+    Topic,
+    find_leg,
+    parse_terms,
+    read_logs,
+    split_names,
+)
+from .numbers import parse_known
+
+
+def check(
+    leg: Annotated[str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset's name, or a URDF file.")],
+    logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="Logs of any kind, or a dataset's name:train.")],
+    side: Annotated[str | None, typer.Option(help="left or right; by default the side in the log.")] = None,
+    inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
+    joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF; default: logged.")] = None,
+    terms: Annotated[str | None, typer.Option(metavar="A,B", help=f"{', '.join(TERMS)}; none for none.")] = None,
+    cutoff: Annotated[
+        float | None, typer.Option(metavar="HZ", help="Of the zero-phase low-pass; by default chosen from the logs.")
+    ] = None,
+    known: Annotated[
+        list[str] | None, typer.Option(metavar="NAME=VALUE", help="Hold a parameter fixed. Repeatable.")
+    ] = None,
+    column: Column = None,
+    degrees: Degrees = False,
+    start: Start = None,
+    stop: Stop = None,
+    topic: Topic = None,
+    received: Received = False,
+    as_json: AsJson = False,
+) -> None:
+    """Check the LOGs of LEG for late, frozen, clipped or swapped channels, wrong units and zeros, and straps."""
+    recordings = read_logs(logs, LogOptions(column, degrees, start, stop, topic, received))
+    found_leg = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names)
+    found = identification.check(found_leg, recordings, parse_terms(terms), cutoff=cutoff, known=parse_known(known))
+    typer.echo(json.dumps({"findings": findings_to_json(found)}, indent=1) if as_json else _text(found))
+
+
+def _text(findings: tuple[Finding, ...]) -> str:
+    """Write a table, and below it what each finding means."""
+    if not findings:
+        return "nothing found"
+    return to_text(findings_table(findings), "", *finding_lines(findings))

@@ -1,0 +1,206 @@
+"""Faults that only a model shows: delays, signs, orders, units, zeros, lengths, springs."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from logs import clean, kinds, late, of_kind, with_column
+
+import exoid
+
+
+@pytest.mark.parametrize("name", ["bleex", "cuhk"])
+@pytest.mark.parametrize("delay", [0.005, 0.02, 0.05])
+def test_late_torques_are_found_with_their_delay(name, delay):
+    leg, log = clean(name)
+    finding = of_kind(exoid.check(leg, late(log, delay, range(len(leg.joint_names)))), "torque-delay")
+    assert finding.joint == ""
+    assert finding.unit == "s"
+    assert finding.value == pytest.approx(delay, abs=0.001)
+    assert finding.parameters
+
+
+def test_a_late_torque_of_one_joint_is_named():
+    leg, log = clean()
+    finding = of_kind(exoid.check(leg, late(log, 0.01, [1])), "torque-delay")
+    assert finding.joint == leg.joint_names[1]
+    assert finding.value == pytest.approx(0.01, abs=0.001)
+
+
+def test_delay_auto_finds_the_parameters_of_the_log_without_delay():
+    leg, log = clean()
+    right = exoid.identify(leg, log)
+    bad = late(log, 0.02, range(3))
+    wrong, mended = exoid.identify(leg, bad), exoid.identify(leg, bad, delay="auto")
+
+    def worst(estimate):
+        return (np.abs(estimate.values - right.values) / right.std).max()
+
+    assert worst(wrong) > 10.0
+    assert worst(mended) < 2.0
+    shifts = [finding for finding in mended.findings if finding.kind == "torque-delay"]
+    assert {finding.severity for finding in shifts} == {"info"}
+    assert [finding.value for finding in shifts] == pytest.approx([0.02] * 3, abs=0.001)
+
+
+def test_another_delay_is_refused():
+    with pytest.raises(exoid.ExoidError, match="no delay"):
+        exoid.identify(*clean(), delay="later")
+
+
+@pytest.mark.parametrize("joint", [0, 1, 2])
+def test_a_torque_of_the_wrong_sign_is_named(joint):
+    leg, log = clean()
+    finding = of_kind(exoid.check(leg, with_column(log, "tau", joint, lambda x: -x)), "torque-sign")
+    assert (finding.joint, finding.value, finding.severity) == (leg.joint_names[joint], -1.0, "error")
+
+
+def test_all_torques_of_the_wrong_sign_are_found():
+    leg, log = clean()
+    assert of_kind(exoid.check(leg, dataclasses.replace(log, tau=-log.tau)), "torque-sign").joint == ""
+
+
+@pytest.mark.parametrize("joint", [1, 2])
+def test_an_angle_of_the_wrong_sign_is_named(joint):
+    leg, log = clean()
+    finding = of_kind(exoid.check(leg, with_column(log, "q", joint, lambda x: -x)), "angle-sign")
+    assert finding.joint == leg.joint_names[joint]
+
+
+@pytest.mark.parametrize("quantities", [("tau",), ("q",), ("tau", "q")])
+def test_swapped_joints_are_named(quantities):
+    leg, log = clean()
+    swapped = dataclasses.replace(log, **{name: getattr(log, name)[:, [1, 0, 2]] for name in quantities})
+    finding = of_kind(exoid.check(leg, swapped), "joint-order")
+    assert finding.joint == f"{leg.joint_names[0]}, {leg.joint_names[1]}"
+
+
+@pytest.mark.parametrize("factor", [1000.0, 0.05])
+def test_torque_in_another_unit_is_found_by_the_urdf(factor):
+    leg, log = clean()
+    finding = of_kind(exoid.check(leg, dataclasses.replace(log, tau=factor * log.tau)), "torque-scale")
+    assert finding.joint == ""
+    assert finding.value == pytest.approx(factor, rel=0.1)
+    assert ("N·mm" in finding.message) == (factor == 1000.0)
+
+
+def test_one_torque_out_of_scale_is_named():
+    leg, log = clean()
+    finding = of_kind(exoid.check(leg, with_column(log, "tau", 1, lambda x: 1.2 * x)), "torque-scale")
+    assert finding.joint == leg.joint_names[1]
+    assert finding.value == pytest.approx(1.2, abs=0.03)
+
+
+def test_angles_in_degrees_are_found():
+    leg, log = clean()
+    wide = dataclasses.replace(log, largest_angle=np.inf)
+    finding = of_kind(exoid.check(leg, with_column(wide, "q", 1, np.rad2deg)), "angle-scale")
+    assert finding.joint == leg.joint_names[1]
+    assert finding.value == pytest.approx(180.0 / np.pi)
+
+
+def test_an_angle_of_another_scale_is_named():
+    leg, log = clean()
+    finding = of_kind(exoid.check(leg, with_column(log, "q", 1, lambda x: 1.1 * x)), "angle-scale")
+    assert (finding.joint, finding.value) == (leg.joint_names[1], pytest.approx(1.1, abs=0.02))
+
+
+@pytest.mark.parametrize("degrees", [5.0, 15.0])
+def test_a_wrong_zero_in_the_middle_of_the_leg_is_named(degrees):
+    leg, log = clean()
+    finding = of_kind(exoid.check(leg, with_column(log, "q", 1, lambda x: x + np.deg2rad(degrees))), "angle-offset")
+    assert finding.joint == leg.joint_names[1]
+    assert finding.value == pytest.approx(np.deg2rad(degrees), rel=0.35)
+
+
+def test_a_wrong_zero_of_the_last_joint_shows_only_against_the_urdf():
+    leg, log = clean("cuhk")
+    finding = of_kind(exoid.check(leg, with_column(log, "q", 1, lambda x: x + 0.3)), "angle-offset")
+    assert (finding.joint, finding.severity) == (leg.joint_names[1], "info")
+    assert finding.value == pytest.approx(0.3, abs=0.03)
+
+
+@pytest.mark.parametrize("degrees", [5.0, 15.0])
+def test_a_tilted_base_is_found(degrees):
+    leg, log = clean()
+    tilted = with_column(log, "q", 0, lambda x: x - np.deg2rad(degrees))
+    finding = of_kind(exoid.check(leg, tilted), "gravity-direction")
+    assert abs(finding.value) == pytest.approx(np.deg2rad(degrees), rel=0.35)
+
+
+def test_a_wrong_length_is_named():
+    leg, log = clean()
+    offsets = leg.chain.offsets.copy()
+    offsets[0] *= 1.1
+    longer = dataclasses.replace(leg, chain=dataclasses.replace(leg.chain, offsets=offsets))
+    finding = of_kind(exoid.check(longer, log), "segment-length")
+    assert finding.joint == leg.joint_names[0]
+    assert finding.value == pytest.approx(1.0 / 1.1 - 1.0, abs=0.03)
+
+
+def test_a_spring_is_an_unmodelled_force_unless_it_is_modelled():
+    leg, log = clean()
+    pulled = dataclasses.replace(log, tau=log.tau + np.array([0.0, 5.0, 0.0]) * log.q)
+    assert of_kind(exoid.check(leg, pulled), "unmodelled-force").joint == leg.joint_names[1]
+    terms = (*exoid.torques.DEFAULT_TERMS, exoid.Stiffness(joints=("knee",)))
+    assert kinds(exoid.check(leg, pulled, terms)) == set()
+
+
+def test_friction_of_another_form_is_named():
+    leg, log = clean()
+    v = np.gradient(log.q[:, 1]) * log.sample_rate
+    extra = 0.05 * log.tau[:, 1].std() * v * np.abs(v) / v.std() ** 2
+    found = exoid.check(leg, with_column(log, "tau", 1, lambda x: x + extra))
+    assert of_kind(found, "unmodelled-friction").joint == leg.joint_names[1]
+
+
+def test_cross_talk_is_named():
+    leg, log = clean()
+    mixed = with_column(log, "tau", 1, lambda x: x + 0.05 * log.tau[:, 0])
+    finding = of_kind(exoid.check(leg, mixed), "cross-talk")
+    assert (finding.joint, finding.value) == (leg.joint_names[1], pytest.approx(0.05, abs=0.01))
+
+
+def test_torque_that_is_only_noise_is_found():
+    leg, log = clean()
+    noise = np.random.default_rng(0).standard_normal(len(log))
+    found = exoid.check(leg, with_column(log, "tau", 1, lambda x: x.std() * noise))
+    assert ("large-residual", leg.joint_names[1]) in {(finding.kind, finding.joint) for finding in found}
+
+
+def test_parameters_that_no_leg_can_have_are_found():
+    leg, log = clean()
+    still = leg.regressor(log.q, np.zeros_like(log.q), np.zeros_like(log.q))
+    moment = still[..., 3] * -2.0 * leg.parameters[3]
+    found = exoid.check(leg, dataclasses.replace(log, tau=log.tau + moment))
+    assert kinds(found)
+
+
+def test_a_leg_far_from_its_urdf_is_information():
+    leg, log = clean()
+    light = leg.with_parameters(leg.parameters * np.where(np.arange(9) >= 6, 0.4, 1.0))
+    finding = next(f for f in exoid.check(light, log) if f.kind == "far-from-urdf")
+    assert (finding.joint, finding.severity, finding.parameters) == (leg.joint_names[2], "info", ())
+    assert finding.value == pytest.approx(2.5, rel=0.1)
+
+
+def test_a_shared_factor_of_torque_and_model_changes_no_finding():
+    """A log in other units of force and the leg in the same units have the same faults."""
+    leg, log = clean()
+    bad = with_column(log, "q", 1, lambda x: x + 0.1)
+    other = leg.with_parameters(2.0 * leg.parameters)
+    one, two = exoid.check(leg, bad), exoid.check(other, dataclasses.replace(bad, tau=2.0 * bad.tau))
+    assert [(f.kind, f.joint) for f in one] == [(f.kind, f.joint) for f in two]
+    assert [f.value for f in one] == pytest.approx([f.value for f in two], rel=1e-3)
+
+
+def test_columns_in_another_order_change_no_finding():
+    leg, log = clean()
+    bad = late(log, 0.01, [1])
+    assert exoid.check(leg, bad.select(leg.joint_names[::-1])) == exoid.check(leg, bad)
+
+
+def test_known_parameters_stay_known():
+    leg, log = clean()
+    found = exoid.check(leg, late(log, 0.02, range(3)), known={"X1": leg.parameters[0]})
+    assert "X1" not in of_kind(found, "torque-delay").parameters
