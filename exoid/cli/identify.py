@@ -30,6 +30,7 @@ from .inputs import (
     parse_terms,
     read_logs,
     refuse,
+    refuse_unknown_leg,
     split_names,
 )
 from .numbers import parse_known, parse_prior
@@ -98,6 +99,7 @@ def identify(
     as_json: AsJson = False,
 ) -> None:
     """Identify the parameters of LEG from the LOGs: columns time, q_<joint>, tau_<joint>, optionally v_ and a_."""
+    refuse_unknown_leg(leg)
     files = {"--output": output if own is None else None, "--report": report}
     check_outputs(files, [leg, *logs, *(test or [])])
     options = LogOptions(column, degrees, start, stop, topic, received)

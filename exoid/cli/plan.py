@@ -29,6 +29,7 @@ from .inputs import (
     parse_numbers,
     parse_terms,
     read_logs,
+    refuse_unknown_leg,
     split_names,
 )
 from .outputs import check_outputs
@@ -92,6 +93,7 @@ def plan(
     as_json: AsJson = False,
 ) -> None:
     """Find the motion that identifies LEG best, and predict the precision of its parameters; or --assess a log."""
+    refuse_unknown_leg(leg)
     pitches = [math.radians(tilt) for tilt in parse_numbers(tilts, "--tilts") or ()]
     files = () if output is None or assess else excitation.plan_files(output, pitches, poses=poses > 0)
     check_outputs({**{f"--output ({file.name})": file for file in files}, "--figure": figure}, [leg, *(assess or [])])

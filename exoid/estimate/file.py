@@ -77,7 +77,9 @@ def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
     try:
         return estimate_from_json(data, kind)
     except ExoidError as error:
-        raise ExoidError(error.what, where=f"{path}, {error.where}".rstrip(", "), remedy=error.remedy) from error
+        raise ExoidError(
+            error.what, where=f"{path}, {error.where}".rstrip(", "), remedy=error.remedy, command=error.command
+        ) from error
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:  # such as 10**400
         what = f"damaged: {type(error).__name__} {error}"
         raise ExoidError(what, where=str(path), remedy="identify again and save") from error

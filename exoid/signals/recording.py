@@ -169,6 +169,7 @@ class Recording:
                     f"no joint {name!r} in the recording; it has: {', '.join(self.joint_names)}",
                     where=self.source.name if self.source else "",
                     remedy="select among those, or read the log with columns={'q_<joint>': <header>}",
+                    command=f"record it, or map its columns, e.g. --column q_{name}=HEADER --column tau_{name}=HEADER",
                 )
         chosen = [self.joint_names.index(name) for name in names]
         arrays = {quantity: values[:, chosen] for quantity, values in self._arrays().items()}
@@ -213,7 +214,7 @@ class Recording:
         if last - first < checks.FEWEST_SAMPLES:
             begins, ends = self.time[[0, -1]].tolist()
             raise ExoidError(
-                f"{max(0, last - first)} samples from {low:g} s to {high:g} s, at least {checks.FEWEST_SAMPLES} are "
+                f"too few samples: {max(0, last - first)} from {low:g} s to {high:g} s, at least {checks.FEWEST_SAMPLES} are "
                 f"needed; its time stamps are {begins:g} s to {ends:g} s",
                 where=where,
                 remedy="give time stamps of the log",

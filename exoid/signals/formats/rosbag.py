@@ -128,8 +128,9 @@ def _topic(kinds: Mapping[str, str], file: str, asked: str | None) -> str:
         )
     if asked is None and len(fit) != 1:
         what = f"{len(fit)} topics of joint states: {', '.join(fit)}" if fit else f"no joint states, but: {listed}"
-        remedy = 'choose with topic="..." (--topic)' if fit else f"record a topic of {JOINT_STATE}"
-        raise ExoidError(what, where=file, remedy=remedy)
+        record = f"record a topic of {JOINT_STATE}"
+        remedy, command = ('choose with topic="..." (--topic)', "choose with --topic") if fit else (record, record)
+        raise ExoidError(what, where=file, remedy=remedy, command=command)
     return asked if asked is not None else fit[0]
 
 
@@ -147,7 +148,10 @@ def _common_joints(messages: list[_Message], file: str, options: ReadOptions) ->
         if len({frozenset(joints) for joints in layouts}) > 1:
             found = "; ".join(", ".join(joints) for joints in layouts)
             raise ExoidError(
-                f"messages hold different joints: {found[:300]}", where=file, remedy="choose some with joint_names"
+                f"messages hold different joints: {found[:300]}",
+                where=file,
+                remedy="choose some with joint_names",
+                command="record the joints of one publisher, or choose its topic with --topic",
             )
         return messages[0].joints, messages
     every = dict.fromkeys(joint for joints in layouts for joint in joints)
@@ -173,6 +177,7 @@ def _seconds(messages: Sequence[_Message], file: str, options: ReadOptions) -> F
             "the headers have no time stamps",
             where=file,
             remedy='pass stamps="received" (--received) to take the time at which the bag received each message',
+            command="give --received to take the time at which the bag received each message",
         )
     return np.asarray((stamps - stamps[0]) / 1e9)
 

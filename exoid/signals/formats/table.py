@@ -191,6 +191,7 @@ def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, options: ReadOptio
             f"no array {time!r} of time stamps; the file has: {exists}",
             where=file,
             remedy="rename it in the file or pass columns={'time': <name in the file>}",
+            command="rename it in the file or give its name: --column time=NAME",
         )
     samples = arrays[time].size
     if samples != max(arrays[time].shape, default=1):
