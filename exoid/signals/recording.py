@@ -214,8 +214,8 @@ class Recording:
         if last - first < checks.FEWEST_SAMPLES:
             begins, ends = self.time[[0, -1]].tolist()
             raise ExoidError(
-                f"too few samples: {max(0, last - first)} from {low:g} s to {high:g} s, at least {checks.FEWEST_SAMPLES} are "
-                f"needed; its time stamps are {begins:g} s to {ends:g} s",
+                f"too few samples: {max(0, last - first)} from {low:g} s to {high:g} s, at least "
+                f"{checks.FEWEST_SAMPLES} are needed; its time stamps are {begins:g} s to {ends:g} s",
                 where=where,
                 remedy="give time stamps of the log",
                 command="give time stamps of the log to --start and --stop",
