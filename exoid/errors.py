@@ -29,7 +29,11 @@ class ExoidError(Exception):
         return self._line(self.remedy)
 
     def for_command(self) -> str:
-        """Write one line for the command line."""
+        """Write one line for the command line.
+
+        Returns:
+            The line, with the remedy as an option of a command where there is one.
+        """
         return self._line(self.command or self.remedy)
 
     def _line(self, remedy: str) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import resource
 import signal
 
 import numpy as np
@@ -91,6 +90,7 @@ def test_all_torque_channels_that_are_dead_are_named_at_once(exoid_, tmp_path):
 @pytest.mark.skipif(os.name != "posix", reason="limits of POSIX")
 def test_a_full_folder_of_temporary_files_is_named(tmp_path, monkeypatch):
     """A limit on the size of files stands for the disk."""
+    resource = pytest.importorskip("resource")
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     old, handler = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     rows = RowsFile()

@@ -183,13 +183,19 @@ class Child:
 
 
 class _Timer:
-    """Context after whose time a process is killed.
+    """Context that kills a process which takes too long.
 
     Attributes:
-        has_ended: Whether it was.
+        has_ended: Whether it did.
     """
 
     def __init__(self, process: subprocess.Popen[bytes], seconds: float) -> None:
+        """Set the time.
+
+        Args:
+            process: The process.
+            seconds: Time after which it is killed [s].
+        """
         self.has_ended = False
         self._process = process
         self._timer = threading.Timer(seconds, self._kill)
