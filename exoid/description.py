@@ -23,6 +23,12 @@ MOST_LINKS = 1000
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
+LARGEST_NUMBER = 1e9
+"""Largest number of an inertia, a place or friction in SI units; with larger ones arithmetic overflows."""
+
+UNBOUNDED = ("limit",)
+"""Elements whose numbers may be larger, because they mean that there is no limit."""
+
 SHORTEST_AXIS = 1e-6
 """Smallest length of a joint axis."""
 
@@ -214,6 +220,12 @@ def _check_numbers(root: etree._Element, name: str) -> None:
                         f"<{element.tag} {attribute}={text!r}> is not {count} finite number{'s' * (count > 1)}",
                         where=_place(element, name),
                         remedy="write decimal numbers, separated by spaces",
+                    )
+                if element.tag not in UNBOUNDED and max(abs(float(word)) for word in words) > LARGEST_NUMBER:
+                    raise ExoidError(
+                        f"<{element.tag} {attribute}={text!r}> is not plausible (limit {LARGEST_NUMBER:.0e}, SI)",
+                        where=_place(element, name),
+                        remedy="correct the number",
                     )
     for joint in root.findall("joint"):
         axis = joint.find("axis")

@@ -1,15 +1,29 @@
-"""Atomic writing of one file or of several that belong together."""
+"""Output files: they are checked before the work, written atomically, and never replace an input.
+
+A file appears under its name only when it is complete. A symbolic link stays, and the file that it names is written. A
+file that is replaced keeps its mode and, where the system allows it, its owner. Devices, pipes and sockets are refused.
+"""
 
 from __future__ import annotations
 
 import errno
+import hashlib
 import os
+import secrets
 import shutil
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+import stat
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .errors import ExoidError
+
+NAME_KEPT = 40
+"""Characters of a file's name that stand in the name of its temporary file; names are limited to 255 bytes."""
+
+BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+
+REPLACES = "is an input, which the output would replace"
 
 
 def write_whole(path: str | os.PathLike[str], pieces: Iterable[str]) -> None:
@@ -20,9 +34,29 @@ def write_whole(path: str | os.PathLike[str], pieces: Iterable[str]) -> None:
         pieces: Text in pieces.
 
     Raises:
-        ExoidError: The folder is missing or cannot be written, or the disk is full.
+        ExoidError: The folder is missing or cannot be written, the path is no regular file, or the disk is full.
     """
     write_bytes(path, (piece.encode() for piece in pieces))
+
+
+def write_bytes(path: str | os.PathLike[str], pieces: Iterable[bytes]) -> None:
+    """Write bytes atomically, see :func:`write_whole`.
+
+    Args:
+        path: File to write; an existing one is replaced.
+        pieces: Bytes in pieces.
+
+    Raises:
+        ExoidError: The folder is missing or cannot be written, the path is no regular file, or the disk is full.
+    """
+    with _written(path):
+        target = _target(path)
+        part = _beside(target, "part")
+        try:
+            _write_part(part, target, pieces)
+            part.replace(target)
+        finally:
+            part.unlink(missing_ok=True)
 
 
 def write_together(contents: Mapping[Path, str]) -> None:
@@ -35,33 +69,35 @@ def write_together(contents: Mapping[Path, str]) -> None:
         contents: Text of each file; existing files are replaced.
 
     Raises:
-        ExoidError: A folder is missing or cannot be written, or the disk is full.
+        ExoidError: A folder is missing or cannot be written, a path is no regular file, or the disk is full.
     """
-    parts = {path: path.with_name(f".{path.name}.{os.getpid()}.part") for path in contents}
-    saved = {path: path.with_name(f".{path.name}.{os.getpid()}.before") for path in contents}
+    targets: dict[Path, Path] = {}
+    for path in contents:
+        with _written(path):
+            targets[path] = _target(path)
+    parts = {path: _beside(target, "part") for path, target in targets.items()}
+    saved = {path: _beside(target, "before") for path, target in targets.items()}
     replaced: list[Path] = []
     placed: list[Path] = []
     try:
         for path, text in contents.items():
-            try:
-                write_whole(parts[path], [text])
-            except ExoidError as error:
-                raise ExoidError(error.what, where=str(path), remedy=error.remedy) from None
-        for path in contents:
             with _written(path):
-                if path.is_file():
-                    shutil.copyfile(path, saved[path])  # a copy, so that at no moment there is no file of this name
+                _write_part(parts[path], targets[path], [text.encode()])
+        for path, target in targets.items():
+            with _written(path):
+                if target.is_file():
+                    shutil.copy2(target, saved[path])  # a copy, so that at no moment there is no file of this name
                     replaced.append(path)
-        for path in contents:
+        for path, target in targets.items():
             with _written(path):
-                parts[path].replace(path)
+                parts[path].replace(target)
                 placed.append(path)
     except BaseException:
         for path in placed:
             if path in replaced:
-                saved[path].replace(path)
+                saved[path].replace(targets[path])
             else:
-                path.unlink()
+                targets[path].unlink()
         raise
     finally:
         for path in (*parts.values(), *saved.values()):
@@ -75,39 +111,125 @@ def refuse_unwritable(path: str | os.PathLike[str]) -> None:
         path: The file.
 
     Raises:
-        ExoidError: The folder is missing or cannot be written, or the path is a folder.
+        ExoidError: The folder is missing or cannot be written, or the path is a folder, a device or a pipe.
     """
-    target = Path(path)
     with _written(path):
-        if target.is_dir():
-            raise IsADirectoryError(errno.EISDIR, "it is a folder")
-        if not target.parent.is_dir():
-            raise FileNotFoundError(errno.ENOENT, "there is no such folder")
-        if not os.access(target.parent, os.W_OK | os.X_OK):
-            raise PermissionError(errno.EACCES, "no permission to write")
-
-
-def write_bytes(path: str | os.PathLike[str], pieces: Iterable[bytes]) -> None:
-    """Write bytes atomically, see :func:`write_whole`.
-
-    Args:
-        path: File to write; an existing one is replaced.
-        pieces: Bytes in pieces.
-
-    Raises:
-        ExoidError: The folder is missing or cannot be written, or the disk is full.
-    """
-    target = Path(path)
-    part = target.with_name(f".{target.name}.{os.getpid()}.part")
-    with _written(path):
+        part = _beside(_target(path), "part")
         try:
-            with part.open("xb") as file:
-                file.writelines(pieces)
-                file.flush()
-                os.fsync(file.fileno())
-            part.replace(target)
+            part.touch(exist_ok=False)
         finally:
             part.unlink(missing_ok=True)
+
+
+def refuse_input(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLike[str]]) -> None:
+    """Refuse to write a file that is read, or that lies in a folder that is read.
+
+    Args:
+        path: File to write.
+        inputs: Files and folders that are read; names that do not exist are skipped.
+
+    Raises:
+        ExoidError: The file is one of the inputs, under this or another name.
+    """
+    if not Path(path).exists():
+        return
+    for name in inputs:
+        source = Path(name)
+        if source.exists() and (source.samefile(path) or (source.is_dir() and _is_inside(Path(path), source))):
+            raise ExoidError(
+                f"is an input ({name}), which the output would replace" if str(name) != str(path) else REPLACES,
+                where=str(path),
+                remedy="give the output another name",
+            )
+
+
+def refuse_content(path: str | os.PathLike[str], sha256: Collection[str]) -> None:
+    """Refuse to write a file whose present content is an input of the result.
+
+    Args:
+        path: File to write.
+        sha256: Hashes of the inputs, hexadecimal.
+
+    Raises:
+        ExoidError: The file has one of these hashes, with or without a byte-order mark, or cannot be read.
+    """
+    with _written(path):
+        target = Path(path)
+        if not sha256 or not target.is_file():
+            return
+        content = target.read_bytes()
+        found = {hashlib.sha256(each).hexdigest() for each in (content, content.removeprefix(BYTE_ORDER_MARK))}
+    if not found.isdisjoint(sha256):
+        raise ExoidError(REPLACES, where=str(path), remedy="give the output another name")
+
+
+def make_folder(folder: str | os.PathLike[str]) -> Path:
+    """Make a folder for files, before the work for their content begins.
+
+    Args:
+        folder: Path of the folder; its parents are made too.
+
+    Returns:
+        Path of the folder.
+
+    Raises:
+        ExoidError: The folder cannot be made, or is not writable.
+    """
+    path = Path(folder)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        refuse_unwritable(path / "file")
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+    except ExoidError as error:
+        reason = error.what
+    else:
+        return path
+    raise ExoidError(
+        f"cannot write files into this folder ({reason})",
+        where=str(folder),
+        remedy="name a new folder, or one with write permission",
+    )
+
+
+def _is_inside(path: Path, folder: Path) -> bool:
+    return any(parent.samefile(folder) for parent in path.resolve().parents)
+
+
+def _target(path: str | os.PathLike[str]) -> Path:
+    """Follow symbolic links to the file to write; raise OSError if no regular file can stand there."""
+    target = Path(os.path.realpath(path, strict=False))
+    if target.is_symlink():
+        raise OSError(errno.ELOOP, "its links lead in a circle")
+    if target.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "it is a folder")
+    if target.exists():
+        if not target.is_file():
+            raise OSError(errno.EINVAL, "it is a device or a pipe, not a file")
+        if not os.access(target, os.W_OK):
+            raise PermissionError(errno.EACCES, "it is write-protected")
+    elif not target.parent.is_dir():
+        raise FileNotFoundError(errno.ENOENT, "there is no such folder")
+    return target
+
+
+def _beside(target: Path, ending: str) -> Path:
+    """Make a new hidden name in the same folder."""
+    return target.with_name(f".{target.name[:NAME_KEPT]}.{secrets.token_hex(8)}.{ending}")
+
+
+def _write_part(part: Path, target: Path, pieces: Iterable[bytes]) -> None:
+    """Write a temporary file with the mode and the owner of the file that it will replace."""
+    with part.open("xb") as file:
+        file.writelines(pieces)
+        file.flush()
+        os.fsync(file.fileno())
+    if target.exists():
+        before = target.stat()
+        if hasattr(os, "chown"):
+            with suppress(OSError):  # only root may give files away
+                os.chown(part, before.st_uid, before.st_gid)
+        part.chmod(stat.S_IMODE(before.st_mode))
 
 
 @contextmanager
@@ -121,3 +243,5 @@ def _written(path: str | os.PathLike[str]) -> Iterator[None]:
             where=str(path),
             remedy="write into an existing folder for which you have permission, on a disk with free space",
         ) from None
+    except ValueError as problem:  # a null byte in the name
+        raise ExoidError(f"cannot be written: {problem}", where=repr(path), remedy="give another name") from None

@@ -104,6 +104,7 @@ def named_from_json(
     kind = registry.find(name, origin)
     settings = {field: value for field, value in data.items() if field not in (key, ORIGIN)}
     try:
+        _refuse_no_numbers(kind, settings)
         return kind(**{field: _value_from_json(value, nested) for field, value in settings.items()})
     except TypeError as error:
         known = ", ".join(field.name for field in fields(kind) if field.init) or "none"  # type: ignore[arg-type]
@@ -112,6 +113,14 @@ def named_from_json(
             f"the {registry.what} {name!r} does not take {settings} ({error})",
             remedy=f"its settings are {known}{version}",
         ) from error
+
+
+def _refuse_no_numbers(kind: type, settings: Mapping[str, Any]) -> None:
+    """Refuse anything but a number for a setting whose default is one, and whose type has no other alternative."""
+    for field in fields(kind):
+        value = settings.get(field.name, 0.0)
+        if type(field.default) in (int, float) and "|" not in str(field.type) and type(value) not in (int, float):
+            raise TypeError(f"{field.name} is no number")
 
 
 def _settings(thing: Any, nested: type | None) -> dict[str, Any]:  # noqa: ANN401 - any dataclass

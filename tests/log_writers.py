@@ -72,7 +72,7 @@ def messages(recording, *, start=1_700_000_000 * 10**9):
     ]
 
 
-def write_bag(path, topics, *, plugin=StoragePlugin.MCAP, late=0):
+def write_bag(path, topics, *, plugin=StoragePlugin.MCAP, late=0, compress=None):
     """Write a rosbag2.
 
     Args:
@@ -80,9 +80,13 @@ def write_bag(path, topics, *, plugin=StoragePlugin.MCAP, late=0):
         topics: For each topic its messages, as :func:`messages` makes them, or a string for a topic of text.
         plugin: Of the storage.
         late: How long after its stamp a message is received [ns].
+        compress: How messages are compressed; None for not at all.
     """
     store = get_typestore(Stores.ROS2_HUMBLE)
-    with rosbag2.Writer(path, version=9, storage_plugin=plugin) as bag:
+    bag = rosbag2.Writer(path, version=9, storage_plugin=plugin)
+    if compress is not None:
+        bag.set_compression(compress, rosbag2.CompressionFormat.ZSTD)
+    with bag:
         for topic, content in topics.items():
             kind = "std_msgs/msg/String" if isinstance(content, str) else JOINT_STATE
             connection = bag.add_connection(topic, kind, typestore=store)
@@ -104,10 +108,18 @@ def write_sqlite(path, recording):
 
 
 def write_ros1(path, recording):
+    write_bag1(path, messages(recording))
+
+
+def write_bag1(path, content, *, compress=False):
+    """Write a ROS 1 bag of messages."""
     store = get_typestore(Stores.ROS1_NOETIC)
-    with rosbag1.Writer(path) as bag:
+    bag = rosbag1.Writer(path)
+    if compress:
+        bag.set_compression(rosbag1.Writer.CompressionFormat.LZ4)
+    with bag:
         connection = bag.add_connection("/joint_states", JOINT_STATE, typestore=store)
-        for stamp, *fields in messages(recording):
+        for stamp, *fields in content:
             bag.write(connection, stamp, store.serialize_ros1(joint_state(store, stamp, *fields), JOINT_STATE))
 
 

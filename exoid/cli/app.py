@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import io
+import os
+import signal
 import sys
+import threading
 from typing import Annotated
 
 import typer
@@ -14,6 +18,15 @@ from .verbs import LazyVerbs, add_verbs
 
 BAD_INPUT = 2
 """Exit status for bad input or usage."""
+
+PROGRAM_ERROR = 1
+"""Exit status for an error that exoid did not expect."""
+
+TRACEBACK = "--traceback"
+"""Option by which an error is not turned into one line."""
+
+LONGEST = 300
+"""Largest number of characters of an unexpected error."""
 
 app = typer.Typer(
     name="exoid",
@@ -37,14 +50,77 @@ def _options(
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and stop.")
     ] = False,
+    traceback: Annotated[
+        bool, typer.Option(TRACEBACK, help="Show where in the program an error was raised; also after the verb.")
+    ] = False,
 ) -> None:
     """Options before the verb."""
 
 
 def main() -> None:
-    """Run the command line; bad input ends in one line on standard error and exit status 2."""
+    """Run the command line; any error ends in one line on standard error.
+
+    The exit status is 2 for bad input, and 1 for an error of the program.
+    """
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, _terminate)
+    words = [word for word in sys.argv[1:] if word != TRACEBACK]
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # names of files need not be text
     try:
-        app()
-    except ExoidError as error:
-        typer.echo(f"exoid: {error}", err=True)
-        sys.exit(BAD_INPUT)
+        _run(words)
+    except Exception as error:
+        if TRACEBACK in sys.argv[1:]:
+            raise
+        line, status = describe_error(error)
+        typer.echo(f"exoid: {line}", err=True)
+        sys.exit(status)
+
+
+def _terminate(*_: object) -> None:
+    """End as Ctrl-C does, so that workers and servers end too."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    sys.exit(128 + signal.SIGTERM)
+
+
+def _run(words: list[str]) -> None:
+    """Run a verb, and write what is left to write: a full disk is noticed only then."""
+    try:
+        app(words)
+    except SystemExit:
+        _flush()
+        raise
+    _flush()
+
+
+def _flush() -> None:
+    if sys.stdout is None:
+        return
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the interpreter tries again when it ends
+        raise
+
+
+def describe_error(error: Exception) -> tuple[str, int]:
+    """Describe an error in one line.
+
+    Args:
+        error: The error.
+
+    Returns:
+        The line, and the exit status.
+    """
+    if isinstance(error, ExoidError):
+        return error.for_command(), BAD_INPUT
+    what = " ".join(str(error).split())
+    if isinstance(error, OSError):
+        where = f"{error.filename}: " if error.filename else ""
+        return f"{where}{error.strerror or what}. To fix it: check this file, free space and permissions", BAD_INPUT
+    if isinstance(error, MemoryError):
+        return "there is not enough memory. To fix it: ask for less, or close other programs", BAD_INPUT
+    kind = type(error).__name__
+    remedy = f"run again with {TRACEBACK} to see where; the input is unusual, or exoid has an error: please report it"
+    return f"{kind}: {what[:LONGEST]}. To fix it: {remedy}", PROGRAM_ERROR

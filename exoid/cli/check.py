@@ -24,6 +24,7 @@ from .inputs import (
     find_leg,
     parse_terms,
     read_logs,
+    refuse_unknown_leg,
     split_names,
 )
 from .numbers import parse_known
@@ -51,6 +52,7 @@ def check(
     as_json: AsJson = False,
 ) -> None:
     """Check the LOGs of LEG for late, frozen, clipped or swapped channels, wrong units and zeros, and straps."""
+    refuse_unknown_leg(leg)
     recordings = read_logs(logs, LogOptions(column, degrees, start, stop, topic, received))
     found_leg = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names)
     found = identification.check(found_leg, recordings, parse_terms(terms), cutoff=cutoff, known=parse_known(known))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -11,9 +12,11 @@ from exoid import estimate as estimates
 from exoid.codegen import CSource
 from exoid.errors import ExoidError
 from exoid.estimate import Export
+from exoid.exported import sidecar_of
 from exoid.lift import MASS_FACTOR, PULL
 
 from .inputs import AsJson
+from .outputs import check_outputs
 
 
 def export(
@@ -50,6 +53,8 @@ def export(
         raise ExoidError(
             "--mass-factor and --pull have no effect on C", remedy="leave them out, or write a URDF with -o LEG.URDF"
         )
+    sidecar = sidecar_of(Path(output)) if output is not None and Path(output).name else None
+    check_outputs({"--output": output, "the file beside --output": sidecar, "--c": c}, [estimate])
     found = estimates.Estimate.load(estimate)
     if c is not None:
         written: CSource | Export = found.to_c(c, precision=precision or "double")

@@ -10,7 +10,7 @@ from typing import NamedTuple, TypedDict
 from exoid import identification
 from exoid.errors import ExoidError
 from exoid.estimate.file import estimate_text
-from exoid.files import refuse_unwritable, write_together
+from exoid.files import write_together
 from exoid.leg import Leg
 from exoid.signals import Recording
 from exoid.torques import Term
@@ -55,14 +55,9 @@ class GroupedLogs(NamedTuple):
 
         Returns:
             The logs with their files.
-
-        Raises:
-            ExoidError: A file cannot be written.
         """
         path = Path(output or "")
         files = {} if output is None else {n: path.with_name(f"{path.stem}-{_plain(n)}{path.suffix}") for n in names}
-        for each in files.values():
-            refuse_unwritable(each)
         return GroupedLogs(names, own, files)
 
     def identify(

@@ -12,7 +12,6 @@ from rich.console import Console
 
 from exoid import estimate as estimates
 from exoid import identification
-from exoid.files import refuse_unwritable
 from exoid.signals import Recording
 from exoid.torques import TERMS
 
@@ -34,9 +33,11 @@ from .inputs import (
     read_logs,
     refuse,
     refuse_other_segments,
+    refuse_unknown_leg,
     split_names,
 )
 from .numbers import parse_known, parse_prior
+from .outputs import check_outputs
 from .remote_logs import all_at_once, at_hand, each_log, is_folder_of_logs, logs_on_disk
 
 
@@ -103,13 +104,14 @@ def identify(
     as_json: AsJson = False,
 ) -> None:
     """Identify the parameters of LEG from the LOGs: columns time, q_<joint>, tau_<joint>, optionally v_ and a_."""
-    if report is not None:
-        refuse_unwritable(report)
+    refuse_unknown_leg(leg)
+    files = {"--output": output if own is None else None, "--report": report}
+    check_outputs(files, [leg, *logs, *(test or []), *([segments] if segments else [])])
     options = LogOptions(column, degrees, start, stop, topic, received, segments, mask)
     remote = scheduler is not None or (own is None and any(map(is_folder_of_logs, logs)))
     logs = each_log(logs)
     refuse_other_segments(segments, [*logs, *(test or [])])
-    grouped = None if own is None else _grouped(logs, own, output, test, report, scheduler)
+    grouped = None if own is None else _grouped(leg, logs, own, output, test, report, scheduler)
     recordings = logs_on_disk(logs, options) if remote else read_logs(logs, options)
     held_out = read_logs(test or [], options)
     find = partial(find_leg, leg, side, inertias, split_names(joints))
@@ -147,6 +149,7 @@ def identify(
 
 
 def _grouped(
+    leg: str,
     logs: list[str],
     own: str,
     output: str | None,
@@ -157,7 +160,9 @@ def _grouped(
     """Prepare the identification of logs with per-recording parameters."""
     refuse({"--test": test, "--report": report}, "with --own each log has an estimate")
     refuse({"--scheduler": scheduler}, "with --own this process reads the logs")
-    return GroupedLogs.of(log_names(logs), split_names(own) or (), output)
+    grouped = GroupedLogs.of(log_names(logs), split_names(own) or (), output)
+    check_outputs({f"--output of {name}": path for name, path in grouped.paths.items()}, [leg, *logs])
+    return grouped
 
 
 def _report(

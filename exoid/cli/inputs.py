@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
@@ -109,12 +110,34 @@ def find_leg(
     if name in DATASETS:
         refuse({"--joints": joints}, f"the joints of {name} are known")
         return DATASETS[name]().leg
-    if not Path(name).is_file():
-        known = ", ".join([*SEGMENTS, *DATASETS])
-        raise ExoidError(f"no leg or URDF file {name!r}", remedy=f"name a built-in leg ({known}) or a URDF file")
+    refuse_unknown_leg(name)
     if joints is None and logged is not None:
         joints = _moving_joints(Path(name), logged)
     return Leg.from_urdf(name, joints)
+
+
+def refuse_unknown_leg(name: str) -> None:
+    """Refuse what is neither a leg nor a file, before logs are read whose columns would be blamed.
+
+    Args:
+        name: Name of a leg or dataset, or path of a URDF.
+
+    Raises:
+        ExoidError: There is no such leg or file; names files that are similar.
+    """
+    if name in SEGMENTS or name in DATASETS or Path(name).is_file():
+        return
+    known = ", ".join([*SEGMENTS, *DATASETS])
+    similar = get_close_matches(Path(name).name, _names_beside(Path(name)), n=3, cutoff=0.6)
+    beside = f"; there is {', '.join(similar)}" if similar else ""
+    raise ExoidError(f"no leg or URDF file {name!r}{beside}", remedy=f"name a built-in leg ({known}) or a URDF file")
+
+
+def _names_beside(path: Path) -> list[str]:
+    try:
+        return [each.name for each in path.parent.iterdir()]
+    except (OSError, ValueError):
+        return []
 
 
 def refuse(options: Mapping[str, object], why: str) -> None:
@@ -143,6 +166,8 @@ def _side(logged: Sequence[str]) -> str:
 def _moving_joints(urdf: Path, logged: Sequence[str]) -> tuple[str, ...]:
     """Logged joints of a URDF, from the base outwards."""
     joints = _joint_order(urdf)
+    if not joints:
+        raise ExoidError("no joint of the URDF moves", where=str(urdf), remedy="give joints a type such as revolute")
     moving = tuple(joint for joint in joints if joint in logged)
     if not moving:
         raise ExoidError(
@@ -217,8 +242,7 @@ def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None
         recording = recording.segments(read_segments(Path(options.segments), name))
     if options.start is None and options.stop is None:
         return recording
-    start = recording.time[0] if options.start is None else options.start
-    return recording.between(start, float("inf") if options.stop is None else options.stop)
+    return recording.between(options.start, options.stop)
 
 
 def read_segments(path: Path, log: str) -> list[tuple[float, float]]:

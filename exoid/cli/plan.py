@@ -29,8 +29,10 @@ from .inputs import (
     parse_numbers,
     parse_terms,
     read_logs,
+    refuse_unknown_leg,
     split_names,
 )
+from .outputs import check_outputs
 from .progress import progress_bar
 
 FIGURE_INCHES = (7.2, 4.6)
@@ -91,6 +93,10 @@ def plan(
     as_json: AsJson = False,
 ) -> None:
     """Find the motion that identifies LEG best, and predict the precision of its parameters; or --assess a log."""
+    refuse_unknown_leg(leg)
+    pitches = [math.radians(tilt) for tilt in parse_numbers(tilts, "--tilts") or ()]
+    files = () if output is None or assess else excitation.plan_files(output, pitches, poses=poses > 0)
+    check_outputs({**{f"--output ({file.name})": file for file in files}, "--figure": figure}, [leg, *(assess or [])])
     recordings = read_logs(assess, LogOptions(column, degrees, start, stop)) if assess else None
     found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names if recordings else None)
     limits = excitation.MotionLimits.of(
@@ -110,8 +116,6 @@ def plan(
             found, recordings, parse_terms(terms), noise=stds, noise_bandwidth=noise_bandwidth, limits=limits
         )
     else:
-        if output is not None:
-            excitation.refuse_plan_name(output)  # before the minute that the search may take
         with progress_bar("searching") as progress:
             result = excitation.plan_excitation(
                 found,

@@ -8,9 +8,10 @@ from typing import Annotated, Literal
 
 import typer
 
-from exoid.files import refuse_unwritable
+from exoid.files import make_folder
 
 from .inputs import AsJson, Report
+from .outputs import check_outputs
 from .progress import progress_bar
 
 
@@ -23,12 +24,11 @@ def reproduce(
 ) -> None:
     """Run a document's experiments on virtual rigs, identify, and print every table side by side."""
     from exoid import reproduce as replays  # noqa: PLC0415 - matplotlib would slow down the help
-    from exoid.view.figure_files import make_folder, write_figures  # noqa: PLC0415
+    from exoid.view.figure_files import write_figures  # noqa: PLC0415
 
     if figures is not None:
         make_folder(figures)  # before the minute that the replay takes
-    if report is not None:
-        refuse_unwritable(report)
+    check_outputs({"--report": report})
     with progress_bar(f"replaying {document}") as progress:
         if document == "bleex":
             bleex = replays.reproduce_bleex(seed, progress=progress)[0]

@@ -11,7 +11,19 @@ from exoid import identification
 from exoid.errors import ExoidError
 from exoid.identification.selection import Candidate, friction_candidates
 
-from .inputs import AsJson, Column, Degrees, LogOptions, Start, Stop, find_leg, read_logs, split_names
+from .inputs import (
+    AsJson,
+    Column,
+    Degrees,
+    LogOptions,
+    Start,
+    Stop,
+    find_leg,
+    read_logs,
+    refuse_unknown_leg,
+    split_names,
+)
+from .outputs import check_outputs
 from .progress import progress_bar
 
 FRICTION = [candidate.name for candidate in friction_candidates()]
@@ -43,6 +55,8 @@ def select(
     as_json: AsJson = False,
 ) -> None:
     """Select terms, filter and estimator for LEG by blocked cross-validation inside the LOGs."""
+    refuse_unknown_leg(leg)
+    check_outputs({"--output": output}, [leg, *logs, test])
     recordings = read_logs(logs, LogOptions(column, degrees, start, stop))
     tested = read_logs([test], LogOptions(column, degrees))[0] if test is not None else None
     found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names)

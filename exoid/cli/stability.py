@@ -23,6 +23,7 @@ from exoid.rig import Plant
 
 from .inputs import AsJson, refuse
 from .numbers import joint_values
+from .outputs import check_outputs
 from .progress import progress_bar
 
 KP, TARGET_DEG, AWAY_DEG = "22.1,55.6", "10,40", "25,-30"
@@ -63,10 +64,9 @@ def stability(
     as_json: AsJson = False,
 ) -> None:
     """Check Properties 1 to 3, regulate with partial and excessive friction compensation, and find the gain margins."""
+    check_outputs({"--figure": figure}, [leg])
     plant = _plant(leg, rotor)
     task = _task(plant, kp, kd, target, away)
-    if figure is not None and not Path(figure).parent.is_dir():  # before the seconds that the runs take
-        raise ExoidError("no such folder", where=figure, remedy="write into an existing folder")
     properties = checks.check_properties(plant)
     with progress_bar("regulating") as progress:
         runs = checks.regulate(plant, *task, rate=rate, duration=duration, progress=progress)

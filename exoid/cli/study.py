@@ -15,6 +15,7 @@ from exoid.control import ControlModel
 from exoid.errors import ExoidError
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.experiments.excitation import MotionLimits, Plan, Scales, TorqueNoise, plan_excitation
+from exoid.files import make_folder
 from exoid.leg import Leg
 from exoid.study import Protocol, TrackingTask
 from exoid.torques import Term, TorqueModel
@@ -88,6 +89,8 @@ def study(
 
     With --laws, controllers also use the estimates on the same leg.
     """
+    if folder is not None:
+        make_folder(folder)  # before the minute that planning takes
     found, chosen = find_leg(leg, side, inertias, split_names(joints), None), parse_terms(terms)
     model = TorqueModel(found, chosen)
     scales = Scales.of(model, MotionLimits.of(found))

@@ -16,7 +16,7 @@ from exoid.control import ControlModel
 from exoid.control.tracking import tracking_table
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.files import refuse_unwritable
+from exoid.files import make_folder
 from exoid.leg import Leg
 from exoid.rig import Payload, Plant, Reference
 from exoid.signals import Recording
@@ -24,10 +24,17 @@ from exoid.tables import DataTable, to_text
 
 from .inputs import AsJson, Report, refuse
 from .numbers import joint_values
+from .outputs import check_outputs
 from .progress import progress_bar
 
 HARMONICS = 6
-"""Number of harmonics fitted to a reference from a log."""
+"""Number of harmonics fitted to a reference from a log of a periodic motion."""
+
+LARGEST_DEVIATION = np.deg2rad(1.0)
+"""Largest deviation (RMS) of these harmonics from the log [rad]."""
+
+SETTLE, SETTLED_SHARE = 1.0, 0.25
+"""Time at the beginning of a log that the metrics leave out [s], and its largest share of the log."""
 
 SCALE = 0.8
 """Factor of the gait's amplitudes on legs other than document 2's: within the limits of both built-in ones."""
@@ -46,6 +53,7 @@ class TrackOptions(NamedTuple):
     scale: float | None
     speed: str | None
     reference: str | None
+    role: list[str] | None
     payload: float | None
     friction: float | None
 
@@ -60,10 +68,19 @@ def track(
     kp: Annotated[str | None, typer.Option(metavar="A,B", help="Stiffness of each joint [N·m/rad].")] = None,
     kd: Annotated[str | None, typer.Option(metavar="A,B", help="Damping [N·m·s/rad]; default kp/10.")] = None,
     rate: Annotated[float | None, typer.Option(metavar="HZ", help="Rate of all controllers; default 100.")] = None,
-    period: Annotated[float | None, typer.Option(metavar="S", help="Period of the reference; default 10.")] = None,
+    period: Annotated[
+        float | None,
+        typer.Option(metavar="S", help="Period of the gait; default 10. With --reference: that of a periodic log."),
+    ] = None,
     scale: Annotated[float | None, typer.Option(help="Factor of the gait's amplitudes; default 0.8.")] = None,
     speed: Annotated[str | None, typer.Option(help="Norm of VerySlow, Slow, Free or Fast gait.")] = None,
-    reference: Annotated[str | None, typer.Option(metavar="LOG.CSV", help="Follow the angles of a log.")] = None,
+    reference: Annotated[
+        str | None, typer.Option(metavar="LOG", help="Follow the angles of a log from its beginning to its end.")
+    ] = None,
+    role: Annotated[
+        list[str] | None,
+        typer.Option(metavar="JOINT=ROLE", help="Joint that is the hip, knee or ankle of the gait. Repeatable."),
+    ] = None,
     payload: Annotated[float | None, typer.Option(metavar="KG", help="Unknown payload on the rig's shank.")] = None,
     friction: Annotated[float | None, typer.Option(metavar="X", help="Factor of the rig's friction.")] = None,
     figures: Annotated[str | None, typer.Option(metavar="DIR", help="Write figures into this folder.")] = None,
@@ -77,13 +94,12 @@ def track(
     controllers have the same model; --payload and --friction change the rig.
     """
     from exoid import reproduce  # noqa: PLC0415 - matplotlib would slow down the help
-    from exoid.view.figure_files import make_folder, write_figures  # noqa: PLC0415
+    from exoid.view.figure_files import write_figures  # noqa: PLC0415
 
-    options = TrackOptions(kp, kd, rate, period, scale, speed, reference, payload, friction)
+    options = TrackOptions(kp, kd, rate, period, scale, speed, reference, role, payload, friction)
     if figures is not None:
         make_folder(figures)
-    if report is not None:
-        refuse_unwritable(report)
+    check_outputs({"--report": report}, [what, reference])
     if what == "cuhk":
         given = {f"--{name}": value for name, value in options._asdict().items()}
         refuse(given, "cuhk is document 2's comparison; name an estimate")
@@ -113,7 +129,7 @@ def _track_leg(
     from exoid import reproduce  # noqa: PLC0415 - see above
 
     model = _model(what)
-    reference, period = _reference(model.leg, options)
+    reference, period, settle = _reference(model.leg, options)
     labels = model.leg.joint_labels
     kp, kd = control.default_gains(model, control.mean_pose(reference, period))
     if options.kp is not None:
@@ -121,7 +137,8 @@ def _track_leg(
         kd = 0.1 * kp
     if options.kd is not None:
         kd = joint_values(options.kd, "--kd", labels, one_for_all=True)
-    joint = "knee" if "knee" in labels else labels[-1]
+    roles = experiments.joint_roles(model.leg, _roles(options.role))
+    joint = labels[roles.index("knee")] if "knee" in roles else labels[-1]
     payloads = [] if options.payload is None else [Payload(joint, options.payload, _below(model.leg, joint))]
     runs = control.track(
         model,
@@ -129,6 +146,8 @@ def _track_leg(
         kd,
         reference,
         period,
+        periods=2 if settle is None else 1,
+        settle=settle,
         rate=100.0 if options.rate is None else options.rate,
         friction=1.0 if options.friction is None else options.friction,
         payloads=payloads,
@@ -150,20 +169,57 @@ def _model(what: str) -> ControlModel:
     return ControlModel.of(Estimate.load(what))
 
 
-def _reference(leg: Leg, options: TrackOptions) -> tuple[Reference, float]:
-    """Make the reference of one leg, with its period [s]."""
+class _Course(NamedTuple):
+    """Reference, its period or duration [s], and the time that the metrics leave out [s]; None for one period."""
+
+    reference: Reference
+    period: float
+    settle: float | None = None
+
+
+def _reference(leg: Leg, options: TrackOptions) -> _Course:
+    """Make the reference of one leg."""
     if options.reference is not None:
         refuse({"--scale": options.scale, "--speed": options.speed}, "the reference is that of a log")
-        log = Recording.from_csv(options.reference, leg.joint_names)
-        period = log.duration + 1.0 / log.sample_rate if options.period is None else options.period
-        return experiments.fit_harmonics(log.time - log.time[0], log.q, period, HARMONICS), period
+        return _logged(leg, options.reference, options.period)
     period = 10.0 if options.period is None else options.period
     if not 0.0 < period < np.inf:
         raise ExoidError(f"--period {period:g}", remedy="give seconds")
     scale = SCALE if options.scale is None else options.scale
+    roles = _roles(options.role)
     if options.speed is None:
-        return experiments.gait_for_leg(leg, experiments.healthy_gait(scale, period)), period
-    return experiments.gait_for_leg(leg, experiments.norm_gait(options.speed, scale, period)), period
+        return _Course(experiments.gait_for_leg(leg, experiments.healthy_gait(scale, period), roles), period)
+    return _Course(experiments.gait_for_leg(leg, experiments.norm_gait(options.speed, scale, period), roles), period)
+
+
+def _logged(leg: Leg, name: str, period: float | None) -> _Course:
+    """Follow a log; one of a periodic motion, again and again."""
+    log = Recording.from_file(name, leg.joint_names)
+    if period is None:
+        followed = experiments.follow_log(log)
+        return _Course(followed, followed.duration, min(SETTLE, SETTLED_SHARE * followed.duration))
+    time = log.time - log.time[0]
+    periodic = experiments.fit_harmonics(time, log.q, period, HARMONICS)
+    deviation = log.q - np.array([periodic.at(float(t)).q[:, 0] for t in time])
+    worst = float(np.sqrt(np.mean(deviation**2, axis=0)).max())
+    if worst > LARGEST_DEVIATION:
+        raise ExoidError(
+            f"{HARMONICS} harmonics of a period of {period:g} s deviate from the log by {np.rad2deg(worst):.1f}° (RMS)",
+            where=name,
+            remedy="leave out --period to follow the log itself",
+        )
+    return _Course(periodic, period)
+
+
+def _roles(pairs: list[str] | None) -> dict[str, str]:
+    """Turn "HFE=hip" into a role by joint."""
+    roles = {}
+    for pair in pairs or ():
+        joint, _, role = pair.partition("=")
+        if not joint or not role:
+            raise ExoidError(f"--role {pair}", remedy="write JOINT=ROLE, e.g. --role HFE=hip --role KFE=knee")
+        roles[joint.strip()] = role.strip()
+    return roles
 
 
 def _below(leg: Leg, joint: str) -> tuple[float, float, float]:

@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import Any
 
 import typer
+from rich.markup import escape
 from typer.core import TyperGroup
 
 VERBS = {
@@ -59,7 +60,15 @@ def load_verb(name: str) -> Any:  # noqa: ANN401 - Typer's or Click's Command, b
     """
     alone = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
     alone.command(name)(getattr(import_module(f".{name}", __package__), name))
-    return typer.main.get_command(alone)
+    return _with_brackets(typer.main.get_command(alone))
+
+
+def _with_brackets(command: Any) -> Any:  # noqa: ANN401 - as above
+    """Keep units such as [s] in the help of options, which Rich would take for markup."""
+    for parameter in command.params:
+        if getattr(parameter, "help", None):
+            parameter.help = escape(parameter.help)
+    return command
 
 
 def add_verbs(app: typer.Typer) -> None:

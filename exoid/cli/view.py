@@ -19,7 +19,20 @@ from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.view import Scene
 
-from .inputs import AsJson, Column, Degrees, LogOptions, Start, Stop, find_leg, read_logs, refuse, split_names
+from .inputs import (
+    AsJson,
+    Column,
+    Degrees,
+    LogOptions,
+    Start,
+    Stop,
+    find_leg,
+    read_logs,
+    refuse,
+    refuse_unknown_leg,
+    split_names,
+)
+from .outputs import check_outputs
 
 
 def view(
@@ -52,6 +65,9 @@ def view(
         raise ExoidError("--port has no effect: --html serves nothing", remedy="leave out one of the two")
     if reference is not None and log is None:
         raise ExoidError("--reference without --log", remedy="name the log to replay beside it with --log")
+    check_outputs({"--html": html}, [leg, log, reference])
+    if not leg.endswith(".json"):
+        refuse_unknown_leg(leg)
     options = LogOptions(column, degrees, start, stop)
     recording = None if log is None else read_logs([log], options)[0]
     shown = _shown(leg, side, inertias, split_names(joints), () if recording is None else recording.joint_names)

@@ -29,6 +29,7 @@ def track(
     period: float,
     *,
     periods: int = 2,
+    settle: float | None = None,
     rate: float = RATE,
     friction: float = 1.0,
     payloads: Sequence[Payload] = (),
@@ -36,15 +37,16 @@ def track(
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> dict[str, Tracking]:
-    """Let the standard controllers follow a periodic reference on a rig built from their own model.
+    """Let the standard controllers follow a reference on a rig built from their own model.
 
     Args:
         source: Source of the rig and of the controllers' model.
         kp: Kp [N·m/rad], a number or one for each joint.
         kd: Kd [N·m·s/rad].
-        reference: Periodic reference of one leg.
-        period: Period of the reference [s].
-        periods: Number of periods; the metrics leave out the first.
+        reference: Reference of one leg.
+        period: Period of the reference, or the duration of one without a period [s].
+        periods: Number of periods.
+        settle: Time at the beginning that the metrics leave out [s]; None for the first period.
         rate: Sampling rate of all controllers [Hz].
         friction: Factor of the rig's friction relative to the controllers' model.
         payloads: Payloads of the rig, which the controllers' model lacks.
@@ -56,12 +58,12 @@ def track(
         Result of each controller by name; see :func:`exoid.control.standard_laws`.
 
     Raises:
-        ExoidError: The reference leaves the joint limits, there are fewer than two periods, or a run diverges.
+        ExoidError: The reference leaves the joint limits, no time is left after it settles, or a run diverges.
 
     Example:
         >>> runs = track(est, 22.0, 2.2, healthy_gait(), 10.0, friction=1.5)  # doctest: +SKIP
     """
-    if periods < 2 or not 0.0 <= friction < np.inf:
+    if periods < 1 + (settle is None) or not 0.0 <= friction < np.inf:
         raise ExoidError(
             f"{periods} periods, {friction:g} times the friction",
             remedy="give two periods or more, with friction ≥ 0",
@@ -77,7 +79,7 @@ def track(
         reference,
         periods * period,
         sensors=sensors,
-        settle=period,
+        settle=period if settle is None else settle,
         seed=seed,
         progress=progress,
     )

@@ -102,7 +102,7 @@ class Estimate(EstimateData):
 
         Raises:
             ExoidError: A link would be heavier or lighter than in the URDF by more than the mass factor, or a file
-                cannot be written.
+                cannot be written, or is the URDF that was identified.
         """
         return export_urdf(self, path, pull=pull, mass_factor=mass_factor)
 

@@ -15,7 +15,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.exported import IN_URDF, ROTOR, SCHEMA, sidecar_of
-from exoid.files import write_together
+from exoid.files import refuse_content, refuse_unwritable, write_together
 from exoid.leg import Leg
 from exoid.lift import MASS_FACTOR, PULL, Lift, MassChange, distribute_bodies, lift
 from exoid.lift.masses import mass_changes, refuse_mass_changes
@@ -172,13 +172,17 @@ def export_urdf(
         What was written.
 
     Raises:
-        ExoidError: The path names no URDF, a mass would change beyond the factor, or a file cannot be written.
+        ExoidError: The path names no URDF, is the URDF that was identified or a recording, a mass would change beyond
+            the factor, or a file cannot be written.
     """
     urdf = Path(path)
     sidecar = sidecar_of(urdf) if urdf.name else urdf
     if sidecar == urdf:
         raise ExoidError(f"{str(path)!r} is no name for a URDF", remedy="give a file such as leg.urdf")
     leg = estimate.model.leg
+    for file in (urdf, sidecar):
+        refuse_content(file, [leg.description.sha256, *(each.sha256 for each in estimate.inputs)])
+        refuse_unwritable(file)
     p = len(leg.parameter_names)
     lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p], pull=pull, mass_factor=mass_factor)
     links = distribute_bodies(leg, lifted.link_parameters, mass_factor)

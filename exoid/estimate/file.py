@@ -14,7 +14,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.description import describe
 from exoid.errors import ExoidError
-from exoid.files import write_whole
+from exoid.files import refuse_content, write_whole
 from exoid.findings import findings_from_json, findings_to_json
 from exoid.leg import Leg
 from exoid.regression.diagnostics import JointNoise
@@ -40,7 +40,11 @@ def write_estimate(estimate: EstimateData, path: str | os.PathLike[str]) -> None
     Args:
         estimate: The estimate.
         path: File to write.
+
+    Raises:
+        ExoidError: The file cannot be written, or is a recording of the estimate.
     """
+    refuse_content(path, [each.sha256 for each in estimate.inputs if each.sha256])
     write_whole(path, [estimate_text(estimate)])
 
 
@@ -74,7 +78,9 @@ def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
     try:
         return estimate_from_json(data, kind)
     except ExoidError as error:
-        raise ExoidError(error.what, where=f"{path}, {error.where}".rstrip(", "), remedy=error.remedy) from error
+        raise ExoidError(
+            error.what, where=f"{path}, {error.where}".rstrip(", "), remedy=error.remedy, command=error.command
+        ) from error
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:  # such as 10**400
         what = f"damaged: {type(error).__name__} {error}"
         raise ExoidError(what, where=str(path), remedy="identify again and save") from error

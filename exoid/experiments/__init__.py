@@ -3,8 +3,9 @@
 from . import bleex, cuhk
 from .bench import Bench, stiff_servo
 from .dynamic import run_motion
+from .followed_log import FollowedLog, follow_log
 from .fourier import fit_harmonics
-from .gait import gait_for_leg, healthy_gait, norm_gait
+from .gait import gait_for_leg, healthy_gait, joint_roles, norm_gait
 from .limits import refuse_motion_beyond_limits, refuse_poses_beyond_limits
 from .protocol_files import read_static_log, write_motion, write_static_log, write_static_protocol
 from .references import Approach, Harmonics, Hold
@@ -13,14 +14,17 @@ from .static import StaticProtocol, run_static
 __all__ = [
     "Approach",
     "Bench",
+    "FollowedLog",
     "Harmonics",
     "Hold",
     "StaticProtocol",
     "bleex",
     "cuhk",
     "fit_harmonics",
+    "follow_log",
     "gait_for_leg",
     "healthy_gait",
+    "joint_roles",
     "norm_gait",
     "read_static_log",
     "refuse_motion_beyond_limits",

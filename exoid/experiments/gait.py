@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -74,7 +75,37 @@ def norm_gait(speed: str = "Free", scale: float = 1.0, period: float = 10.0) -> 
     return replace(motion, amplitude=scale * motion.amplitude)
 
 
-def gait_for_leg(leg: Leg, flexion: Harmonics) -> Harmonics:
+def joint_roles(leg: Leg, roles: Mapping[str, str]) -> tuple[str, ...]:
+    """Name the role of each joint: that which was declared, else its own label.
+
+    Args:
+        leg: The leg.
+        roles: "hip", "knee" or "ankle" by joint name or label.
+
+    Returns:
+        Role of each joint, (n,).
+
+    Raises:
+        ExoidError: There is no such joint or role, or two joints have one role.
+    """
+    unknown = [joint for joint in roles if joint not in (*leg.joint_names, *leg.joint_labels)]
+    if unknown or any(role not in JOINTS for role in roles.values()):
+        declared = ", ".join(f"{joint}={role}" for joint, role in roles.items())
+        raise ExoidError(
+            f"roles {declared} of the joints {', '.join(leg.joint_names)}",
+            where=leg.description.name,
+            remedy=f"give each joint one of {', '.join(JOINTS)}",
+        )
+    names = zip(leg.joint_names, leg.joint_labels, strict=True)
+    found = tuple(roles.get(name, roles.get(label, label)) for name, label in names)
+    if roles and len(set(found)) < len(found):
+        raise ExoidError(
+            f"two joints are one of {', '.join(found)}", where=leg.description.name, remedy="give each another role"
+        )
+    return found
+
+
+def gait_for_leg(leg: Leg, flexion: Harmonics, roles: Mapping[str, str] | None = None) -> Harmonics:
     """Convert flexion of hip, knee and ankle to joint angles of a leg.
 
     Hip flexion is forward and knee flexion backward, for any direction of the axes in the URDF. An ankle without
@@ -83,19 +114,21 @@ def gait_for_leg(leg: Leg, flexion: Harmonics) -> Harmonics:
     Args:
         leg: Planar leg with joints hip, knee and ankle, or some of them.
         flexion: Flexion of hip and knee, or of hip, knee and ankle.
+        roles: "hip", "knee" or "ankle" for each joint that has another name.
 
     Returns:
         Motion of the leg.
 
     Raises:
-        ExoidError: The leg is not planar, or has other joints.
+        ExoidError: The leg is not planar, has other joints, or a role does not fit.
     """
-    labels, chain = leg.joint_labels, leg.chain
+    labels, chain = joint_roles(leg, roles or {}), leg.chain
     if chain is None or any(label not in JOINTS for label in labels):
         raise ExoidError(
             f"no gait for the joints {', '.join(labels)}",
             where=leg.description.name,
-            remedy=f"use a planar leg with {', '.join(JOINTS)}, or another reference",
+            remedy=f"use a planar leg with {', '.join(JOINTS)}, name the role of each joint, or follow a log",
+            command=f"name the role of each joint (--role {labels[0]}=hip), or follow a log with --reference",
         )
     signs = [-sign if label == "knee" else sign for label, sign in zip(labels, chain.signs.tolist(), strict=True)]
     rows = [JOINTS.index(label) for label in labels]

@@ -70,7 +70,7 @@ def within(part: str) -> Iterator[None]:
         yield
     except ExoidError as error:
         where = ", ".join(filter(None, (part, error.where)))
-        raise ExoidError(error.what, where=where, remedy=error.remedy) from error
+        raise ExoidError(error.what, where=where, remedy=error.remedy, command=error.command) from error
 
 
 class Group(NamedTuple):

@@ -144,19 +144,27 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
         summaries: Summaries of all recordings of a group.
 
     Raises:
-        ExoidError: Names the joint and the value.
+        ExoidError: Names all such joints and the values.
     """
     measured = [(one, one.torques) for one in summaries if one.torques is not None]
     if not measured:
         return  # preparing them says so, and which column is missing
+    first = measured[0][1].first
+    constant = np.all([torques.constant & (torques.first == first) for _, torques in measured], axis=0)
+    dead = {
+        joint: value for joint, value, is_dead in zip(model.leg.joint_names, first, constant, strict=True) if is_dead
+    }
+    if dead:
+        found = "; ".join(
+            f"the torque of joint {joint} is {value + 0.0:.6g} N·m in every sample" for joint, value in dead.items()
+        )
+        raise ExoidError(
+            f"{found} although the joint{'s move' if len(dead) > 1 else ' moves'}",
+            where=_sources(summaries),
+            remedy=f"connect {'the' if len(dead) > 1 else 'its'} torque channel{'s' if len(dead) > 1 else ''}, or map "
+            f"the right column to {', '.join(f'tau_{joint}' for joint in dead)}",
+        )
     for index, joint in enumerate(model.leg.joint_names):
-        value = measured[0][1].first[index]
-        if all(torques.constant[index] and torques.first[index] == value for _, torques in measured):
-            raise ExoidError(
-                f"the torque of joint {joint} is {value + 0.0:.6g} N·m in every sample although the joint moves",
-                where=_sources(summaries),
-                remedy="connect its torque channel, or map the right column to tau_" + joint,
-            )
         for one, torques in measured:
             middle, share = torques.middle[index], torques.share[index]
             if MOST < share < 1.0:

@@ -22,6 +22,8 @@ that the estimate determines well hardly move by the pull; those that it does no
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -114,6 +116,20 @@ class Lift:
         return to_text(title, *parts, make_table(("parameter", "requested", "consistent", "change"), moved))
 
 
+@contextmanager
+def _in_range() -> Iterator[None]:
+    """Turn numbers that no arithmetic can hold into an error about the estimate."""
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):  # the result is checked
+            yield
+    except (np.linalg.LinAlgError, ValueError) as error:
+        raise ExoidError(
+            f"no links can be found for these parameters ({error}): they are far from those of a leg",
+            remedy="check the estimate: its units, its standard deviations and its warnings",
+        ) from error
+
+
+@_in_range()
 def lift(
     leg: Leg,
     values: ArrayLike,
@@ -177,6 +193,8 @@ def lift(
     links = problem.back @ found.unit
     if feasible:
         links = links + leg.reduction.spread @ (target - leg.reduction.collect @ links)  # the last rounding error
+    if not np.isfinite(links).all():
+        raise np.linalg.LinAlgError("the numbers overflow")
     return Lift(
         names=leg.parameter_names,
         target=target,

@@ -400,6 +400,7 @@ def for_leg(model: RegressorModel, recording: Measured) -> Measured:
         f"the leg's {', '.join(missing)} not in the recording, which has {', '.join(recording.joint_names)}",
         where=source_of(recording),
         remedy="rename its columns, or map them: columns={'q_" + missing[0] + "': '<header>', ...}",
+        command=f"rename its columns, or map them: --column q_{missing[0]}=HEADER --column tau_{missing[0]}=HEADER",
     )
 
 

@@ -156,6 +156,7 @@ def refuse_too_few(samples: int, where: SourceLocation) -> None:
             f"too few samples: {samples}, at least {FEWEST_SAMPLES} are needed",
             where=where.file,
             remedy="record longer, or pass the whole log",
+            command="record longer, or leave out --start and --stop",
         )
 
 
@@ -256,6 +257,7 @@ def refuse_degrees(q: FloatArray, columns: tuple[str, ...], largest: float, wher
             where=where.cell(int(row), columns[column]),
             remedy='pass angle_unit="deg" where the file is read (--degrees) or np.deg2rad(q) to Recording; '
             "if the joint really turns that far, largest_angle=math.inf",
+            command="give --degrees; if the joint really turns that far, wrap its angle, or use Python",
         )
 
 
@@ -291,6 +293,7 @@ def refuse_velocity_in_other_unit(
             f"v of joint {joint} is {ratio:.3g} times the rate of its q: {culprit} looks like degrees",
             where=where.file,
             remedy=f'give both in rad and rad/s ({mend}); angle_unit="deg" takes both as degrees',
+            command="write both in rad and rad/s, or both in degrees and give --degrees",
         )
 
 

@@ -214,7 +214,8 @@ def choose_cutoff(recordings: Iterable[Recording | Poses]) -> float:
         Σ ∫₀ᶠ ω⁴ N ≤ 0.02² Σ ∫₀ᶠ ω⁴ P.
 
     The result is the smallest over the joints of the highest such f, between 1 and 8 Hz. If there is none for a joint,
-    its f has the smallest noise ratio. Ten times the noise density lowers f by 10^(1/5). For short recordings f is
+    its f has the smallest noise ratio. For logs at 20 Hz or less that ask for a higher cut-off than their rate allows,
+    f is 0.2 of the rate. Ten times the noise density lowers f by 10^(1/5). For short recordings f is
     raised until the ends of the filters leave half of the samples.
 
     Args:
@@ -268,7 +269,14 @@ def cutoff_from(powers: Sequence[AccelerationPower]) -> float:
     last = len(CUTOFFS) - 1 - np.argmax(allowed[::-1], axis=0)
     lowest = int(np.where(allowed.any(axis=0), last, np.argmin(ratio, axis=0)).min())
     long_enough = (cutoff for cutoff in CUTOFFS[lowest:] if all(_is_long(each, cutoff) for each in powers))
-    return float(next(long_enough, CUTOFFS[-1]))
+    return float(next(long_enough, _fallback(min(each.rate for each in powers))))
+
+
+def _fallback(rate: float) -> float:
+    """Highest cut-off; for logs below 20 Hz, that at which both filters have their usual ratio."""
+    if CUTOFFS[-1] < LARGEST_RATIO * rate:
+        return float(CUTOFFS[-1])
+    return LARGEST_RATIO / KINEMATICS_MULTIPLE * rate
 
 
 def _segment_power(q: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:

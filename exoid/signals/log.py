@@ -137,6 +137,7 @@ def _joints(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
                 f"columns names {name!r}, but no column gives the angle of that joint",
                 where=table.file,
                 remedy=f"joints with an angle are {', '.join(joints)}; map q_<joint> too",
+                command=f"joints with an angle are {', '.join(joints)}; give q_<joint>=HEADER to --column too",
             )
     return joints
 
@@ -171,6 +172,7 @@ def _missing(column: str, why: str, table: Table) -> ExoidError:
     """Make the error about a missing column, which names the closest and the existing ones."""
     close = get_close_matches(column, table.header, n=3, cutoff=0.4)
     nearest = f"; closest: {', '.join(close)}" if close else ""
+    name = column if not why.startswith("columns[") else why[len("columns['") : why.index("']")]
     exists = ", ".join(table.header[:20]) + (f", … ({len(table.header)} in all)" if len(table.header) > 20 else "")
     return ExoidError(
         f"no column {column!r} ({why}){nearest}; the file has: {exists}",
@@ -178,4 +180,5 @@ def _missing(column: str, why: str, table: Table) -> ExoidError:
         remedy=f"rename it in the file or pass columns={{{column!r}: <header in the file>}}"
         if not why.startswith("columns[")
         else "pass columns={exoid's name: <header in the file>}",
+        command=f"rename it in the file or give its header: --column {name}=HEADER",
     )

@@ -177,6 +177,7 @@ class Recording:
                     f"no joint {name!r} in the recording; it has: {', '.join(self.joint_names)}",
                     where=self.source.name if self.source else "",
                     remedy="select among those, or read the log with columns={'q_<joint>': <header>}",
+                    command=f"record it, or map its columns, e.g. --column q_{name}=HEADER --column tau_{name}=HEADER",
                 )
         chosen = [self.joint_names.index(name) for name in names]
         arrays = {quantity: values[:, chosen] for quantity, values in self._arrays().items()}
@@ -235,20 +236,35 @@ class Recording:
         pairs = zip(edges[::2], edges[1::2], strict=True)
         return tuple((float(self.time[first]), float(self.time[stop - 1])) for first, stop in pairs)
 
-    def between(self, start: float, stop: float) -> Recording:
+    def between(self, start: float | None = None, stop: float | None = None) -> Recording:
         """Select the samples with ``start`` ≤ time < ``stop``.
 
         Args:
-            start: Time of the first sample [s].
-            stop: Time before which the last sample lies [s].
+            start: Time of the first sample [s]; None for the beginning.
+            stop: Time before which the last sample lies [s]; None for the end.
 
         Returns:
             The recording of these samples.
 
         Raises:
-            ExoidError: Fewer than 10 samples are left.
+            ExoidError: A time is no number, or fewer than 10 samples are left; names the times of the recording.
         """
-        first, last = np.searchsorted(self.time, [start, stop])
+        where = self.source.name if self.source else ""
+        low = -np.inf if start is None else start
+        high = np.inf if stop is None else stop
+        for limit in (low, high):
+            if not isinstance(limit, float | int | np.floating | np.integer) or np.isnan(limit):
+                raise ExoidError(f"a limit of {limit!r} s", where=where, remedy="give seconds, or None")
+        first, last = np.searchsorted(self.time, [low, high])
+        if last - first < checks.FEWEST_SAMPLES:
+            begins, ends = self.time[[0, -1]].tolist()
+            raise ExoidError(
+                f"too few samples: {max(0, last - first)} from {low:g} s to {high:g} s, at least "
+                f"{checks.FEWEST_SAMPLES} are needed; its time stamps are {begins:g} s to {ends:g} s",
+                where=where,
+                remedy="give time stamps of the log",
+                command="give time stamps of the log to --start and --stop",
+            )
         return self.slice(int(first), int(last))
 
     def resampled(self, rate: float | None = None) -> Recording:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +23,11 @@ class Source:
 
     name: str
     sha256: str
+
+    def __post_init__(self) -> None:
+        """Make the name text: bytes that are not UTF-8 are written as backslash, x and two digits."""
+        name = os.fsencode(self.name).decode("utf-8", "backslashreplace")
+        object.__setattr__(self, "name", name)
 
     @staticmethod
     def of(path: Path) -> Source:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -61,16 +60,17 @@ class Folder:
         Returns:
             Its outcomes; None if the chunk is missing or damaged.
         """
-        try:
-            with np.load(self._name(number), allow_pickle=False) as file:
-                outcomes = Outcomes(file["values"], file["std"], file["inside"], file[TRACKING])
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-            return None
         study, replicates = self._study, self._study.chunks[number].replicates
         shape = (len(study.estimators), replicates, len(study.truth))
         tracking = (len(study.tracking_cases), replicates, len(MEASURES), len(study.leg.joints))
-        fits = all(array.shape == shape for array in outcomes[:3]) and outcomes.tracking.shape == tracking
-        return outcomes if fits and np.isfinite(outcomes.values).all() else None
+        try:
+            with np.load(self._name(number), allow_pickle=False) as file:
+                outcomes = Outcomes(file["values"], file["std"], file["inside"], file[TRACKING])
+            fits = all(array.shape == shape for array in outcomes[:3]) and outcomes.tracking.shape == tracking
+            numbers = all(array.dtype.kind == kind for array, kind in zip(outcomes, "ffbf", strict=True))
+            return outcomes if fits and numbers and np.isfinite(outcomes.values).all() else None
+        except Exception:  # a damaged archive raises errors of many kinds; the chunk is run again
+            return None
 
     def write(self, number: int, outcomes: Outcomes) -> None:
         """Write a chunk.

@@ -7,6 +7,7 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import NamedTuple
 
 from joblib import Parallel, delayed
+from joblib.externals.loky import get_reusable_executor
 
 from exoid.errors import ExoidError
 from exoid.signals.cluster import connect
@@ -81,6 +82,9 @@ def processes(count: int) -> Workers:
                         f"workers died {failures} times without finishing a chunk",
                         remedy="give the study more memory, or fewer workers",
                     ) from None
+            except BaseException:  # Ctrl-C, SIGTERM, or a caller that wants no more chunks
+                get_reusable_executor().shutdown(wait=False, kill_workers=True)
+                raise
 
     return work
 

@@ -8,6 +8,7 @@ import pytest
 
 import exoid
 from exoid import control, published, reproduce
+from exoid.description import describe
 from exoid.estimate import Estimate
 from exoid.experiments import healthy_gait
 from exoid.rig import Plant
@@ -77,13 +78,59 @@ def test_a_table_and_figures(track, saved, tmp_path):
 
 
 def test_the_angles_of_a_log_may_be_followed(track, saved, tmp_path):
-    """One period of the log's motion, on and on."""
+    """From its beginning to its end, or as one period of a motion that goes on and on."""
     time = np.arange(200) / 100.0
     q = np.column_stack([0.2 * np.sin(np.pi * time), 0.5 + 0.3 * np.cos(np.pi * time)])
     exoid.Recording(time, q, joint_names=("left_hip", "left_knee")).to_csv(tmp_path / "walk.csv")
     code, out, _ = track(saved, "--reference", "walk.csv")
     assert code == 0
+    assert "reference of 1.99 s" in out
+    code, out, _ = track(saved, "--reference", "walk.csv", "--period", 2)
+    assert code == 0
     assert "reference of 2 s" in out
+    code, _, err = track(saved, "--reference", "walk.csv", "--period", 1.3)
+    assert code == 2
+    assert "leave out --period" in err
+
+
+def test_the_reference_of_a_log_is_the_log(track, saved, tmp_path, monkeypatch):
+    """A motion that no six harmonics describe; the reference that the controllers get is compared with the log."""
+    time = np.arange(1200) / 100.0
+    q = np.column_stack([0.3 * np.sin(0.5 * time**2), 0.6 - 0.4 * np.cos(3.0 * time) * np.exp(-0.1 * time)])
+    noisy = q + 1e-4 * np.random.default_rng(0).normal(size=q.shape)
+    exoid.Recording(time + 7.0, noisy, joint_names=("left_hip", "left_knee")).to_csv(tmp_path / "log.csv")
+    followed, real = [], control.track
+    monkeypatch.setattr("exoid.cli.track.control.track", lambda *a, **k: followed.append((a, k)) or real(*a, **k))
+    code, out, _ = track(saved, "--reference", "log.csv", "--json")
+    assert code == 0
+    ((_, _, _, reference, duration), options) = followed[0]
+    assert (duration, options["periods"], options["settle"]) == (pytest.approx(11.99), 1, 1.0)
+    angles = np.array([reference.at(float(t)).q[:, 0] for t in time])
+    assert np.rad2deg(np.abs(angles - q)).max() < 0.5
+    assert json.loads(out)["laws"]["pd_feedforward"]["peak_deg"][0] < 5.0
+
+
+def test_joints_of_any_name_walk_once_their_roles_are_declared(track, saved, tmp_path):
+    data = json.loads((tmp_path / saved).read_text(encoding="utf-8"))
+    text = json.dumps(data["leg"]["urdf"]).replace("left_hip", "HFE").replace("left_knee", "KFE")
+    leg = exoid.Leg.from_description(describe(json.loads(text)), ("HFE", "KFE"))
+    time = np.arange(1000) / 100.0
+    q = np.column_stack([0.4 * np.sin(2.0 * time), 0.5 + 0.4 * np.cos(3.0 * time)])
+    still = exoid.Recording(time, q, joint_names=leg.joint_names)
+    moving = still.resampled()
+    v, a = np.gradient(q, 0.01, axis=0), np.gradient(np.gradient(q, 0.01, axis=0), 0.01, axis=0)
+    recording = exoid.Recording(time, moving.q, tau=leg.inverse_dynamics(q, v, a), joint_names=leg.joint_names)
+    exoid.identify(leg, recording, terms=()).save(tmp_path / "any.json")
+    code, _, err = track("any.json", "--period", 2)
+    assert code == 2
+    assert "--role HFE=hip" in err
+    code, out, _ = track("any.json", "--period", 2, "--role", "HFE=hip", "--role", "KFE=knee", "--payload", 1)
+    assert code == 0
+    assert "HFE" in out
+    for role, words in (("HFE", "JOINT=ROLE"), ("HFE=toe", "one of hip, knee, ankle"), ("XYZ=hip", "XYZ=hip")):
+        code, _, err = track("any.json", "--role", role)
+        assert code == 2
+        assert words in err
 
 
 def test_bleex_walks_too(track):
@@ -136,7 +183,7 @@ def test_document_2s_comparison_is_printed(track, monkeypatch):
         (("bleex", "--payload", "-1"), "invalid payload"),
         (("bleex", "--friction", "-1"), "times the friction"),
         (("bleex", "--rate", "0"), "0 Hz"),
-        (("est.json", "--figures", "est.json"), "cannot write figures"),
+        (("est.json", "--figures", "est.json"), "cannot write files"),
     ],
     ids=lambda x: " ".join(x) if isinstance(x, tuple) else "",
 )

@@ -402,6 +402,6 @@ def test_both_files_are_written_or_neither(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("path", ["no folder/leg.urdf", "."])
 def test_a_place_that_cannot_be_written_is_refused(tmp_path, path):
-    with pytest.raises(ExoidError, match=r"cannot be written: (No such file or|Is a) directory"):
+    with pytest.raises(ExoidError, match=r"cannot be written: (there is no such|it is a) folder"):
         estimate_of(exoid.load_leg("cuhk")).to_urdf(f"{tmp_path}/{path}")
     assert list(tmp_path.iterdir()) == []

@@ -209,7 +209,7 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, log, monk
 
 
 def test_writing_into_a_missing_folder_is_refused(tmp_path, log):
-    with pytest.raises(ExoidError, match=r"cannot be written: No such file.*existing folder"):
+    with pytest.raises(ExoidError, match=r"cannot be written: there is no such folder.*existing folder"):
         Recording.from_csv(log([HEADER, *ROWS])).to_csv(tmp_path / "nowhere" / "log.csv")
 
 

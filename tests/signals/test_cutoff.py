@@ -3,8 +3,11 @@
 import dataclasses
 
 import numpy as np
+import one_joint
 import pytest
+from one_joint import write_urdf
 
+import exoid
 from exoid.signals import Poses, Recording, ZeroPhase, choose_cutoff
 
 
@@ -82,3 +85,12 @@ def test_recorded_accelerations_and_poses_do_not_count():
 
 def test_noise_alone_gives_a_number_all_the_same():
     assert 1.0 <= choose_cutoff([log(1e-2, amplitude=0.0)]) <= 8.0
+
+
+@pytest.mark.parametrize("rate", [5.0, 10.0, 20.0])
+def test_a_slow_log_is_accepted_with_a_lower_cutoff(tmp_path, rate):
+    leg = write_urdf(tmp_path / "one.urdf")
+    log = one_joint.swing(leg, seconds=120.0, rate=rate)
+    assert choose_cutoff([log]) == pytest.approx(0.2 * rate)
+    estimate = exoid.identify(leg, log)
+    np.testing.assert_allclose([estimate["X1"].value, estimate["J1"].value], leg.parameters[[0, 2]], rtol=0.02)

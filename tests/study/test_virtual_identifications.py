@@ -32,6 +32,7 @@ from exoid.study import (
     run_serially,
     run_study,
 )
+from exoid.study.folder import Folder
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 
 FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
@@ -365,3 +366,27 @@ def test_intervals_hold_under_correlated_noise():
     error = np.sqrt(0.95 * 0.05 / replicates)
     assert np.abs(combination.coverage - 0.95).max() <= max(0.02, 4.0 * error)
     assert combination.coverage.mean() == pytest.approx(0.95, abs=max(0.01, 2.5 * error))
+
+
+def test_any_damaged_chunk_is_run_again(result, tmp_path):
+    """Bytes changed, cut off and put in at random, and arrays of other kinds: a chunk is read as it was, or not."""
+    folder, rng = Folder(tmp_path / "kept", study()), np.random.default_rng(0)
+    folder.write(0, run_chunk(study(), 0))
+    (file,) = (tmp_path / "kept").glob("piece-*.npz")
+    whole, good = file.read_bytes(), folder.read(0)
+    unread = 0
+    for _ in range(2100 if FULL else 300):
+        content = bytearray(whole)
+        for _ in range(rng.integers(1, 4)):
+            start = int(rng.integers(0, len(content)))
+            content[start : start + int(rng.choice([0, 1, 4, 1000]))] = rng.bytes(int(rng.integers(0, 5)))
+        file.write_bytes(content)
+        found = folder.read(0)
+        unread += found is None
+        assert found is None or found.values.shape == good.values.shape
+    assert unread > 100
+    for wrong in (np.full(good.values.shape, "x"), good.values.astype(complex), good.values.astype(object)):
+        np.savez(file, values=wrong, std=good.std, inside=good.inside, driven=good.tracking, allow_pickle=True)
+        assert folder.read(0) is None
+    (tmp_path / "kept" / f".{file.name}.{os.getpid()}.part").write_bytes(b"left over")
+    assert same(run_study(study(), tmp_path / "kept"), result)

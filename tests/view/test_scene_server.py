@@ -7,10 +7,12 @@ import json
 import os
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 
 import psutil
 import pytest
@@ -19,6 +21,7 @@ from drawings import scene_of
 import exoid
 from exoid import ExoidError
 from exoid.view import scene
+from exoid.view.scenes import server as scene_server
 
 LOOPBACK = {"127.0.0.1", "::1"}
 
@@ -152,3 +155,34 @@ def test_the_command_listens_on_loopback_until_ctrl_c_and_ends_cleanly():
         running.kill()
         running.wait()
     assert (running.returncode, out, err) == (0, "", "ended\n")
+
+
+def test_connections_that_send_nothing_are_few_and_are_closed(drawn, monkeypatch):
+    monkeypatch.setattr(scene_server._Handler, "timeout", 1.0)
+    with drawn.serve(0) as served:
+        before = threading.active_count()
+        silent = [socket.create_connection(("127.0.0.1", served.port)) for _ in range(300)]
+        time.sleep(0.3)
+        assert threading.active_count() - before <= scene_server.MOST_CONNECTIONS
+        for connection in silent:
+            connection.settimeout(10.0)
+            with suppress(ConnectionResetError):
+                assert connection.recv(1) == b""  # closed
+            connection.close()
+        until = time.monotonic() + 10.0
+        while threading.active_count() > before and time.monotonic() < until:
+            time.sleep(0.05)
+        assert threading.active_count() <= before
+        assert get(served.port).status == 200
+
+
+def test_a_client_that_hangs_up_leaves_no_traceback(drawn, capfd):
+    with drawn.serve(0) as served:
+        for _ in range(20):
+            connection = socket.create_connection(("127.0.0.1", served.port))
+            connection.sendall(b"GET / HTTP/1.0\r\nHost: localhost\r\n\r\n")
+            reset = struct.pack("ii", 1, 0)
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, reset)  # closing sends a reset
+            connection.close()
+        time.sleep(0.5)
+    assert capfd.readouterr().err == ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 
 import numpy as np
@@ -196,7 +197,63 @@ def test_packages_are_found_on_the_path_of_ros(tmp_path, monkeypatch):
     (tmp_path / "my_exo" / "a.stl").write_text("solid")
     monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nowhere:{tmp_path}")
     assert find_mesh("package://my_exo/a.stl", None) == tmp_path / "my_exo" / "a.stl"
-    assert find_mesh("package://other/a.stl", None) is None
+    with pytest.raises(FileNotFoundError, match="other"):
+        find_mesh("package://other/a.stl", None)
+
+
+def test_a_urdf_cannot_put_any_file_of_the_machine_into_a_page(tmp_path, monkeypatch):
+    """Only files below the URDF's folder, and in packages, are found; others are named and left out."""
+    monkeypatch.chdir(tmp_path)
+    inside, outside = tmp_path / "leg", tmp_path / "secret.stl"
+    (inside / "meshes").mkdir(parents=True)
+    for file in (outside, inside / "meshes" / "a.stl"):
+        write_stl(file, *sphere(0.1))
+    (inside / "link.stl").symlink_to(outside)
+    for name in ("meshes/a.stl", "./meshes/../meshes/a.stl", f"file://{inside}/meshes/a.stl", "../meshes/a.stl"):
+        assert find_mesh(name, inside).samefile(inside / "meshes" / "a.stl")
+    root = str(tmp_path).strip("/").split("/", 1)
+    names = [str(outside), f"file://{outside}", "../secret.stl", "link.stl", "package://leg/../secret.stl"]
+    names += [f"package://{root[0]}/{root[1]}/secret.stl", "package://../secret.stl", "package:///secret.stl"]
+    for name in names:
+        with pytest.raises(FileNotFoundError, match=r"secret|link"):
+            find_mesh(name, inside)
+        drawn = scene(leg_with_mesh(name), meshes=inside)
+        assert len(drawn.notes) == 1
+        assert name in drawn.notes[0]
+
+
+def test_a_mesh_elsewhere_in_the_urdfs_package_is_found(tmp_path):
+    for folder in ("exo/robots/urdf", "exo/meshes", "other/meshes"):
+        (tmp_path / folder).mkdir(parents=True)
+    for package in ("exo", "other"):
+        (tmp_path / package / "package.xml").write_text("<package/>")
+        write_stl(tmp_path / package / "meshes" / "a.stl", *sphere(0.1))
+    for name in ("../../meshes/a.stl", "package://exo/meshes/a.stl", "package://other/meshes/a.stl"):
+        found = find_mesh(name, tmp_path / "exo" / "robots" / "urdf")
+        assert found.samefile(tmp_path / ("other" if "other" in name else "exo") / "meshes" / "a.stl")
+
+
+@pytest.mark.parametrize("name", ["x" * 300 + ".stl", "package://exo/" + "x" * 300, "nul\0.stl"])
+def test_names_that_no_file_can_have_are_not_found(name, tmp_path):
+    with pytest.raises(FileNotFoundError, match="not found"):
+        find_mesh(name, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("value", "scale"),
+    [("nan", "1 1 1"), ("1e39", "1 1 1"), ("0.1", "0 1 1"), ("0.1", "1e300 1 1"), ("0.0", "1 1 1")],
+)
+def test_meshes_without_finite_size_become_a_note(value, scale, tmp_path):
+    points, faces = sphere(0.1, 6, 6)
+    header = f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n"
+    header += "".join(f"property float {axis}\n" for axis in "xyz")
+    header += f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    body = "\n".join([*(f"{value} {value} {value}" for _ in points), *(f"3 {a} {b} {c}" for a, b, c in faces)])
+    (tmp_path / "bad.ply").write_text(f"{header}{body}\n")
+    drawn = scene(leg_with_mesh(f'bad.ply" scale="{scale}'), meshes=tmp_path)
+    (note,) = drawn.notes
+    assert "bad.ply" in note
+    assert json.dumps(drawn.to_json(), allow_nan=False)
 
 
 @pytest.mark.parametrize("content", [None, "this is not a mesh"])

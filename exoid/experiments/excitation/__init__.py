@@ -7,7 +7,7 @@ from .fourier import FourierMotion
 from .limits import MotionLimits
 from .noise import TorqueNoise
 from .plan import Plan, plan_excitation
-from .plan_files import refuse_plan_name, write_plan
+from .plan_files import plan_files, refuse_plan_name, write_plan
 from .precision import Precision, StaticRows, predict
 from .scales import Scales
 from .text import precision_to_json
@@ -25,6 +25,7 @@ __all__ = [
     "TorqueNoise",
     "assess",
     "plan_excitation",
+    "plan_files",
     "precision_to_json",
     "predict",
     "refuse_plan_name",

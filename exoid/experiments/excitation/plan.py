@@ -32,6 +32,9 @@ PERIOD = 10.0
 SAMPLES = 24
 """Samples of the search in each period of the highest harmonic."""
 
+MOST_SAMPLES = 10**7
+"""Largest number of samples of a plan: 1 kHz for almost three hours."""
+
 FEWEST, MOST = 3, 20
 """Smallest and largest number of harmonics."""
 
@@ -223,6 +226,11 @@ def _series(duration: float, rate: float, highest: float) -> tuple[float, Basis]
     if not (0.0 < duration < np.inf and 0.0 < rate < np.inf and 0.0 < highest < np.inf):
         raise ExoidError(
             f"{duration:g} s at {rate:g} Hz, up to {highest:g} Hz", remedy="give positive numbers in s and Hz"
+        )
+    if duration * rate > MOST_SAMPLES:
+        raise ExoidError(
+            f"{duration:g} s at {rate:g} Hz are more than {MOST_SAMPLES:.0e} samples",
+            remedy="plan a shorter motion, or a lower rate: the motion itself needs few samples",
         )
     if rate < SAMPLES * highest:
         raise ExoidError(

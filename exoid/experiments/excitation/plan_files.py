@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -30,14 +31,31 @@ def write_plan(path: str | os.PathLike[str], plan: Plan) -> tuple[Path, ...]:
     Raises:
         ExoidError: The suffix is not .csv, the folder does not exist, or a file cannot be written.
     """
-    path, written = refuse_plan_name(path), []
-    for motion, recording in zip(plan.motions, plan.recordings, strict=True):
-        written.append(_named(path, "", motion.pitch, len(plan.motions)))
-        recording.to_csv(written[-1])
-    for motion, poses in zip(plan.motions, plan.poses, strict=False):
-        written.append(_named(path, "_poses", motion.pitch, len(plan.motions)))
-        write_static_protocol(written[-1], plan.model.leg, poses.q, StaticProtocol().distance)
-    return tuple(written)
+    pitches = [motion.pitch for motion in plan.motions]
+    files = plan_files(path, pitches, poses=bool(plan.poses))
+    for file, recording in zip(files, plan.recordings, strict=False):
+        recording.to_csv(file)
+    for file, poses in zip(files[len(pitches) :], plan.poses, strict=True):
+        write_static_protocol(file, plan.model.leg, poses.q, StaticProtocol().distance)
+    return files
+
+
+def plan_files(path: str | os.PathLike[str], pitches: Sequence[float], *, poses: bool) -> tuple[Path, ...]:
+    """Name the files of a plan.
+
+    Args:
+        path: Name of the file of the motion.
+        pitches: Tilt of the torso in each motion [rad].
+        poses: Whether there are static poses.
+
+    Returns:
+        A file of each motion, then a file of the poses at each tilt.
+
+    Raises:
+        ExoidError: The suffix is not .csv, or the folder does not exist.
+    """
+    path = refuse_plan_name(path)
+    return tuple(_named(path, kind, pitch, len(pitches)) for kind in ("", "_poses")[: 1 + poses] for pitch in pitches)
 
 
 def refuse_plan_name(path: str | os.PathLike[str]) -> Path:

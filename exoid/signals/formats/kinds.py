@@ -53,7 +53,8 @@ def open_table(path: str | os.PathLike[str], options: ReadOptions | None = None)
     options, file = options or ReadOptions(), os.fsdecode(path)
     kind = kind_of(Path(file), file)
     if kind not in BAGS and (options.topic is not None or options.stamps != "header"):
-        raise ExoidError("topic and stamps apply to bags only", where=file, remedy="leave them out")
+        what, command = "topic and stamps apply to bags only", "leave out --topic and --received"
+        raise ExoidError(what, where=file, remedy="leave them out", command=command)
     if options.stamps not in ("header", "received"):
         raise ExoidError(f"stamps is {options.stamps!r}", remedy='pass stamps="header" or stamps="received"')
     if kind in REFUSED:

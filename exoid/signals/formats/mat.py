@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 from exoid.errors import ExoidError
 from exoid.signals.source import Source
 
+from .bounds import refuse_expansion
+from .child import Content, read_in_child
 from .mat_elements import expanded_size, readable_variables
-from .table import ArrayTable, ReadOptions, reading, refuse_expansion, to_columns
+from .table import ArrayTable, ReadOptions, reading, to_columns
 
 REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_names', '-v7')"
 
@@ -37,6 +39,25 @@ def read_mat(file: str, options: ReadOptions) -> ArrayTable:
     Raises:
         ExoidError: The file is damaged, of version 7.3, or has no time.
     """
+    with reading(file, "a MATLAB file", REMEDY):
+        columns = read_in_child(mat_columns, file, options=options.to_json()).arrays
+        rows = len(next(iter(columns.values())))
+        return ArrayTable(file, Source.of(Path(file)), columns, np.arange(1, rows + 1))
+
+
+def mat_columns(file: str, options: Mapping[str, Any]) -> Content:
+    """Read the columns in this process, which scipy's compiled reader may end.
+
+    Args:
+        file: Path as the caller gave it.
+        options: Arguments of :class:`.table.ReadOptions`.
+
+    Returns:
+        The columns.
+
+    Raises:
+        ExoidError: As for :func:`read_mat`.
+    """
     path = Path(file)
     with reading(file, "a MATLAB file", REMEDY), warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -47,9 +68,7 @@ def read_mat(file: str, options: ReadOptions) -> ArrayTable:
         variables = {name: value for name, value in content.items() if not name.startswith("__")}
         if len(variables) == 1 and isinstance(only := next(iter(variables.values())), dict):
             variables = only
-        columns = to_columns(_flat(variables, file), file, options)
-        rows = len(next(iter(columns.values())))
-        return ArrayTable(file, Source.of(path), columns, np.arange(1, rows + 1))
+        return Content(to_columns(_flat(variables, file), file, ReadOptions(**options)))
 
 
 def _flat(variables: Mapping[str, Any], file: str, depth: int = 0) -> dict[str, NDArray[Any]]:

@@ -157,7 +157,7 @@ def _matrix(data: memoryview, order: str, depth: int = 0) -> Matrix:
     bits = struct.unpack_from(f"{order}I", flags.content)[0]
     if bits & 0xFF not in (CELL, STRUCT, CHAR, *NUMERIC):
         return Matrix("" if name is None else str(bytes(name.content), "latin1"), readable=False)
-    if shape is None or shape.kind not in (INT32, UINT32) or len(shape.content) % 4 or name is None:
+    if shape is None or shape.kind not in (INT32, UINT32) or _is_no_shape(shape.content) or name is None:
         raise ValueError("a variable without dimensions or name")
     count = math.prod(_integers(shape.content, order))
     return Matrix(str(bytes(name.content), "latin1"), _has_class(bits, count, list(elements), order, depth))
@@ -181,6 +181,11 @@ def _has_class(bits: int, count: int, rest: list[Element], order: str, depth: in
     if kinds != [MATRIX] * len(kinds) or len(kinds) != count or any(len(element.content) % 8 for element in rest):
         raise ValueError(f"{len(kinds)} cells or fields where there should be {count}")
     return all(_matrix(element.content, order, depth + 1).readable for element in rest)
+
+
+def _is_no_shape(content: memoryview) -> bool:
+    """Tell whether bytes are not two or more dimensions; scipy's reader crashes on text without any."""
+    return len(content) < 8 or len(content) % 4 != 0
 
 
 def _integers(content: memoryview, order: str) -> tuple[int, ...]:

@@ -9,7 +9,8 @@ import numpy as np
 
 from exoid.signals.source import Source
 
-from .table import ArrayTable, ReadOptions, reading, refuse_expansion, to_columns
+from .bounds import refuse_columns, refuse_expansion
+from .table import ArrayTable, ReadOptions, reading, to_columns
 
 REMEDY = "write it with np.savez(path, time=..., q=..., tau=..., joint_names=[...]), all arrays of numbers or text"
 
@@ -30,6 +31,7 @@ def read_npz(file: str, options: ReadOptions) -> ArrayTable:
     path = Path(file)
     with reading(file, "a NumPy archive", REMEDY):
         with zipfile.ZipFile(path) as archive:
+            refuse_columns(len(archive.infolist()), file)
             refuse_expansion(sum(member.file_size for member in archive.infolist()), path, file)
         with np.load(path, allow_pickle=False) as data:
             arrays = {name: np.asarray(data[name]) for name in data.files}

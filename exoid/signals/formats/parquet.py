@@ -1,9 +1,10 @@
-"""Parquet files, read by polars."""
+"""Parquet files, read by polars in a child process."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,9 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals.source import Source
 
-from .table import ReadOptions, as_column, needs, reading, refuse_expansion
+from .bounds import refuse_columns, refuse_expansion
+from .child import Content, read_in_child
+from .table import ReadOptions, as_column, needs, reading
 
 REMEDY = "check that the writer closed it; write it again"
 
@@ -49,20 +52,13 @@ class ParquetTable:
         Raises:
             ExoidError: A column does not hold numbers, or the file is damaged.
         """
-        polars = _polars(self.file)
-        refuse_expansion(8 * self.length * len(columns), Path(self.file), self.file)
         with reading(self.file, "Parquet", REMEDY):
-            frame = polars.read_parquet(self.file, columns=list(columns), glob=False, hive_partitioning=False)
-            arrays = [self._column(frame[name]) for name in columns]
-        return np.column_stack(arrays)
-
-    def _column(self, series: Any) -> FloatArray:  # noqa: ANN401 - a polars.Series
-        where = f"{self.file}, column {series.name}"
-        if series.dtype.is_decimal():
-            series = series.cast(_polars(self.file).Float64)
-        if not (series.dtype.is_numeric() or series.dtype.is_temporal()):
-            raise ExoidError(f"holds {series.dtype}, not real numbers", where=where, remedy="write numbers in SI units")
-        return as_column(series.to_numpy(), where)
+            refuse_expansion(8 * self.length * len(columns), Path(self.file), self.file)
+            arrays = read_in_child(parquet_columns, self.file, names=list(columns)).arrays
+            table = np.column_stack([arrays[name] for name in columns])
+        if len(table) != self.length:
+            raise ExoidError(f"{len(table)} rows, but {self.length} before", where=self.file, remedy="read it again")
+        return table
 
 
 def read_parquet(file: str, options: ReadOptions) -> ParquetTable:
@@ -78,16 +74,59 @@ def read_parquet(file: str, options: ReadOptions) -> ParquetTable:
     Raises:
         ExoidError: polars is missing, or the file is damaged.
     """
-    polars = _polars(file)
+    if find_spec("polars") is None:
+        raise needs("polars", "Parquet", file)
     with reading(file, "Parquet", REMEDY):
-        names = tuple(polars.read_parquet_schema(file))
+        facts = read_in_child(parquet_header, file).facts
+        return ParquetTable(file, Source.of(Path(file)), tuple(facts["names"]), int(facts["rows"]))
+
+
+def parquet_header(file: str) -> Content:
+    """Read the header in this process, which polars may end.
+
+    Args:
+        file: Path as the caller gave it.
+
+    Returns:
+        Facts: names of the columns, and number of rows.
+
+    Raises:
+        ExoidError: As for :func:`read_parquet`.
+    """
+    import polars  # noqa: PLC0415 - an extra
+
+    with reading(file, "Parquet", REMEDY):
+        names = list(polars.read_parquet_schema(file))
+        refuse_columns(len(names), file)
         rows = polars.scan_parquet(file, glob=False, hive_partitioning=False).select(polars.len()).collect().item()
-        return ParquetTable(file, Source.of(Path(file)), names, int(rows))
+        return Content({}, {"names": names, "rows": int(rows)})
 
 
-def _polars(file: str) -> Any:  # noqa: ANN401 - a module
-    try:
+def parquet_columns(file: str, names: Sequence[str]) -> Content:
+    """Read columns in this process, which polars may end.
+
+    Args:
+        file: Path as the caller gave it.
+        names: Names of the columns.
+
+    Returns:
+        The columns as numbers.
+
+    Raises:
+        ExoidError: As for :meth:`ParquetTable.numbers`.
+    """
+    import polars  # noqa: PLC0415 - an extra
+
+    with reading(file, "Parquet", REMEDY):
+        frame = polars.read_parquet(file, columns=list(names), glob=False, hive_partitioning=False)
+        return Content({name: _column(frame[name], f"{file}, column {name}") for name in names})
+
+
+def _column(series: Any, where: str) -> FloatArray:  # noqa: ANN401 - a polars.Series
+    if series.dtype.is_decimal():
         import polars  # noqa: PLC0415 - an extra
-    except ImportError:
-        raise needs("polars", "Parquet", file) from None
-    return polars
+
+        series = series.cast(polars.Float64)
+    if not (series.dtype.is_numeric() or series.dtype.is_temporal()):
+        raise ExoidError(f"holds {series.dtype}, not real numbers", where=where, remedy="write numbers in SI units")
+    return as_column(series.to_numpy(), where)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,11 +14,16 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals.source import Source
 
+from .bounds import most_memory, refuse_expansion, size_on_disk
+from .child import Content, read_in_child
 from .table import ArrayTable, ReadOptions, needs, reading
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 
 FIELDS = {"q": "position", "v": "velocity", "tau": "effort"}
+
+NUMBER = "number"
+"""Column of the numbers of the messages; columns of joints contain an underscore."""
 
 REMEDY = "check that the recorder closed the bag (ros2 bag reindex), and that folder and metadata.yaml belong together"
 
@@ -50,35 +56,61 @@ def read_rosbag(file: str, options: ReadOptions) -> ArrayTable:
     Raises:
         ExoidError: rosbags is missing, the bag is damaged, no topic or several fit, or messages disagree on joints.
     """
-    path = Path(file)
+    if find_spec("rosbags") is None:
+        raise needs("rosbags", "bags", file)
     with reading(file, "a bag", REMEDY):
-        messages = list(_messages(path, file, options))
-        if not messages:
-            raise ExoidError("no joint states in the topic", where=file, remedy="choose another topic")
-        joints, messages = _common_joints(messages, file, options)
-        columns: dict[str, NDArray[Any]] = {"time": _seconds(messages, file, options)}
-        for symbol, field in FIELDS.items():
-            values = _matrix(messages, joints, field, file)
-            if values is not None:
-                columns.update({f"{symbol}_{joint}": column for joint, column in zip(joints, values.T, strict=True)})
-        numbers = np.array([message.number for message in messages])
-        return ArrayTable(file, Source.of(path), columns, numbers, "message")
+        columns = dict(read_in_child(bag_columns, file, options=options.to_json()).arrays)
+        numbers = columns.pop(NUMBER)
+        return ArrayTable(file, Source.of(Path(file)), columns, numbers, "message")
+
+
+def bag_columns(file: str, options: Mapping[str, Any]) -> Content:
+    """Read the columns in this process, whose memory a compressed bag may fill.
+
+    Args:
+        file: Path as the caller gave it.
+        options: Arguments of :class:`.table.ReadOptions`.
+
+    Returns:
+        The columns, and the number of each message as the column :data:`NUMBER`.
+
+    Raises:
+        ExoidError: As for :func:`read_rosbag`.
+    """
+    with reading(file, "a bag", REMEDY):
+        return Content(_columns(file, ReadOptions(**options)))
+
+
+def _columns(file: str, options: ReadOptions) -> dict[str, NDArray[Any]]:
+    messages = list(_messages(Path(file), file, options))
+    if not messages:
+        raise ExoidError("no joint states in the topic", where=file, remedy="choose another topic")
+    joints, messages = _common_joints(messages, file, options)
+    numbers = np.array([message.number for message in messages])
+    columns: dict[str, NDArray[Any]] = {NUMBER: numbers, "time": _seconds(messages, file, options)}
+    for symbol, field in FIELDS.items():
+        values = _matrix(messages, joints, field, file)
+        if values is not None:
+            columns.update({f"{symbol}_{joint}": column for joint, column in zip(joints, values.T, strict=True)})
+    return columns
 
 
 def _messages(path: Path, file: str, options: ReadOptions) -> Iterator[_Message]:
     """Joint states of the topic, numbered from 0."""
-    try:
-        from rosbags import rosbag1, rosbag2  # noqa: PLC0415 - an extra
-        from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
-    except ImportError:
-        raise needs("rosbags", "bags", file) from None
+    from rosbags import rosbag1, rosbag2  # noqa: PLC0415 - an extra
+    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
+
     first = path.suffix == ".bag"
     store = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)
     decode = store.deserialize_ros1 if first else store.deserialize_cdr
     with (rosbag1.Reader if first else rosbag2.Reader)(path) as bag:
         topic = _topic({connection.topic: connection.msgtype for connection in bag.connections}, file, options.topic)
         chosen = [connection for connection in bag.connections if connection.topic == topic]
+        size, room = 0, most_memory(size_on_disk(path))
         for number, (_, received, raw) in enumerate(bag.messages(connections=chosen)):
+            size += len(raw)
+            if size > room:
+                refuse_expansion(size, path, file)
             state: Any = decode(raw, JOINT_STATE)
             stamp = state.header.stamp
             since = received if options.stamps == "received" else int(stamp.sec) * 10**9 + int(stamp.nanosec)
@@ -96,8 +128,9 @@ def _topic(kinds: Mapping[str, str], file: str, asked: str | None) -> str:
         )
     if asked is None and len(fit) != 1:
         what = f"{len(fit)} topics of joint states: {', '.join(fit)}" if fit else f"no joint states, but: {listed}"
-        remedy = 'choose with topic="..." (--topic)' if fit else f"record a topic of {JOINT_STATE}"
-        raise ExoidError(what, where=file, remedy=remedy)
+        record = f"record a topic of {JOINT_STATE}"
+        remedy, command = ('choose with topic="..." (--topic)', "choose with --topic") if fit else (record, record)
+        raise ExoidError(what, where=file, remedy=remedy, command=command)
     return asked if asked is not None else fit[0]
 
 
@@ -115,7 +148,10 @@ def _common_joints(messages: list[_Message], file: str, options: ReadOptions) ->
         if len({frozenset(joints) for joints in layouts}) > 1:
             found = "; ".join(", ".join(joints) for joints in layouts)
             raise ExoidError(
-                f"messages hold different joints: {found[:300]}", where=file, remedy="choose some with joint_names"
+                f"messages hold different joints: {found[:300]}",
+                where=file,
+                remedy="choose some with joint_names",
+                command="record the joints of one publisher, or choose its topic with --topic",
             )
         return messages[0].joints, messages
     every = dict.fromkeys(joint for joints in layouts for joint in joints)
@@ -141,6 +177,7 @@ def _seconds(messages: Sequence[_Message], file: str, options: ReadOptions) -> F
             "the headers have no time stamps",
             where=file,
             remedy='pass stamps="received" (--received) to take the time at which the bag received each message',
+            command="give --received to take the time at which the bag received each message",
         )
     return np.asarray((stamps - stamps[0]) / 1e9)
 

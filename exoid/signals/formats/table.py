@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -15,13 +16,10 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals.source import Source
 
+from .bounds import refuse_columns, refuse_expansion
+
 QUANTITIES = ("q", "v", "a", "tau")
 """Prefixes of column names: ``q_<joint>`` [rad], ``v_`` [rad/s], ``a_`` [rad/s²], ``tau_`` [N·m]."""
-
-MOST_MEMORY = 2**29
-"""Size in memory from which on the expansion of a compressed file is checked [bytes]."""
-MOST_EXPANSION = 200
-"""Largest ratio of size in memory to size on disk; measurements contain noise and compress less."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +37,20 @@ class ReadOptions:
     columns: Mapping[str, str] = field(default_factory=dict)
     topic: str | None = None
     stamps: Literal["header", "received"] = "header"
+
+    def to_json(self) -> dict[str, Any]:
+        """Describe the options by name, as values of JSON.
+
+        Returns:
+            Arguments that make equal options.
+        """
+        joints = self.joint_names
+        return {
+            "joint_names": joints if joints is None or isinstance(joints, str) else list(joints),
+            "columns": dict(self.columns),
+            "topic": self.topic,
+            "stamps": self.stamps,
+        }
 
 
 @runtime_checkable
@@ -125,6 +137,8 @@ class ArrayTable:
 
     def numbers(self, columns: Sequence[str]) -> FloatArray:
         """Read columns; dates become seconds since the first one."""
+        if Path(self.file).exists():
+            refuse_expansion(8 * len(self) * len(columns), Path(self.file), self.file)
         return np.column_stack([self._column(name) for name in columns])
 
     def _column(self, name: str) -> FloatArray:
@@ -177,10 +191,14 @@ def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, options: ReadOptio
             f"no array {time!r} of time stamps; the file has: {exists}",
             where=file,
             remedy="rename it in the file or pass columns={'time': <name in the file>}",
+            command="rename it in the file or give its name: --column time=NAME",
         )
     samples = arrays[time].size
     if samples != max(arrays[time].shape, default=1):
         raise ExoidError(f"{time} has shape {arrays[time].shape}", where=file, remedy="give one time stamp per sample")
+    if not samples:
+        raise ExoidError(f"{time} is empty", where=file, remedy="check that the logger closed the file")
+    refuse_columns(sum(math.prod(values.shape) // samples for values in arrays.values()), file)
     named = _joint_names(arrays, file)
     columns: dict[str, NDArray[Any]] = {time: arrays[time].reshape(-1)}
     for name, values in arrays.items():
@@ -196,7 +214,7 @@ def _samples_first(values: NDArray[Any], samples: int) -> NDArray[Any] | None:
     """Transpose an array so that samples are rows; None if no axis is as long as time."""
     if values.ndim == 1:
         values = values[:, np.newaxis]
-    if values.ndim != 2 or samples not in values.shape:
+    if values.ndim != 2 or samples not in values.shape or not values.size:
         return None
     return values if len(values) == samples else values.T
 
@@ -227,26 +245,6 @@ def _labels(
         if joints is not None and not isinstance(joints, str) and len(joints) == width:
             return [f"{name}_{joint}" for joint in joints]
     return [name] if width == 1 else [f"{name}[{k}]" for k in range(width)]
-
-
-def refuse_expansion(memory: int, path: Path, file: str) -> None:
-    """Refuse a file whose declared content is far larger than the file, which may be made to fill the memory.
-
-    Args:
-        memory: Size in memory [bytes].
-        path: The file.
-        file: Path as the caller gave it, for messages.
-
-    Raises:
-        ExoidError: Names both sizes.
-    """
-    size = path.stat().st_size
-    if memory > MOST_MEMORY and memory > MOST_EXPANSION * size:
-        raise ExoidError(
-            f"{size} bytes would become {memory / 1e6:.0f} MB in memory, which is not plausible for measurements",
-            where=file,
-            remedy="check where the file comes from; write it without compression if it is valid",
-        )
 
 
 @contextmanager

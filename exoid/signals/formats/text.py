@@ -6,7 +6,7 @@ import csv
 import hashlib
 import os
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,7 +17,12 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals.source import Source
 
+from .bounds import MOST_BLANK_LINES, refuse_columns
+
 DELIMITERS = (",", ";", "\t")
+
+BLOCK = 2**20
+"""Least number of characters that are split into lines at once."""
 
 
 @dataclass(frozen=True)
@@ -120,16 +125,14 @@ def read_text_table(path: str | os.PathLike[str]) -> TextTable:
     data = _read_bytes(Path(file), file)
     text = _decode(data, file).replace("\r\n", "\n").replace("\r", "\n")
     source = Source(name=Path(file).name, sha256=hashlib.sha256(data).hexdigest())
-    written = [(number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
-    content = [(number, line) for number, line in written if not line.lstrip().startswith("#")]
+    content, comments = _split_lines(text, file)
     if not content:
         raise ExoidError("no lines with data", where=file, remedy="a log has a header line, then one line per sample")
     number, first = content[0]
     delimiter = max(DELIMITERS, key=lambda mark: len(_cells(first, mark, f"{file}, line {number}")))
     header = _cells(first, delimiter, f"{file}, line {number}")
     if all(map(_is_number, header)):
-        comments = [line.lstrip("# \t") for before, line in written if before < number]
-        header = _cells(comments[-1], delimiter, file) if comments else []
+        header = _cells(comments[-1].lstrip("# \t"), delimiter, file) if comments else []
         if len(header) != first.count(delimiter) + 1:
             raise ExoidError(
                 "no header line: the first line holds only numbers",
@@ -138,12 +141,46 @@ def read_text_table(path: str | os.PathLike[str]) -> TextTable:
             )
     else:
         content = content[1:]
+    refuse_columns(len(header), file)
     for name, count in Counter(header).items():
         if name and count > 1:
             raise ExoidError(f"{count} columns are headed {name!r}", where=file, remedy="rename or drop one")
     rows = [(number, line) for number, line in content if line.strip(f'{delimiter}" \t')]
     lines = np.array([number for number, _ in rows], dtype=np.int64)
     return TextTable(file, source, tuple(header), [line for _, line in rows], lines, delimiter)
+
+
+def _split_lines(text: str, file: str) -> tuple[list[tuple[int, str]], list[str]]:
+    """Split text into numbered lines with data, and the comments before the first of them."""
+    content: list[tuple[int, str]] = []
+    comments: list[str] = []
+    number = 0
+    for start, stop in _blocks(text):
+        for line in text[start:stop].removesuffix("\n").split("\n"):
+            number += 1
+            plain = line.strip()
+            if not plain:
+                continue
+            if not plain.startswith("#"):
+                content.append((number, line))
+            elif not content:
+                comments = [line]
+        if number - len(content) > MOST_BLANK_LINES + len(content):
+            raise ExoidError(
+                f"{number - len(content)} blank lines and comments among the first {number} lines",
+                where=file,
+                remedy="check that the logger wrote the file; remove these lines",
+            )
+    return content, comments
+
+
+def _blocks(text: str) -> Iterator[tuple[int, int]]:
+    """Places of blocks of whole lines: a file of blank lines is not split into a list of all of them."""
+    start = 0
+    while start < len(text):
+        stop = text.find("\n", start + BLOCK) + 1 or len(text)
+        yield start, stop
+        start = stop
 
 
 def _read_bytes(path: Path, file: str) -> bytes:
@@ -178,6 +215,7 @@ def _decode(data: bytes, file: str) -> str:
 
 
 def _cells(line: str, delimiter: str, where: str) -> list[str]:
+    refuse_columns(line.count(delimiter) + 1, where)
     try:
         cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
     except csv.Error as problem:

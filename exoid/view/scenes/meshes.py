@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from errno import ENOENT
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.signals.formats.child import Content, read_in_child
 
 IndexArray = NDArray[np.int64]
 
@@ -21,6 +23,15 @@ The first number that leaves at most :data:`MAX_TRIANGLES` is used."""
 
 MAX_TRIANGLES = 20_000
 """Largest number of triangles of a mesh."""
+
+PACKAGE = "package.xml"
+"""File in the folder of a package of ROS."""
+
+LONGEST_NAME = 200
+"""Number of characters of a name in messages."""
+
+SMALLEST_SCALE, LARGEST_MESH = 1e-9, 1e6
+"""Smallest scale of a mesh, and largest coordinate of its vertices [m]."""
 
 CREASE = np.cos(np.deg2rad(40.0))
 """Cosine of the crease angle: faces that meet at a larger angle keep a sharp edge."""
@@ -40,27 +51,66 @@ class Mesh(NamedTuple):
     triangles: IndexArray
 
 
-def find_mesh(name: str, folder: Path | None) -> Path | None:
-    """Find the file of a mesh.
+def find_mesh(name: str, folder: Path | None) -> Path:
+    """Find the file of a mesh below the folder of the URDF, or in a package.
+
+    A page with the mesh may be meant for others. So a URDF from elsewhere must not choose any file of this machine:
+    absolute paths, ``file://…`` and paths with ``..`` count only if they lead to a file in one of these folders.
 
     Args:
         name: Name in the URDF: a path, ``file://…``, or ``package://package/…``.
-        folder: Folder of the URDF, of the package, or of several packages. ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are
-            searched too.
+        folder: Folder of the URDF, of the package, or of several packages; None for the present folder. If a folder
+            above it is a package (with package.xml, or its parent with the package's name), that is searched too, and
+            so are ROS_PACKAGE_PATH and AMENT_PREFIX_PATH.
 
     Returns:
-        Path of the file, or None if it does not exist.
+        Path of the file.
+
+    Raises:
+        FileNotFoundError: There is no such file in these folders; says whether it is outside.
     """
-    folders = [] if folder is None else [folder.resolve(), *folder.resolve().parents]
-    if name.startswith("package://"):
-        folders += [Path(p) for p in os.environ.get("ROS_PACKAGE_PATH", "").split(":") if p]
-        folders += [Path(p) / "share" for p in os.environ.get("AMENT_PREFIX_PATH", "").split(":") if p]
-        package, _, rest = name.removeprefix("package://").partition("/")
-        candidates = [place / package / rest for place in folders]
-        candidates += [place / rest for place in folders if place.name == package]
-    else:
-        plain = name.removeprefix("file://")
-        candidates = [place / plain for place in folders[:1]] or [Path(plain)]
+    try:
+        here = Path() if folder is None else folder
+        found = _in_package(name, here) if name.startswith("package://") else _in_folder(name, here.resolve())
+    except (OSError, ValueError) as problem:  # a name that is too long, a null byte, no permission
+        reason = getattr(problem, "strerror", None) or problem
+        raise FileNotFoundError(f"mesh {name[:LONGEST_NAME]!r} not found ({reason})") from None
+    if found is None:
+        raise FileNotFoundError(f"mesh {name!r} not found")
+    return found
+
+
+def _in_folder(name: str, folder: Path) -> Path | None:
+    """Find a mesh by its path, in the folder of the URDF and in the package around it."""
+    path = folder / name.removeprefix("file://")
+    roots = [folder, *(above for above in folder.parents if (above / PACKAGE).is_file())]
+    if path.is_file() and not any(path.resolve().is_relative_to(root) for root in roots):
+        raise FileNotFoundError(ENOENT, f"it is outside of {folder}: copy it there, or name its folder")
+    parts = Path(name.removeprefix("file://")).parts
+    plain = folder.joinpath(*(part for part in parts if part not in ("..", "/")))
+    return next((each for each in (path, plain) if each.is_file()), None)
+
+
+def _in_package(name: str, folder: Path) -> Path | None:
+    """Find a mesh of a package; links in packages on the path of ROS may lead elsewhere, as colcon makes them."""
+    package, _, rest = name.removeprefix("package://").partition("/")
+    if package in ("", ".", "..") or ".." in Path(rest).parts or Path(rest).is_absolute():
+        raise FileNotFoundError(ENOENT, "its path leads out of the package")
+    here = folder.resolve()
+    named = [above for above in (here, *here.parents) if above.name == package]
+    inside = [
+        here / package,
+        *(above for above in named if above in (here, here.parent) or (above / PACKAGE).is_file()),
+    ]
+    beside = [above / package for above in here.parents if (above / package / PACKAGE).is_file()]
+    for root in (*inside, *beside):
+        path = root / rest
+        if path.is_file() and path.resolve().is_relative_to(root):
+            return path
+    listed = [Path(p) for p in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if p]
+    listed += [Path(p) / "share" for p in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
+    candidates = [place / package / rest for place in listed]
+    candidates += [place / rest for place in listed if place.name == package]
     return next((path for path in candidates if path.is_file()), None)
 
 
@@ -75,17 +125,38 @@ def load_mesh(path: Path, scale: FloatArray) -> Mesh:
         The mesh.
 
     Raises:
-        ValueError: The file is not a mesh that Assimp can read.
+        ValueError: The scale is zero or far from one, or the file is not a mesh of finite numbers.
+        ExoidError: The file ends the process that reads it.
     """
-    read = coal.MeshLoader().load(str(path.resolve()), scale)
-    indices = [read.tri_indices(i) for i in range(read.num_tris)]
-    triangles = np.array([(t[0], t[1], t[2]) for t in indices])
-    vertices = np.asarray(read.vertices())
+    if not (np.isfinite(scale).all() and (np.abs(scale) >= SMALLEST_SCALE).all() and (np.abs(scale) <= 1e9).all()):
+        raise ValueError(f"scale {' '.join(f'{each:g}' for each in scale)}")
+    arrays = read_in_child(mesh_arrays, str(path.resolve()), scale=scale.tolist()).arrays
+    vertices, triangles = arrays["vertices"], arrays["triangles"]
+    if not len(triangles) or not np.isfinite(vertices).all() or np.abs(vertices).max() > LARGEST_MESH:
+        raise ValueError(f"no triangles, or vertices beyond {LARGEST_MESH:.0e} m")
+    if not np.ptp(vertices, axis=0).max() > 0.0:
+        raise ValueError("all vertices are one point")
     for cells in GRID_CELLS:
         points, simplified = _simplify(vertices, triangles, cells)
         if len(simplified) <= MAX_TRIANGLES:
             break
     return _with_normals(points, simplified)
+
+
+def mesh_arrays(file: str, scale: list[float]) -> Content:
+    """Read a mesh in this process, which a damaged file may end.
+
+    Args:
+        file: Path of the file.
+        scale: Scale along x, y and z.
+
+    Returns:
+        ``vertices`` [m], (V, 3), and ``triangles``, indices of three vertices each, (F, 3).
+    """
+    read = coal.MeshLoader().load(file, np.array(scale))
+    indices = [read.tri_indices(i) for i in range(read.num_tris)]
+    triangles = np.array([(t[0], t[1], t[2]) for t in indices], dtype=np.int64).reshape(-1, 3)
+    return Content({"vertices": np.array(read.vertices(), dtype=np.float64).reshape(-1, 3), "triangles": triangles})
 
 
 def _simplify(points: FloatArray, triangles: IndexArray, grid_cells: int) -> tuple[FloatArray, IndexArray]:

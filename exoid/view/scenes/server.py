@@ -8,7 +8,9 @@ process and ends with it.
 from __future__ import annotations
 
 import json
+import os
 import queue
+import sys
 import threading
 from collections.abc import Mapping
 from http import HTTPStatus
@@ -27,6 +29,13 @@ DEFAULT_PORT = 7000
 
 HEARTBEAT = 5.0
 """Time after which a closed browser is noticed [s]."""
+
+
+PATIENCE = 10.0
+"""Time after which a connection that sends no request, or takes no data, is closed [s]."""
+
+MOST_CONNECTIONS = 64
+"""Largest number of connections at once; an open page needs one, and a second one while it loads."""
 
 
 class PosableScene(Protocol):
@@ -141,16 +150,42 @@ class SceneServer:
 
 
 class _Server(ThreadingHTTPServer):
+    """Serves at most :data:`MOST_CONNECTIONS` at once, each in a thread; others are closed unanswered."""
+
     daemon_threads = True
     block_on_close = False
-    allow_reuse_address = True
+    allow_reuse_address = os.name == "posix"  # on Windows it would let another program take the port
     scene_server: SceneServer
+
+    def __init__(self, address: tuple[str, int], handler: type[BaseHTTPRequestHandler]) -> None:
+        self._free = threading.BoundedSemaphore(MOST_CONNECTIONS)
+        super().__init__(address, handler)
+
+    def process_request(self, request: Any, client_address: Any) -> None:  # noqa: ANN401 - as in the standard library
+        """Start a thread for a connection, if one is free."""
+        if self._free.acquire(blocking=False):
+            super().process_request(request, client_address)
+        else:
+            self.shutdown_request(request)
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:  # noqa: ANN401
+        """Serve a connection in its thread."""
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._free.release()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:  # noqa: ANN401
+        """Ignore a browser that hangs up; report any other error as the standard library does."""
+        if not isinstance(sys.exc_info()[1], OSError):
+            super().handle_error(request, client_address)
 
 
 class _Handler(BaseHTTPRequestHandler):
     """Answers "/" with the page, and "/events" with commands as server-sent events."""
 
     server: _Server
+    timeout = PATIENCE
     server_version = "exoid"
     sys_version = ""
 

@@ -62,7 +62,8 @@ class Skeleton:
         pin.computeJointJacobians(self.leg.model, data, pin.neutral(self.leg.model))
         columns = []
         for j in range(1, self.leg.model.njoints):
-            J = pin.getJointJacobian(self.leg.model, data, j, pin.ReferenceFrame.LOCAL)
+            local = pin.getJointJacobian(self.leg.model, data, j, pin.ReferenceFrame.LOCAL)
+            J = local.reshape(6, self.leg.model.nv)  # Pinocchio returns a vector for one joint
             column = J[:, self.leg.model.joints[j].idx_v]
             columns.append(column[3:] if np.linalg.norm(column[3:]) > 0.5 else column[:3])
         return np.array(columns)

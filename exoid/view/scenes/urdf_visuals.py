@@ -85,11 +85,9 @@ def _geometries(element: etree._Element, material: Material, folder: Path | None
 def _mesh(shape: etree._Element, material: Material, folder: Path | None, where: str) -> Visual:
     """Read a ``<mesh>``; raise FileNotFoundError if it is missing or not a mesh."""
     name = shape.get("filename", "")
-    path = find_mesh(name, folder)
-    if path is None:
-        raise FileNotFoundError(f"mesh {name!r} not found")
+    path, scale = find_mesh(name, folder), _numbers(shape, "scale", 3, where, "1 1 1")
     try:
-        mesh = load_mesh(path, _numbers(shape, "scale", 3, where, "1 1 1"))
+        mesh = load_mesh(path, scale)
     except Exception as error:  # the reader of meshes raises errors of several kinds
         raise FileNotFoundError(f"mesh {name!r} cannot be read ({error})") from error
     return triangle_mesh(mesh.points, mesh.normals, mesh.triangles, material)

@@ -1,0 +1,88 @@
+"""The motion of a log as a reference: a smooth curve through its angles, with exact derivatives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid.errors import ExoidError
+from exoid.rig import Target
+from exoid.signals import Recording, choose_cutoff
+
+DEGREE = 5
+"""Degree of the polynomials, whose accelerations are smooth."""
+
+KNOTS_A_PERIOD = 6.0
+"""Knots in a period of the highest frequency that is kept."""
+
+SAMPLES_A_KNOT = 2.5
+"""Least number of samples between two knots."""
+
+
+@dataclass(frozen=True, repr=False)
+class FollowedLog:
+    """Motion of a log, of one rig; it rests at its ends outside the log.
+
+    Attributes:
+        curve: Angles [rad] as a spline of the time since the first sample [s].
+        duration: Duration of the log [s].
+    """
+
+    curve: scipy.interpolate.BSpline
+    duration: float
+
+    def __repr__(self) -> str:
+        """Count joints; name the duration."""
+        return f"FollowedLog({self.curve.c.shape[1]} joints, {self.duration:g} s)"
+
+    def at(self, time: float) -> Target:
+        """Evaluate the motion.
+
+        Args:
+            time: Time since the first sample [s].
+
+        Returns:
+            Angles, velocities and accelerations.
+        """
+        t = min(max(time, 0.0), self.duration)
+        q, v, a = (self.curve(t, order)[:, np.newaxis] for order in range(3))
+        return Target(q, v, a) if t == time else Target(q, np.zeros_like(q), np.zeros_like(q))
+
+
+def follow_log(recording: Recording) -> FollowedLog:
+    """Fit a spline to the angles of a log by least squares.
+
+    The knots lie so close that the spline follows all frequencies below the cut-off of :func:`.choose_cutoff`, and so
+    far apart that it leaves out the noise above.
+
+    Args:
+        recording: The log.
+
+    Returns:
+        Its motion.
+
+    Raises:
+        ExoidError: The log is too short, or time has a gap.
+
+    Example:
+        >>> time = np.arange(500) / 100.0
+        >>> log = Recording(time=time, q=np.sin(time**1.5)[:, np.newaxis], joint_names=("knee",))
+        >>> abs(follow_log(log).at(3.0).q[0, 0] - np.sin(3.0**1.5)) < 1e-4
+        np.True_
+    """
+    even = recording.resampled()
+    spacing = max(1.0 / (KNOTS_A_PERIOD * choose_cutoff([even])), SAMPLES_A_KNOT / even.sample_rate)
+    count = int(even.duration / spacing)
+    if count < 1 or len(even) < count + DEGREE + 1:
+        raise ExoidError(
+            f"a log of {len(even)} samples is too short to follow",
+            where=even.source.name if even.source else "",
+            remedy="give one of several seconds",
+        )
+    time = even.time - even.time[0]
+    inner = np.linspace(0.0, time[-1], count + 1)[1:-1]
+    ends = np.zeros(DEGREE + 1)
+    knots = np.concatenate([ends, inner, ends + time[-1]])
+    return FollowedLog(scipy.interpolate.make_lsq_spline(time, even.q, knots, DEGREE), float(time[-1]))

@@ -1,0 +1,261 @@
+"""Read thousands of mutated files of each kind in a child process: none may crash it, fill its memory or take long.
+
+    python scripts/mutate_files.py [--files 20000] [--kinds mat,parquet,…] [--seed 0]
+
+A finding is a child that dies, uses more than 1 GB, or takes more than 20 s on one file, or an error that is no
+ExoidError of one line. The file of each finding is kept in ``mutated/``; the exit status is their number.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+
+MOST_MEMORY, MOST_SECONDS = 2**30, 20.0
+"""Largest memory of the process that reads [bytes], and longest time for one file [s]."""
+
+KINDS = (
+    "csv",
+    "npz",
+    "mat",
+    "struct.mat",
+    "parquet",
+    "mcap",
+    "db3",
+    "bag",
+    "urdf",
+    "estimate",
+    "sidecar",
+    "stl",
+    "ply",
+)
+INTERESTING = (0, 1, 0x7F, 0x80, 0xFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 10**12, 2**63 - 1, 2**64 - 1)
+"""Numbers at which readers go wrong."""
+
+WORDS = (b"1e308", b"nan", b"-inf", b"\n", b"\0", b"[", b"{", b'"', b"<", b",,,,", b"99999999999999999999", b"1e-320")
+"""Texts at which readers go wrong."""
+
+
+class Finding(NamedTuple):
+    """A file that is read wrongly, and what happened."""
+
+    kind: str
+    what: str
+    content: bytes
+
+
+def seeds(folder: Path) -> dict[str, bytes]:
+    """Write a small valid file of each kind, and read its bytes."""
+    sys.path.insert(0, str(ROOT / "tests"))
+    import log_writers  # noqa: PLC0415 - a module of the tests
+    import one_joint  # noqa: PLC0415
+    from rosbags.rosbag2 import StoragePlugin  # noqa: PLC0415 - an extra
+
+    import exoid  # noqa: PLC0415
+
+    leg = one_joint.write_urdf(folder / "urdf")
+    log = one_joint.swing(leg, seconds=4.0)
+    estimate = exoid.identify(leg, log)
+    short = log.slice(0, 40)
+    short.to_csv(folder / "csv")
+    for kind, name in (
+        ("npz", "log.npz"),
+        ("mat", "log.mat"),
+        ("struct.mat", "struct.mat"),
+        ("parquet", "log.parquet"),
+    ):
+        log_writers.WRITERS[name](folder / kind, short)
+    for kind, plugin in (("mcap", StoragePlugin.MCAP), ("db3", StoragePlugin.SQLITE3)):
+        log_writers.write_bag(folder / f"{kind}_bag", {"/joints": log_writers.messages(short)}, plugin=plugin)
+        next((folder / f"{kind}_bag").glob(f"*.{kind}")).rename(folder / kind)
+    log_writers.write_bag1(folder / "bag", log_writers.messages(short))
+    estimate.save(folder / "estimate")
+    estimate.to_urdf(folder / "leg.urdf")
+    (folder / "leg.exoid.json").rename(folder / "sidecar")
+    (folder / "stl").write_bytes(
+        bytes(80) + (2).to_bytes(4, "little") + np.arange(24, dtype="<f4").tobytes() + bytes(4)
+    )
+    (folder / "ply").write_bytes(
+        b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        b"element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+    )
+    return {kind: (folder / kind).read_bytes() for kind in KINDS}
+
+
+def mutated(content: bytes, rng: np.random.Generator) -> bytes:
+    """Change bytes, numbers, stretches and words at up to eight places."""
+    data = bytearray(content)
+    for _ in range(int(rng.integers(1, 9))):
+        place = int(rng.integers(0, len(data) + 1))
+        way = int(rng.integers(0, 8))
+        if way == 0 and place < len(data):
+            data[place] ^= 1 << int(rng.integers(0, 8))
+        elif way == 1:
+            data[place : place + 1] = rng.bytes(1)
+        elif way == 2:
+            size = int(rng.choice([1, 2, 4, 8]))
+            number = INTERESTING[int(rng.integers(0, len(INTERESTING)))] % 256**size
+            data[place : place + size] = number.to_bytes(size, "little" if rng.integers(0, 2) else "big")
+        elif way == 3:
+            del data[place : place + int(rng.integers(1, 64))]
+        elif way == 4:
+            start = int(rng.integers(0, len(data) + 1))
+            data[place:place] = data[start : start + int(rng.integers(1, 256))]
+        elif way == 5:
+            data[place : place + int(rng.integers(0, 9))] = WORDS[int(rng.integers(0, len(WORDS)))]
+        elif way == 6 and rng.integers(0, 8) == 0:
+            del data[place:]
+        elif way == 7 and rng.integers(0, 8) == 0:
+            data[place:place] = WORDS[int(rng.integers(0, len(WORDS)))] * int(rng.integers(2, 2000))
+    return bytes(data)
+
+
+def reader_of(kind: str) -> Callable[[Path], Any]:
+    """Find the function that reads a file of a kind."""
+    import exoid  # noqa: PLC0415
+    from exoid.exported import read_exported  # noqa: PLC0415
+    from exoid.view.scenes.meshes import load_mesh  # noqa: PLC0415
+
+    if kind == "urdf":
+        return exoid.Leg.from_urdf
+    if kind == "estimate":
+        return lambda path: str(exoid.Estimate.load(path))
+    if kind == "sidecar":
+        return lambda path: read_exported(path.with_name("leg.urdf"))
+    if kind in ("stl", "ply"):
+        return lambda path: load_mesh(path, np.ones(3))
+    return exoid.Recording.from_file
+
+
+def name_of(kind: str) -> str:
+    """Name of a file of a kind, by which it is recognised."""
+    names = {"sidecar": "leg.exoid.json", "estimate": "est.json", "urdf": "bad.urdf", "struct.mat": "log.mat"}
+    return names.get(kind, f"log.{kind}")
+
+
+def serve(kind: str, folder: Path) -> None:
+    """Read the file that each line of standard input announces; print an error that should not be, and the memory."""
+    import exoid  # noqa: PLC0415
+
+    read, path = reader_of(kind), folder / name_of(kind)
+    for _ in sys.stdin:
+        what = ""
+        try:
+            read(path)
+        except exoid.ExoidError as error:
+            if "\n" in str(error) or not error.what.strip():
+                what = f"not one line: {error}"
+        except ValueError as error:
+            what = "" if kind in ("stl", "ply") else repr(error)
+        except Exception as error:
+            what = repr(error)
+        print(json.dumps({"what": what[:500], "memory": peak()}), flush=True)
+
+
+def peak() -> int:
+    """Largest memory of this process and of those that it has started [bytes]."""
+    import psutil  # noqa: PLC0415 - an extra of the tests
+
+    own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    ended = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
+    running = [_high_water(child.pid) for child in psutil.Process().children(recursive=True)]
+    return int(max([own, ended, *running]))
+
+
+def _high_water(pid: int) -> int:
+    try:
+        lines = Path(f"/proc/{pid}/status").read_text(encoding="ascii").splitlines()
+    except OSError:
+        return 0
+    return next((int(line.split()[1]) * 1024 for line in lines if line.startswith("VmHWM")), 0)
+
+
+def findings(kind: str, seed: bytes, folder: Path, count: int, rng: np.random.Generator) -> Iterator[Finding]:
+    """Let a child read mutated files, and start another one where it dies."""
+    path, child = folder / name_of(kind), None
+    for _ in range(count):
+        content = mutated(seed, rng)
+        path.write_bytes(content)
+        child = child or _child(kind, folder)
+        late, began = threading.Timer(MOST_SECONDS, child.kill), time.monotonic()
+        late.start()
+        reply = _ask(child)
+        late.cancel()
+        if reply is None:
+            seconds = time.monotonic() - began
+            yield Finding(kind, f"status {child.wait()} after {seconds:.1f} s", content)
+            child = None
+        elif reply["what"]:
+            yield Finding(kind, reply["what"], content)
+        elif reply["memory"] > MOST_MEMORY:
+            yield Finding(kind, f"{reply['memory'] / 1e6:.0f} MB", content)
+            child.kill()
+            child = None
+    if child is not None:
+        child.kill()
+        child.wait()
+
+
+def _child(kind: str, folder: Path) -> subprocess.Popen[str]:
+    command = [sys.executable, "-W", "ignore", __file__, "--serve", kind, str(folder)]
+    return subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=ROOT
+    )
+
+
+def _ask(child: subprocess.Popen[str]) -> dict[str, Any] | None:
+    """Let the child read the file; None if it has ended."""
+    assert child.stdin is not None
+    assert child.stdout is not None
+    try:
+        child.stdin.write("\n")
+        child.stdin.flush()
+        line = child.stdout.readline()
+    except OSError:
+        return None
+    return json.loads(line) if line else None
+
+
+def main() -> int:
+    """Mutate and read, and print a line for each kind."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--files", type=int, default=20_000)
+    parser.add_argument("--kinds", default=",".join(KINDS))
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--keep", type=Path, default=Path("mutated"))
+    parser.add_argument("--serve", nargs=2, metavar=("KIND", "FOLDER"))
+    words = parser.parse_args()
+    if words.serve:
+        serve(words.serve[0], Path(words.serve[1]))
+        return 0
+    total = 0
+    with tempfile.TemporaryDirectory() as name:
+        contents = seeds(Path(name))
+        for kind in words.kinds.split(","):
+            began, count = time.monotonic(), 0
+            rng = np.random.default_rng([words.seed, KINDS.index(kind)])
+            for finding in findings(kind, contents[kind], Path(name), words.files, rng):
+                words.keep.mkdir(exist_ok=True)
+                (words.keep / f"{count}-{name_of(kind)}").write_bytes(finding.content)
+                print(f"  {kind}: {finding.what}", flush=True)
+                count += 1
+            print(f"{kind}: {words.files} files in {time.monotonic() - began:.0f} s, {count} findings", flush=True)
+            total += count
+    return min(total, 100)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,125 @@
+"""Whatever happens, a command ends in one line."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+import exoid
+from exoid.cli.app import describe_error
+from exoid.cli.verbs import VERBS, load_verb
+
+PROGRAM = "from exoid.cli import main; main()"
+
+
+def fail(*_, **__):
+    raise LookupError("one\ntwo")
+
+
+def test_an_unexpected_error_is_one_line_and_the_traceback_an_option(exoid_, monkeypatch):
+    monkeypatch.setattr("exoid.cli.inputs.load_leg", fail)
+    run = exoid_("view", "bleex", "--html", "leg.html")
+    assert (run.code, run.out) == (1, "")
+    assert run.err.startswith("exoid: LookupError: one two. To fix it: run again with --traceback")
+    assert run.err.count("\n") == 1
+    for words in (("--traceback", "view", "bleex"), ("view", "bleex", "--traceback")):
+        with pytest.raises(LookupError, match="one"):
+            exoid_(*words)
+
+
+def test_bad_input_shows_its_traceback_too_when_asked(exoid_):
+    assert exoid_("validate", "none.json", "log.csv").code == 2
+    with pytest.raises(exoid.ExoidError, match=r"none\.json"):
+        exoid_("validate", "none.json", "log.csv", "--traceback")
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (OSError(28, "No space left on device", "/tmp/x"), "/tmp/x: No space left on device. To fix it: "),
+        (MemoryError(), "not enough memory"),
+        (ZeroDivisionError("float division"), "ZeroDivisionError: float division. To fix it: "),
+    ],
+)
+def test_errors_of_the_system_are_told_from_those_of_the_program(error, words):
+    line, status = describe_error(error)
+    assert words in line
+    assert "\n" not in line
+    assert status == (1 if isinstance(error, ZeroDivisionError) else 2)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
+@pytest.mark.parametrize("verb", [("--help",), ("compare", "a.json", "b.json")])
+def test_a_full_device_as_standard_output_is_one_line(verb, tmp_path):
+    data = exoid.datasets.bleex_swing()
+    exoid.identify(data.leg, data.train).save(tmp_path / "a.json")
+    exoid.identify(data.leg, data.test).save(tmp_path / "b.json")
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM, *verb],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+            cwd=tmp_path,
+        )
+    assert done.returncode == 2
+    assert done.stderr == "exoid: No space left on device. To fix it: check this file, free space and permissions\n"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files that are not text")
+def test_a_log_with_a_name_that_is_no_text_goes_through_all_of_it(tmp_path):
+    name = os.fsdecode(b"log\xff.csv")
+    data = exoid.datasets.bleex_swing()
+    data.train.to_csv(tmp_path / name)
+    words = ["identify", "bleex", name, "--test", name, "-o", "est.json", "--report", "report.html"]
+    for command in (words, ["validate", "est.json", name], ["validate", "est.json", f"none{name}"]):
+        done = subprocess.run([sys.executable, "-c", PROGRAM, *command], capture_output=True, check=False, cwd=tmp_path)
+        assert done.returncode == (2 if "none" in command[-1] else 0), done.stderr
+        assert b"Traceback" not in done.stderr
+    stored = json.loads((tmp_path / "est.json").read_text(encoding="utf-8"))
+    assert stored["inputs"][0]["name"] == "log\\xff.csv"
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_the_help_shows_every_unit(verb, exoid_, monkeypatch):
+    """Rich takes [s] for markup, and drops it."""
+    monkeypatch.setenv("COLUMNS", "400")
+    texts = [parameter.help for parameter in load_verb(verb).params if getattr(parameter, "help", None)]
+    units = [word for text in texts for word in text.replace("\\[", "[").split() if word.startswith("[")]
+    shown = exoid_(verb, "--help").out
+    for unit in set(units):
+        assert shown.count(unit) >= units.count(unit), unit
+    assert "\\[" not in shown
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_sigterm_ends_the_workers_of_a_study_too(tmp_path):
+    """Workers that live on keep the pipe open, and work for minutes."""
+    words = ["study", "bleex", "--workers", "2", "--replicates", "4000", "--protocols", "document"]
+    command = [sys.executable, "-c", PROGRAM, *words]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, cwd=tmp_path) as process:
+        study, until = psutil.Process(process.pid), time.monotonic() + 120.0
+        while time.monotonic() < until and len(busy(study)) < 2:
+            time.sleep(0.2)
+        workers = study.children(recursive=True)
+        assert len(workers) >= 2
+        process.send_signal(signal.SIGTERM)
+        _, error = process.communicate(timeout=60.0)
+        assert (process.returncode, b"Traceback" in error) == (128 + signal.SIGTERM, False)
+        assert not psutil.wait_procs(workers, timeout=30.0)[1]
+
+
+def busy(process):
+    """Children that have worked for some seconds."""
+    return [child for child in process.children(recursive=True) if child.cpu_times().user > 2.0]

@@ -1,0 +1,54 @@
+"""Every verb works on a leg of one joint."""
+
+from __future__ import annotations
+
+import shutil
+
+import pytest
+from one_joint import swing, write_urdf
+
+import exoid
+from exoid.cli.verbs import VERBS
+
+COMMANDS = {
+    "identify": "identify one.urdf log.csv --test test.csv -o new.json --report report.html",
+    "identify --own": "identify one.urdf log.csv test.csv --own offset --terms coulomb,offset,viscous -o own.json",
+    "select": "select one.urdf log.csv --friction coulomb --test test.csv",
+    "validate": "validate est.json test.csv",
+    "compare": "compare est.json other.json",
+    "export": "export est.json -o leg.urdf",
+    "export --c": "export est.json --c leg.c",
+    "plan": "plan one.urdf --duration 10 --starts 1 --poses 5 -o plan.csv --figure plan.png",
+    "plan --assess": "plan one.urdf --assess log.csv --figure plan.png",
+    "view": "view one.urdf --html leg.html",
+    "view --log": "view est.json --log log.csv --html leg.html",
+    "stability": "stability est.json --kp 50 --target 10 --away 20 --duration 2 --figure runs.png",
+    "study": "study one.urdf --replicates 2 --duration 10 --laws pd --course planned",
+    "track": "track est.json --period 2 --report report.html --figures figures",
+    "track --reference": "track est.json --reference test.csv --report report.html",
+}
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("one")
+    leg = write_urdf(folder / "one.urdf")
+    for seed, (log, estimate) in enumerate((("log", "est"), ("test", "other"))):
+        swing(leg, seconds=8.0, seed=seed).to_csv(folder / f"{log}.csv")
+        exoid.identify(leg, exoid.Recording.from_csv(folder / f"{log}.csv")).save(folder / f"{estimate}.json")
+    return folder
+
+
+def test_every_verb_is_here():
+    assert {command.split()[0] for command in COMMANDS} == set(VERBS) - {"reproduce"}
+
+
+SLOW = ("study", "track")
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n in SLOW else ()) for n in COMMANDS])
+def test_a_verb_works_on_one_joint(inputs, tmp_path, exoid_, name):
+    shutil.copytree(inputs, tmp_path, dirs_exist_ok=True)
+    run = exoid_(*COMMANDS[name].split())
+    assert (run.code, "Error" in run.err) == (0, False), run.err
+    assert "hip" in run.out or "html" in run.out or "urdf" in run.out

@@ -1,0 +1,128 @@
+"""No verb writes over what it reads, or into what is no file."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+import exoid
+from exoid.cli import main
+
+IDENTIFY = ("identify", "leg.urdf", "logs/log.csv", "--joints", "left_hip,left_knee,left_ankle")
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory):
+    """A folder with a URDF, a log and an estimate."""
+    folder = tmp_path_factory.mktemp("inputs")
+    data = exoid.datasets.bleex_swing()
+    (folder / "leg.urdf").write_bytes((exoid.catalog.urdf_folder() / "bleex.urdf").read_bytes())
+    (folder / "logs").mkdir()
+    data.train.to_csv(folder / "logs" / "log.csv")
+    exoid.identify(exoid.Leg.from_urdf(folder / "leg.urdf", data.train.joint_names), data.train).save(
+        folder / "est.json"
+    )
+    shutil.copy(folder / "est.json", folder / "leg.exoid.json")
+    return folder
+
+
+@pytest.fixture
+def run(inputs, tmp_path, monkeypatch, capsys):
+    """Run a verb beside copies of the inputs; return the line on standard error after it was refused with status 2."""
+    shutil.copytree(inputs, tmp_path, dirs_exist_ok=True)
+    monkeypatch.chdir(tmp_path)
+
+    def _run(*words):
+        before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+        monkeypatch.setattr("sys.argv", ["exoid", *words])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        line = capsys.readouterr().err
+        assert ended.value.code == 2, line
+        assert line.count("\n") == 1
+        assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+        return line
+
+    return _run
+
+
+@pytest.mark.parametrize(
+    ("words", "file"),
+    [
+        ((*IDENTIFY, "-o", "logs/log.csv"), "logs/log.csv"),
+        ((*IDENTIFY, "-o", "leg.urdf"), "leg.urdf"),
+        ((*IDENTIFY, "--report", "leg.urdf"), "leg.urdf"),
+        ((*IDENTIFY, "--test", "est.json", "--report", "est.json"), "est.json"),
+        (("identify", "leg.urdf", "logs", "-o", "logs/log.csv"), "logs/log.csv"),
+        (("select", "leg.urdf", "logs/log.csv", "-o", "logs/log.csv"), "logs/log.csv"),
+        (("export", "est.json", "-o", "leg.urdf"), "leg.urdf"),
+        (("export", "est.json", "-o", "est.json"), "est.json"),
+        (("export", "leg.exoid.json", "-o", "leg.urdf"), "leg.exoid.json"),
+        (("export", "est.json", "--c", "est.json"), "est.json"),
+        (("view", "leg.urdf", "--html", "leg.urdf"), "leg.urdf"),
+        (("view", "leg.urdf", "--log", "logs/log.csv", "--html", "logs/log.csv"), "logs/log.csv"),
+        (("plan", "leg.urdf", "--assess", "logs/log.csv", "--figure", "logs/log.csv"), "logs/log.csv"),
+        (("stability", "est.json", "--figure", "est.json"), "est.json"),
+        (("track", "est.json", "--reference", "logs/log.csv", "--report", "logs/log.csv"), "logs/log.csv"),
+        (("track", "est.json", "--report", "est.json"), "est.json"),
+    ],
+)
+def test_an_output_that_is_an_input_is_refused_before_anything_is_read(run, words, file):
+    line = run(*words)
+    assert f"{file}: is an input" in line
+    assert "give the output another name" in line
+
+
+def test_an_estimate_of_each_log_does_not_replace_a_log(run):
+    shutil.copy("logs/log.csv", "est-log.csv")
+    line = run("identify", "leg.urdf", "logs/log.csv", "est-log.csv", "--own", "offset", "-o", "est.csv")
+    assert "est-log.csv: is an input" in line
+
+
+def test_two_outputs_have_two_names(run):
+    assert "name one file" in run(*IDENTIFY, "-o", "new.html", "--report", "./new.html")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="devices and pipes of POSIX")
+@pytest.mark.parametrize(
+    "words",
+    [
+        (*IDENTIFY, "-o"),
+        (*IDENTIFY, "--report"),
+        ("select", "leg.urdf", "logs/log.csv", "-o"),
+        ("export", "est.json", "-o"),
+        ("view", "leg.urdf", "--html"),
+        ("reproduce", "bleex", "--report"),
+        ("stability", "est.json", "--figure"),
+    ],
+)
+def test_devices_and_pipes_are_refused(run, words):
+    master, slave = os.openpty()  # a terminal: no writer can replace it, not even root's
+    assert "device or a pipe" in run(*words, os.ttyname(slave))
+    os.mkfifo("pipe")
+    assert "device or a pipe" in run(*words, "pipe")
+    os.close(master)
+    os.close(slave)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        (*IDENTIFY, "-o", "none/est.json"),
+        ("select", "leg.urdf", "logs/log.csv", "-o", "none/est.json"),
+        ("plan", "leg.urdf", "-o", "plan.csv", "--figure", "none/plan.png"),
+        ("view", "leg.urdf", "--html", "none/leg.html"),
+        ("study", "bleex", "-o", "est.json"),
+    ],
+)
+def test_rights_are_checked_before_the_work(run, words, monkeypatch):
+    def work(*_, **__):
+        raise AssertionError("the work began")
+
+    for name in ("exoid.cli.inputs.Recording.from_file", "exoid.cli.inputs.Leg.from_urdf"):
+        monkeypatch.setattr(name, work)
+    assert "cannot" in run(*words)
+    assert not list(Path().glob("plan*"))

@@ -1,0 +1,38 @@
+"""A leg of one joint, and a log of it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exoid import Leg, Recording
+
+URDF = """<robot name="one">
+  <link name="base"/>
+  <link name="thigh">
+    <inertial>
+      <origin xyz="0 0 -0.2"/><mass value="4"/>
+      <inertia ixx="0.06" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0.01"/>
+    </inertial>
+  </link>
+  <joint name="hip" type="revolute">
+    <parent link="base"/><child link="thigh"/><axis xyz="0 1 0"/>
+    <limit lower="-1.5" upper="1.5" effort="80" velocity="6"/>
+  </joint>
+</robot>
+"""
+
+
+def write_urdf(path):
+    path.write_text(URDF, encoding="utf-8")
+    return Leg.from_urdf(path)
+
+
+def swing(leg, *, seconds=20.0, rate=100.0, seed=0):
+    """A motion of two frequencies, with torques of the leg, friction and noise."""
+    time = np.arange(round(seconds * rate)) / rate
+    q = (0.5 * np.sin(1.7 * time) + 0.3 * np.sin(4.1 * time + 1.0))[:, None]
+    v = (0.85 * np.cos(1.7 * time) + 1.23 * np.cos(4.1 * time + 1.0))[:, None]
+    a = (-1.445 * np.sin(1.7 * time) - 5.043 * np.sin(4.1 * time + 1.0))[:, None]
+    noise = 0.05 * np.random.default_rng(seed).normal(size=q.shape)
+    tau = leg.inverse_dynamics(q, v, a) + 2.0 * np.tanh(v / 0.01) + 0.5 * v + noise
+    return Recording(time=time, q=q, tau=tau, joint_names=leg.joint_names)

@@ -1,0 +1,265 @@
+"""Logs that were made to crash programs or to fill the memory: each ends in one line, and the caller goes on."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import struct
+import subprocess
+import sys
+import time
+import zipfile
+
+import hostile_readers
+import numpy as np
+import polars
+import pytest
+from log_writers import WRITERS, messages, write_bag, write_bag1
+from rosbags.rosbag2 import CompressionMode, StoragePlugin
+
+from exoid import ExoidError, Recording
+from exoid.signals.formats import bounds, child
+from exoid.signals.formats.child import read_in_child
+
+posix = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+linux = pytest.mark.skipif(sys.platform != "linux", reason="only Linux bounds the memory of a process")
+
+
+def swing(samples=200):
+    time_ = np.arange(samples) / 100.0
+    q = np.sin(np.outer(time_, [1.0, 2.0]))
+    return Recording(time=time_, q=q, tau=np.cos(q), joint_names=("hip", "knee"))
+
+
+def refused(path, match):
+    with pytest.raises(ExoidError, match=match) as caught:
+        Recording.from_file(path)
+    assert str(caught.value).startswith(str(path))
+    assert caught.value.remedy
+
+
+# The child process
+
+
+def test_the_child_returns_arrays_and_facts_as_they_are(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    content = read_in_child(hostile_readers.echo, "log.bad", topic=None, names=["a", "ü"])
+    expected = hostile_readers.echo("log.bad", topic=None, names=["a", "ü"])
+    assert content.facts == {**expected.facts, "pid": content.facts["pid"]}
+    assert content.facts["pid"] != os.getpid()
+    assert list(content.arrays) == list(expected.arrays)
+    for name, values in expected.arrays.items():
+        assert content.arrays[name].dtype == values.dtype
+        np.testing.assert_array_equal(content.arrays[name], values)
+
+
+def test_one_child_serves_many_files():
+    first, second = (read_in_child(hostile_readers.echo, name).facts for name in ("a", "b"))
+    assert first["pid"] == second["pid"]
+
+
+@posix
+@pytest.mark.parametrize("number", [signal.SIGSEGV, signal.SIGABRT, signal.SIGKILL])
+def test_a_reader_that_dies_ends_in_one_line_and_the_next_file_is_read(number):
+    with pytest.raises(ExoidError, match=f"log.bad: its reader died \\({number.name}\\)"):
+        read_in_child(hostile_readers.die, "log.bad", number=int(number))
+    assert read_in_child(hostile_readers.echo, "good").facts["file"] == "good"
+
+
+@pytest.mark.parametrize(
+    ("reader", "match"),
+    [
+        (hostile_readers.leave, r"log.bad: its reader died \(status 3\)"),
+        (hostile_readers.refuse, "^log.bad: bad. To fix it: mend it$"),
+        (hostile_readers.fail, "log.bad: cannot be read as a log: any other"),
+    ],
+)
+def test_whatever_a_reader_does_ends_in_one_line(reader, match):
+    with pytest.raises(ExoidError, match=match):
+        read_in_child(reader, "log.bad")
+    assert read_in_child(hostile_readers.echo, "good").facts["file"] == "good"
+
+
+@linux
+def test_a_reader_that_fills_the_memory_is_stopped():
+    with pytest.raises(ExoidError, match="too large for the memory"):
+        read_in_child(hostile_readers.fill_memory, "log.bad")
+    assert read_in_child(hostile_readers.echo, "good").facts["file"] == "good"
+
+
+def test_a_reader_that_hangs_is_killed(monkeypatch):
+    monkeypatch.setattr(child, "most_seconds", lambda size: 0.5)
+    with pytest.raises(ExoidError, match=r"log.bad: its reader has not ended within 0 s|within 1 s"):
+        read_in_child(hostile_readers.hang, "log.bad")
+
+
+def test_an_interpreter_that_cannot_start_another_says_so(monkeypatch, tmp_path):
+    WRITERS["log.mat"](tmp_path / "log.mat", swing())
+    monkeypatch.setattr(child, "_CHILDREN", [])
+    monkeypatch.setattr(child.spawn, "get_executable", lambda: b"/no/such/python")
+    with pytest.raises(ExoidError, match="cannot be started"):
+        Recording.from_file(tmp_path / "log.mat")
+
+
+@posix
+def test_a_fork_of_the_caller_has_a_child_of_its_own():
+    here = read_in_child(hostile_readers.echo, "a").facts["pid"]
+    fork = os.fork()
+    if not fork:
+        there = read_in_child(hostile_readers.echo, "a").facts["pid"]
+        child._end()
+        os._exit(0 if there != here else 1)
+    assert os.waitpid(fork, 0)[1] == 0
+    assert read_in_child(hostile_readers.echo, "a").facts["pid"] == here
+
+
+@posix
+def test_the_child_ends_with_its_caller(tmp_path):
+    WRITERS["log.mat"](tmp_path / "log.mat", swing())
+    code = (
+        "import sys, exoid, os; from exoid.signals.formats import child;"
+        "exoid.Recording.from_file(sys.argv[1]); print(child._CHILDREN[0]._process.pid); sys.stdout.flush();"
+        "os.kill(os.getpid(), 9) if sys.argv[2] == 'killed' else None"
+    )
+    for end in ("ended", "killed"):
+        command = [sys.executable, "-c", code, str(tmp_path / "log.mat"), end]
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+        pid, until = int(done.stdout), time.monotonic() + 20.0
+        while (state := _state(pid)) not in ("", "Z") and time.monotonic() < until:
+            time.sleep(0.05)
+        assert state in ("", "Z"), f"the child of a caller that {end} runs on"
+
+
+def _state(pid):
+    """State of a process; empty if there is none."""
+    done = subprocess.run(["ps", "-o", "state=", "-p", str(pid)], capture_output=True, text=True, check=False)
+    return done.stdout.strip()
+
+
+# Files that crash their readers
+
+
+def test_text_without_dimensions_in_a_matlab_file_does_not_end_the_process(tmp_path):
+    """Such a file of 184 bytes is a segmentation fault of scipy's reader."""
+
+    def element(kind, data):
+        return struct.pack("<II", kind, len(data)) + data + bytes(-len(data) % 8)
+
+    content = element(6, struct.pack("<II", 4, 0)) + element(5, b"") + element(1, b"time") + element(16, b"")
+    (tmp_path / "log.mat").write_bytes(b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM" + element(14, content))
+    code = "import sys, exoid\ntry: exoid.Recording.from_file(sys.argv[1])\nexcept exoid.ExoidError as e: print(e)"
+    command = [sys.executable, "-c", code, str(tmp_path / "log.mat")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    assert done.returncode == 0
+    assert "log.mat: " in done.stdout
+
+
+@pytest.mark.parametrize("kind", ["log.mat", "log.parquet"])
+def test_the_libraries_that_can_crash_are_never_loaded_by_the_caller(kind, tmp_path):
+    WRITERS[kind](tmp_path / kind, swing())
+    code = (
+        "import sys, exoid; exoid.Recording.from_file(sys.argv[1]);"
+        "print([name for name in ('polars', 'scipy.io.matlab._mio5_utils') if name in sys.modules])"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path / kind)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+    assert done.stdout == "[]\n"
+
+
+# Files that fill the memory
+
+
+def header(shape, kind="<f8"):
+    data = io.BytesIO()
+    np.lib.format.write_array_header_1_0(data, {"descr": kind, "fortran_order": False, "shape": shape})
+    return data.getvalue()
+
+
+@pytest.mark.parametrize("shape", [(10**12, 0), (0, 10**12)])
+def test_an_array_of_size_zero_has_no_million_million_columns(shape, tmp_path):
+    with zipfile.ZipFile(tmp_path / "log.npz", "w") as archive:
+        archive.writestr("time.npy", header((0,)))
+        archive.writestr("q.npy", header(shape))
+    refused(tmp_path / "log.npz", "time is empty")
+    with zipfile.ZipFile(tmp_path / "log.npz", "w") as archive:
+        archive.writestr("time.npy", header((20,)) + np.arange(20.0).tobytes())
+        archive.writestr("q.npy", header(shape))
+    refused(tmp_path / "log.npz", "no column")
+
+
+def test_an_archive_that_expands_far_beyond_what_measurements_do_is_refused(tmp_path):
+    """Two million samples in 40 kB: MB of noise compress by less than 10, this by 3000."""
+    samples = bounds.MOST_MEMORY // 16 + 1
+    with zipfile.ZipFile(tmp_path / "log.npz", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("time.npy", header((samples,)) + bytes(8 * samples))
+        archive.writestr("q.npy", header((samples, 1)) + bytes(8 * samples))
+    refused(tmp_path / "log.npz", "not plausible for measurements")
+
+
+def test_small_integers_count_as_the_numbers_that_they_become(tmp_path):
+    samples = bounds.MOST_MEMORY // 16 + 1
+    with zipfile.ZipFile(tmp_path / "log.npz", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("time.npy", header((samples,), "|u1") + bytes(samples))
+        archive.writestr("q.npy", header((samples, 1), "|u1") + bytes(samples))
+        archive.writestr("joint_names.npy", header((1,), "<U3") + "hip".encode("utf-32-le"))
+    refused(tmp_path / "log.npz", "not plausible for measurements")
+
+
+def test_measurements_compress_far_less_than_the_limit(tmp_path):
+    """Angles of a 16-bit encoder and torques with noise, as a logger writes them."""
+    rng, time_ = np.random.default_rng(0), np.arange(50_000) / 1000.0
+    q = np.round(np.sin(np.outer(time_, [1.0, 2.0])) * 2**15 / np.pi) * np.pi / 2**15
+    tau = np.round((10.0 * np.cos(q) + 0.1 * rng.normal(size=q.shape)) * 100.0) / 100.0
+    np.savez_compressed(tmp_path / "log.npz", time=time_, q=q, tau=tau, joint_names=["hip", "knee"])
+    expansion = (time_.nbytes + q.nbytes + tau.nbytes) / (tmp_path / "log.npz").stat().st_size
+    assert expansion < bounds.MOST_EXPANSION / 5.0
+    assert len(Recording.from_file(tmp_path / "log.npz")) == 50_000
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet", "npz"])
+def test_more_columns_than_any_robot_has_are_refused(kind, tmp_path):
+    names = ["time", *(f"q_{k}" for k in range(bounds.MOST_COLUMNS))]
+    path = tmp_path / f"log.{kind}"
+    if kind == "csv":
+        path.write_text(",".join(names) + "\n" + ("," * (len(names) - 1) + "\n") * 12)
+    elif kind == "npz":
+        np.savez(path, time=np.arange(12.0), q=np.zeros((12, bounds.MOST_COLUMNS)))
+    else:
+        polars.DataFrame({name: [0.0] for name in names}).write_parquet(path)
+    refused(path, "10001 columns, more than 10000")
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", " \n", "# a\n", "\r"])
+def test_millions_of_blank_lines_are_refused_after_the_first_million(end, tmp_path):
+    (tmp_path / "log.csv").write_text("time,q_hip\n0.0,0.0\n" + end * 3_000_000, newline="")
+    refused(tmp_path / "log.csv", "1.* blank lines and comments among the first 1")
+
+
+def test_a_blank_line_after_each_line_is_no_obstacle(tmp_path, monkeypatch):
+    monkeypatch.setattr("exoid.signals.formats.text.MOST_BLANK_LINES", 10)
+    monkeypatch.setattr("exoid.signals.formats.text.BLOCK", 64)
+    rows = "".join(f"{k}.0,0.5\r\r\n" for k in range(40))
+    (tmp_path / "log.csv").write_text(f"# from a logger\r\r\ntime,q_hip\r\r\n{rows}", newline="")
+    recording = Recording.from_file(tmp_path / "log.csv")
+    assert recording.time.tolist() == list(range(40))
+    (tmp_path / "log.csv").write_text(f"# from a logger\r\r\ntime,q_hip\r\r\n{rows}x,0\r\r\n", newline="")
+    refused(tmp_path / "log.csv", "log.csv, line 83|log.csv, line 85")
+
+
+@linux
+@pytest.mark.parametrize("kind", ["mcap", "bag", "messages"])
+def test_a_compressed_bag_that_would_fill_the_memory_is_refused(kind, tmp_path):
+    """A thousand messages of 1 MB of zeros are a few 100 kB in the bag."""
+    recording = swing()
+    wide = [(stamp, names, np.zeros(100_000), *rest) for stamp, names, _, *rest in messages(recording)] * 6
+    path = tmp_path / f"log.{kind}"
+    if kind == "bag":
+        write_bag1(path, wide, compress=True)
+    else:
+        mode = CompressionMode.MESSAGE if kind == "messages" else CompressionMode.STORAGE
+        plugin = StoragePlugin.SQLITE3 if kind == "messages" else StoragePlugin.MCAP
+        write_bag(path, {"/joints": wide}, plugin=plugin, compress=mode)
+    size = bounds.size_on_disk(path)
+    assert size < 10_000_000
+    refused(path, "not plausible for measurements|too large for the memory|fill")

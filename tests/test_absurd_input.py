@@ -1,0 +1,78 @@
+"""Input that is read, but that no leg, log or estimate can have: each ends in one line with its own cause."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from one_joint import URDF, swing, write_urdf
+
+import exoid
+from exoid import Estimate, ExoidError, Leg
+from exoid.description import describe
+from exoid.experiments.excitation import plan_excitation
+from exoid.lift import lift
+
+
+@pytest.fixture(scope="module")
+def leg(tmp_path_factory):
+    return write_urdf(tmp_path_factory.mktemp("leg") / "one.urdf")
+
+
+@pytest.mark.parametrize("number", ["1e308", "-1e10", "1e+30"])
+@pytest.mark.parametrize("old", ['mass value="4"', 'ixx="0.06"', 'xyz="0 0 -0.2"'])
+def test_numbers_of_a_urdf_with_which_arithmetic_overflows_are_refused(old, number):
+    name, _, _ = old.partition('="')
+    text = URDF.replace(old, f'{name}="{number}"' if name != "xyz" else f'xyz="0 0 {number}"')
+    with pytest.raises(ExoidError, match=r"link 'thigh': .* is not plausible"):
+        describe(text)
+    describe(URDF.replace('upper="1.5"', 'upper="1e16"'))  # no limit
+
+
+@pytest.mark.parametrize("cutoff", [[8.0], {}, "8", None, True])
+@pytest.mark.parametrize("name", ["zero-phase", "smoothed"])
+def test_a_cutoff_that_is_no_number_is_refused_when_the_estimate_is_read(leg, cutoff, name, tmp_path):
+    exoid.identify(leg, swing(leg, seconds=5.0)).save(tmp_path / "est.json")
+    data = json.loads((tmp_path / "est.json").read_text(encoding="utf-8"))
+    data["preparation"] = {"name": name, "cutoff": cutoff}
+    (tmp_path / "est.json").write_text(json.dumps(data), encoding="utf-8")
+    with pytest.raises(ExoidError, match=r"est\.json: .*does not take"):
+        Estimate.load(tmp_path / "est.json")
+
+
+def test_times_that_a_log_does_not_have_are_refused_with_those_that_it_has(leg):
+    log = swing(leg, seconds=5.0)
+    for limits in ((100.0, None), (None, -1.0), (3.0, 2.0), (4.95, 8.0)):
+        with pytest.raises(ExoidError, match=r"its time stamps are 0 s to 4\.99 s"):
+            log.between(*limits)
+    for limits in ((float("nan"), None), (None, "3")):
+        with pytest.raises(ExoidError, match="a limit of"):
+            log.between(*limits)
+    assert len(log.between(None, 3.0)) == 300
+    assert len(log.between(3.0)) == 200
+    assert len(log.between()) == len(log)
+
+
+def test_the_lift_of_any_finite_numbers_ends_in_a_lift_or_one_line():
+    rng, refused = np.random.default_rng(0), 0
+    legs = [exoid.load_leg("bleex"), exoid.load_leg("cuhk")]
+    for k in range(60):
+        leg = legs[k % 2]
+        p = len(leg.parameters)
+        values = rng.choice([-1.0, 1.0], p) * 10.0 ** rng.uniform(-300.0, 300.0 if k % 4 else 20.0, p)
+        try:
+            assert np.isfinite(lift(leg, values).link_parameters).all()
+        except ExoidError as error:
+            refused += "far from those of a leg" in str(error)
+    assert refused
+
+
+@pytest.mark.parametrize(("duration", "rate"), [(60.0, 1e9), (1e9, 100.0)])
+def test_a_plan_of_more_samples_than_memory_is_refused_before_it_is_tried(leg, duration, rate):
+    with pytest.raises(ExoidError, match="are more than 1e"):
+        plan_excitation(leg, duration=duration, rate=rate)
+
+
+def test_a_leg_reads_its_own_text_again():
+    assert Leg.from_description(describe(URDF)).joint_names == ("hip",)
