@@ -16,7 +16,7 @@ from exoid.torques import DEFAULT_TERMS, TorqueModel
 JOINTS = {"panda": tuple(f"panda_joint{k}" for k in range(1, 8))}
 """Of those robots that have more than their arm."""
 
-SMOOTHING = 0.02
+SMOOTHING = 0.015
 
 
 def urdf_of(robot):

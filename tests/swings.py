@@ -27,6 +27,7 @@ class Swing:
         seconds: Duration.
         seed: Of amplitudes and phases.
         base: Frequency of the first of five harmonics [Hz].
+        smoothing: Width of Coulomb friction [rad/s]; that of the default terms is 0.015.
     """
 
     leg: Leg
@@ -34,6 +35,7 @@ class Swing:
     seconds: float = 20.0
     seed: int = 1
     base: float = 0.1
+    smoothing: float = SMOOTHING
 
     @cached_property
     def time(self):
@@ -71,7 +73,7 @@ class Swing:
     def torque(self):
         """Pinocchio's inverse dynamics plus friction [N·m], (N, n)."""
         q, v, a = self.motion
-        return self.leg.inverse_dynamics(q, v, a) + self.coulomb * np.tanh(v / SMOOTHING) + self.viscous * v
+        return self.leg.inverse_dynamics(q, v, a) + self.coulomb * np.tanh(v / self.smoothing) + self.viscous * v
 
     def recording(self, **changes):
         """Angles, velocities, accelerations and torques, all exact unless changed."""

@@ -76,8 +76,8 @@ def factorize_rows(rows: Rows) -> list[RFactor]:
     r_factors = []
     for joint in range(rows.tau.shape[1]):
         columns, table = joint_table(rows, joint)
-        count = table.shape[1]
-        r_factor = factorize(table.T, count, count * rows.independent_fraction)
+        count = table.shape[1] * rows.noise_left_at(joint)
+        r_factor = factorize(table.T, round(count), count * rows.independent_fraction)
         r_factors.append(r_factor.among(columns, rows.W.shape[2] + 1))
     return r_factors
 

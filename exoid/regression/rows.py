@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals import ParallelFilter, Poses, Preparation, Recording
+from exoid.signals.filters import around_stops, without_reversals
 
 from .model import MotionSamples, RegressorModel
-from .reversals import around_stops, without_reversals
 
 BLOCK = 16384
 """Samples whose regressor is formed at once,"""
@@ -36,6 +36,7 @@ class Rows(NamedTuple):
         acting: Mask of parameters that can act on each joint, (n, P); the regressor is zero elsewhere.
         independent_fraction: Share of the rows that carry independent noise; a low-pass leaves fewer.
         stands_for: Number of rows that each of these stands for; 1 unless decimated.
+        noise_left: Share of the noise of each joint that is left where reversals were taken out, (n,); None for all.
     """
 
     time: FloatArray
@@ -47,6 +48,18 @@ class Rows(NamedTuple):
     acting: NDArray[np.bool_]
     independent_fraction: float
     stands_for: float = 1.0
+    noise_left: FloatArray | None = None
+
+    def noise_left_at(self, joint: int) -> float:
+        """Look up the share of a joint's noise that is left.
+
+        Args:
+            joint: Index of the joint.
+
+        Returns:
+            The share, 0 to 1.
+        """
+        return 1.0 if self.noise_left is None else float(self.noise_left[joint])
 
 
 class NoiseKind(NamedTuple):
@@ -205,19 +218,21 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
     around = slice(max(0, stretch[0] - prepared.reach), stretch[-1] + 1 + prepared.reach)
     columns, tau = model.columns(prepared.motion.rows(around)), prepared.tau[around].T
     inside = range(stretch[0] - around.start, stretch[-1] + 1 - around.start, stretch.step)
+    left = None
     if prepared.parallel is None:
         rows = slice(inside.start, inside.stop, inside.step)
         columns, tau = columns[..., rows], tau[:, rows]
     else:
         columns, tau = _filtered(prepared.parallel, columns, tau, model.acting, prepared.inside[around], inside)
-        _take_out_reversals(prepared, stretch, columns, tau)
+        left = _take_out_reversals(prepared, stretch, columns, tau)
     count = len(model.names)
     W, tau = columns[:count].transpose(2, 1, 0), tau.T
     if len(columns) > count:
         tau = tau - columns[count:].sum(axis=0).T
     rows = slice(stretch.start, stretch.stop, stretch.step)
     q, v, usable = prepared.motion.q[rows], prepared.motion.v[rows], prepared.usable[rows]
-    return Rows(prepared.time[rows], W, tau, q, v, usable, model.acting, prepared.independent_fraction)
+    time, fraction = prepared.time[rows], prepared.independent_fraction
+    return Rows(time, W, tau, q, v, usable, model.acting, fraction, noise_left=left)
 
 
 def _filtered(
@@ -248,15 +263,17 @@ def _surrounded(parallel: ParallelFilter, signals: FloatArray, rows: range) -> F
     return parallel(padded, range(rows.start + before, rows.stop + before, rows.step))
 
 
-def _take_out_reversals(prepared: Prepared, stretch: range, columns: FloatArray, tau: FloatArray) -> None:
-    """Take the unknown friction around reversals out of columns (P or more, n, N) and torques (n, N)."""
+def _take_out_reversals(prepared: Prepared, stretch: range, columns: FloatArray, tau: FloatArray) -> FloatArray | None:
+    """Take unknown friction out of columns (P or more, n, N) and torques (n, N); what is left of the noise, (n,)."""
     if prepared.parallel is None or prepared.reversals is None:
-        return
+        return None
+    left = np.ones(len(tau))
     for joint, unknown in enumerate(prepared.reversals.T):
         acting = np.flatnonzero(columns[:, joint].any(axis=1))
         signals = np.vstack([columns[acting, joint], tau[joint]])
-        signals = without_reversals(signals, unknown, stretch, prepared.parallel)
+        signals, left[joint] = without_reversals(signals, unknown, stretch, prepared.parallel)
         columns[acting, joint], tau[joint] = signals[:-1], signals[-1]
+    return left
 
 
 def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
@@ -346,6 +363,7 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
         rows.acting,
         min(1.0, rows.independent_fraction * step),
         count / len(range(first, count, step)),
+        rows.noise_left,
     )
 
 
@@ -361,7 +379,9 @@ def chain(stretches: Sequence[Rows]) -> Rows:
     if len(stretches) == 1:
         return stretches[0]
     W = np.concatenate([rows.W.transpose(2, 1, 0) for rows in stretches], axis=2).transpose(2, 1, 0)
+    left = [rows.noise_left for rows in stretches if rows.noise_left is not None]
     return stretches[0]._replace(
+        noise_left=np.average(left, axis=0, weights=[len(rows.time) for rows in stretches]) if left else None,
         time=np.concatenate([rows.time for rows in stretches]),
         W=W,
         tau=np.concatenate([rows.tau for rows in stretches]),

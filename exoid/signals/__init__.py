@@ -2,16 +2,8 @@
 
 from .cluster import Cluster
 from .default_preparation import ZeroPhase, choose_cutoff
-from .differentiation import Kinematics, central_difference, second_difference
-from .filters import (
-    ParallelFilter,
-    edge_length,
-    exponential_moving_average,
-    motion_edge,
-    noise_bandwidth,
-    smooth_motion,
-    zero_phase,
-)
+from .differentiation import Kinematics, central_difference, motion_edge, second_difference, smooth_motion
+from .filters import ParallelFilter, edge_length, exponential_moving_average, noise_bandwidth, zero_phase
 from .formats import register_format
 from .poses import Approaches, Poses
 from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed

@@ -13,8 +13,8 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .differentiation import Kinematics, derive, inner_samples
-from .filters import ParallelFilter, design_frequency, motion_edge, smooth_motion, zero_phase
+from .differentiation import Kinematics, derive, inner_samples, motion_edge, smooth_motion
+from .filters import ParallelFilter, design_frequency, zero_phase
 from .poses import Poses
 from .recording import Recording
 

@@ -1,8 +1,10 @@
-"""Finite differences along the first axis."""
+"""Smooth motions and their derivatives: a low-pass that keeps what happens at the ends, and finite differences."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from functools import lru_cache, partial
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -10,9 +12,27 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
+from .filters import TOLERANCE, both_passes, edge_length, refuse_short
 from .recording import Recording
 
 Accuracy = Literal[2, 4]
+
+END_DEGREE = 7
+"""Degree of the polynomials that continue a motion beyond its ends; the filter itself passes this degree unchanged."""
+END_WINDOW = 2.0
+"""Length of motion that such a polynomial is fitted to, in periods of the cut-off,"""
+FEWEST_POINTS = 12
+"""or so many samples if that is more."""
+CONTINUED = 1e-8
+"""Response of the filter up to which a motion is continued."""
+SLOW_RATE = 4.0
+"""Rate, in cut-off frequencies, below which a filter rings for many samples,"""
+RINGING_RATE, STRICT = 3.0, 1e-6
+"""rate below which it rings at half the rate, which no motion does, and its tolerance,"""
+HIGHEST_ORDER = 4
+"""and highest order of one pass with which it does not."""
+END_LOSS = 1.0
+"""Length at each end of a motion that `smooth_motion` may distort, in periods of the cut-off; see `motion_edge`."""
 
 
 class Stencil(NamedTuple):
@@ -59,6 +79,82 @@ class Kinematics(NamedTuple):
         """Write the size in one line."""
         samples, joints = self.q.shape
         return f"Kinematics({samples} samples, {joints} joints, valid: {self.valid.start} to {self.valid.stop})"
+
+
+def smooth_motion(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
+    """Low-pass angles, velocities or accelerations as `zero_phase`, with a continuation that keeps their curvature.
+
+    At each end, the motion is continued by the polynomial of degree 7 that fits the last two periods of the cut-off
+    best. The filter passes polynomials of this degree unchanged, so that only what they do not fit is distorted. Rows
+    less than `motion_edge` from an end should not be used.
+
+    Args:
+        x: Motion in any unit, (N, ...); filtered along the first axis.
+        rate: Sampling rate [Hz].
+        cutoff: −3 dB frequency of the two passes together [Hz], below ``rate`` / 2.
+        order: Order of one pass.
+
+    Returns:
+        Filtered motion, of the shape of ``x``.
+
+    Raises:
+        ExoidError: The cut-off is not between 0 and half the rate, or the record is shorter than the fit.
+    """
+    pad = edge_length(rate, cutoff, order, CONTINUED)
+    window = max(FEWEST_POINTS, round(END_WINDOW * rate / cutoff))
+    refuse_short(x, rate, cutoff, window - 1)
+    return both_passes(x, rate, cutoff, order, pad, partial(_continue, weights=_continuation(window, pad)))
+
+
+def motion_edge(rate: float, cutoff: float, order: int = 4) -> int:
+    """Count the samples at each end of a record that are not used after `smooth_motion`.
+
+    This is one period of the cut-off f_k, and at least six samples. Bound of the error that the end causes beyond them
+    in the acceleration of a sine of frequency f, as part of its amplitude, for orders up to 4:
+
+    * 1e-5 for f ≤ f_k/8,
+    * 2e-4 for f ≤ f_k/4, half of the cut-off of the parallel filter by default,
+    * 1e-2 for f ≤ f_k/2, where the filter itself attenuates by 2e-3.
+
+    Noise of the angle causes at most 1.5 times as much noise of the acceleration as far from the end. The error falls
+    by ten with every further 0.9 periods (``tests/signals/test_motion_edge.py``). For faster motions there is no bound.
+    Filters ring longer at rates below 4 f_k and if their order is higher. The count there is that of `edge_length`,
+    below 3 f_k with a tolerance of 1e-6.
+
+    Args:
+        rate: Sampling rate [Hz].
+        cutoff: −3 dB frequency of the two passes together [Hz].
+        order: Order of one pass.
+
+    Returns:
+        Number of samples at each end.
+
+    Raises:
+        ExoidError: The cut-off is not between 0 and half the rate.
+    """
+    if rate < SLOW_RATE * cutoff or order > HIGHEST_ORDER:
+        return edge_length(rate, cutoff, order, TOLERANCE if rate > RINGING_RATE * cutoff else STRICT)
+    return max(FEWEST_POINTS // 2, math.ceil(END_LOSS * rate / cutoff))
+
+
+def _continue(signals: FloatArray, weights: FloatArray) -> FloatArray:
+    """Signals (K, N) with polynomials beyond both ends, of which ``weights`` gives those before the first sample."""
+    window = weights.shape[1]
+    first, last = signals[:, :1], signals[:, -1:]  # relative to them, rounding errors of large angles do not grow
+    before = first + (signals[:, :window] - first) @ weights.T
+    after = last + (signals[:, : -window - 1 : -1] - last) @ weights.T
+    return np.concatenate([before, signals, after[:, ::-1]], axis=1)
+
+
+@lru_cache(maxsize=16)
+def _continuation(window: int, length: int) -> FloatArray:
+    """Weights that continue ``window`` samples by ``length`` samples before them: least-squares polynomials."""
+    inside = 2.0 * np.arange(window) / (window - 1) - 1.0
+    before = 2.0 * np.arange(-length, 0) / (window - 1) - 1.0
+    fit = np.linalg.pinv(np.polynomial.legendre.legvander(inside, END_DEGREE))
+    weights: FloatArray = np.polynomial.legendre.legvander(before, END_DEGREE) @ fit
+    weights.flags.writeable = False
+    return weights
 
 
 def central_difference(x: FloatArray, rate: float, accuracy: Accuracy = 2) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Low-pass filters: zero-phase (forward and backward), and the causal moving average of doc. 2."""
+"""Low-pass filters: zero-phase (forward and backward), the parallel filter, and the causal moving average of doc. 2."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
 
 from exoid._typing import ComplexArray, FloatArray
 from exoid.errors import ExoidError
@@ -21,26 +22,21 @@ TOLERANCE = 1e-3
 ROUNDING = 1e-15
 """The same error where a record is filtered in segments: below the rounding error of the filter."""
 
-END_DEGREE = 7
-"""Degree of the polynomials that continue a motion beyond its ends; the filter itself passes this degree unchanged."""
-END_WINDOW = 2.0
-"""Length of motion that such a polynomial is fitted to, in periods of the cut-off,"""
-FEWEST_POINTS = 12
-"""or so many samples if that is more."""
-CONTINUED = 1e-8
-"""Response of the filter up to which a motion is continued."""
-SLOW_RATE = 4.0
-"""Rate, in cut-off frequencies, below which a filter rings for many samples,"""
-RINGING_RATE, STRICT = 3.0, 1e-6
-"""rate below which it rings at half the rate, which no motion does, and its tolerance,"""
-HIGHEST_ORDER = 4
-"""and highest order of one pass with which it does not."""
-END_LOSS = 1.0
-"""Length at each end of a motion that `smooth_motion` may distort, in periods of the cut-off; see `motion_edge`."""
-
 OVERSAMPLING = 4.0
 """Rows per row of independent noise, so that products of two filtered signals do not alias onto frequency zero."""
 
+
+LONGEST_REVERSAL = 1.0
+"""A longer stay below the reversal speed is a rest [s]: its rows are kept."""
+
+PIECE = 1024
+"""Rows that are projected together."""
+
+LARGEST_SHARE = 0.7
+"""Share of the independent samples of a piece that pulses may take; where there are more, the rows stay."""
+
+NEGLIGIBLE = 1e-6
+"""Part of the largest response below which a response is over."""
 
 REFLECTION: dict[str, Any] = {"mode": "reflect", "reflect_type": "odd"}
 """Arguments of `numpy.pad` that reflect a signal about its end points."""
@@ -72,68 +68,22 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Flo
             `edge_length` samples.
     """
     pad = edge_length(rate, cutoff, order)
-    _refuse_short(x, rate, cutoff, pad)
-    return _both_passes(x, rate, cutoff, order, pad, partial(np.pad, pad_width=((0, 0), (pad, pad)), **REFLECTION))
+    refuse_short(x, rate, cutoff, pad)
+    return both_passes(x, rate, cutoff, order, pad, partial(np.pad, pad_width=((0, 0), (pad, pad)), **REFLECTION))
 
 
-def smooth_motion(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
-    """Low-pass angles, velocities or accelerations as `zero_phase`, with a continuation that keeps their curvature.
-
-    At each end, the motion is continued by the polynomial of degree 7 that fits the last two periods of the cut-off
-    best. The filter passes polynomials of this degree unchanged, so that only what they do not fit is distorted. Rows
-    less than `motion_edge` from an end should not be used.
+def refuse_short(x: FloatArray, rate: float, cutoff: float, most: int) -> None:
+    """Refuse a record of no more than so many samples.
 
     Args:
-        x: Motion in any unit, (N, ...); filtered along the first axis.
+        x: Signals, (N, ...).
         rate: Sampling rate [Hz].
-        cutoff: −3 dB frequency of the two passes together [Hz], below ``rate`` / 2.
-        order: Order of one pass.
-
-    Returns:
-        Filtered motion, of the shape of ``x``.
+        cutoff: Cut-off [Hz].
+        most: Number of samples that is too small.
 
     Raises:
-        ExoidError: The cut-off is not between 0 and half the rate, or the record is shorter than the fit.
+        ExoidError: It is too short.
     """
-    pad = edge_length(rate, cutoff, order, CONTINUED)
-    window = max(FEWEST_POINTS, round(END_WINDOW * rate / cutoff))
-    _refuse_short(x, rate, cutoff, window - 1)
-    return _both_passes(x, rate, cutoff, order, pad, partial(_continue, weights=_continuation(window, pad)))
-
-
-def motion_edge(rate: float, cutoff: float, order: int = 4) -> int:
-    """Count the samples at each end of a record that are not used after `smooth_motion`.
-
-    This is one period of the cut-off f_k, and at least six samples. Bound of the error that the end causes beyond them
-    in the acceleration of a sine of frequency f, as part of its amplitude, for orders up to 4:
-
-    * 1e-5 for f ≤ f_k/8,
-    * 2e-4 for f ≤ f_k/4, half of the cut-off of the parallel filter by default,
-    * 1e-2 for f ≤ f_k/2, where the filter itself attenuates by 2e-3.
-
-    Noise of the angle causes at most 1.5 times as much noise of the acceleration as far from the end. The error falls
-    by ten with every further 0.9 periods (``tests/signals/test_motion_edge.py``). For faster motions there is no bound.
-    Filters ring longer at rates below 4 f_k and if their order is higher. The count there is that of `edge_length`,
-    below 3 f_k with a tolerance of 1e-6.
-
-    Args:
-        rate: Sampling rate [Hz].
-        cutoff: −3 dB frequency of the two passes together [Hz].
-        order: Order of one pass.
-
-    Returns:
-        Number of samples at each end.
-
-    Raises:
-        ExoidError: The cut-off is not between 0 and half the rate.
-    """
-    if rate < SLOW_RATE * cutoff or order > HIGHEST_ORDER:
-        return edge_length(rate, cutoff, order, TOLERANCE if rate > RINGING_RATE * cutoff else STRICT)
-    return max(FEWEST_POINTS // 2, math.ceil(END_LOSS * rate / cutoff))
-
-
-def _refuse_short(x: FloatArray, rate: float, cutoff: float, most: int) -> None:
-    """Refuse a record of no more than so many samples."""
     if len(x) <= most:
         raise ExoidError(
             f"{len(x)} samples ({len(x) / rate:.4g} s) are too few for a cut-off of {cutoff:.4g} Hz: "
@@ -142,10 +92,22 @@ def _refuse_short(x: FloatArray, rate: float, cutoff: float, most: int) -> None:
         )
 
 
-def _both_passes(
+def both_passes(
     x: FloatArray, rate: float, cutoff: float, order: int, pad: int, extend: Callable[[FloatArray], FloatArray]
 ) -> FloatArray:
-    """Filter forwards and backwards; ``extend`` continues signals (K, N) beyond both ends by ``pad`` samples."""
+    """Filter forwards and backwards.
+
+    Args:
+        x: Signals, (N, ...).
+        rate: Sampling rate [Hz].
+        cutoff: −3 dB frequency of the two passes together [Hz].
+        order: Order of one pass.
+        pad: Number of samples by which signals are continued.
+        extend: Function that continues signals (K, N) beyond both ends.
+
+    Returns:
+        Filtered signals, of the shape of ``x``.
+    """
     sections = scipy.signal.butter(order, design_frequency(rate, cutoff, order), fs=rate, output="sos")
     signals = x.reshape(len(x), -1).T
     out = np.empty(signals.shape)
@@ -155,26 +117,6 @@ def _both_passes(
         filtered = scipy.signal.sosfiltfilt(sections, extend(signals[rows]), padtype=None, padlen=0)
         out[rows] = filtered[:, pad:-pad]
     return out.T.reshape(x.shape)
-
-
-def _continue(signals: FloatArray, weights: FloatArray) -> FloatArray:
-    """Signals (K, N) with polynomials beyond both ends, of which ``weights`` gives those before the first sample."""
-    window = weights.shape[1]
-    first, last = signals[:, :1], signals[:, -1:]  # relative to them, rounding errors of large angles do not grow
-    before = first + (signals[:, :window] - first) @ weights.T
-    after = last + (signals[:, : -window - 1 : -1] - last) @ weights.T
-    return np.concatenate([before, signals, after[:, ::-1]], axis=1)
-
-
-@lru_cache(maxsize=16)
-def _continuation(window: int, length: int) -> FloatArray:
-    """Weights that continue ``window`` samples by ``length`` samples before them: least-squares polynomials."""
-    inside = 2.0 * np.arange(window) / (window - 1) - 1.0
-    before = 2.0 * np.arange(-length, 0) / (window - 1) - 1.0
-    fit = np.linalg.pinv(np.polynomial.legendre.legvander(inside, END_DEGREE))
-    weights: FloatArray = np.polynomial.legendre.legvander(before, END_DEGREE) @ fit
-    weights.flags.writeable = False
-    return weights
 
 
 def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = TOLERANCE) -> int:
@@ -392,3 +334,93 @@ def _shifted_gain(filter_: ParallelFilter, samples: int, early: int) -> ComplexA
     shifted: ComplexArray = gain * np.exp(2j * np.pi * turn * early)
     shifted.flags.writeable = False
     return shifted
+
+
+def around_stops(slow: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.bool_]:
+    """Widen the reversals of joints, and leave out rests.
+
+    The kinematics filter has about twice the cut-off f of the parallel filter, and rounds the corner that a stop makes
+    in the angle over 1 / (4π f).
+
+    Args:
+        slow: Whether each joint is slower than its reversal speed, (N, n).
+        parallel: Filter of the rows.
+
+    Returns:
+        Whether the friction of each joint is unknown, (N, n).
+    """
+    widened = np.zeros_like(slow)
+    grown = math.ceil(parallel.rate / (4.0 * math.pi * parallel.cutoff))
+    for joint in range(slow.shape[1]):
+        for start, end in _runs(slow[:, joint]):
+            if end - start <= LONGEST_REVERSAL * parallel.rate:
+                widened[max(0, start - grown) : end + grown, joint] = True
+    return widened
+
+
+def without_reversals(
+    signals: FloatArray, unknown: NDArray[np.bool_], rows: range, parallel: ParallelFilter
+) -> tuple[FloatArray, float]:
+    """Project the filtered columns and torque of a joint onto the complement of the pulses at its reversals.
+
+    A joint with sharp friction sticks where it turns round. Its friction is then what holds it, anywhere between −c0
+    and c0, and no term says how much. Doc. 1, sec. III-G, leaves such samples out. Behind a low-pass they cannot be
+    left out: the filter has spread their torque over the rows around them. But it is linear. Unknown friction is a sum
+    of pulses at the reversal, and behind the filter a sum of its impulse responses h:
+
+        (h * τ)_k = (h * W)_k β + Σ_i p_i h(t_k − t_i).
+
+    Both sides are projected onto the complement of these pulses, which is the same as to fit every p_i. Pulses are so
+    close together that the filter could not tell more of them apart.
+
+    Args:
+        signals: Filtered signals at some samples, (K, R).
+        unknown: Whether the friction of the joint is unknown, for all samples, (N,).
+        rows: These samples, R of them.
+        parallel: The filter.
+
+    Returns:
+        Projected signals, (K, R), and the share of the energy of filtered white noise that is left in them.
+    """
+    out, response = signals.copy(), _impulse_response(parallel)
+    reach = len(response) // 2
+    pulses, taken = _pulses(unknown, parallel), 0.0
+    similarity = np.convolve(response, response)[2 * reach :: rows.step]
+    for piece in np.array_split(np.arange(len(rows)), -(-len(rows) // PIECE)):
+        k = rows.start + rows.step * piece
+        near = pulses[(pulses >= k[0] - reach) & (pulses <= k[-1] + reach)]
+        lag = k[:, None] - near
+        B = np.where(np.abs(lag) <= reach, response[np.clip(lag + reach, 0, 2 * reach)], 0.0)
+        independent = len(k) * min(1.0, parallel.independent_fraction * rows.step)
+        if 0 < len(near) <= LARGEST_SHARE * independent:
+            Q, _ = np.linalg.qr(B)
+            out[:, piece] -= (out[:, piece] @ Q) @ Q.T
+            of_noise = np.pad(similarity, (0, max(0, len(k) - len(similarity))))[: len(k)]
+            taken += float(np.sum(Q * scipy.linalg.matmul_toeplitz(of_noise, Q))) / similarity[0]
+    return out, 1.0 - taken / max(len(rows), 1)
+
+
+def _pulses(unknown: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.intp]:
+    """Samples of the pulses: from end to end of each reversal, at most a quarter of the cut-off's period apart."""
+    spacing = 0.25 * parallel.rate / parallel.cutoff
+    found = [
+        np.rint(np.linspace(start, end - 1, 1 + math.ceil((end - start) / spacing))) for start, end in _runs(unknown)
+    ]
+    return np.unique(np.concatenate([np.zeros(0), *found]).astype(np.intp))
+
+
+def _runs(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """First sample of each run, and the first behind it, (M, 2)."""
+    return np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)
+
+
+@lru_cache(maxsize=16)
+def _impulse_response(parallel: ParallelFilter) -> FloatArray:
+    """Impulse response of the filter, its largest value in the middle, cut off where it is over, (2 M + 1,)."""
+    reach = parallel.reach
+    impulse = np.zeros((1, 2 * reach + 1))
+    impulse[0, reach] = 1.0
+    response = parallel(impulse, range(2 * reach + 1))[0]
+    lasting = np.flatnonzero(np.abs(response) > NEGLIGIBLE * response.max())
+    half = int(np.abs(lasting - reach).max())
+    return np.asarray(response[reach - half : reach + half + 1])

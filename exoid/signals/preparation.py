@@ -9,8 +9,8 @@ from typing import ClassVar, Protocol
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .differentiation import Kinematics, derive, inner_samples
-from .filters import TOLERANCE, ParallelFilter, exponential_moving_average, motion_edge, smooth_motion
+from .differentiation import Kinematics, derive, inner_samples, motion_edge, smooth_motion
+from .filters import TOLERANCE, ParallelFilter, exponential_moving_average
 from .recording import Recording
 
 

@@ -87,10 +87,10 @@ def test_the_parts_are_the_published_split(data):
 
 @pytest.mark.real_data
 def test_the_estimate_predicts_the_unseen_part(data, estimate):
-    """Measured 0.0653 and 0.1442; plain least squares elsewhere 0.067 and 0.149."""
+    """Measured 0.0649 and 0.1434, and 0.0653 and 0.1442 with smooth friction; elsewhere 0.067 and 0.149."""
     shoulder, elbow = exoid.validate(estimate, data.test).nrmse
-    assert shoulder <= 0.067
-    assert elbow <= 0.149
+    assert shoulder <= 0.0653
+    assert elbow <= 0.1442
 
 
 @pytest.mark.real_data

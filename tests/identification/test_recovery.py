@@ -106,7 +106,7 @@ def test_every_term_is_recovered_beside_the_rigid_bodies():
 
 
 def test_the_default_terms_find_what_is_not_there_to_be_zero():
-    swing = Swing(load("bleex-right-identified"), base=0.2)
+    swing = Swing(load("bleex-right-identified"), base=0.2, smoothing=0.015)
     estimate = identify(swing.leg, swing.recording(), preparation=FiniteDifference())
     for name in ("Ia_knee", "Ia_ankle", "offset_hip", "offset_knee", "offset_ankle"):
         assert abs(estimate.value(name)) < 1e-8

@@ -33,7 +33,7 @@ def outcome(leg, recording, terms=None):
 
 
 def test_default_terms_find_sharp_friction(recordings):
-    """Measured at most 0.1 % for X and J, 0.5 % for friction and rotor, and 0.99 on 20 motions of 60 s."""
+    """Measured at most 0.1 % for X and J, 0.6 % for friction and rotor, and 0.985 on 20 motions of 60 s."""
     covers = []
     for leg, recording in recordings:
         errors, cover = outcome(leg, recording)
