@@ -16,7 +16,7 @@ from .estimate_checks import model_to_compensate
 from .friction import AHEAD, FrictionCompensation
 from .law import RATE, State, acceleration, refuse_rate
 from .linearise import discretise, linearise
-from .mean_pose import mean_pose
+from .mean_pose import poses_along
 from .model import ControlModel, ModelSource
 
 
@@ -57,19 +57,33 @@ class Weights(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class LQR:
-    """τ = M(θ_d) θ̈_d + C θ̇_d + G(θ_d) + F_r + K (x_d − x), x = (θ, θ̇).
+    """τ = M(θ_d) θ̈_d + C θ̇_d + G(θ_d) + F_r + K(t) (x_d − x), x = (θ, θ̇).
 
     Attributes:
         model: Model of the feedforward.
-        gain: Gain K [N·m/rad, N·m·s/rad], (n, 2n).
+        gains: Gain K at equally spaced instants of the period [N·m/rad, N·m·s/rad], (instants, n, 2n).
+        period: Period of the gains [s].
         friction: Friction compensation; None for none.
         rate: Sampling rate [Hz].
     """
 
     model: ControlModel
-    gain: FloatArray
+    gains: FloatArray
+    period: float
     friction: FrictionCompensation | None = AHEAD
     rate: float = RATE
+
+    def gain_at(self, time: float) -> FloatArray:
+        """Look up the gain of the nearest instant.
+
+        Args:
+            time: Time since the beginning of the reference [s].
+
+        Returns:
+            Gain [N·m/rad, N·m·s/rad], (n, 2n).
+        """
+        count = len(self.gains)
+        return np.asarray(self.gains[round(count * time / self.period) % count])
 
     def torque(self, state: State, target: Target) -> FloatArray:
         """Compute the torque; see the class.
@@ -85,7 +99,7 @@ class LQR:
             ExoidError: The target has no acceleration.
         """
         torque = self.model.inverse_dynamics(target.q, target.v, acceleration(target))
-        torque = torque + self.gain @ np.concatenate([target.q - state.q, target.v - state.v])
+        torque = torque + self.gain_at(state.time) @ np.concatenate([target.q - state.q, target.v - state.v])
         if self.friction is not None:
             torque = torque + self.friction.torque(self.model, state, target)
         return np.asarray(torque)
@@ -102,9 +116,9 @@ def lqr(
 ) -> LQR:
     """Make an :class:`LQR` controller about a reference.
 
-    The leg is linearised at rest at the mean pose of the reference, and sampled at the controller's rate:
+    At each of some poses along the reference, the leg is linearised at rest and sampled at the controller's rate:
     x⁺ = A x + B u. The cost is Σ xᵀ Q x + uᵀ R u. K = (R + Bᵀ S B)⁻¹ Bᵀ S A, with S from the discrete algebraic Riccati
-    equation.
+    equation of the pose.
 
     Args:
         source: An estimate, a leg, or a plant of one rig.
@@ -126,15 +140,27 @@ def lqr(
     """
     refuse_rate(rate)
     model = model_to_compensate(source, friction)
-    pose = mean_pose(reference, period)
-    if len(pose) != model.n:
-        raise ExoidError(f"a reference of {len(pose)} joints for a leg of {model.n}", remedy="give one of this leg")
-    A, B = discretise(linearise(model, pose, np.zeros(model.n), np.zeros(model.n)), 1.0 / rate)
-    Q, R = (weights or Weights()).matrices(model.n)
+    poses = poses_along(reference, period)
+    if poses.shape[1] != model.n:
+        raise ExoidError(
+            f"a reference of {poses.shape[1]} joints for a leg of {model.n}", remedy="give one of this leg"
+        )
+    costs = (weights or Weights()).matrices(model.n)
+    gains = np.array([_optimal_gain(model, pose, costs, rate) for pose in poses])
+    return LQR(model, gains, period, friction, rate)
+
+
+def _optimal_gain(
+    model: ControlModel, pose: FloatArray, costs: tuple[FloatArray, FloatArray], rate: float
+) -> FloatArray:
+    """Gain that is optimal about a pose."""
+    at_rest = np.zeros(model.n)
+    A, B = discretise(linearise(model, pose, at_rest, at_rest), 1.0 / rate)
+    Q, R = costs
     try:
         S = scipy.linalg.solve_discrete_are(A, B, Q, R)
     except np.linalg.LinAlgError as error:
         raise ExoidError(
             f"no stabilising gain ({error})", remedy="make angle errors cost more, or raise the rate"
         ) from error
-    return LQR(model, np.asarray(scipy.linalg.solve(R + B.T @ S @ B, B.T @ S @ A)), friction, rate)
+    return np.asarray(scipy.linalg.solve(R + B.T @ S @ B, B.T @ S @ A))

@@ -6,7 +6,7 @@ import scipy
 from legs import LEG, cuhk_plant, exact_estimate, frictionless, random_target
 
 from exoid import load_leg
-from exoid.control import ControlModel, State, Weights, lqr, simulate
+from exoid.control import ControlModel, State, Weights, lqr, mean_pose, simulate
 from exoid.control.linearise import Linear, discretise, linearise
 from exoid.errors import ExoidError
 from exoid.experiments import Harmonics, Hold, gait_for_leg, healthy_gait
@@ -53,18 +53,20 @@ def test_sampling_holds_the_torque():
 
 
 @pytest.mark.parametrize("weights", [Weights(), Weights(np.deg2rad([1.0, 4.0]), 2.0, (5.0, 20.0))])
-def test_the_gain_is_python_controls_at_the_mean_pose(weights):
-    """On the leg linearised there at rest, at 100 Hz; the gait's mean by quadrature."""
-    angles = [GAIT.at(t).q[:, 0] for t in np.linspace(0.0, 10.0, 2000, endpoint=False)]
-    A, B = discretise(linearise(MODEL, np.mean(angles, axis=0), np.zeros(2), np.zeros(2)), 0.01)
-    expected, _, poles = control.dlqr(A, B, *weights.matrices(2))
-    assert np.abs(poles).max() < 1.0
-    np.testing.assert_allclose(lqr(MODEL, GAIT, 10.0, weights=weights).gain, expected, rtol=1e-7, atol=1e-8)
+def test_gains_are_python_controls_at_poses_of_the_reference(weights):
+    """On the leg linearised there at rest, at 100 Hz, also between strides."""
+    law = lqr(MODEL, GAIT, 10.0, weights=weights)
+    for time in (0.0, 1.25, 5.0, 8.75):
+        A, B = discretise(linearise(MODEL, GAIT.at(time).q[:, 0], np.zeros(2), np.zeros(2)), 0.01)
+        expected, _, poles = control.dlqr(A, B, *weights.matrices(2))
+        assert np.abs(poles).max() < 1.0
+        np.testing.assert_allclose(law.gain_at(time), expected, rtol=1e-7, atol=1e-8)
+        np.testing.assert_array_equal(law.gain_at(time + 20.0), law.gain_at(time))
 
 
 def test_the_gain_minimises_the_cost():
-    """Against least squares for the torques of 4 s all at once, from a random state, without a Riccati equation."""
-    count, pose = 400, np.array([[0.4], [0.9]])
+    """Against least squares for the torques of 5 s all at once, from a random state, without a Riccati equation."""
+    count, pose = 500, np.array([[0.4], [0.9]])
     law = lqr(MODEL, Hold(pose), 1.0)
     A, B = discretise(linearise(MODEL, pose[:, 0], np.zeros(2), np.zeros(2)), 0.01)
     Q, R = (np.sqrt(x) for x in Weights().matrices(2))
@@ -77,8 +79,8 @@ def test_the_gain_minimises_the_cost():
         forced[:, 2 * k : 2 * k + 2] += B
     best = np.linalg.lstsq(np.vstack(rows), np.concatenate(rhs))[0].reshape(count, 2)
     x = x0
-    for u in best[: count // 2]:  # later ones know that the end is near
-        np.testing.assert_allclose(-law.gain @ x, u, rtol=1e-6, atol=1e-6)
+    for u in best[: count // 3]:  # later ones know that the end is near
+        np.testing.assert_allclose(-law.gain_at(0.0) @ x, u, rtol=1e-6, atol=1e-8)
         x = A @ x + B @ u
 
 
@@ -87,22 +89,8 @@ def test_the_torque_is_feedforward_and_gain():
     target, state = random_target(), State(*np.random.default_rng(4).uniform(-1.0, 1.0, (2, 2)), time=3.337)
     model = ControlModel.of(exact_estimate())
     expected = model.inverse_dynamics(*target) + model.friction(target.q, target.v, 0.05)
-    expected = expected + law.gain @ [*(target.q - state.q), *(target.v - state.v)]
+    expected = expected + law.gain_at(3.337) @ [*(target.q - state.q), *(target.v - state.v)]
     np.testing.assert_allclose(law.torque(state, target), expected, atol=1e-12)
-
-
-class Scheduled:
-    """A gain for each of 20 poses along a reference, in turn."""
-
-    rate = 100.0
-
-    def __init__(self, plant, reference, period):
-        self.period = period
-        poses = [reference.at((k + 0.5) * period / 20).q for k in range(20)]
-        self.laws = [lqr(plant, Hold(pose), period) for pose in poses]
-
-    def torque(self, state, target):
-        return self.laws[int(20 * state.time / self.period + 1e-9) % 20].torque(state, target)
 
 
 def wide(leg, period):
@@ -114,25 +102,24 @@ def wide(leg, period):
 
 
 @pytest.mark.parametrize(
-    ("leg", "motion", "change", "loaded_change"),
+    ("leg", "motion", "ratio"),
     [
-        ("cuhk", lambda leg: healthy_gait(1.2, 4.0), 0.02, 0.1),
-        ("bleex", lambda leg: gait_for_leg(leg, healthy_gait(0.8, 4.0)), 0.02, 0.1),
-        ("bleex", lambda leg: wide(leg, 4.0), 0.02, 0.5),
+        ("cuhk", lambda leg: healthy_gait(1.2, 4.0), 0.98),
+        ("bleex", lambda leg: gait_for_leg(leg, healthy_gait(0.8, 4.0)), 0.94),
+        ("bleex", lambda leg: wide(leg, 4.0), 0.86),
     ],
 )
-def test_one_gain_does_as_well_as_twenty_along_the_way(leg, motion, change, loaded_change):
-    """The feedforward matters most; with an unknown weight on the shank, gains matter a little [deg]."""
+def test_gains_that_follow_the_leg_hold_an_unknown_weight_better_than_one_gain(leg, motion, ratio):
+    """One gain, at the mean pose, is a little worse on gaits, and a sixth worse over 80 % of every range."""
     plant = frictionless(cuhk_plant(end_stops=False)) if leg == "cuhk" else Plant.build(load_leg(leg), end_stops=False)
     reference = motion(plant.leg)
     loaded = plant_with_payloads(plant, [Payload("knee", 1.5, (0.0, 0.0, -0.3))])
-    for rig, error, allowed in ((plant, 0.15, change), (loaded, 3.0, loaded_change)):
-        one, many = (
-            simulate(rig, law, reference, 8.0, settle=4.0).peak_deg
-            for law in (lqr(plant, reference, 4.0), Scheduled(plant, reference, 4.0))
-        )
-        assert one.max() < error
-        assert (one < many + allowed).all()
+    laws = lqr(plant, reference, 4.0), lqr(plant, Hold(mean_pose(reference, 4.0)[:, None]), 4.0)
+    exact, of_one_exact = (simulate(plant, law, reference, 8.0, settle=4.0).peak_deg for law in laws)
+    follows, one = (simulate(loaded, law, reference, 8.0, settle=4.0).peak_deg for law in laws)
+    print(leg, exact, of_one_exact, follows, one)
+    assert exact.max() < 0.15
+    assert follows.max() < ratio * one.max()
 
 
 def test_many_legs_at_once_get_what_each_gets_alone():
