@@ -30,7 +30,7 @@ LONGEST_REVERSAL = 1.0
 """A longer stay below the reversal speed is a rest [s]: its rows are kept."""
 
 PIECE = 1024
-"""Rows that are projected together."""
+"""Rows that are projected together, if they are as far apart as the filter allows."""
 
 LARGEST_SHARE = 0.7
 """Share of the independent samples of a piece that pulses may take; where there are more, the rows stay."""
@@ -386,7 +386,8 @@ def without_reversals(
     reach = len(response) // 2
     pulses, taken = _pulses(unknown, parallel), 0.0
     similarity = np.convolve(response, response)[2 * reach :: rows.step]
-    for piece in np.array_split(np.arange(len(rows)), -(-len(rows) // PIECE)):
+    together = max(1, PIECE * parallel.stride // rows.step)
+    for piece in np.array_split(np.arange(len(rows)), -(-len(rows) // together)):
         k = rows.start + rows.step * piece
         near = pulses[(pulses >= k[0] - reach) & (pulses <= k[-1] + reach)]
         lag = k[:, None] - near

@@ -16,6 +16,7 @@ from exoid.torques import DEFAULT_TERMS, TorqueModel
 
 LEG = exoid.load_leg("cuhk")
 MODEL = TorqueModel(LEG, DEFAULT_TERMS)
+SMOOTH = TorqueModel(LEG, (exoid.Coulomb(), *DEFAULT_TERMS[1:]))  # friction at reversals is fitted, too
 SCALES = Scales.of(MODEL, MotionLimits.of(LEG))
 STD = (0.3, 0.2)
 NOISE = TorqueNoise(STD)
@@ -64,9 +65,10 @@ def test_predicted_covariance_is_exact_for_unfiltered_rows(multisine):
 def test_noise_behind_a_filter_scatters_estimates_as_predicted(multisine, preparation):
     """Least squares on filtered rows, many times over; the moving average is no symmetric filter."""
     recording = log(multisine, 20.0)
-    predicted = predict(MODEL, [recording], NOISE, SCALES, preparation)
+    predicted = predict(SMOOTH, [recording], NOISE, SCALES, preparation)
     q, v, a, valid = preparation.kinematics(recording)
-    W = preparation.filter_columns(MODEL.regressor(q, v, a), 100.0)[valid]
+    assert SMOOTH.reversing(v) is None
+    W = preparation.filter_columns(SMOOTH.regressor(q, v, a), 100.0)[valid]
     rng, weight = np.random.default_rng(2), 1.0 / np.array(STD)
     noise = preparation.filter(rng.standard_normal((len(recording), 2, 400)) * np.array(STD)[:, None], 100.0)[valid]
     rows = (W * weight[:, None]).reshape(-1, W.shape[2])
@@ -92,7 +94,7 @@ def test_narrow_band_noise_counts_by_its_spectral_density(multisine):
     """Doubling the rate reduces the standard deviation under white noise, but not under noise up to 20 Hz."""
     slow, fast = log(multisine, 20.0, 100.0), log(multisine, 20.0, 200.0)
     for bandwidth, gain in ((np.inf, np.sqrt(2.0)), (20.0, 1.0)):
-        one, two = (predict(MODEL, [x], TorqueNoise(STD, bandwidth), SCALES).std for x in (slow, fast))
+        one, two = (predict(SMOOTH, [x], TorqueNoise(STD, bandwidth), SCALES).std for x in (slow, fast))
         np.testing.assert_allclose(one / two, gain, rtol=0.02)
 
 

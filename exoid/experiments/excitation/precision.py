@@ -15,6 +15,7 @@ from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.least_squares import INVOLVED, UNDETERMINED
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase
+from exoid.signals.filters import around_stops, without_reversals
 from exoid.torques import TorqueModel
 
 from .noise import TorqueNoise
@@ -220,6 +221,11 @@ def _rows(
         inside[valid] = True
         W = preparation.filter_columns(model.regressor(q, v, a, block.torso) * inside[:, None, None], rate)
         use = model.usable(v) & inside[:, None]
+        parallel, slow = preparation.parallel(rate), model.reversing(v)
+        if parallel is not None and slow is not None:
+            unknown, rows = around_stops(slow, parallel) & inside[:, None], range(len(q))[valid]
+            for joint in range(q.shape[1]):
+                W[valid, joint] = without_reversals(W[valid, joint].T, unknown[:, joint], rows, parallel)[0].T
         for joint in range(q.shape[1]):
             weighted = W[:, joint] * use[:, joint, None] / std[joint]
             transposed = np.flip(preparation.filter(np.flip(weighted, axis=0), rate), axis=0)  # Fᵀ, backwards in time
