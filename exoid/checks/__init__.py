@@ -1,6 +1,5 @@
 """Checks of logs and fits: each finds faults that would otherwise pass in silence."""
 
 from .checkup import Checkup, FittedLeg, check_fit, signal_findings, torque_delays
-from .repeats import count_once
 
-__all__ = ["Checkup", "FittedLeg", "check_fit", "count_once", "signal_findings", "torque_delays"]
+__all__ = ["Checkup", "FittedLeg", "check_fit", "signal_findings", "torque_delays"]

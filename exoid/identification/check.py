@@ -13,12 +13,13 @@ from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .checkup import check_group, groups_counted_once
+from .checkup import check_group
 from .estimators import find_estimator
 from .fitting import Task
 from .group_rows import Group
 from .identify import fit_model
 from .recording_summary import prepare_groups, summarize_groups
+from .repeats import counted_once
 
 
 def check(
@@ -57,17 +58,18 @@ def check(
         ()
     """
     used = DEFAULT_TERMS if terms is None else tuple(terms)
-    groups, (repeats,) = groups_counted_once((Group.alone(leg, recordings),))
+    groups: tuple[Group, ...] = (Group.alone(leg, recordings),)
     model = TorqueModel.at_start(leg, used, tuple(known or ()))
     data = groups[0].data
     if isinstance(data, Cluster):
         raise ExoidError("recordings are on the workers of a cluster", remedy="check them before they are sent")
-    signals = (*repeats, *signal_findings(model, data))
+    signals = signal_findings(model, data)
     try:
         knowledge = PriorKnowledge.of(known, None, nonnegative=False)
         summaries = summarize_groups(
             groups, {"": model}, (), knowledge, for_cutoff=preparation is None and cutoff is None
         )
+        groups, summaries, (repeats,) = counted_once(groups, summaries)
         prepared = prepare_groups(groups, {"": model}, summaries, preparation, cutoff)
         fitted = fit_model(Task(prepared, (model,), used, find_estimator("wls"), (), knowledge))
     except ExoidError as error:

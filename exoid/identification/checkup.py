@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.checks import Checkup, FittedLeg, check_fit, count_once, torque_delays
+from exoid.checks import Checkup, FittedLeg, check_fit, torque_delays
 from exoid.errors import ExoidError
 from exoid.estimate.model_error import ModelError
 from exoid.estimate.motion_ranges import MotionRanges
@@ -32,23 +32,6 @@ NOT_CHECKED = Finding(
     "run exoid check on some of them before they are sent",
 )
 """Stands for the checks of recordings on a cluster."""
-
-
-def groups_counted_once(groups: Sequence[Group]) -> tuple[tuple[Group, ...], tuple[tuple[Finding, ...], ...]]:
-    """Leave out data that occur twice within a group.
-
-    Args:
-        groups: Groups of recordings; those on a cluster stay as they are.
-
-    Returns:
-        The groups, and findings that name what was left out of each.
-    """
-    kept, findings = [], []
-    for group in groups:
-        once = None if isinstance(group.data, Cluster) else count_once(group.data)
-        kept.append(group if once is None else group._replace(data=once.data))
-        findings.append(() if once is None else once.findings)
-    return tuple(kept), tuple(findings)
 
 
 def check_group(fitted: Fitted, group: int, covariance: FloatArray) -> Checkup:

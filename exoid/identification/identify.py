@@ -14,13 +14,14 @@ from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
-from .checkup import groups_counted_once, without_delays
+from .checkup import without_delays
 from .estimators import Estimator, find_estimator, fit_by, name_of
 from .fitting import Fitted, Start, Task
 from .group_rows import Group, Measured
 from .groups import make_groups, own_parameters, refuse_nonlinear_terms
 from .problem import Problem
 from .recording_summary import prepare_groups, summarize_groups
+from .repeats import counted_once
 from .result import Preliminaries, Result
 from .variable_projection import search
 
@@ -138,7 +139,7 @@ def identify(
     _check_delay(delay)
     chosen, terms = find_estimator(estimator), _check_terms(terms)
     _refuse_without_effect(chosen, preparation, cutoff)
-    groups, before = _groups(leg, recordings, own)
+    groups, before = _groups(leg, recordings, own), Preliminaries()
     if len(groups) > 1:
         refuse_nonlinear_terms({group.name: group.leg for group in groups}, terms)
     knowledge = PriorKnowledge.of(known, prior, nonnegative=nonnegative)
@@ -147,6 +148,9 @@ def identify(
     summaries = summarize_groups(
         groups, models, own_names, knowledge, for_cutoff=preparation is None and cutoff is None
     )
+    if any(len(of_group) > 1 for of_group in summaries.values()):
+        groups, summaries, repeats = counted_once(groups, summaries)
+        before = Preliminaries(repeats)
     prepared = prepare_groups(groups, models, summaries, preparation, cutoff)
     task = Task(prepared, tuple(models.values()), terms, chosen, own_names, knowledge)
     fitted = fit_model(task)
@@ -192,17 +196,11 @@ def _groups(
     leg: Leg | Mapping[str, Leg],
     recordings: Measured | Mapping[str, Measured] | Cluster,
     own: str | Sequence[str] | None,
-) -> tuple[tuple[Group, ...], Preliminaries]:
-    """Bring legs and recordings together, data that occur twice once: one group, unless an argument names several."""
-    groups: tuple[Group, ...]
+) -> tuple[Group, ...]:
+    """Bring legs and recordings together: one group, unless one of the arguments speaks of several."""
     if own is None and not isinstance(leg, Mapping) and not isinstance(recordings, Mapping):
-        groups = (Group.alone(leg, recordings),)
-    else:
-        groups = make_groups(leg, recordings, own)
-    if any(not isinstance(group.data, Cluster) and len(group.data) > 1 for group in groups):
-        groups, repeats = groups_counted_once(groups)
-        return groups, Preliminaries(repeats)
-    return groups, Preliminaries()
+        return (Group.alone(leg, recordings),)
+    return make_groups(leg, recordings, own)
 
 
 def _check_noise(noise: str) -> None:

@@ -1,4 +1,4 @@
-"""Data that occur twice count once, and a finding says so."""
+"""A log that is passed twice counts once; parts that overlap make all parameters doubtful."""
 
 import dataclasses
 
@@ -7,7 +7,6 @@ import pytest
 from logs import clean, kinds, of_kind
 
 import exoid
-from exoid.checks import count_once
 from exoid.signals import Recordings
 
 
@@ -20,29 +19,53 @@ def test_the_same_log_twice_gives_the_estimate_of_once():
     assert (finding.severity, finding.value, finding.parameters) == ("warning", 1.0, ())
     assert set(twice.identifiability) == {"well"}
     assert len(twice.inputs) == 1
+    assert kinds(exoid.check(leg, [log, log])) == {"repeated-data"}
 
 
-def test_the_same_log_with_other_stamps_is_the_same_log():
+@pytest.mark.parametrize("read", [Recordings.from_files, lambda paths: [exoid.Recording.from_csv(p) for p in paths]])
+def test_copies_of_a_file_count_once_in_memory_and_on_disk(tmp_path, read):
     leg, log = clean()
-    later = dataclasses.replace(log, time=log.time + 100.0)
-    assert len(exoid.identify(leg, [log, later]).inputs) == 1
+    paths = [tmp_path / "log.csv", tmp_path / "copy.csv", tmp_path / "other.csv"]
+    log.to_csv(paths[0])
+    paths[1].write_bytes(paths[0].read_bytes())
+    clean(seed=2)[1].to_csv(paths[2])
+    found = exoid.identify(leg, read(paths))
+    assert [source.name for source in found.inputs] == ["log.csv", "other.csv"]
+    assert of_kind(found.findings, "repeated-data").recording == "copy.csv"
+
+
+def test_in_groups_a_log_counts_once_in_its_group():
+    leg, log = clean()
+    other = clean(seed=2)[1]
+    found = exoid.identify(leg, {"monday": [log, log], "tuesday": other}, own="offset")
+    assert kinds(found["monday"].findings) == {"repeated-data"}
+    assert found["tuesday"].findings == ()
+
+
+def test_parts_of_one_log_are_not_the_same():
+    leg, log = clean()
+    halves = [log.slice(0, 1500), log.slice(1500, len(log))]
+    found = exoid.identify(leg, halves)
+    assert len(found.inputs) == 2
+    assert found.findings == ()
 
 
 @pytest.mark.parametrize("overlap", [200, 1000])
-def test_halves_that_overlap_count_once(overlap):
+def test_halves_that_overlap_make_all_parameters_doubtful(overlap):
     leg, log = clean()
     middle = len(log) // 2
     halves = [log.slice(0, middle + overlap // 2), log.slice(middle - overlap // 2, len(log))]
     found = exoid.identify(leg, halves)
-    assert sum(source.samples for source in found.inputs) == len(log)
-    assert of_kind(found.findings, "repeated-data").value == pytest.approx(overlap / (middle + overlap // 2), abs=0.01)
-    assert "repeated-data" in kinds(exoid.check(leg, halves))
+    finding = of_kind(found.findings, "repeated-data")
+    assert finding.value == pytest.approx(overlap / (middle + overlap // 2), abs=0.01)
+    assert found.doubtful == set(found.names)
+    assert "well" not in found.identifiability
 
 
-def test_a_part_from_the_middle_leaves_both_ends():
-    _, log = clean()
-    whole = count_once([log.slice(1000, 2000), log])
-    assert [len(one) for one in whole.data] == [1000, 1000, len(log) - 2000]
+def test_the_same_log_with_other_stamps_is_found():
+    leg, log = clean()
+    later = dataclasses.replace(log, time=log.time + 100.0)
+    assert of_kind(exoid.identify(leg, [log, later]).findings, "repeated-data").value == 1.0
 
 
 def test_two_logs_of_the_same_motion_are_two():
@@ -50,27 +73,17 @@ def test_two_logs_of_the_same_motion_are_two():
     noise = 0.01 * np.random.default_rng(5).standard_normal(log.tau.shape)
     again = dataclasses.replace(log, tau=log.tau + noise)
     assert exoid.identify(leg, [log, again]).findings == ()
-    assert len(count_once([log, again]).data) == 2
 
 
 def test_samples_at_rest_are_not_the_same_data():
-    _, log = clean()
-    q, tau = log.q.copy(), log.tau.copy()
-    q[:300], tau[:300] = q[300], tau[300]
-    rest = dataclasses.replace(log, q=q, tau=tau)
-    other = dataclasses.replace(clean(seed=2)[1], time=log.time)
-    start = dataclasses.replace(
-        other, q=np.vstack([q[:300], other.q[300:]]), tau=np.vstack([tau[:300], other.tau[300:]])
-    )
-    assert count_once([rest, start]).findings == ()
-
-
-def test_files_that_are_listed_twice_are_read_once(tmp_path):
     leg, log = clean()
-    path = tmp_path / "log.csv"
-    log.to_csv(path)
-    listed = Recordings.from_files([path, path])
-    once = count_once(listed)
-    assert len(once.data) == 1
-    assert once.findings[0].recording == "log.csv"
-    assert "repeated-data" in kinds(exoid.identify(leg, listed).findings)
+    other = clean(seed=2)[1]
+    rest = [
+        dataclasses.replace(
+            one,
+            q=np.vstack([np.tile(log.q[:1], (300, 1)), one.q[300:]]),
+            tau=np.vstack([np.tile(log.tau[:1], (300, 1)), one.tau[300:]]),
+        )
+        for one in (log, other)
+    ]
+    assert "repeated-data" not in kinds(exoid.check(leg, rest))
