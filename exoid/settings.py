@@ -116,10 +116,10 @@ def named_from_json(
 
 
 def _refuse_no_numbers(kind: type, settings: Mapping[str, Any]) -> None:
-    """Refuse anything but a number for a setting whose default is one, and whose type has no other alternative."""
+    """Refuse anything but a number for a setting that is declared as one."""
     for field in fields(kind):
         value = settings.get(field.name, 0.0)
-        if type(field.default) in (int, float) and "|" not in str(field.type) and type(value) not in (int, float):
+        if field.type in (int, float, "int", "float") and type(value) not in (int, float):
             raise TypeError(f"{field.name} is no number")
 
 

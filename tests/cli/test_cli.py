@@ -277,7 +277,7 @@ BAD_INPUT = {
     "cutoff negative": (("bleex", TRAIN, "--cutoff", "-1"), ("positive frequency",)),
     "nothing left": (("bleex", TRAIN, "--start", "5", "--stop", "4"), ("too few samples",)),
     "stop before the log": (("bleex", TRAIN, "--stop", "-1"), ("too few samples",)),
-    "start is not a number": (("bleex", TRAIN, "--start", "nan"), ("too few samples",)),
+    "start is not a number": (("bleex", TRAIN, "--start", "nan"), ("a limit of nan s",)),
     "column without header": (("bleex", "nan.csv", "--column", "q_hip"), ("NAME=HEADER",)),
     "column of no name": (("bleex", "nan.csv", "--column", "angle=x"), ("angle", "q_<joint>")),
     "column of no header": (("bleex", "nan.csv", "--column", "q_left_hip=x"), ("'x'", "q_left_hip")),
