@@ -121,7 +121,7 @@ def findings_of(model: TorqueModel, sizes: Sequence[FaultSize]) -> tuple[Finding
         severe = bool(size.moves.max(initial=0.0) > SEVERE)
         doubtful = size.moves > DOUBTFUL_MOVE
         if severe:  # too large for a linear estimate of what it moves
-            doubtful |= _acting(model, size.fault.nuisance.joint)
+            doubtful |= _acting(model, size.fault.nuisance.joint) & (size.half > 0.0)
         moved = [name for name, is_doubtful in zip(model.names, doubtful, strict=True) if is_doubtful]
         severity: Severity = "error" if severe else "warning"
         finding = describe_fault(size.fault.nuisance, size.delta, HALF_WIDTH * size.std, severity).affecting(moved)
