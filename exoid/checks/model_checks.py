@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
@@ -117,8 +118,12 @@ def findings_of(model: TorqueModel, sizes: Sequence[FaultSize]) -> tuple[Finding
     """
     findings: dict[tuple[str, str], Finding] = {}
     for size in sizes:
-        moved = [name for name, move in zip(model.names, size.moves, strict=True) if move > DOUBTFUL_MOVE]
-        severity: Severity = "error" if size.moves.max(initial=0.0) > SEVERE else "warning"
+        severe = bool(size.moves.max(initial=0.0) > SEVERE)
+        doubtful = size.moves > DOUBTFUL_MOVE
+        if severe:  # too large for a linear estimate of what it moves
+            doubtful |= _acting(model, size.fault.nuisance.joint) & (size.half > 0.0)
+        moved = [name for name, is_doubtful in zip(model.names, doubtful, strict=True) if is_doubtful]
+        severity: Severity = "error" if severe else "warning"
         finding = describe_fault(size.fault.nuisance, size.delta, HALF_WIDTH * size.std, severity).affecting(moved)
         place = (finding.kind, finding.joint)
         if place in findings:  # another form of the same fault
@@ -127,6 +132,12 @@ def findings_of(model: TorqueModel, sizes: Sequence[FaultSize]) -> tuple[Finding
         else:
             findings[place] = finding
     return tuple(findings.values())
+
+
+def _acting(model: TorqueModel, joint: str) -> NDArray[np.bool_]:
+    """Which parameters act on a joint, or on any where it has no name, (P,)."""
+    at = model.acting if not joint else model.acting[[model.joint_names.index(joint)]]
+    return np.asarray(at.any(axis=0))
 
 
 def find_faults(checked: Checked, values: FloatArray, evidence: Evidence | None = None) -> tuple[FaultSize, ...]:
