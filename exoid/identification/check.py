@@ -57,7 +57,7 @@ def check(
         ()
     """
     used = DEFAULT_TERMS if terms is None else tuple(terms)
-    groups, model = (Group.alone(leg, recordings),), TorqueModel.at_start(leg, used)
+    groups, model = (Group.alone(leg, recordings),), TorqueModel.at_start(leg, used, tuple(known or ()))
     data = groups[0].data
     if isinstance(data, Cluster):
         raise ExoidError("recordings are on the workers of a cluster", remedy="check them before they are sent")

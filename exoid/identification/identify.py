@@ -117,7 +117,8 @@ def identify(
         cutoff: Cut-off frequency of the low-pass [Hz]; None for at most 8 Hz, by the noise of the angles.
         preparation: Another way from a recording to rows, or its name; ``cutoff`` then does not apply.
         noise: "correlated" (by the residuals, also between joints) or "white" for the covariance.
-        known: Values of parameters that are held fixed, by name; "c0_hip[left]" is that of one group.
+        known: Values of parameters that are held fixed, by name; "c0_hip[left]" is that of one group. A known rotor of
+            the first joint, "Ia_hip", is no part of J1 then.
         prior: Value and standard deviation of parameters, by name, or ``Prior.from_leg(leg, 0.2)``.
         nonnegative: Whether to bound friction and rotor inertia by zero.
         delay: "auto" to estimate by how much torques are late, and to shift them; None to leave them as they are.
@@ -140,9 +141,9 @@ def identify(
     groups = _groups(leg, recordings, own)
     if len(groups) > 1:
         refuse_nonlinear_terms({group.name: group.leg for group in groups}, terms)
-    models = {group.name: TorqueModel.at_start(group.leg, terms) for group in groups}
-    own_names = () if own is None and list(models) == [""] else own_parameters(models, own)
     knowledge = PriorKnowledge.of(known, prior, nonnegative=nonnegative)
+    models = {group.name: TorqueModel.at_start(group.leg, terms, knowledge.known_names) for group in groups}
+    own_names = () if own is None and list(models) == [""] else own_parameters(models, own)
     summaries = summarize_groups(
         groups, models, own_names, knowledge, for_cutoff=preparation is None and cutoff is None
     )
