@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import warnings
 
 import numpy as np
 import pytest
@@ -250,7 +251,9 @@ def test_meshes_without_finite_size_become_a_note(value, scale, tmp_path):
     header += f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
     body = "\n".join([*(f"{value} {value} {value}" for _ in points), *(f"3 {a} {b} {c}" for a, b, c in faces)])
     (tmp_path / "bad.ply").write_text(f"{header}{body}\n")
-    drawn = scene(leg_with_mesh(f'bad.ply" scale="{scale}'), meshes=tmp_path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # as outside of the tests, where these warnings are no errors
+        drawn = scene(leg_with_mesh(f'bad.ply" scale="{scale}'), meshes=tmp_path)
     (note,) = drawn.notes
     assert "bad.ply" in note
     assert json.dumps(drawn.to_json(), allow_nan=False)
