@@ -151,6 +151,7 @@ def serve(kind: str, folder: Path) -> None:
     import exoid  # noqa: PLC0415
 
     read, path = reader_of(kind), folder / name_of(kind)
+    print("ready", flush=True)  # the time of imports does not count
     for _ in sys.stdin:
         what = ""
         try:
@@ -211,9 +212,13 @@ def findings(kind: str, seed: bytes, folder: Path, count: int, rng: np.random.Ge
 
 def _child(kind: str, folder: Path) -> subprocess.Popen[str]:
     command = [sys.executable, "-W", "ignore", __file__, "--serve", kind, str(folder)]
-    return subprocess.Popen(
+    child = subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=ROOT
     )
+    assert child.stdout is not None
+    if child.stdout.readline() != "ready\n":
+        raise RuntimeError(f"the reader of {kind} does not start: status {child.wait()}")
+    return child
 
 
 def _ask(child: subprocess.Popen[str]) -> dict[str, Any] | None:

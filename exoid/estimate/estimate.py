@@ -101,8 +101,8 @@ class Estimate(EstimateData):
             What was written, which prints itself: where the parameters are, and by how much they had to move.
 
         Raises:
-            ExoidError: A link would be heavier or lighter than in the URDF by more than the mass factor, or a file
-                cannot be written, or is the URDF that was identified.
+            ExoidError: A link would be heavier or lighter than in the URDF by more than the mass factor, a file cannot
+                be written, or it is the URDF that was identified.
         """
         return export_urdf(self, path, pull=pull, mass_factor=mass_factor)
 

@@ -172,8 +172,8 @@ def export_urdf(
         What was written.
 
     Raises:
-        ExoidError: The path names no URDF, is the URDF that was identified or a recording, a mass would change beyond
-            the factor, or a file cannot be written.
+        ExoidError: The path names no URDF, is the URDF that was identified or a recording, or cannot be written. Or a
+            mass would change beyond the factor.
     """
     urdf = Path(path)
     sidecar = sidecar_of(urdf) if urdf.name else urdf

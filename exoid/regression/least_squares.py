@@ -39,11 +39,15 @@ class RFactor(NamedTuple):
         R: Upper R factor, (P + 1, P + 1).
         rows: Number of rows that it stands for.
         samples: Number of independent samples among them.
+        taken: R factor of what was taken out of the rows at reversals, (M, P + 1); None for nothing.
+        all_rows: Number of rows with what was taken out.
     """
 
     R: FloatArray
     rows: int
     samples: float
+    taken: FloatArray | None = None
+    all_rows: int = 0
 
     def among(self, columns: NDArray[np.intp], width: int) -> RFactor:
         """Put the columns into the places that they have among so many, the others being zero.
@@ -55,9 +59,12 @@ class RFactor(NamedTuple):
         Returns:
             The R factor, zero in the other columns.
         """
-        R = np.zeros((len(self.R), width))
+        R, taken = np.zeros((len(self.R), width)), None
         R[:, columns] = self.R
-        return factorize(R, self.rows, self.samples)
+        if self.taken is not None:
+            taken = np.zeros((len(self.taken), width))
+            taken[:, columns] = self.taken
+        return factorize(R, self.rows, self.samples)._replace(taken=taken, all_rows=self.all_rows)
 
     def residual(self, values: FloatArray) -> float:
         """Root of the sum of squared residuals ‖W β − τ‖ [N·m].
@@ -70,15 +77,31 @@ class RFactor(NamedTuple):
         """
         return float(np.linalg.norm(self.R @ np.append(values, -1.0)))
 
+    def whole_residual(self, values: FloatArray) -> float:
+        """Root of the sum of squared residuals, with what was taken out of the rows at reversals.
+
+        Args:
+            values: Parameters β, (P,).
+
+        Returns:
+            Norm of the residual [N·m].
+        """
+        taken = 0.0 if self.taken is None else float(np.linalg.norm(self.taken @ np.append(values, -1.0)))
+        return math.hypot(self.residual(values), taken)
+
 
 def factorize_rows(rows: Rows) -> list[RFactor]:
     """Reduce the rows of each joint to a R factor."""
     r_factors = []
     for joint in range(rows.tau.shape[1]):
         columns, table = joint_table(rows, joint)
-        count = table.shape[1] * rows.noise_left_at(joint)
-        r_factor = factorize(table.T, round(count), count * rows.independent_fraction)
-        r_factors.append(r_factor.among(columns, rows.W.shape[2] + 1))
+        count = table.shape[1]
+        left, taken = (
+            (rows.reversals[joint].noise_left * count, rows.reversals[joint].table) if rows.reversals else (count, None)
+        )
+        r_factor = factorize(table.T, round(left), left * rows.independent_fraction)
+        r_factor = r_factor.among(columns, rows.W.shape[2] + 1)
+        r_factors.append(r_factor._replace(taken=_triangle(taken), all_rows=count))
     return r_factors
 
 
@@ -120,8 +143,15 @@ def factorize(table: FloatArray, rows: int, samples: float) -> RFactor:
     return RFactor(np.triu(factored[:width]), rows, samples)
 
 
+def _triangle(table: FloatArray | None) -> FloatArray | None:
+    """R factor of rows, (P + 1, P + 1) at most."""
+    if table is None or len(table) <= table.shape[1]:
+        return table
+    return np.asarray(np.linalg.qr(table, mode="r"))
+
+
 def rms_residual(r_factors: Sequence[RFactor], values: FloatArray) -> float:
-    """RMS residual over the rows of several R factors [N·m].
+    """RMS residual over the rows of several R factors, reversals included [N·m].
 
     Args:
         r_factors: R factors of rows in the same unit.
@@ -130,8 +160,8 @@ def rms_residual(r_factors: Sequence[RFactor], values: FloatArray) -> float:
     Returns:
         Root mean square of the residual.
     """
-    squares = sum(r_factor.residual(values) ** 2 for r_factor in r_factors)
-    return float(np.sqrt(squares / max(sum(r_factor.rows for r_factor in r_factors), 1)))
+    squares = sum(r_factor.whole_residual(values) ** 2 for r_factor in r_factors)
+    return float(np.sqrt(squares / max(sum(max(t.rows, t.all_rows) for t in r_factors), 1)))
 
 
 def stack(r_factors: Sequence[RFactor], weights: Sequence[float] | None = None) -> RFactor:
@@ -145,8 +175,15 @@ def stack(r_factors: Sequence[RFactor], weights: Sequence[float] | None = None) 
         R factor of all rows.
     """
     weights = [1.0] * len(r_factors) if weights is None else weights
-    table = np.vstack([weight * r_factor.R for weight, r_factor in zip(weights, r_factors, strict=True)])
-    return factorize(table, sum(t.rows for t in r_factors), sum(t.samples for t in r_factors))
+    weighted = list(zip(weights, r_factors, strict=True))
+    stacked = factorize(
+        np.vstack([weight * each.R for weight, each in weighted]),
+        sum(each.rows for each in r_factors),
+        sum(each.samples for each in r_factors),
+    )
+    taken = [weight * each.taken for weight, each in weighted if each.taken is not None]
+    all_rows = sum(max(each.rows, each.all_rows) for each in r_factors)
+    return stacked._replace(taken=_triangle(np.vstack(taken)) if taken else None, all_rows=all_rows)
 
 
 def refuse_empty_joints(joint_names: Sequence[str], r_factors: Sequence[RFactor]) -> None:

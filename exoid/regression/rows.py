@@ -23,6 +23,18 @@ REACHES = 8.0
 """or so many times the reach of the filter where that is more."""
 
 
+class TakenOut(NamedTuple):
+    """Part of the rows of a joint that was projected out, as the friction in it is not known.
+
+    Attributes:
+        table: That part of [W τ], in an orthonormal basis, (M, P + 1).
+        noise_left: Share of the noise that is left in the rows.
+    """
+
+    table: FloatArray
+    noise_left: float
+
+
 class Rows(NamedTuple):
     """Both sides of τ = W β for samples and joints of one recording, filtered alike, ends removed.
 
@@ -36,7 +48,7 @@ class Rows(NamedTuple):
         acting: Mask of parameters that can act on each joint, (n, P); the regressor is zero elsewhere.
         independent_fraction: Share of the rows that carry independent noise; a low-pass leaves fewer.
         stands_for: Number of rows that each of these stands for; 1 unless decimated.
-        noise_left: Share of the noise of each joint that is left where reversals were taken out, (n,); None for all.
+        reversals: What was taken out at the reversals of each joint; empty for nothing.
     """
 
     time: FloatArray
@@ -48,18 +60,7 @@ class Rows(NamedTuple):
     acting: NDArray[np.bool_]
     independent_fraction: float
     stands_for: float = 1.0
-    noise_left: FloatArray | None = None
-
-    def noise_left_at(self, joint: int) -> float:
-        """Look up the share of a joint's noise that is left.
-
-        Args:
-            joint: Index of the joint.
-
-        Returns:
-            The share, 0 to 1.
-        """
-        return 1.0 if self.noise_left is None else float(self.noise_left[joint])
+    reversals: tuple[TakenOut, ...] = ()
 
 
 class NoiseKind(NamedTuple):
@@ -218,13 +219,13 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
     around = slice(max(0, stretch[0] - prepared.reach), stretch[-1] + 1 + prepared.reach)
     columns, tau = model.columns(prepared.motion.rows(around)), prepared.tau[around].T
     inside = range(stretch[0] - around.start, stretch[-1] + 1 - around.start, stretch.step)
-    left = None
+    taken: list[tuple[FloatArray, float]] = []
     if prepared.parallel is None:
         rows = slice(inside.start, inside.stop, inside.step)
         columns, tau = columns[..., rows], tau[:, rows]
     else:
         columns, tau = _filtered(prepared.parallel, columns, tau, model.acting, prepared.inside[around], inside)
-        left = _take_out_reversals(prepared, stretch, columns, tau)
+        taken = _take_out_reversals(prepared, stretch, columns, tau)
     count = len(model.names)
     W, tau = columns[:count].transpose(2, 1, 0), tau.T
     if len(columns) > count:
@@ -232,7 +233,10 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
     rows = slice(stretch.start, stretch.stop, stretch.step)
     q, v, usable = prepared.motion.q[rows], prepared.motion.v[rows], prepared.usable[rows]
     time, fraction = prepared.time[rows], prepared.independent_fraction
-    return Rows(time, W, tau, q, v, usable, model.acting, fraction, noise_left=left)
+    reversals = tuple(
+        TakenOut(np.column_stack([part[:count].T, part[-1] - part[count:-1].sum(axis=0)]), left) for part, left in taken
+    )
+    return Rows(time, W, tau, q, v, usable, model.acting, fraction, reversals=reversals)
 
 
 def _filtered(
@@ -263,17 +267,22 @@ def _surrounded(parallel: ParallelFilter, signals: FloatArray, rows: range) -> F
     return parallel(padded, range(rows.start + before, rows.stop + before, rows.step))
 
 
-def _take_out_reversals(prepared: Prepared, stretch: range, columns: FloatArray, tau: FloatArray) -> FloatArray | None:
-    """Take unknown friction out of columns (P or more, n, N) and torques (n, N); what is left of the noise, (n,)."""
+def _take_out_reversals(
+    prepared: Prepared, stretch: range, columns: FloatArray, tau: FloatArray
+) -> list[tuple[FloatArray, float]]:
+    """Take unknown friction out of columns (P or more, n, N) and torques (n, N): what was taken, and noise left."""
     if prepared.parallel is None or prepared.reversals is None:
-        return None
-    left = np.ones(len(tau))
+        return []
+    found = []
     for joint, unknown in enumerate(prepared.reversals.T):
         acting = np.flatnonzero(columns[:, joint].any(axis=1))
         signals = np.vstack([columns[acting, joint], tau[joint]])
-        signals, left[joint] = without_reversals(signals, unknown, stretch, prepared.parallel)
+        signals, taken, left = without_reversals(signals, unknown, stretch, prepared.parallel)
         columns[acting, joint], tau[joint] = signals[:-1], signals[-1]
-    return left
+        table = np.zeros((len(columns) + 1, taken.shape[1]))
+        table[acting], table[-1] = taken[:-1], taken[-1]
+        found.append((table, left))
+    return found
 
 
 def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
@@ -363,7 +372,7 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
         rows.acting,
         min(1.0, rows.independent_fraction * step),
         count / len(range(first, count, step)),
-        rows.noise_left,
+        rows.reversals,
     )
 
 
@@ -379,9 +388,15 @@ def chain(stretches: Sequence[Rows]) -> Rows:
     if len(stretches) == 1:
         return stretches[0]
     W = np.concatenate([rows.W.transpose(2, 1, 0) for rows in stretches], axis=2).transpose(2, 1, 0)
-    left = [rows.noise_left for rows in stretches if rows.noise_left is not None]
+    lengths = [len(rows.time) for rows in stretches]
+    reversals = tuple(
+        TakenOut(
+            np.vstack([part.table for part in parts]), float(np.average([p.noise_left for p in parts], weights=lengths))
+        )
+        for parts in zip(*(rows.reversals for rows in stretches), strict=True)
+    )
     return stretches[0]._replace(
-        noise_left=np.average(left, axis=0, weights=[len(rows.time) for rows in stretches]) if left else None,
+        reversals=reversals,
         time=np.concatenate([rows.time for rows in stretches]),
         W=W,
         tau=np.concatenate([rows.tau for rows in stretches]),

@@ -360,7 +360,7 @@ def around_stops(slow: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[n
 
 def without_reversals(
     signals: FloatArray, unknown: NDArray[np.bool_], rows: range, parallel: ParallelFilter
-) -> tuple[FloatArray, float]:
+) -> tuple[FloatArray, FloatArray, float]:
     """Project the filtered columns and torque of a joint onto the complement of the pulses at its reversals.
 
     A joint with sharp friction sticks where it turns round. Its friction is then what holds it, anywhere between −c0
@@ -380,11 +380,12 @@ def without_reversals(
         parallel: The filter.
 
     Returns:
-        Projected signals, (K, R), and the share of the energy of filtered white noise that is left in them.
+        Projected signals, (K, R); what was taken out of them, in an orthonormal basis, (K, M); and the share of the
+        energy of filtered white noise that is left.
     """
     out, response = signals.copy(), _impulse_response(parallel)
     reach = len(response) // 2
-    pulses, taken = _pulses(unknown, parallel), 0.0
+    pulses, taken, of_noise = _pulses(unknown, parallel), [np.zeros((len(signals), 0))], 0.0
     similarity = np.convolve(response, response)[2 * reach :: rows.step]
     together = max(1, PIECE * parallel.stride // rows.step)
     for piece in np.array_split(np.arange(len(rows)), -(-len(rows) // together)):
@@ -395,10 +396,11 @@ def without_reversals(
         independent = len(k) * min(1.0, parallel.independent_fraction * rows.step)
         if 0 < len(near) <= LARGEST_SHARE * independent:
             Q, _ = np.linalg.qr(B)
-            out[:, piece] -= (out[:, piece] @ Q) @ Q.T
-            of_noise = np.pad(similarity, (0, max(0, len(k) - len(similarity))))[: len(k)]
-            taken += float(np.sum(Q * scipy.linalg.matmul_toeplitz(of_noise, Q))) / similarity[0]
-    return out, 1.0 - taken / max(len(rows), 1)
+            taken.append(out[:, piece] @ Q)
+            out[:, piece] -= taken[-1] @ Q.T
+            alike = np.pad(similarity, (0, max(0, len(k) - len(similarity))))[: len(k)]
+            of_noise += float(np.sum(Q * scipy.linalg.matmul_toeplitz(alike, Q))) / similarity[0]
+    return out, np.hstack(taken), 1.0 - of_noise / max(len(rows), 1)
 
 
 def _pulses(unknown: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.intp]:

@@ -97,7 +97,7 @@ def test_a_reader_that_hangs_is_killed(monkeypatch):
 def test_an_interpreter_that_cannot_start_another_says_so(monkeypatch, tmp_path):
     WRITERS["log.mat"](tmp_path / "log.mat", swing())
     monkeypatch.setattr(child, "_CHILDREN", [])
-    monkeypatch.setattr(child.spawn, "get_executable", lambda: b"/no/such/python")
+    monkeypatch.setattr("multiprocessing.spawn.get_executable", lambda: b"/no/such/python")
     with pytest.raises(ExoidError, match="cannot be started"):
         Recording.from_file(tmp_path / "log.mat")
 

@@ -16,7 +16,6 @@ import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from io import BufferedReader
-from multiprocessing import spawn
 from pathlib import Path
 from typing import IO, Any, NamedTuple, cast
 
@@ -85,6 +84,8 @@ class Child:
 
     def __init__(self) -> None:
         """Start it."""
+        from multiprocessing import spawn  # noqa: PLC0415 - few callers read such files
+
         try:
             self._process = subprocess.Popen(
                 [os.fsdecode(spawn.get_executable()), "-c", START, *sys.path],
