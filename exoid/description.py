@@ -231,7 +231,9 @@ def _check_numbers(root: etree._Element, name: str) -> None:
         axis = joint.find("axis")
         if axis is None or joint.get("type") in ("fixed", "floating"):
             continue
-        if math.hypot(*map(float, axis.get("xyz", "1 0 0").split())) < SHORTEST_AXIS:
+        if axis.get("xyz") is None:  # the parser takes it as zero
+            raise ExoidError("its <axis> has no xyz", where=_place(axis, name), remedy="write a unit vector")
+        if math.hypot(*map(float, axis.get("xyz", "").split())) < SHORTEST_AXIS:
             raise ExoidError("its <axis> is zero", where=_place(axis, name), remedy="write a unit vector")
 
 

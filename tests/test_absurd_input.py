@@ -76,3 +76,9 @@ def test_a_plan_of_more_samples_than_memory_is_refused_before_it_is_tried(leg, d
 
 def test_a_leg_reads_its_own_text_again():
     assert Leg.from_description(describe(URDF)).joint_names == ("hip",)
+
+
+@pytest.mark.parametrize("axis", ["<axis/>", '<axis yyz="0 1 0"/>', '<axis xyz="0 0 0"/>'])
+def test_a_joint_without_a_direction_is_refused(axis):
+    with pytest.raises(ExoidError, match="joint 'hip': its <axis>"):
+        Leg.from_description(describe(URDF.replace('<axis xyz="0 1 0"/>', axis)))
