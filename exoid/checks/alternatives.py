@@ -187,6 +187,7 @@ class _Factors(NamedTuple):
         tables: list[list[FloatArray]] = [[] for _ in range(joints)]
         for one in checked.data:
             prepared = prepare(model, _reread(one, alternative), checked.preparation)
+            prepared = prepared._replace(reversals=None)  # torques may be another joint's, with other reversals
             for stretch in prepared.stretches():
                 rows = form_rows(model, prepared, stretch)
                 for j in range(joints):

@@ -75,8 +75,8 @@ def test_a_folder_gives_the_estimate_of_its_logs_in_memory(folder, in_memory, es
     assert_same(found, identify(SWING.leg, in_memory, TERMS, estimator))
 
 
-@pytest.mark.parametrize(("check", "times"), [(False, 2), (True, 3)])
-def test_every_log_is_read_twice_and_once_more_for_checks_and_none_of_them_is_kept(folder, check, times):
+@pytest.mark.parametrize(("check", "times"), [(False, 2), (True, 4)])
+def test_every_log_is_read_twice_and_twice_more_for_checks_and_none_of_them_is_kept(folder, check, times):
     read = []
     stored = Recordings.from_folder(folder).watched(lambda path: read.append(path.name))
     identify(SWING.leg, stored, check=check)

@@ -24,6 +24,9 @@ if sys.platform != "win32":
 
 REMEDY = "check that the file is complete"
 
+RESIDENT = 1
+"""Place of the resident size among the numbers of /proc/self/statm [pages]."""
+
 DATA = 5
 """Place of the size of the data among the numbers of /proc/self/statm."""
 
@@ -90,8 +93,8 @@ def _memory(room: int) -> Iterator[None]:
 
 
 def _stays() -> bool:
-    """Tell whether the process has not kept much memory."""
-    if sys.platform == "win32":
+    """Tell whether the process has not kept much memory; the peak would be that of the caller, which started it."""
+    if sys.platform != "linux":
         return True
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak * (1 if sys.platform == "darwin" else 1024) < MOST_KEPT
+    resident = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[RESIDENT])
+    return resident * resource.getpagesize() < MOST_KEPT
