@@ -88,7 +88,8 @@ def test_the_command_line_identifies_by_installed_names(folder):
         "sides": ["lower", "upper"],
     }
     assert data["terms"][0] == {
-        "term": "coulomb", "joints": None, "smoothing": 0.02, "presliding": 0.0, "dead_band": 0.0, "asymmetric": False,
+        "term": "coulomb", "joints": None, "smoothing": 0.02, "presliding": 0.0, "dead_band": 0.0,
+        "reversal_speed": 0.0, "asymmetric": False,
     }  # fmt: skip
     assert data["preparation"]["name"] == "median"
     assert data["preparation"]["from"] == "exoid_springs.median"

