@@ -15,7 +15,7 @@ from .inputs import AsJson, Column, Degrees, LogOptions, Start, Stop, find_leg, 
 from .progress import progress_bar
 
 FRICTION = [candidate.name for candidate in friction_candidates()]
-"""Friction models that are compared by default."""
+"""Friction models that can be compared for all joints alike."""
 
 
 def select(
@@ -29,7 +29,11 @@ def select(
         str | None, typer.Option(metavar="LOG", help="Validate the selected model, once, on another log.")
     ] = None,
     friction: Annotated[
-        str | None, typer.Option(metavar="A,B", help=f"Models to compare; default: {', '.join(FRICTION)}.")
+        str | None,
+        typer.Option(
+            metavar="A,B",
+            help=f"Models for all joints alike, of {', '.join(FRICTION)}; default: friction joint by joint.",
+        ),
     ] = None,
     folds: Annotated[int, typer.Option(min=3, help="Blocks of each log, each predicted from the others.")] = 5,
     cutoff: Annotated[float, typer.Option(metavar="HZ", help="Low-pass of the compared torques.")] = 8.0,
@@ -46,11 +50,11 @@ def select(
     recordings = read_logs(logs, LogOptions(column, degrees, start, stop))
     tested = read_logs([test], LogOptions(column, degrees))[0] if test is not None else None
     found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names)
-    with progress_bar("fitting candidates") as progress:
+    with progress_bar("selecting friction", lines=True) as progress:
         selection = identification.select_terms(
             found, recordings, _candidates(friction, cutoff), folds=folds, cutoff=cutoff, progress=progress
         )
-    estimate = selection.identify(recordings)
+    estimate = selection.estimate or selection.identify(recordings)
     if output is not None:
         estimate.save(output)
     data, text = selection.to_json(), [str(selection), str(estimate)]
@@ -61,10 +65,12 @@ def select(
     typer.echo(json.dumps(data, indent=1) if as_json else "\n\n".join(text))
 
 
-def _candidates(names: str | None, cutoff: float) -> list[Candidate]:
-    """Find friction models by name; None for all."""
+def _candidates(names: str | None, cutoff: float) -> list[Candidate] | None:
+    """Find friction models by name; None to choose the friction of each joint."""
+    if names is None:
+        return None
     known = {candidate.name: candidate for candidate in friction_candidates(cutoff)}
-    requested = list(known) if names is None else [name.strip() for name in names.split(",")]
+    requested = [name.strip() for name in names.split(",")]
     missing = [name for name in requested if name not in known]
     if missing:
         raise ExoidError(f"no friction model {', '.join(missing)}", remedy=f"use some of {', '.join(known)}")

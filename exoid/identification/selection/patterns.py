@@ -1,0 +1,186 @@
+"""Friction models of one joint that are compared: which coefficients they have, at which settings."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from typing import NamedTuple
+
+from exoid.torques import Coulomb, LoadFriction, Stribeck, Term, Viscous
+
+SHARP = 0.0
+"""Presliding length of friction without presliding."""
+
+LENGTHS = (3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 0.01, 0.02)
+"""Presliding lengths that are tried [rad]."""
+
+VELOCITIES = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0)
+"""Stribeck velocities that are tried [rad/s]."""
+
+FINER = (0.72, 0.85, 1.0, 1.18, 1.39)
+"""Factors about a setting that was chosen."""
+
+
+class Column(NamedTuple):
+    """One coefficient at given settings.
+
+    Attributes:
+        symbol: Symbol of the coefficient: c0, d, mu, mu_drive, mu_back or cs.
+        length: Presliding length [rad]; 0 for none, and for viscous friction.
+        velocity: Stribeck velocity [rad/s]; 0 for other friction.
+    """
+
+    symbol: str
+    length: float = SHARP
+    velocity: float = 0.0
+
+    @property
+    def term(self) -> Term:
+        """Term that has the coefficient."""
+        kinds: dict[str, Term] = {
+            "c0": Coulomb(presliding=self.length),
+            "d": Viscous(),
+            "mu": LoadFriction(presliding=self.length),
+            "mu_drive": LoadFriction(presliding=self.length, split=True),
+            "mu_back": LoadFriction(presliding=self.length, split=True),
+        }
+        return Stribeck(presliding=self.length, velocity=self.velocity) if self.symbol == "cs" else kinds[self.symbol]
+
+
+class Pattern(NamedTuple):
+    """Coefficients that a friction model has, whatever their settings.
+
+    All coefficients are positive: then friction dissipates at every speed and under every load.
+
+    Attributes:
+        symbols: Symbols of the coefficients.
+        presliding: Whether dry friction has presliding.
+    """
+
+    symbols: tuple[str, ...]
+    presliding: bool
+
+    @property
+    def numbers(self) -> int:
+        """Number of coefficients and of settings that are fitted."""
+        return len(self.symbols) + self.presliding + ("cs" in self.symbols)
+
+    def within(self, other: Pattern) -> bool:
+        """Say whether another pattern can be this one, with coefficients that are zero or equal.
+
+        Args:
+            other: The other pattern.
+
+        Returns:
+            Whether it can.
+        """
+        load = {"mu"} if {"mu_drive", "mu_back"} <= set(other.symbols) else set()
+        return {*self.symbols} <= {*other.symbols, *load} and (other.presliding or not self.presliding)
+
+    def columns(self, length: float, velocity: float) -> tuple[Column, ...]:
+        """Coefficients at settings.
+
+        Args:
+            length: Presliding length [rad].
+            velocity: Stribeck velocity [rad/s].
+
+        Returns:
+            One column a coefficient.
+        """
+        length = length if self.presliding else SHARP
+        return tuple(
+            Column(symbol, SHARP if symbol == "d" else length, velocity if symbol == "cs" else 0.0)
+            for symbol in self.symbols
+        )
+
+
+class Grid(NamedTuple):
+    """Settings that are tried for one joint.
+
+    Attributes:
+        lengths: Presliding lengths [rad].
+        velocities: Stribeck velocities [rad/s].
+    """
+
+    lengths: tuple[float, ...] = LENGTHS
+    velocities: tuple[float, ...] = VELOCITIES
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """All coefficients at all settings."""
+        dry = (SHARP, *self.lengths)
+        plain = [Column(symbol, length) for length in dry for symbol in ("c0", "mu", "mu_drive", "mu_back")]
+        fading = [Column("cs", length, velocity) for length in dry for velocity in self.velocities]
+        return (Column("d"), *plain, *fading)
+
+    def settings(self, pattern: Pattern) -> list[tuple[Column, ...]]:
+        """List a pattern at all settings that it has."""
+        lengths = self.lengths if pattern.presliding else (SHARP,)
+        velocities = self.velocities if "cs" in pattern.symbols else (0.0,)
+        return [pattern.columns(length, velocity) for length in lengths for velocity in velocities]
+
+    def about(self, columns: tuple[Column, ...]) -> Grid:
+        """Add finer settings about those of a choice.
+
+        Args:
+            columns: The choice.
+
+        Returns:
+            The grid.
+        """
+        lengths = {factor * column.length for column in columns if column.length for factor in FINER}
+        velocities = {factor * column.velocity for column in columns if column.velocity for factor in FINER}
+        return Grid(tuple(sorted({*self.lengths, *lengths})), tuple(sorted({*self.velocities, *velocities})))
+
+
+def patterns() -> tuple[Pattern, ...]:
+    """List all friction models of one joint, those with the fewest numbers first.
+
+    Returns:
+        The patterns; the first has no friction.
+    """
+    loads = ((), ("mu",), ("mu_drive",), ("mu_back",), ("mu_drive", "mu_back"))
+    found = [Pattern((), presliding=False), Pattern(("d",), presliding=False)]
+    for bent, load, viscous, fading in itertools.product((False, True), loads, ((), ("d",)), ((), ("cs",))):
+        found.append(Pattern(("c0", *load, *viscous, *fading), bent))
+        if load or fading:
+            found.append(Pattern((*load, *viscous, *fading), bent))
+    return tuple(sorted(found, key=lambda pattern: pattern.numbers))
+
+
+def terms_of(columns: tuple[Column, ...], joint: str) -> tuple[Term, ...]:
+    """Terms of a joint, in the order of their coefficients.
+
+    Args:
+        columns: Coefficients of the joint.
+        joint: Its name.
+
+    Returns:
+        The terms, each once.
+    """
+    return tuple(replace(term, joints=(joint,)) for term in dict.fromkeys(column.term for column in columns))
+
+
+def zeros_of(columns: tuple[Column, ...], label: str) -> tuple[str, ...]:
+    """Names of coefficients that the terms have and the choice leaves out.
+
+    Args:
+        columns: Coefficients of the joint.
+        label: The joint as it occurs in parameter names.
+
+    Returns:
+        Names of parameters that are held at zero.
+    """
+    present = {column.symbol for column in columns}
+    symbols = dict.fromkeys(symbol for column in columns for symbol in column.term.symbols)
+    return tuple(f"{symbol}_{label}" for symbol in symbols if symbol not in present)
+
+
+def describe(columns: tuple[Column, ...]) -> str:
+    """Write a friction model in a few words, such as "c0, mu_back, presliding 0.65 mrad"."""
+    if not columns:
+        return "none"
+    parts = [column.symbol for column in columns]
+    parts += [f"presliding {1e3 * length:.2g} mrad" for length in {c.length for c in columns} if length]
+    parts += [f"vs {velocity:.2g} rad/s" for velocity in {c.velocity for c in columns} if velocity]
+    return ", ".join(parts)
