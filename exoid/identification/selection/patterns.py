@@ -14,11 +14,11 @@ SHARP = 0.0
 LENGTHS = (3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 0.01, 0.02)
 """Presliding lengths that are tried [rad]."""
 
-VELOCITIES = (0.03, 0.06, 0.12, 0.25, 0.5, 1.0)
-"""Stribeck velocities that are tried [rad/s]."""
+VELOCITIES = (0.03, 0.06, 0.12, 0.25, 0.5)
+"""Stribeck velocities that are tried [rad/s]; the largest is an upper bound. Beyond, it is no matter of slow motion."""
 
-FINER = (0.72, 0.85, 1.0, 1.18, 1.39)
-"""Factors about a setting that was chosen."""
+FINER = (1.18, 1.06, 1.02)
+"""Factor between settings about one that was chosen, sweep by sweep; two are added to each side."""
 
 
 class Column(NamedTuple):
@@ -64,6 +64,11 @@ class Pattern(NamedTuple):
     def numbers(self) -> int:
         """Number of coefficients and of settings that are fitted."""
         return len(self.symbols) + self.presliding + ("cs" in self.symbols)
+
+    @property
+    def complexity(self) -> float:
+        """Number of numbers; friction under load in one direction of power only counts half a number more."""
+        return self.numbers + 0.5 * ("mu_back" in self.symbols and "mu_drive" not in self.symbols)
 
     def within(self, other: Pattern) -> bool:
         """Say whether another pattern can be this one, with coefficients that are zero or equal.
@@ -119,33 +124,39 @@ class Grid(NamedTuple):
         velocities = self.velocities if "cs" in pattern.symbols else (0.0,)
         return [pattern.columns(length, velocity) for length in lengths for velocity in velocities]
 
-    def about(self, columns: tuple[Column, ...]) -> Grid:
+    def about(self, columns: tuple[Column, ...], sweep: int) -> Grid:
         """Add finer settings about those of a choice.
 
         Args:
             columns: The choice.
+            sweep: Number of sweeps that led to it, at least 1.
 
         Returns:
             The grid.
         """
-        lengths = {factor * column.length for column in columns if column.length for factor in FINER}
-        velocities = {factor * column.velocity for column in columns if column.velocity for factor in FINER}
-        return Grid(tuple(sorted({*self.lengths, *lengths})), tuple(sorted({*self.velocities, *velocities})))
+        factors = [FINER[min(sweep, len(FINER)) - 1] ** power for power in (-2, -1, 0, 1, 2)]
+        lengths = {factor * column.length for column in columns if column.length for factor in factors}
+        velocities = {factor * column.velocity for column in columns if column.velocity for factor in factors}
+        slow = {velocity for velocity in velocities if velocity <= VELOCITIES[-1]}
+        return Grid(tuple(sorted({*self.lengths, *lengths})), tuple(sorted({*self.velocities, *slow})))
 
 
 def patterns() -> tuple[Pattern, ...]:
-    """List all friction models of one joint, those with the fewest numbers first.
+    """List all friction models of one joint, the simplest first.
+
+    Gears lose more when they are driven back: friction under load in one direction of power is that one.
+    Stribeck friction is an addition to Coulomb friction: alone it would vanish at speed.
 
     Returns:
         The patterns; the first has no friction.
     """
-    loads = ((), ("mu",), ("mu_drive",), ("mu_back",), ("mu_drive", "mu_back"))
+    loads = ((), ("mu",), ("mu_back",), ("mu_drive", "mu_back"))
     found = [Pattern((), presliding=False), Pattern(("d",), presliding=False)]
     for bent, load, viscous, fading in itertools.product((False, True), loads, ((), ("d",)), ((), ("cs",))):
         found.append(Pattern(("c0", *load, *viscous, *fading), bent))
-        if load or fading:
-            found.append(Pattern((*load, *viscous, *fading), bent))
-    return tuple(sorted(found, key=lambda pattern: pattern.numbers))
+        if load and not fading:
+            found.append(Pattern((*load, *viscous), bent))
+    return tuple(sorted(found, key=lambda pattern: pattern.complexity))
 
 
 def terms_of(columns: tuple[Column, ...], joint: str) -> tuple[Term, ...]:

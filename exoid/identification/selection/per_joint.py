@@ -126,7 +126,7 @@ class JointByJoint:
         for sweep in range(SWEEPS):
             if sweep > 0:
                 rigid = self.base[: len(rigid)]
-                self.grids = [Grid().about(columns) for columns in self.chosen]
+                self.grids = [Grid().about(columns, sweep) for columns in self.chosen]
             self._form(rigid)
             for joint in range(n):
                 self._choose(joint)
@@ -246,7 +246,7 @@ def _fewest(candidates: Sequence[Candidate]) -> Columns:
     """Columns with the fewest numbers among those nearly as good as the best."""
     scores = [sum(_score(of_folds)) for _, _, of_folds in candidates]
     best = int(np.argmin(scores))
-    for k in sorted(range(len(candidates)), key=lambda k: (candidates[k][0].numbers, scores[k])):
+    for k in sorted(range(len(candidates)), key=lambda k: (candidates[k][0].complexity, scores[k])):
         slack = max(NEARLY * scores[best], STANDARD_ERRORS * _error(candidates[k][2], candidates[best][2]))
         if scores[k] - scores[best] <= slack:
             return candidates[k][1]
