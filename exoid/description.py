@@ -13,6 +13,7 @@ from pathlib import Path
 from lxml import etree
 
 from .errors import ExoidError
+from .rounded_angles import exact_angles
 
 LARGEST_URDF = 20_000_000
 """Largest size of a URDF [bytes]; those of humanoids are about a hundred times smaller."""
@@ -64,12 +65,17 @@ class Description:
 
     @property
     def plain(self) -> str:
-        """XML with single spaces between numbers: Pinocchio's parser drops elements with other white space."""
+        """XML for Pinocchio: single spaces between numbers, as it drops elements with other white space.
+
+        Angles of joints in few digits become exact, see :func:`exoid.rounded_angles.exact_angle`.
+        """
         root = self.parse()
         for path, attributes in NUMBERS.items():
             for element in root.findall(path):
                 for attribute in attributes.keys() & element.keys():
                     element.set(attribute, " ".join(element.get(attribute, "").split()))
+        for origin in root.findall("joint/origin[@rpy]"):
+            origin.set("rpy", exact_angles(origin.get("rpy", "")))
         return etree.tostring(root, encoding="unicode")
 
     def parse(self) -> etree._Element:

@@ -22,13 +22,15 @@ def build_model(description: Description, joints: Sequence[str] | None, locked: 
     Args:
         description: The URDF.
         joints: Joints that move, from the torso outwards; None for all of one degree of freedom.
-        locked: Positions of other joints [rad or m]; 0 if not given.
+        locked: Positions of other joints [rad or m]; 0 if not given. Joints of several degrees of freedom above the
+            moving ones, such as that of a floating base, are held at zero.
 
     Returns:
         The model.
 
     Raises:
-        ExoidError: The URDF does not parse, a joint is missing or unfit, or a moving link has no inertia.
+        ExoidError: The URDF does not parse, a joint is missing or unfit, a moving link has no inertia, or carries a
+            joint of several degrees of freedom.
     """
     full = _parse(description)
     single = [full.names[j] for j in range(1, full.njoints) if full.nvs[j] == 1]
@@ -48,6 +50,7 @@ def build_model(description: Description, joints: Sequence[str] | None, locked: 
         raise ExoidError(f"{sorted(set(moving) & set(locked))} both move and are locked", where=description.name)
     if not moving:
         raise ExoidError("no joint moves", where=description.name, remedy="name joints of one degree of freedom")
+    _refuse_free_joints(full, moving, description)
     positions = np.zeros((1, full.nv))
     for name, value in locked.items():
         try:
@@ -132,6 +135,20 @@ def _parse(description: Description) -> pin.Model:
             frame.name = f"{frame.name} {number}"
         taken.add(frame.name)
     return model
+
+
+def _refuse_free_joints(model: pin.Model, moving: Sequence[str], description: Description) -> None:
+    """Refuse joints of several degrees of freedom below a moving joint: locked, their links would move with it."""
+    for j in range(1, model.njoints):
+        above = [name for name in (model.names[k] for k in list(model.supports[j])[1:-1]) if name in moving]
+        if model.nvs[j] != 1 and above:
+            raise ExoidError(
+                f"joint {model.names[j]!r} has {model.nvs[j]} degrees of freedom and is below the moving joint "
+                f"{above[-1]!r}: its links would count as fixed to it",
+                where=description.name,
+                remedy="make it fixed in the URDF, split it into joints of one degree of freedom, or choose joints "
+                "that are not above it",
+            )
 
 
 def _missing(name: str, single: list[str], model: pin.Model, description: Description) -> ExoidError:

@@ -1,10 +1,11 @@
 """Route of a recording on its way to an estimate: which files of exoid it passes, and how deep calls are nested.
 
-    python scripts/route.py             # exoid.identify with its defaults on a recording of three joints in memory
+    python scripts/route.py             # exoid.identify on a recording of three joints in memory
     python scripts/route.py --files     # each file too, in the order of the first call, with the functions called
 
-Files are counted whose functions run during the call; functions are nested as deep as frames of exoid stand on the
-stack, comprehensions and lambdas left out. Imports are made before, so that they do not count.
+The first count is that of the method itself (check=False), the second that with the checks of log and fit, which run by
+default. Files are counted whose functions run during the call; functions are nested as deep as frames of exoid stand on
+the stack, comprehensions and lambdas left out. Imports are made before, so that they do not count.
 """
 
 from __future__ import annotations
@@ -54,14 +55,14 @@ def _depth(frame: FrameType | None) -> int:
     return depth
 
 
-def route_of_a_recording() -> Route:
-    """Identify a leg from one recording in memory, and note the route."""
+def route_of_a_recording(*, check: bool) -> Route:
+    """Identify a leg from one recording in memory, with checks or without, and note the route."""
     data = exoid.datasets.bleex_swing()
-    exoid.identify(data.leg, data.train)  # imports that wait for their first use are made now
+    exoid.identify(data.leg, data.train, check=check)  # imports that wait for their first use are made now
     route = Route()
     sys.setprofile(route)
     try:
-        exoid.identify(data.leg, data.train)
+        exoid.identify(data.leg, data.train, check=check)
     finally:
         sys.setprofile(None)
     return route
@@ -72,11 +73,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--files", action="store_true", help="list files and functions")
     listed = parser.parse_args().files
-    route = route_of_a_recording()
-    print(f"a recording passes {len(route.functions)} files of exoid; calls are nested {route.deepest} deep")
+    method, checked = route_of_a_recording(check=False), route_of_a_recording(check=True)
+    print(f"a recording passes {len(method.functions)} files of exoid; calls are nested {method.deepest} deep")
+    print(f"with its checks {len(checked.functions)} files; calls are nested {checked.deepest} deep")
     if listed:
-        for name, functions in route.functions.items():
-            print(f"  {name}: {', '.join(functions)}")
+        _list("files of the method", method.functions)
+        _list("files of the checks", {k: v for k, v in checked.functions.items() if k not in method.functions})
+
+
+def _list(heading: str, functions: dict[str, dict[str, None]]) -> None:
+    """Print files with their functions."""
+    print(f"{heading}:")
+    for name, called in functions.items():
+        print(f"  {name}: {', '.join(called)}")
 
 
 if __name__ == "__main__":

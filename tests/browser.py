@@ -134,7 +134,8 @@ class Page:
         """Wait until an expression is true."""
         until = time.monotonic() + LONGEST
         while not self.evaluate(script):
-            assert time.monotonic() < until, f"{script} never became true; {self.problems}"
+            if time.monotonic() > until:
+                raise TimeoutError(f"{script} never became true; {self.problems}")
             time.sleep(0.05)
 
     def screenshot(self, name=None):

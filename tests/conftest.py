@@ -61,6 +61,7 @@ class Run(NamedTuple):
 def exoid_(capsys, monkeypatch, tmp_path):
     """Run ``exoid ARGUMENTS`` in this process, in an empty folder."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys.modules["__main__"], "__package__", None)  # usage lines of "python -m pytest" are the same
 
     def run(*arguments):
         monkeypatch.setattr(sys, "argv", ["exoid", *map(str, arguments)])

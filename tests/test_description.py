@@ -1,6 +1,7 @@
 """Hostile and broken URDFs: each ends in one line that says what is wrong, where, and what to do."""
 
 import hashlib
+import math
 import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +15,7 @@ from planar_chains import random_chain
 from exoid import ExoidError, Leg
 from exoid.catalog import urdf_folder
 from exoid.description import LARGEST_URDF, MOST_LINKS, Description, describe, read_description
+from exoid.rounded_angles import exact_angle
 
 BODY = (
     '<inertial><origin xyz="0 0 -0.2" rpy="0 0 0"/><mass value="2"/>'
@@ -341,6 +343,59 @@ def test_a_joint_of_several_degrees_of_freedom_is_refused(kind, count):
     message = model_refusal(text)
     assert message.startswith(f"leg.urdf: joint 'hip' has {count} degrees of freedom")
     assert Leg.from_description(describe(text)).joint_names == ("knee",)
+
+
+@pytest.mark.parametrize(("kind", "count"), [("floating", 6), ("planar", 3)])
+@pytest.mark.parametrize("joints", [None, ("hip",)])
+def test_a_joint_of_several_degrees_of_freedom_below_a_moving_one_is_not_taken_for_fixed(kind, count, joints):
+    message = model_refusal(URDF.replace(KNEE, KNEE.replace('type="revolute"', f'type="{kind}"')), joints)
+    assert message.startswith(f"leg.urdf: joint 'knee' has {count} degrees of freedom and is below the moving joint")
+    assert "'hip'" in message
+    assert "make it fixed" in message
+
+
+def test_a_joint_of_several_degrees_of_freedom_on_another_branch_does_not_matter():
+    ball = f'<link name="ball">{BODY}</link>' + KNEE.replace("knee", "loose").replace("thigh", "torso").replace(
+        "shank", "ball"
+    ).replace('type="revolute"', 'type="floating"')
+    leg = Leg.from_description(describe(URDF.replace("</robot>", f"{ball}</robot>")))
+    assert leg.joint_names == ("hip", "knee")
+    assert leg.parameters == pytest.approx(Leg.from_description(describe(URDF)).parameters, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "exact"),
+    [
+        ("1.5708", math.pi / 2),
+        ("-1.5707", -math.pi / 2),
+        ("1.57", math.pi / 2),
+        ("1.571", math.pi / 2),
+        ("3.1416", math.pi),
+        ("-3.14", -math.pi),
+        ("0.7854", math.pi / 4),
+        ("1.0472", math.pi / 3),
+        ("157.08e-2", math.pi / 2),
+        ("6.2832", 2 * math.pi),
+        *(
+            (text, float(text))
+            for text in ("1.56", "1.58", "1.6", "3", "0.79", "0.785", "0.0001", "0", "-0.01", "15.71")
+        ),
+    ],
+)
+def test_angles_of_few_digits_that_stand_for_parts_of_pi_are_exact_in_the_model(text, exact):
+    assert float(exact_angle(text)) == pytest.approx(exact, rel=1e-15)
+    turned = describe(replaced('<origin xyz="0 0 1"/>', f'<origin xyz="0 0 1" rpy="0 {text} 0"/>'))
+    placement = Leg.from_description(turned).model.jointPlacements[1]
+    np.testing.assert_allclose(placement.rotation[0, 2], math.sin(exact), rtol=0, atol=1e-15)
+
+
+def test_a_leg_whose_joints_are_turned_by_rounded_right_angles_is_planar():
+    """Hip about y turned to x by 1.5708 and back: X, Y and J as of the leg with exact axes."""
+    turned = URDF.replace('<origin xyz="0 0 -0.4"/>', '<origin xyz="0 0 -0.4" rpy="0 0 1.5708"/>').replace(
+        '<child link="shank"/><axis xyz="0 -1 0"/>', '<child link="shank"/><axis xyz="-1 0 0"/>'
+    )
+    leg = Leg.from_description(describe(turned))
+    assert leg.parameter_names == ("X1", "Y1", "J1", "X2", "Y2", "J2")
 
 
 @pytest.mark.parametrize("joints", [("knee", "hip"), ("hip", "hip"), ("hip", "knee", "hip")])

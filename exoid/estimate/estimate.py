@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from exoid.codegen import CSource, write_c
+from exoid.lift import MASS_FACTOR, PULL
 from exoid.tables import to_html, to_text
 
 from .data import EstimateData
@@ -78,26 +79,32 @@ class Estimate(EstimateData):
         """
         return estimate_from_json(data, cls)
 
-    def to_urdf(self, path: str | os.PathLike[str]) -> Export:
+    def to_urdf(self, path: str | os.PathLike[str], *, pull: float = PULL, mass_factor: float = MASS_FACTOR) -> Export:
         """Write the leg's URDF with identified inertias and friction, and a sidecar with what it has no place for.
 
         Inertias of the moving links are those that can exist, reproduce the estimate and are nearest to the URDF's own
-        (:func:`exoid.lift.lift`); where none can exist, those of the nearest possible estimate. Coulomb and
+        (:func:`exoid.lift.lift`). Where none can exist with masses near the URDF's, the estimate moves: within its
+        errors, and towards the URDF's links as the pull says. Coulomb and
         viscous friction go into ``<dynamics friction= damping=>`` where they were identified. Rotor inertia, offset,
         stiffness and the smoothing of friction stand in ``<name>.exoid.json`` beside it. A rotor inertia that is
-        regrouped into an inertia (J1 at the hip) stays there. Everything else in the URDF stays as it is; file names of
+        regrouped into an inertia (J1 at the hip) stays there, unless ``identify(known={"Ia_hip": …})`` took it out.
+        Everything else in the URDF stays as it is; file names of
         meshes too, so a URDF with relative ones belongs into the same folder.
 
         Args:
             path: The URDF to write. Both files are written whole or neither is.
+            pull: Weight of the URDF's own links where the estimate is not that of possible links: χ²/2 + pull · D is
+                least, with D the divergence of the links. At 1 their inertias count as known to 50 %.
+            mass_factor: Largest factor by which the mass of a link may change, above 1; ``math.inf`` for any.
 
         Returns:
             What was written, which prints itself: where the parameters are, and by how much they had to move.
 
         Raises:
-            ExoidError: A file cannot be written.
+            ExoidError: A link would be heavier or lighter than in the URDF by more than the mass factor, or a file
+                cannot be written.
         """
-        return export_urdf(self, path)
+        return export_urdf(self, path, pull=pull, mass_factor=mass_factor)
 
     def to_c(self, path: str | os.PathLike[str], *, precision: str = "double", name: str | None = None) -> CSource:
         """Write the torques of a planar leg as one C99 file that needs nothing but ``<math.h>``.

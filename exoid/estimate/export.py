@@ -14,11 +14,11 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.exported import IN_URDF, SCHEMA, sidecar_of
+from exoid.exported import IN_URDF, ROTOR, SCHEMA, sidecar_of
 from exoid.files import write_together
 from exoid.leg import Leg
-from exoid.lift import Lift, lift
-from exoid.lift.lumping import distribute_bodies
+from exoid.lift import MASS_FACTOR, PULL, Lift, MassChange, distribute_bodies, lift
+from exoid.lift.masses import mass_changes, refuse_mass_changes
 from exoid.rewriting import rewrite
 from exoid.tables import make_table, to_text
 from exoid.torques import Coulomb, Term, TorqueModel, Viscous, term_to_json
@@ -43,8 +43,10 @@ class Export:
         lift: The links, and by how much the estimate had to move to be possible.
         values: All parameters as exported, (P,), in the order of ``estimate.names``. Where the rigid bodies had to
             move, the other terms move along as their correlation with these says.
-        changed_links: Links whose inertia was written.
+        masses: Links whose inertia was written, with their masses before and after.
         not_dissipative: Friction below zero, which a URDF must not state: written as 0, and as it is in the sidecar.
+        pull: Weight of the URDF's own links where the estimate is not that of possible links.
+        mass_factor: Largest factor between masses before and after that was allowed.
     """
 
     urdf: Path
@@ -53,8 +55,15 @@ class Export:
     estimate: EstimateData
     lift: Lift
     values: FloatArray
-    changed_links: tuple[str, ...]
+    masses: tuple[MassChange, ...]
     not_dissipative: tuple[str, ...]
+    pull: float
+    mass_factor: float
+
+    @property
+    def changed_links(self) -> tuple[str, ...]:
+        """Links whose inertia was written."""
+        return tuple(mass.link for mass in self.masses)
 
     @property
     def only_in_sidecar(self) -> tuple[str, ...]:
@@ -96,6 +105,9 @@ class Export:
                 "divergence": self.lift.divergence,
                 "moved": self.lift.moved,
                 "links": list(self.changed_links),
+                "masses": {mass.link: [mass.before, mass.after] for mass in self.masses},
+                "pull": self.pull,
+                "mass_factor": self.mass_factor if np.isfinite(self.mass_factor) else None,
             },
         }
 
@@ -103,17 +115,30 @@ class Export:
         """Name the files."""
         return f"Export({str(self.urdf)!r}, {str(self.sidecar)!r})"
 
+    def _advice_on_rotors(self) -> list[str]:
+        """Say how rotors that are part of links get out of them."""
+        rotors = [one.name for one in self.estimate.regrouped if one.name.startswith(f"{ROTOR}_")]
+        if not rotors:
+            return []
+        known = ", ".join(f'"{name}": …' for name in rotors)
+        return [f"note: links contain rotors; known={{{known}}} of exoid.identify takes them out of the links"]
+
     def __str__(self) -> str:
         """Print what is where, and by how much the estimate had to move."""
         lines = [f"{self.urdf}: inertia of {', '.join(self.changed_links)}; friction and damping where identified"]
         only = ", ".join(self.only_in_sidecar) or "how friction is smoothed, and where all this comes from"
         lines.append(f"{self.sidecar}: what a URDF has no place for: {only}")
         lines += [f"note: {regrouped} (also in the URDF)" for regrouped in self.estimate.regrouped]
+        lines += self._advice_on_rotors()
         if self.not_dissipative:
             names = ", ".join(self.not_dissipative)
             lines.append(f"note: {names} below zero would feed energy in: 0 in the URDF, as estimated in the sidecar")
+        masses = make_table(
+            ("mass [kg]", "in the URDF", "exported", "factor"),
+            [(m.link, f"{m.before:.4g}", f"{m.after:.4g}", f"{m.factor:.3g}") for m in self.masses],
+        )
         if self.lift.feasible:
-            return to_text(*lines, "the URDF has exactly the estimated parameters")
+            return to_text(*lines, "the URDF has exactly the estimated parameters", masses)
         rows = [
             (name, f"{old:.5g}", f"{new:.5g}", f"{new - old:+.2g}", f"{(new - old) / std:+.2f}" if std > 0.0 else "")
             for name, old, new, std in zip(
@@ -122,23 +147,32 @@ class Export:
         ]
         moved = make_table(("parameter", "estimate", "exported", "moved", "in std"), rows)
         what = (
-            f"no links that can exist have the estimated parameters; the nearest are {self.lift.distance:.3g} std away"
+            "no links that can exist, with masses near the URDF's, have the estimated parameters; with a pull of "
+            f"{self.pull:g} towards the URDF's links, the nearest are {self.lift.distance:.3g} std away"
         )
-        return to_text(*lines, what, moved)
+        return to_text(*lines, what, moved, masses)
 
 
-def export_urdf(estimate: EstimateData, path: str | os.PathLike[str]) -> Export:
+def export_urdf(
+    estimate: EstimateData,
+    path: str | os.PathLike[str],
+    *,
+    pull: float = PULL,
+    mass_factor: float = MASS_FACTOR,
+) -> Export:
     """Write an estimate as a URDF with a sidecar; see :meth:`Estimate.to_urdf`.
 
     Args:
         estimate: The estimate.
         path: The URDF to write.
+        pull: See :meth:`Estimate.to_urdf`.
+        mass_factor: See :meth:`Estimate.to_urdf`.
 
     Returns:
         What was written.
 
     Raises:
-        ExoidError: The path names no URDF, or a file cannot be written.
+        ExoidError: The path names no URDF, a mass would change beyond the factor, or a file cannot be written.
     """
     urdf = Path(path)
     sidecar = sidecar_of(urdf) if urdf.name else urdf
@@ -146,13 +180,15 @@ def export_urdf(estimate: EstimateData, path: str | os.PathLike[str]) -> Export:
         raise ExoidError(f"{str(path)!r} is no name for a URDF", remedy="give a file such as leg.urdf")
     leg = estimate.model.leg
     p = len(leg.parameter_names)
-    lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p])
-    links = distribute_bodies(leg, lifted.link_parameters)
+    lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p], pull=pull, mass_factor=mass_factor)
+    links = distribute_bodies(leg, lifted.link_parameters, mass_factor)
+    masses = mass_changes(leg.description, links)
+    refuse_mass_changes(masses, mass_factor, leg.description.name)
     values = estimate.values if lifted.feasible else _moved_along(estimate, lifted.values)
     dynamics, negative = _dynamics(estimate, values)
     text = rewrite(leg.description, links, dynamics, _note(leg, sidecar.name, links, dynamics))
     digest = hashlib.sha256(text.encode()).hexdigest()
-    result = Export(urdf, sidecar, digest, estimate, lifted, values, tuple(links), negative)
+    result = Export(urdf, sidecar, digest, estimate, lifted, values, masses, negative, pull, mass_factor)
     beside = json.dumps(result.to_json(), indent=1, ensure_ascii=False)
     write_together({urdf: text, sidecar: f"{beside}\n"})
     return result

@@ -155,7 +155,8 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
     )
     if leg.description.sha256 != about["sha256"]:
         raise ExoidError("the URDF inside is not the one identified: its hash differs", remedy="identify again")
-    model = TorqueModel(leg, tuple(term_from_json(term) for term in data["terms"]))
+    terms = tuple(term_from_json(term) for term in data["terms"])
+    model = TorqueModel(leg, terms, separate=tuple(data["values"]))
     if tuple(data["values"]) != model.names:
         raise ExoidError(f"values {', '.join(data['values'])} do not fit the parameters {', '.join(model.names)}")
     values = np.array(list(data["values"].values()), dtype=np.float64)

@@ -1,6 +1,6 @@
 """From recordings to parameters: how they are found."""
 
-from .checkup import check
+from .check import check
 from .estimators import ESTIMATORS, register_estimator
 from .identify import identify
 from .selection import Candidate, Selection, select_terms

@@ -12,8 +12,7 @@ from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
 from exoid.torques import Term, TorqueModel
 
 from .estimators import Estimator
-from .group_rows import Keep
-from .groups import Group
+from .group_rows import Group, Keep
 from .problem import Problem
 
 
@@ -22,7 +21,8 @@ class Task(NamedTuple):
 
     Attributes:
         groups: Groups of recordings; one is the usual case.
-        terms: Terms, settings of which may be nonlinear parameters.
+        models: Torque model of each group, nonlinear parameters at their start values.
+        terms: Terms of the models, settings of which may be nonlinear parameters.
         estimator: The estimator.
         own: Names of parameters that each group has of its own.
         prior_knowledge: Known parameters, priors and signs.
@@ -30,6 +30,7 @@ class Task(NamedTuple):
     """
 
     groups: tuple[Group, ...]
+    models: tuple[TorqueModel, ...]
     terms: tuple[Term, ...]
     estimator: Estimator
     own: tuple[str, ...] = ()

@@ -1,11 +1,13 @@
-"""Rows of one group of recordings: the R factors that hold all of them, and the rows themselves in order of time."""
+"""Group of recordings of one leg, and its rows: R factors that hold all of them, and the rows in order of time."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from operator import attrgetter
+from os import PathLike
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -13,6 +15,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.leg import Leg
 from exoid.regression.least_squares import RFactor, factorize_rows, stack
 from exoid.regression.rows import (
     NoiseKind,
@@ -44,10 +47,85 @@ Keep = Callable[[int, FloatArray], NDArray[np.bool_]]
 Data = Sequence[Recording | Poses] | Cluster
 """Recordings and poses, in memory, on disk, or on a cluster."""
 
+Measured = Recording | Poses | Iterable[Recording | Poses]
+"""One recording or several."""
+
 
 def map_recordings(data: Data, work: Callable[[Recording | Poses], T]) -> list[T]:
     """Do work on each recording, one after the other, or on the workers that hold them."""
     return data.map(work) if isinstance(data, Cluster) else [work(each) for each in data]
+
+
+@contextmanager
+def within(part: str) -> Iterator[None]:
+    """Name the part of the input, such as a group of recordings, in errors that are raised inside.
+
+    Args:
+        part: Its name; "" adds nothing.
+
+    Raises:
+        ExoidError: The error that was raised inside, with the name.
+    """
+    try:
+        yield
+    except ExoidError as error:
+        where = ", ".join(filter(None, (part, error.where)))
+        raise ExoidError(error.what, where=where, remedy=error.remedy) from error
+
+
+class Group(NamedTuple):
+    """Recordings of one leg, or of one session.
+
+    Attributes:
+        name: Name of the group; "" where there is only one.
+        leg: The leg.
+        data: Its recordings and poses.
+        preparation: Filter and differentiation; None while it is not chosen.
+    """
+
+    name: str
+    leg: Leg
+    data: Data
+    preparation: Preparation | None = None
+
+    @classmethod
+    def alone(cls, leg: Leg, recordings: Measured | Cluster) -> Group:
+        """Make the only group, which needs no name.
+
+        Args:
+            leg: The leg.
+            recordings: One recording or several.
+
+        Returns:
+            The group, without a preparation.
+
+        Raises:
+            ExoidError: There is no recording, or something else.
+        """
+        return cls("", leg, check_recordings(recordings))
+
+    @property
+    def chosen_preparation(self) -> Preparation:
+        """How the recordings become rows, chosen by :func:`~exoid.identification.recording_summary.prepare_groups`."""
+        assert self.preparation is not None
+        return self.preparation
+
+
+def check_recordings(given: Recording | Poses | Iterable[Recording | Poses] | Cluster) -> Data:
+    """Check that there is at least one recording, and nothing else; those on disk or on a cluster stay there."""
+    if isinstance(given, Cluster):
+        return given
+    if isinstance(given, Recordings) and len(given):
+        return given
+    several = [given] if isinstance(given, (Recording, Poses, str, PathLike)) else list(given)
+    wrong = [item for item in several if not isinstance(item, (Recording, Poses, Recordings))]
+    if wrong or not several:
+        what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"
+        raise ExoidError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
+    if any(isinstance(item, Recordings) for item in several):
+        items = (item.items if isinstance(item, Recordings) else (item,) for item in several)
+        return Recordings(tuple(each for of_item in items for each in of_item))
+    return several
 
 
 @dataclass(frozen=True, eq=False)

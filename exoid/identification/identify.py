@@ -8,6 +8,7 @@ from typing import overload
 from exoid.errors import ExoidError
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
+from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
 from exoid.findings import Finding
 from exoid.leg import Leg
 from exoid.regression.parameters import Prior, PriorKnowledge
@@ -15,12 +16,14 @@ from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .checkup import without_delays
-from .estimators import Estimator, find_estimator, name_of
-from .fitting import Task
-from .group_checks import refuse_nonlinear_terms
-from .groups import Measured, make_groups, own_parameters, prepare_groups, summarize_groups
+from .estimators import Estimator, find_estimator, fit_by, name_of
+from .fitting import Fitted, Start, Task
+from .group_rows import Group, Measured
+from .groups import make_groups, own_parameters, refuse_nonlinear_terms
+from .problem import Problem
+from .recording_summary import prepare_groups, summarize_groups
 from .result import Result
-from .solving import fit_model
+from .variable_projection import search
 
 NOISES = ("correlated", "white")
 
@@ -114,7 +117,8 @@ def identify(
         cutoff: Cut-off frequency of the low-pass [Hz]; None for at most 8 Hz, by the noise of the angles.
         preparation: Another way from a recording to rows, or its name; ``cutoff`` then does not apply.
         noise: "correlated" (by the residuals, also between joints) or "white" for the covariance.
-        known: Values of parameters that are held fixed, by name; "c0_hip[left]" is that of one group.
+        known: Values of parameters that are held fixed, by name; "c0_hip[left]" is that of one group. A known rotor of
+            the first joint, "Ia_hip", is no part of J1 then.
         prior: Value and standard deviation of parameters, by name, or ``Prior.from_leg(leg, 0.2)``.
         nonnegative: Whether to bound friction and rotor inertia by zero.
         delay: "auto" to estimate by how much torques are late, and to shift them; None to leave them as they are.
@@ -134,16 +138,17 @@ def identify(
     _check_delay(delay)
     chosen, terms = find_estimator(estimator), _check_terms(terms)
     _refuse_without_effect(chosen, preparation, cutoff)
-    groups = make_groups(leg, recordings, own)
+    groups = _groups(leg, recordings, own)
     if len(groups) > 1:
         refuse_nonlinear_terms({group.name: group.leg for group in groups}, terms)
-    models = {group.name: TorqueModel.at_start(group.leg, terms) for group in groups}
-    own_names = own_parameters(models, own)
     knowledge = PriorKnowledge.of(known, prior, nonnegative=nonnegative)
+    models = {group.name: TorqueModel.at_start(group.leg, terms, knowledge.known_names) for group in groups}
+    own_names = () if own is None and list(models) == [""] else own_parameters(models, own)
     summaries = summarize_groups(
         groups, models, own_names, knowledge, for_cutoff=preparation is None and cutoff is None
     )
-    task = Task(prepare_groups(groups, models, summaries, preparation, cutoff), terms, chosen, own_names, knowledge)
+    prepared = prepare_groups(groups, models, summaries, preparation, cutoff)
+    task = Task(prepared, tuple(models.values()), terms, chosen, own_names, knowledge)
     fitted = fit_model(task)
     shifts: tuple[tuple[Finding, ...], ...] = ()
     if delay is not None:
@@ -151,6 +156,39 @@ def identify(
         fitted = fit_model(task) if any(shifts) else fitted
     result = Result.of(fitted, list(summaries.values()), chosen, white=noise == "white", check=check, shifts=shifts)
     return result.estimate() if groups[0].name == "" else result.grouped_estimate()
+
+
+def fit_model(task: Task, start: Start | None = None) -> Fitted:
+    """Fit a model: by one call of the estimator where it is linear in all parameters, else by variable projection.
+
+    Args:
+        task: Torque model, data and estimator.
+        start: Near the solution, such as that of nearly the same rows; None to search from the start values of the
+            nonlinear parameters.
+
+    Returns:
+        The fit.
+
+    Raises:
+        ExoidError: Parameters are not determined by the rows: names them.
+    """
+    if any(term.nonlinear or term.loaded for term in task.terms):
+        return search(task, start)
+    problem = Problem.of(task.groups, task.models, task.own, task.prior_knowledge, task.keep)
+    problem.refuse_empty_joints()
+    fit = fit_by(task.estimator, problem)
+    return Fitted(task.models, fit.solution.values, NO_NONLINEAR_PARAMETERS, problem, fit, fit.warnings)
+
+
+def _groups(
+    leg: Leg | Mapping[str, Leg],
+    recordings: Measured | Mapping[str, Measured] | Cluster,
+    own: str | Sequence[str] | None,
+) -> tuple[Group, ...]:
+    """Bring legs and recordings together: one group, unless one of the arguments speaks of several."""
+    if own is None and not isinstance(leg, Mapping) and not isinstance(recordings, Mapping):
+        return (Group.alone(leg, recordings),)
+    return make_groups(leg, recordings, own)
 
 
 def _check_noise(noise: str) -> None:

@@ -18,8 +18,7 @@ from exoid.regression.rows import NoiseKind, RowBlock
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 
-from .group_rows import GroupRows, Keep
-from .groups import Group, within
+from .group_rows import Group, GroupRows, Keep, within
 
 T = TypeVar("T")
 

@@ -1,9 +1,11 @@
-"""Summary of a recording before its rows are formed, and refusal of recordings that cannot be identified from."""
+"""Summaries of recordings before rows are formed: for refusals, and for the choice of the preparation."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
+from itertools import combinations, product
 from typing import NamedTuple
 
 import numpy as np
@@ -12,10 +14,13 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.data import Input
+from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.regression.rows import for_leg, source_of
-from exoid.signals import Poses, Recording
-from exoid.signals.default_preparation import AccelerationPower, acceleration_power
+from exoid.signals import Poses, Preparation, Recording, ZeroPhase, preparation_by_name
+from exoid.signals.default_preparation import AccelerationPower, acceleration_power, cutoff_from
 from exoid.torques import TorqueModel
+
+from .group_rows import Group, map_recordings, within
 
 SMALLEST_MOTION = 2e-3
 """A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""
@@ -154,6 +159,132 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
                     where=one.source,
                     remedy="use the part of the recording in which torque was measured, see Recording.between",
                 )
+
+
+def _refuse_still_groups(
+    summaries: Mapping[str, Sequence[RecordingSummary]],
+    models: Sequence[TorqueModel],
+    shared: Sequence[str],
+    known: Sequence[Sequence[str]],
+) -> None:
+    """Refuse joints that stand still in all groups, and in one of them where that leaves own parameters unknown.
+
+    Args:
+        summaries: Summaries of the recordings of each group, by its name.
+        models: Torque model of each group.
+        shared: Parameters that another group may determine.
+        known: Parameters of each group that are known or have a prior.
+
+    Raises:
+        ExoidError: Names group and joint.
+    """
+    moves = np.any([_moving(of_group) for of_group in summaries.values()], axis=0)
+    unseen = {name for joint in np.flatnonzero(~moves) for name in models[0].own_parameters(int(joint))}
+    told = [name for name in shared if name not in unseen]
+    for (group, of_group), model, of_model in zip(summaries.items(), models, known, strict=True):
+        with within(group):
+            refuse_still_joints(model, of_group, (*of_model, *told))
+
+
+def _moving(summaries: Sequence[RecordingSummary]) -> NDArray[np.bool_]:
+    """Which joints move in the recordings of a group, (n,)."""
+    lowest, highest = (np.array([getattr(one, side) for one in summaries]) for side in ("lowest", "highest"))
+    return np.asarray(highest.max(axis=0) - lowest.min(axis=0) >= SMALLEST_MOTION)
+
+
+def summarize_groups(
+    groups: Sequence[Group],
+    models: Mapping[str, TorqueModel],
+    own: Sequence[str],
+    knowledge: PriorKnowledge,
+    *,
+    for_cutoff: bool,
+) -> dict[str, list[RecordingSummary]]:
+    """Look through all recordings once, and refuse groups that nothing can be identified from.
+
+    Args:
+        groups: The groups.
+        models: Torque model of each, by its name.
+        own: Names of parameters that each group has of its own.
+        knowledge: Known parameters, priors and signs.
+        for_cutoff: Whether to compare noise and motion of the angles.
+
+    Returns:
+        Summaries of the recordings of each group, by its name.
+
+    Raises:
+        ExoidError: What is known does not fit the models, a recording is in two groups, or a joint stands still.
+    """
+    model = next(iter(models.values()))
+    layout = ParameterLayout.of(list(models), model.names, model.units, own)
+    knowledge.check_regrouped(model.regrouped)
+    spread = layout.spread(knowledge)
+    summaries = {}
+    for group in groups:
+        with within(group.name):
+            summaries[group.name] = map_recordings(
+                group.data, partial(summarize, models[group.name], for_cutoff=for_cutoff)
+            )
+    if len(groups) > 1:
+        _refuse_same_recordings(summaries)
+    known = [layout.known_by(index, spread).names for index in range(len(groups))]
+    _refuse_still_groups(summaries, list(models.values()), layout.names[: layout.shared], known)
+    return summaries
+
+
+def _refuse_same_recordings(summaries: Mapping[str, Sequence[RecordingSummary]]) -> None:
+    """Refuse a recording that is in two groups, and would count twice."""
+    for (one, first), (other, second) in combinations(summaries.items(), 2):
+        for a, b in product(first, second):
+            if a.evidence == b.evidence and np.array_equal(a.mean, b.mean):  # of one file there may be several parts
+                name = f"recording {a.source}" if a.source else "the same recording"
+                raise ExoidError(f"{name} is in {one} and in {other}", remedy="put it into one of them")
+
+
+def prepare_groups(
+    groups: Sequence[Group],
+    models: Mapping[str, TorqueModel],
+    summaries: Mapping[str, Sequence[RecordingSummary]],
+    preparation: Preparation | str | None,
+    cutoff: float | None,
+) -> tuple[Group, ...]:
+    """Choose how the recordings of each group become rows.
+
+    Args:
+        groups: The groups.
+        models: Torque model of each, by its name.
+        summaries: Summaries of its recordings, by its name.
+        preparation: The preparation that was asked for; None for the parallel filter.
+        cutoff: Cut-off frequency that was asked for [Hz]; None to choose one for each group.
+
+    Returns:
+        The groups with their preparation.
+
+    Raises:
+        ExoidError: The torque of a joint never changes, or there is no such preparation.
+    """
+    prepared = []
+    for group in groups:
+        with within(group.name):
+            chosen = choose_preparation(summaries[group.name], preparation, cutoff)
+            refuse_dead_torques(models[group.name], summaries[group.name])
+        prepared.append(group._replace(preparation=chosen))
+    return tuple(prepared)
+
+
+def choose_preparation(
+    summaries: Sequence[RecordingSummary], given: Preparation | str | None, cutoff: float | None
+) -> Preparation:
+    """Take the preparation that was given, or the parallel filter with a cut-off given or chosen from recordings."""
+    if isinstance(given, str):
+        return preparation_by_name(given)
+    if given is not None:
+        return given
+    return ZeroPhase(
+        cutoff_from([one.acceleration_power for one in summaries if one.acceleration_power])
+        if cutoff is None
+        else cutoff
+    )
 
 
 def _torques(tau: FloatArray) -> Torques:

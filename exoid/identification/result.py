@@ -17,8 +17,15 @@ from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from exoid.findings import Finding
-from exoid.regression.diagnostics import Collinearity, JointNoise, describe_noise, parameter_scale, reference_scale
-from exoid.regression.fit import SamplesLeft, Uncertainty, condition_number, samples_left, uncertainty_of
+from exoid.regression.diagnostics import (
+    Collinearity,
+    JointNoise,
+    condition_number,
+    describe_noise,
+    parameter_scale,
+    reference_scale,
+)
+from exoid.regression.fit import SamplesLeft, Uncertainty, samples_left, uncertainty_of
 from exoid.regression.influence import Influence, influence
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.trends import Trend, residual_trends, trend_warnings

@@ -93,7 +93,7 @@ class _Search:
     def __init__(self, task: Task, settings: Sequence[NonlinearSetting], start: Start | None) -> None:
         self.task, self.nonlinear = task, tuple(settings)
         self.leg = task.groups[0].leg
-        model = TorqueModel.at_start(self.leg, task.terms)
+        model = task.models[0]
         self.regrouped, self.free = model.regrouped, task.prior_knowledge.free(model.names)
         self.weights: Sequence[float] | None
         if start is None:
@@ -145,7 +145,8 @@ class _Search:
             unsettled = (f"the fit has not settled in {POLISH} steps: start settings nearer, or leave some out",)
         leg, names = self.leg, tuple(s.name for s in self.nonlinear)
         settled = with_settings(self.task.terms, leg.joint_names, leg.joint_labels, self.settings)
-        model = TorqueModel(leg, settled, self.values[: len(leg.parameter_names)])
+        rigid = self.values[: len(leg.parameter_names)]
+        model = TorqueModel(leg, settled, rigid, separate=self.task.models[0].separate)
         values = np.array([self.settings[name] for name in names])
         units = tuple(s.unit for s in self.nonlinear)
         nonlinear = NonlinearParameters(names, units, values, np.zeros((len(names),) * 2), tuple(held))

@@ -1,7 +1,18 @@
 """Lift: from base parameters to physically consistent links."""
 
-from .lift import Lift, lift
+from .lift import PULL, Lift, lift
 from .lumping import distribute_bodies
+from .masses import MASS_FACTOR, MassChange
 from .physical import MassBound, PhysicalCheck, check
 
-__all__ = ["Lift", "MassBound", "PhysicalCheck", "check", "distribute_bodies", "lift"]
+__all__ = [
+    "MASS_FACTOR",
+    "PULL",
+    "Lift",
+    "MassBound",
+    "MassChange",
+    "PhysicalCheck",
+    "check",
+    "distribute_bodies",
+    "lift",
+]

@@ -10,17 +10,19 @@ D is convex in π, invariant to units and frames, zero only at P⁰, and unbound
 consistent bodies reproduce β, the lift selects those whose parameters are nearest to β in the metric of the estimate,
 χ² = (β − K π)ᵀ C⁻¹ (β − K π).
 
-Both are limits of one smooth convex problem, D + χ²/2μ with μ → 0. Newton's method solves it in coordinates in which
-the current bodies are unit matrices. Its iterates P = U Uᵀ, with U triangular as in the log-Cholesky parameterisation
-(C. Rucker, P. M. Wensing, IEEE RA-L 7(2), 2022), stay consistent. Minimising over the log-Cholesky coordinates finds
-the same bodies for a feasible estimate, as the tests check. For an infeasible one the minimum is on the boundary, at
-infinity in these coordinates, which takes hundreds of steps.
+Both are limits of one smooth convex problem, D + χ²/2μ with μ → 0, which :mod:`exoid.lift.nearest_bodies` solves.
+Minimising over log-Cholesky coordinates finds the same bodies for a feasible estimate, as the tests check. For an
+infeasible one the minimum is on the boundary, at infinity in these coordinates, which takes hundreds of steps.
+
+The nearest parameters may belong to links that are hundreds of times too heavy. A pull w > 0 towards the leg's own
+links selects the bodies with the least χ²/2 + w D instead. A change of all inertias of a link by a share ε has
+D ≈ 2 ε². So w = 1 believes the leg's own inertias as if their standard deviation were 50 % of their values. Parameters
+that the estimate determines well hardly move by the pull; those that it does not go to the leg's own.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -29,19 +31,11 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.model import dynamic_parameters
-from exoid.reduction.reduction import LINK_PARAMETERS, LINK_UNITS, Reduction
+from exoid.reduction.reduction import LINK_PARAMETERS, LINK_UNITS
 from exoid.tables import make_table, to_text
 
-from .pseudo_inertia import BASIS, congruence, link_parameters, make_consistent, pseudo_inertias, upper_factors
-
-PENALTIES = 10.0 ** -np.arange(11)
-"""μ of the successive problems; the remaining error of the last one is corrected exactly."""
-
-FEASIBLE_MU = 1e-7
-"""Value of μ from which on the corrected bodies of a feasible estimate are consistent."""
-
-TIGHTEST = 1e-8
-"""Smallest eigenvalue of P, relative to the prior, of a body that is not on the boundary of the consistent set."""
+from .nearest_bodies import Problem, approach, reproduce
+from .pseudo_inertia import make_consistent
 
 HEAVIEST = 10.0
 """Largest mass of a link over its mass in the URDF, which is first scaled up if all inertias there are too small.
@@ -49,26 +43,11 @@ HEAVIEST = 10.0
 Without this bound the nearest consistent estimate often has links of infinite mass.
 """
 
-GAP = 1e-5
-"""Tolerance of the smallest χ² of an infeasible estimate, relative."""
+PULL = 1.0
+"""Usual pull towards the leg's own links: as if their inertias had standard deviations of 50 %."""
 
-NEGLIGIBLE = 1e-9
-"""Tolerance of the smallest χ², absolute."""
-
-STEPS = 300
-"""Largest number of Newton steps for each μ; a dozen is usual."""
-
-SETTLED = 1e-12
-"""Half the squared Newton decrement at which a problem counts as solved."""
-
-LONGEST = 0.95
-"""Largest step, as a fraction of the distance to the boundary of the consistent set."""
-
-TRACE = np.trace(BASIS, axis1=1, axis2=2)
-"""tr P = TRACE · π."""
-
-ORTHONORMAL = np.linalg.inv(np.linalg.cholesky(BASIS.reshape(10, 16) @ BASIS.reshape(10, 16).T).T)
-"""π of matrices that are orthonormal under ⟨A, B⟩ = tr A B, as columns, (10, 10)."""
+ABSURD = 1e12
+"""Smallest base parameter that no leg has, over its change by a change of the links' inertias by 100 %."""
 
 FLOOR = 1e-12
 """Smallest standard deviation of a base parameter, relative to the change that the prior allows."""
@@ -89,7 +68,7 @@ class Lift:
         distance: Distance χ of ``values`` from the target in standard deviations of the estimate; 0 if feasible.
             Without a covariance its unit is a change of the links' inertias by 100 %.
         divergence: Entropic divergence from the leg's own links; 0 if these have the target's values.
-        mass_limits: Largest mass that each link was allowed [kg], (n,).
+        mass_limits: Largest mass that each link was allowed [kg], (n,); infinite with a pull, which keeps them near.
     """
 
     names: tuple[str, ...]
@@ -135,7 +114,14 @@ class Lift:
         return to_text(title, *parts, make_table(("parameter", "requested", "consistent", "change"), moved))
 
 
-def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Lift:
+def lift(
+    leg: Leg,
+    values: ArrayLike,
+    covariance: ArrayLike | None = None,
+    *,
+    pull: float = 0.0,
+    mass_factor: float | None = None,
+) -> Lift:
     """Find the physically consistent links with these base parameters that are nearest to the leg's own.
 
     Args:
@@ -144,15 +130,20 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
         values: Base parameters, (p,), in the order of ``leg.parameter_names``.
         covariance: Covariance of the values, (p, p), which is the metric if they are not feasible. None for a metric
             that measures a change by the relative change of the links' inertias.
+        pull: Weight w of the divergence from the leg's own links where no consistent links have the values, at least
+            zero; :data:`PULL` is usual. Feasible values are reproduced exactly, whatever the pull.
+        mass_factor: Largest mass of a link over its mass in the URDF in a feasible lift, above 1, and largest mass
+            in the URDF over it; None for :data:`HEAVIEST`, scaled up if all inertias in the URDF are too small, and for
+            no lower bound.
 
     Returns:
         The links. Each pseudo-inertia is positive definite, so masses and principal inertias are positive and the
         triangle inequalities hold strictly. An estimate on the boundary of the consistent set, with a body thinner than
-        about 1e-8 of the prior, counts as infeasible. So does an estimate whose links exceed :data:`HEAVIEST`.
+        about 1e-8 of the prior, counts as infeasible. So does an estimate whose links exceed the mass factor.
 
     Raises:
-        ExoidError: Values or covariance do not fit the leg or are not finite, or the covariance has a negative
-            eigenvalue.
+        ExoidError: Values or covariance do not fit the leg, are not finite or absurd, the covariance has a negative
+            eigenvalue, or pull or mass factor are out of range.
 
     Example:
         >>> leg = exoid.load_leg("bleex")
@@ -161,20 +152,29 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
         (True, True)
     """
     target = checked_values(leg, values)
+    if not pull >= 0.0 or not (mass_factor is None or mass_factor > 1.0):
+        raise ExoidError(
+            f"pull {pull} and mass factor {mass_factor} are out of range",
+            remedy="a pull is zero or positive, a mass factor above 1",
+        )
     prior = make_consistent(dynamic_parameters(leg.model))
-    problem = _Problem.around(prior, leg.reduction)
+    problem = Problem.around(prior, leg.reduction)
+    _refuse_absurd_values(leg, target, problem)
     natural = _whitening(problem.K @ problem.K.T)
     own = natural @ leg.reduction.parameters(prior)
     scale = float(own @ natural @ target) / float(own @ own)
-    heaviest = np.full(problem.links, HEAVIEST * max(1.0, scale))
-    exact = _reproduce(problem, target, natural, heaviest)
-    if exact is not None:
-        unit, feasible = exact, True
-    else:
+    usual = HEAVIEST * max(1.0, scale)
+    heaviest = np.full(problem.links, usual if mass_factor is None else min(mass_factor, ABSURD))
+    found, distance = reproduce(problem, target, natural, heaviest, bounded=mass_factor is not None), 0.0
+    if found is not None and mass_factor is not None and (found.unit[::10] < 1.0 / mass_factor).any():
+        found = None
+    feasible = found is not None
+    if found is None:
         metric = natural if covariance is None else _metric(_checked(leg, covariance, "covariance", 2), problem)
-        unit, feasible = _approach(problem, target, metric, heaviest), False
-    reached = problem.K @ unit
-    links = problem.back @ unit
+        heaviest = np.full(problem.links, np.inf if pull else max(float(heaviest[0]), usual))
+        found = approach(problem, target, metric, heaviest, pull)
+        distance = float(np.linalg.norm(metric @ (target - problem.K @ found.unit)))
+    links = problem.back @ found.unit
     if feasible:
         links = links + leg.reduction.spread @ (target - leg.reduction.collect @ links)  # the last rounding error
     return Lift(
@@ -184,8 +184,8 @@ def lift(leg: Leg, values: ArrayLike, covariance: ArrayLike | None = None) -> Li
         links=leg.link_names,
         link_parameters=links.reshape(-1, 10),
         feasible=feasible,
-        distance=0.0 if feasible else float(np.linalg.norm(metric @ (target - reached))),
-        divergence=_divergence(upper_factors(pseudo_inertias(unit))),
+        distance=distance,
+        divergence=found.divergence,
         mass_limits=heaviest * prior[::10],
     )
 
@@ -206,127 +206,18 @@ def checked_values(leg: Leg, values: ArrayLike) -> FloatArray:
     return _checked(leg, values, "values", 1)
 
 
-@dataclass(frozen=True, eq=False)
-class _Problem:
-    """The lift in coordinates in which the prior of every link is the unit matrix: P = U⁰ P̃ U⁰ᵀ.
-
-    Attributes:
-        K: Matrix from π̃ to base parameters, (p, 10 n).
-        back: Matrix from π̃ to π, (10 n, 10 n).
-        links: Number of links, n.
-    """
-
-    K: FloatArray
-    back: FloatArray
-    links: int
-
-    @classmethod
-    def around(cls, prior: FloatArray, reduction: Reduction) -> _Problem:
-        """Scale by the prior, (10 n,)."""
-        blocks = congruence(upper_factors(pseudo_inertias(prior)))
-        back = np.asarray(scipy.linalg.block_diag(*blocks))
-        return cls(reduction.collect @ back, back, len(blocks))
-
-    @property
-    def prior(self) -> FloatArray:
-        """Factors of the prior: unit matrices, (n, 4, 4)."""
-        return np.tile(np.eye(4), (self.links, 1, 1))
-
-    def minimise(self, U: FloatArray, misfit: _Misfit) -> FloatArray:
-        """Minimise D + misfit by damped Newton steps from bodies with factors U, (n, 4, 4)."""
-        best = self._objective(U, misfit)
-        for _ in range(STEPS):
-            Y, gain = self._newton_step(U, misfit)
-            if gain < SETTLED * (1.0 + best):
-                break
-            nearest = float(
-                np.linalg.eigvalsh(Y)[:, 0].min()
-            )  # 1 + length · Y is consistent while length · nearest > −1
-            length = min(1.0, LONGEST / max(-nearest, 1e-9))
-            while True:
-                trial = U @ upper_factors(np.eye(4) + length * Y)
-                value = self._objective(trial, misfit)
-                if value <= best - 0.1 * length * gain or length < 1e-10:
-                    break
-                length *= 0.5
-            if value >= best:  # only rounding is left
-                break
-            U, best = trial, value
-        return U
-
-    def _newton_step(self, U: FloatArray, misfit: _Misfit) -> tuple[FloatArray, float]:
-        """Newton step P ← U (1 + Y) Uᵀ, (n, 4, 4), and its predicted decrease of the objective.
-
-        In an orthonormal basis of Y the second derivative of −log det is 1, even close to the boundary. The second
-        derivative of the misfit has rank p.
-        """
-        turned = congruence(U) @ ORTHONORMAL
-        pull = np.ravel(TRACE @ ORTHONORMAL - TRACE @ turned)
-        WK = misfit.W @ self.K / np.sqrt(misfit.mu)
-        columns = np.hstack(list(WK.reshape(len(WK), -1, 10).transpose(1, 0, 2) @ turned))
-        residual = misfit.W @ (misfit.target - self.K @ _unit(U)) / np.sqrt(misfit.mu)
-        if misfit.heaviest is not None:  # −log room, whose second derivative has one row per link
-            room = misfit.heaviest - U[:, 3, 3] ** 2
-            columns = np.vstack([columns, scipy.linalg.block_diag(*(turned[:, 0] / room[:, None]))])
-            residual = np.concatenate([residual, -np.ones(len(room))])
-        small = np.eye(len(columns)) + columns @ columns.T
-        y = pull + columns.T @ np.linalg.solve(small, residual - columns @ pull)
-        gain = 0.5 * float((pull + columns.T @ residual) @ y)
-        return pseudo_inertias(y.reshape(-1, 10) @ ORTHONORMAL.T), gain
-
-    def _objective(self, U: FloatArray, misfit: _Misfit) -> float:
-        share = np.zeros(1) if misfit.heaviest is None else U[:, 3, 3] ** 2 / misfit.heaviest
-        if share.max() >= 1.0:
-            return np.inf
-        residual = misfit.W @ (misfit.target - self.K @ _unit(U))
-        return _divergence(U) - float(np.log1p(-share).sum()) + float(residual @ residual) / (2.0 * misfit.mu)
-
-
-class _Misfit(NamedTuple):
-    """Penalty ‖W (β − K π̃)‖² / 2μ, and −log(1 − m / heaviest m⁰) of each link."""
-
-    W: FloatArray
-    target: FloatArray
-    mu: float
-    heaviest: FloatArray | None = None
-
-
-def _reproduce(problem: _Problem, target: FloatArray, natural: FloatArray, heaviest: FloatArray) -> FloatArray | None:
-    """π̃ of the bodies nearest to the prior that have the target's values exactly, (10 n,); None if none do."""
-    U, smallest_change = problem.prior, np.linalg.pinv(natural @ problem.K) @ natural
-    for mu in PENALTIES:
-        U = problem.minimise(U, _Misfit(natural, target, mu))
-        unit = _unit(U)
-        unit = unit + smallest_change @ (target - problem.K @ unit)
-        consistent = np.linalg.eigvalsh(pseudo_inertias(unit)).min() > TIGHTEST
-        if (U[:, 3, 3] ** 2 > heaviest).any() or (not consistent and mu <= FEASIBLE_MU):
-            return None
-    return unit
-
-
-def _approach(problem: _Problem, target: FloatArray, metric: FloatArray, heaviest: FloatArray) -> FloatArray:
-    """π̃ of the bodies whose values are nearest to the target in a metric, to within :data:`GAP`, (10 n,)."""
-    U = problem.prior
-    chi_squared = mu = _chi_squared(problem, target, metric, U)
-    while (4 * problem.links + heaviest.sum()) * mu > max(GAP * chi_squared, NEGLIGIBLE):
-        mu /= 10.0
-        U = problem.minimise(U, _Misfit(metric, target, mu, heaviest))
-        chi_squared = _chi_squared(problem, target, metric, U)
-    return _unit(U)
-
-
-def _chi_squared(problem: _Problem, target: FloatArray, metric: FloatArray, U: FloatArray) -> float:
-    return float(np.sum((metric @ (target - problem.K @ _unit(U))) ** 2))
-
-
-def _unit(U: FloatArray) -> FloatArray:
-    """π̃ of the bodies U Uᵀ, (10 n,)."""
-    return link_parameters(U @ U.transpose(0, 2, 1))
-
-
-def _divergence(U: FloatArray) -> float:
-    """Divergence D of the bodies U Uᵀ from unit matrices."""
-    return float(np.sum(U**2) - 2.0 * np.log(np.diagonal(U, axis1=1, axis2=2)).sum() - 4 * len(U))
+def _refuse_absurd_values(leg: Leg, target: FloatArray, problem: Problem) -> None:
+    """Refuse values whose squares would overflow, or lose the leg's own links to rounding."""
+    absurd = np.abs(target) > ABSURD * np.linalg.norm(problem.K, axis=1)
+    if absurd.any():
+        what = ", ".join(
+            f"{name} = {value:.3g}"
+            for name, value, wrong in zip(leg.parameter_names, target, absurd, strict=True)
+            if wrong
+        )
+        raise ExoidError(
+            f"no leg has {what}", where=leg.description.name, remedy="identify from a motion that determines it"
+        )
 
 
 def _whitening(covariance: FloatArray) -> FloatArray:
@@ -336,7 +227,7 @@ def _whitening(covariance: FloatArray) -> FloatArray:
     return np.asarray(scipy.linalg.solve_triangular(lower, np.diag(1.0 / scale), lower=True))
 
 
-def _metric(covariance: FloatArray, problem: _Problem) -> FloatArray:
+def _metric(covariance: FloatArray, problem: Problem) -> FloatArray:
     """Whitening matrix of an estimate's covariance, with a floor for directions that are known exactly."""
     scale = np.linalg.norm(problem.K, axis=1)
     values, axes = np.linalg.eigh(covariance / np.outer(scale, scale))

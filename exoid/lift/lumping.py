@@ -1,9 +1,9 @@
 """Lumping: distributes the inertia of an identified body among the links of the URDF that form it.
 
 Fixed and locked joints lump links into one body: the link that a joint carries and all links fixed to it. The fixed
-links keep their inertia, and the carried link gets the rest of the body. This rest may be physically inconsistent, or
-the link may have no inertia in the URDF. Then one affine map P → A P Aᵀ from the old body to the new one changes all
-links. Each link stays consistent, and their sum is exact.
+links keep their inertia, and the carried link gets the rest of the body. This rest may be physically inconsistent or of
+another size, or the link may have no inertia in the URDF. Then one affine map P → A P Aᵀ from the old body to the new
+one changes all links. Each link stays consistent, and their sum is exact.
 """
 
 from __future__ import annotations
@@ -41,12 +41,14 @@ class LinkInertia(NamedTuple):
     parameters: FloatArray
 
 
-def distribute_bodies(leg: Leg, bodies: FloatArray) -> dict[str, FloatArray]:
+def distribute_bodies(leg: Leg, bodies: FloatArray, mass_factor: float = np.inf) -> dict[str, FloatArray]:
     """Distribute the inertias of bodies among the links that form them.
 
     Args:
         leg: The leg, with the URDF's inertias.
         bodies: π of each moving body about its joint frame, (n, 10); physically consistent.
+        mass_factor: Largest change of the mass of the carried link, up or down, at which it gets the rest of its body.
+            Beyond it, masses of all links of the body change in proportion.
 
     Returns:
         π about the link frame, (10,), of each link whose inertia changes.
@@ -64,21 +66,26 @@ def distribute_bodies(leg: Leg, bodies: FloatArray) -> dict[str, FloatArray]:
                 where=leg.description.name,
                 remedy="rename links and joints so that each name occurs once",
             )
-        changed = _rest_of(own, parts, body) or _mapped(parts, body)
+        changed = _rest_of(own, parts, body, mass_factor) or _mapped(parts, body)
         for part in changed:
             inverse = congruence(part.placement.inverse().homogeneous[None])[0]
             shares[part.link] = inverse @ part.parameters
     return shares
 
 
-def _rest_of(own: str, parts: list[LinkInertia], body: FloatArray) -> list[LinkInertia]:
-    """The carried link with the body less the fixed links; empty if that is not consistent."""
+def _rest_of(own: str, parts: list[LinkInertia], body: FloatArray, mass_factor: float) -> list[LinkInertia]:
+    """The carried link with the body less the fixed links; empty if that is not consistent or its mass far off."""
     mine = [part for part in parts if part.link == own and part.parameters[0] > 0.0]
     fixed = [part.parameters for part in parts if part.link != own]
     rest = body - np.sum(fixed, axis=0) if fixed else body
-    if mine and (not fixed or margins(rest)[0] > SMALLEST_MARGIN):
+    if mine and (not fixed or (margins(rest)[0] > SMALLEST_MARGIN and _within(rest, mine[0], mass_factor))):
         return [mine[0]._replace(parameters=rest)]
     return []
+
+
+def _within(rest: FloatArray, link: LinkInertia, mass_factor: float) -> bool:
+    """Whether the mass of the rest is that of the link up to a factor."""
+    return bool(1.0 / mass_factor <= rest[0] / link.parameters[0] <= mass_factor)
 
 
 def _mapped(parts: list[LinkInertia], body: FloatArray) -> list[LinkInertia]:

@@ -21,9 +21,9 @@ class RankDecision:
     Attributes:
         rank: Number of base parameters.
         columns: Number of columns of the regressor, 10 per link.
-        smallest_kept: Smallest singular value above the threshold, relative to the largest.
-        largest_dropped: Largest singular value below the threshold, relative to the largest.
-        threshold: Threshold, relative to the largest singular value.
+        smallest_kept: Smallest singular value that was kept, relative to the largest.
+        largest_dropped: Largest singular value that was dropped, relative to the largest.
+        threshold: Rounding error of the URDF's numbers [rad, m], whose effects count as zero.
     """
 
     rank: int
@@ -36,7 +36,7 @@ class RankDecision:
         """Write one line."""
         return (
             f"{self.rank} of {self.columns} parameters are independent: singular values "
-            f"{self.smallest_kept:.1e} kept, {self.largest_dropped:.1e} dropped, threshold {self.threshold:.1e}"
+            f"{self.smallest_kept:.1e} kept, {self.largest_dropped:.1e} dropped, rounding {self.threshold:.0e}"
         )
 
 

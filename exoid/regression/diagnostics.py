@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
@@ -136,6 +137,28 @@ class Collinearity(NamedTuple):
             f"these recordings hardly tell apart {'; '.join(groups[:NAMED])}{more}: small errors of model, sensors or "
             "filters move them together by much, so excite more, or plan a motion",
         )
+
+
+def condition_number(inverse: FloatArray, places: NDArray[np.intp]) -> float:
+    """Condition number of some parameters' scaled regressor, the columns of all others projected out.
+
+    Args:
+        inverse: (WᵀW)⁻¹ of all parameters, zero for known ones, (P, P).
+        places: Indices of the parameters.
+
+    Returns:
+        The condition number, at least 1.
+    """
+    free = places[np.diag(inverse)[places] > 0.0]
+    information = np.linalg.inv(_scaled(inverse[np.ix_(free, free)]))
+    sizes = np.linalg.eigvalsh(_scaled(np.asarray(information, dtype=np.float64)))
+    return float(np.sqrt(sizes[-1] / max(sizes[0], np.finfo(float).eps)))
+
+
+def _scaled(matrix: FloatArray) -> FloatArray:
+    """Scale rows and columns so that the diagonal is 1."""
+    scale = np.sqrt(np.diag(matrix))
+    return np.asarray(matrix / np.multiply.outer(scale, scale))
 
 
 @dataclass(frozen=True)

@@ -143,6 +143,11 @@ class PriorKnowledge:
         return cls(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
 
     @property
+    def known_names(self) -> tuple[str, ...]:
+        """Names of the known parameters without their group: ``Ia_hip`` for ``Ia_hip[left]``."""
+        return tuple(dict.fromkeys(name.partition("[")[0] for name in self.known))
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Parameters that something is known of beside the recordings."""
         return (*self.known, *self.prior.values)

@@ -1,10 +1,9 @@
 """Joint torques besides rigid-body dynamics (friction, springs, rotors, offsets), and the torque model of a leg."""
 
 from .catalog import DEFAULT_TERMS, TERMS, register_term, term_by_name, term_from_json, term_to_json
-from .columns import Regrouped
 from .internal_state import InternalState
 from .load_friction import LoadFriction
-from .model import TorqueModel
+from .model import Regrouped, TorqueModel
 from .nonlinear import NonlinearSetting, nonlinear_settings, with_settings
 from .presliding import Presliding
 from .stribeck import Stribeck

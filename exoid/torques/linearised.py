@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg import Leg
 
-from .columns import JointTerm, LoadedMotion, Regrouped, joint_terms, regroup
-from .model import TorqueModel
+from .model import Regrouped, TorqueModel, regroup
 from .nonlinear import NonlinearSetting, nonlinear_settings, with_settings
-from .term import Term
+from .term import JointTerm, LoadedMotion, Term, joint_terms
 
 STEP = 1e-4
 """Relative step of the differences by a setting."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +15,47 @@ from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.torso import TorsoMotion
 
-from .columns import JointTerm, LoadedMotion, Regrouped, fill_terms, internal_states, joint_terms, load_motion, regroup
 from .nonlinear import nonlinear_settings, with_settings
-from .term import JointMotion, Motion, Term, random_motion
+from .term import (
+    JointMotion,
+    JointTerm,
+    LoadedMotion,
+    Motion,
+    Term,
+    fill_terms,
+    internal_states,
+    joint_terms,
+    load_motion,
+    random_motion,
+)
 
 BLOCK = 32768
 """Samples whose terms are filled in at once."""
+
+DEPENDENT = 2e-4
+"""A unit column this close to the span of the columns before it is linearly dependent on them.
+
+A URDF with four decimals misplaces joint axes by up to 5e-5 rad and m, and columns of inertias by a few times as much.
+At a threshold of floating-point precision a rotor would not merge into its link there. Its standard deviation would
+then be thousands of times that of the link's inertia.
+"""
+
+
+class Regrouped(NamedTuple):
+    """A parameter that no motion can distinguish from others, which therefore include it.
+
+    Attributes:
+        name: Name of the parameter.
+        into: Names of the parameters that include it, with its coefficient in each.
+    """
+
+    name: str
+    into: dict[str, float]
+
+    def __str__(self) -> str:
+        """Write one sentence."""
+        into = ", ".join(n if abs(c - 1.0) < 1e-6 else f"{n} (× {c:.3g})" for n, c in self.into.items())
+        return f"{self.name} is regrouped into {into}: no motion distinguishes them"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -32,6 +68,7 @@ class TorqueModel:
         rigid: Leg parameters whose torque loads the joints, (p,), for terms that depend on it; None for the leg's own.
         regrouped: Parameters of terms that other parameters include, because no motion distinguishes them (a rotor at
             the hip from J1). The constructor finds them, unless they are given for the same leg and terms.
+        separate: Parameters that are not regrouped although no motion distinguishes them, as their values are known.
 
     Raises:
         ExoidError: A parameter occurs twice, a setting is a :class:`NonlinearParameter`, a joint is missing, or
@@ -49,6 +86,7 @@ class TorqueModel:
     terms: tuple[Term, ...]
     rigid: FloatArray | None = None
     regrouped: tuple[Regrouped, ...] = None  # type: ignore[assignment]  # None only until it is found here
+    separate: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check names and settings, and find what is regrouped."""
@@ -63,18 +101,19 @@ class TorqueModel:
                 remedy="give them numbers, or let exoid.identify find them",
             )
         if self.regrouped is None:
-            object.__setattr__(self, "regrouped", regroup(self.leg, self.blocks, self.rigid))
+            object.__setattr__(self, "regrouped", regroup(self.leg, self.blocks, self.rigid, separate=self.separate))
         unknown = [one.name for one in self.regrouped if one.name not in names]
         if unknown:
             raise ExoidError(f"{', '.join(unknown)} of regrouped are no parameters", remedy="leave regrouped out")
 
     @classmethod
-    def at_start(cls, leg: Leg, terms: Sequence[Term]) -> TorqueModel:
+    def at_start(cls, leg: Leg, terms: Sequence[Term], separate: Sequence[str] = ()) -> TorqueModel:
         """Make a torque model with all nonlinear parameters at their start values.
 
         Args:
             leg: The leg.
             terms: Terms, settings of which may be nonlinear parameters.
+            separate: Parameters that are not regrouped, as their values are known.
 
         Returns:
             The torque model.
@@ -86,7 +125,7 @@ class TorqueModel:
             names, labels = leg.joint_names, leg.joint_labels
             start = {setting.name: setting.free.start for setting in nonlinear_settings(terms, names, labels)}
             terms = with_settings(terms, names, labels, start)
-        return cls(leg, tuple(terms))
+        return cls(leg, tuple(terms), separate=tuple(separate))
 
     def __repr__(self) -> str:
         """Write leg, terms and parameters in one line."""
@@ -299,3 +338,48 @@ class TorqueModel:
     def _fill_terms(self, motion: LoadedMotion, out: FloatArray) -> None:
         """Write the terms' columns below those of the rigid bodies, (P or more, n, N)."""
         fill_terms(self.blocks, motion, out[len(self.leg.parameter_names) :], self.names)
+
+
+def regroup(
+    leg: Leg, blocks: Sequence[JointTerm], rigid: FloatArray | None = None, *, separate: Sequence[str] = ()
+) -> tuple[Regrouped, ...]:
+    """Find parameters of terms that depend linearly on others for every motion, such as a rotor at the hip on J1.
+
+    Each column over random motion is compared with those before it. Terms that depend on the load are left to the fit:
+    their columns depend on the parameters.
+
+    Args:
+        leg: The leg.
+        blocks: Terms at joints, in the order of their columns.
+        rigid: Rigid-body parameters whose torque loads the joints, (p,); None for the leg's own.
+        separate: Names of parameters that are not regrouped, as their values are known.
+
+    Returns:
+        Parameters that are regrouped, in the order of their columns.
+    """
+    count = len(leg.parameter_names)
+    names = (*leg.parameter_names, *(name for block in blocks for name in block.names))
+    loaded = {name for block in blocks if block.term.loaded for name in block.names}
+    q, v, a = random_motion(10 * len(names), len(leg.joint_names))
+    columns = np.zeros((len(names), *q.shape[::-1]))
+    leg.fill_regressor(q, v, a, columns[:count])
+    motion = Motion(q, v, a, None, internal_states(blocks, q, v))
+    fill_terms(
+        blocks, load_motion(blocks, motion, columns, leg.parameters if rigid is None else rigid), columns[count:], names
+    )
+    W = columns.transpose(2, 1, 0).reshape(-1, len(names))
+    scale = np.linalg.norm(W, axis=0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    R = np.asarray(np.linalg.qr(W / scale, mode="r"))  # small: a seven-joint arm has 80 columns
+    kept, regrouped = list(range(count)), []
+    for k in (k for k in range(count, len(names)) if names[k] not in loaded):
+        share, *_ = np.linalg.lstsq(R[:, kept], R[:, k])
+        if R[:, k].any() and np.linalg.norm(R[:, k] - R[:, kept] @ share) < DEPENDENT:
+            if names[k] in separate:
+                continue
+            coefficients = zip(kept, share, share * scale[k] / scale[kept], strict=True)
+            into = {names[i]: float(c) for i, part, c in coefficients if abs(part) > DEPENDENT}
+            regrouped.append(Regrouped(names[k], into))
+        else:
+            kept.append(k)
+    return tuple(regrouped)

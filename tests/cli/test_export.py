@@ -63,6 +63,27 @@ def test_bad_input_ends_in_one_line(saved, monkeypatch, capsys, arguments, words
         assert word in err
 
 
+def test_export_prints_masses_beside_those_of_the_urdf(saved, monkeypatch, capsys):
+    _, out, _ = run(monkeypatch, capsys, "export", "est.json", "-o", "leg.urdf")
+    export = saved.to_urdf("again.urdf")
+    for mass in export.masses:
+        assert f"{mass.before:.4g}" in out
+        assert f"{mass.after:.4g}" in out
+
+
+def test_export_refuses_masses_beyond_a_factor_and_allows_them_by_one(saved, tmp_path, monkeypatch, capsys):
+    tight = ("--mass-factor", "1.0001")
+    code, out, err = run(monkeypatch, capsys, "export", "est.json", "-o", "leg.urdf", *tight)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "would weigh" in err
+    assert "--mass-factor" in err
+    assert [path.name for path in tmp_path.iterdir()] == ["est.json"]
+    wide = ("--mass-factor", "inf", "--pull", "10")
+    assert run(monkeypatch, capsys, "export", "est.json", "-o", "leg.urdf", *wide)[0] == 0
+    lifted = json.loads((tmp_path / "leg.exoid.json").read_text())["lift"]
+    assert (lifted["mass_factor"], lifted["pull"]) == (None, 10.0)
+
+
 def test_the_output_must_be_named(saved, monkeypatch, capsys):
     assert run(monkeypatch, capsys, "export", "est.json")[0] == 2
 
@@ -89,6 +110,10 @@ def test_export_of_c_in_single_precision_as_json(saved, tmp_path, monkeypatch, c
     [
         (("-o", "leg.urdf", "--c", "leg.c"), ("one file", "-o LEG.URDF or --c LEG.C")),
         (("-o", "leg.urdf", "--precision", "float"), ("--precision has no effect",)),
+        (("--c", "leg.c", "--mass-factor", "3"), ("--mass-factor and --pull have no effect",)),
+        (("--c", "leg.c", "--pull", "3"), ("--mass-factor and --pull have no effect",)),
+        (("-o", "leg.urdf", "--mass-factor", "0.5"), ("mass factor 0.5", "out of range")),
+        (("-o", "leg.urdf", "--pull", "-1"), ("pull -1.0", "out of range")),
         (("--c", "leg.c", "--precision", "half"), ("no precision 'half'", "double or float")),
         (("--c", "nowhere/leg.c"), ("nowhere/leg.c", "cannot be written")),
     ],

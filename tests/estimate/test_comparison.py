@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
 from exoid import Offset, Viscous
@@ -17,7 +18,7 @@ EXACT = FiniteDifference()
 
 def estimate_of(leg, seed, terms=TERMS, **changes):
     swing = dataclasses.replace(Swing(leg, 50.0, 12.0, base=0.2), **changes)
-    return exoid.identify(leg, swing.with_noise(np.random.default_rng(seed), 0.3), terms, preparation=EXACT)
+    return identify(leg, swing.with_noise(np.random.default_rng(seed), 0.3), terms, preparation=EXACT)
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +93,7 @@ def test_a_comparison_is_json_and_cannot_be_changed(leg):
 def with_prior(leg, seed, noise=0.3, **options):
     swing = Swing(leg, 50.0, 6.0, seed, base=0.2)
     options = {"prior": {"X3": (0.26, 0.02), "J3": (0.05, 0.01)}, "preparation": EXACT, **options}
-    return exoid.identify(leg, swing.with_noise(np.random.default_rng(seed), noise), TERMS, **options)
+    return identify(leg, swing.with_noise(np.random.default_rng(seed), noise), TERMS, **options)
 
 
 @pytest.mark.parametrize("estimator", ["ols", "wls", "gls"])
@@ -100,7 +101,7 @@ def test_parameters_follow_a_prior_as_far_as_is_said(leg, estimator):
     """Finite differences in the prior's value: exact for ordinary least squares; weights follow a little, too."""
     swing = Swing(leg, 50.0, 6.0, base=0.2).with_noise(np.random.default_rng(0), 1.0)
     options = {"terms": TERMS, "estimator": estimator, "preparation": EXACT}
-    found = [exoid.identify(leg, swing, prior={"J3": (0.05 + step, 0.02)}, **options) for step in (-1e-4, 1e-4)]
+    found = [identify(leg, swing, prior={"J3": (0.05 + step, 0.02)}, **options) for step in (-1e-4, 1e-4)]
     slope = (found[1].values - found[0].values) / 2e-4
     gain = found[0].prior_gains[:, 0]
     part = {"ols": 1e-6, "wls": 0.05, "gls": 0.1}[estimator]
@@ -159,7 +160,7 @@ def test_two_estimators_of_one_recording_differ_by_no_more_than_the_sum_of_their
     swing = Swing(leg, 50.0, 12.0, base=0.2)
     for seed in range(20):
         log = swing.with_noise(np.random.default_rng(seed), 0.3)
-        one, other = (exoid.identify(leg, log, TERMS, each, preparation=EXACT) for each in estimators)
+        one, other = (identify(leg, log, TERMS, each, preparation=EXACT) for each in estimators)
         found = exoid.compare(one, other)
         np.testing.assert_allclose(found.std, one.std + other.std)
         np.testing.assert_array_equal(found.difference, other.values - one.values)
@@ -171,7 +172,7 @@ def test_two_estimators_of_one_recording_differ_by_no_more_than_the_sum_of_their
 def test_two_estimators_that_disagree_by_more_than_that_are_found(leg):
     """A term that is missing in one of them moves what stands for it."""
     log = Swing(leg, 50.0, 12.0, base=0.2).with_noise(np.random.default_rng(1), 0.05)
-    one, other = (exoid.identify(leg, log, terms, preparation=EXACT) for terms in (TERMS, (Viscous(),)))
+    one, other = (identify(leg, log, terms, preparation=EXACT) for terms in (TERMS, (Viscous(),)))
     found = exoid.compare(one, other)
     assert found.differ
     assert found.adjusted[found.names.index("d_ankle")] < 0.01

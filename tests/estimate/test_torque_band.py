@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
-from exoid import ExoidError, identify
+from exoid import ExoidError
 from exoid.signals import FiniteDifference, ZeroPhase
 
 PLAIN = FiniteDifference()

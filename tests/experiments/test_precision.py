@@ -4,6 +4,7 @@ import os
 
 import numpy as np
 import pytest
+from unchecked import identify
 
 import exoid
 from exoid.errors import ExoidError
@@ -42,7 +43,7 @@ def multisine():
 def test_predicted_covariance_is_that_of_identification(multisine, preparation):
     """Standard deviations and correlations, for noiseless motion with white torque noise."""
     recording = log(multisine, noise=np.random.default_rng(1))
-    estimate = exoid.identify(LEG, recording, preparation=preparation, noise="white")
+    estimate = identify(LEG, recording, preparation=preparation, noise="white")
     predicted = predict(MODEL, [recording], NOISE, SCALES, preparation)
     np.testing.assert_allclose(estimate.std, predicted.std, rtol=0.08)
     D = 1.0 / predicted.std
@@ -168,7 +169,7 @@ def test_a_rig_that_carries_a_plan_out_scatters_as_predicted():
     for _ in range(0, replicates, 50 if FULL else 60):
         plant = Plant.build(LEG, truth).repeat(50 if FULL else 60)
         run = run_motion(plant, plan.motions[0].reference, bench, plan.duration, rng)
-        values += [exoid.identify(LEG, run.recording(k)).values for k in range(plant.count)]
+        values += [identify(LEG, run.recording(k)).values for k in range(plant.count)]
     ratio = np.std(values, axis=0, ddof=1) / plan.precision.std
     error = 1.0 / np.sqrt(2.0 * len(values))
     print(f"\n{len(values)} rigs: {ratio.min():.3f} to {ratio.max():.3f}, each ± {error:.3f}")

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from unchecked import identify
 
-import exoid
 from exoid.torques import TorqueModel
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
@@ -86,7 +86,7 @@ def test_the_highest_cutoff_must_fail_with_noisy_angles():
     """At 8 Hz whatever the noise, the worst parameter is off by tens of percent."""
     setting = "1e-3 rad, 50 Hz"
     log = study.recording(setting, 0, quantised=False)
-    estimate = exoid.identify(study.leg(), log, study.TERMS, cutoff=8.0)
+    estimate = identify(study.leg(), log, study.TERMS, cutoff=8.0)
     assert np.abs(estimate.values / study.truth() - 1.0).max() > 0.5
 
 

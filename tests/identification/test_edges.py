@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from swings import TERMS, Swing, WithEdges
+from unchecked import identify
 
 import exoid
 
@@ -11,7 +12,7 @@ RECORDS = ((500.0, 20.0), (100.0, 20.0), (100.0, 60.0))
 
 
 def largest_error(swing, **options):
-    estimate = exoid.identify(swing.leg, swing.encoders_only(), TERMS, **options)
+    estimate = identify(swing.leg, swing.encoders_only(), TERMS, **options)
     return np.abs(estimate.values / swing.truth - 1.0).max()
 
 

@@ -7,9 +7,9 @@ import os
 import numpy as np
 import pytest
 from sessions import TERMS, Noise, Session, truth_of
+from unchecked import identify
 
 import exoid
-from exoid import identify
 
 REPLICATES = 400 if os.environ.get("EXOID_FULL_STUDIES") else 120
 

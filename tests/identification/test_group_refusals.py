@@ -147,9 +147,9 @@ def test_assumptions_about_what_does_not_exist_or_twice(leg, two, known, prior, 
         identify(leg, two, TERMS, known=known, prior=prior)
 
 
-def test_a_known_parameter_that_is_part_of_another(leg, two):
+def test_a_prior_of_a_parameter_that_is_part_of_another(leg, two):
     with pytest.raises(ExoidError, match=r"Ia_hip is regrouped into J1.*say what is known of J1 instead"):
-        identify(leg, two, known={"Ia_hip": 0.1})
+        identify(leg, two, prior={"Ia_hip": (0.1, 0.01)})
 
 
 def test_groups_and_comparisons_that_do_not_exist(leg, two):

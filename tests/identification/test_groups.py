@@ -9,9 +9,10 @@ import weakref
 import numpy as np
 import pytest
 from sessions import TERMS, Noise, Session, truth_of
+from unchecked import identify
 
 import exoid
-from exoid import Estimate, ExoidError, Recording, compare, identify
+from exoid import Estimate, ExoidError, Recording, compare
 from exoid.regression.rows import make_rows
 from exoid.signals import FiniteDifference, Poses, Recordings
 from exoid.torques import TorqueModel
@@ -103,7 +104,7 @@ def test_two_legs_tell_shared_parameters_root_two_as_well_as_one(legs, sides):
 def test_the_noisier_leg_counts_less(legs, sides):
     quiet, loud = Noise(0.05), Noise(1.0)
     recordings = record(sides, left=quiet, right=loud)
-    together = identify(legs, recordings, TERMS)
+    together = exoid.identify(legs, recordings, TERMS)
     alone = identify(legs["left"], recordings["left"], TERMS)
     count = len(together.shared)
     ratio = together.std[:count] / alone.std[:count]  # blocks are cut otherwise

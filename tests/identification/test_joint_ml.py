@@ -8,6 +8,7 @@ import pytest
 from scipy.interpolate import BSpline
 from scipy.signal import lfilter
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
 from exoid import Coulomb, ExoidError, Viscous
@@ -149,19 +150,19 @@ def test_without_noise_it_is_the_truth_and_what_the_default_says(swing):
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_noise_levels_and_parameters_are_found_from_noisy_angles(swing, seed):
-    estimate = exoid.identify(swing.leg, noisy(swing, seed), TERMS, "ml")
+    estimate = identify(swing.leg, noisy(swing, seed), TERMS, "ml")
     assert estimate.estimator.startswith("ml(spacing=")
     assert estimate.warnings == ()
     assert np.abs((estimate.values - swing.truth) / estimate.std).max() < 4.0
     assert estimate.std.max() < 0.1
-    again = exoid.identify(swing.leg, noisy(swing, seed), TERMS, estimator=JointML(float(estimate.estimator[11:-1])))
+    again = identify(swing.leg, noisy(swing, seed), TERMS, estimator=JointML(float(estimate.estimator[11:-1])))
     np.testing.assert_allclose(again.values, estimate.values, rtol=0.02)
 
 
 def test_it_is_nearer_to_the_truth_than_least_squares_at_a_cutoff_that_is_too_high(swing):
     """Errors in variables: noise in the columns weakens least squares, not the joint fit."""
-    joint = exoid.identify(swing.leg, noisy(swing, 3), TERMS, "ml")
-    filtered = exoid.identify(swing.leg, noisy(swing, 3), TERMS, cutoff=8.0)
+    joint = identify(swing.leg, noisy(swing, 3), TERMS, "ml")
+    filtered = identify(swing.leg, noisy(swing, 3), TERMS, cutoff=8.0)
     assert relative(joint, swing).max() < 0.1 * relative(filtered, swing).max()
 
 
@@ -175,8 +176,8 @@ def test_levels_are_those_of_the_noise(swing):
 
 def test_poses_join_in(swing):
     """Their torques say more on X and Y than the motion alone."""
-    alone = exoid.identify(swing.leg, noisy(swing, 5), TERMS, JointML(0.05))
-    both = exoid.identify(swing.leg, [noisy(swing, 5), poses(swing)], TERMS, JointML(0.05))
+    alone = identify(swing.leg, noisy(swing, 5), TERMS, JointML(0.05))
+    both = identify(swing.leg, [noisy(swing, 5), poses(swing)], TERMS, JointML(0.05))
     gain = dict(zip(both.names, both.std / alone.std, strict=True))
     assert max(gain[name] for name in ("X1", "X2", "X3", "Y1", "Y2", "Y3")) < 0.9
     assert np.abs((both.values - swing.truth) / both.std).max() < 4.0
@@ -186,21 +187,21 @@ def test_a_sharp_sign_is_smoothed_and_dead_bands_are_left_to_the_angles(swing):
     sharp = TorqueModel(swing.leg, (Coulomb(smoothing=0.0, dead_band=0.05), Viscous()))
     coulomb, viscous = smooth(sharp).terms
     assert (coulomb.smoothing, coulomb.dead_band, viscous) == (0.01, 0.0, Viscous())
-    estimate = exoid.identify(swing.leg, noisy(swing, 6), sharp.terms, JointML(0.05))
+    estimate = identify(swing.leg, noisy(swing, 6), sharp.terms, JointML(0.05))
     assert relative(estimate, swing).max() < 0.1
 
 
 def test_what_is_known_and_believed_enters(swing):
-    free = exoid.identify(swing.leg, noisy(swing, 7), TERMS, JointML(0.05))
+    free = identify(swing.leg, noisy(swing, 7), TERMS, JointML(0.05))
     prior = {"J3": (swing.truth[8], 1e-5)}
-    told = exoid.identify(swing.leg, noisy(swing, 7), TERMS, JointML(0.05), known={"X1": 3.783}, prior=prior)
+    told = identify(swing.leg, noisy(swing, 7), TERMS, JointML(0.05), known={"X1": 3.783}, prior=prior)
     assert told.value("X1") == 3.783
     assert abs(told.value("J3") - swing.truth[8]) < 3e-5
     assert told.std[8] < 0.1 * free.std[8]
 
 
 def test_an_estimate_by_ml_survives_its_file(swing, tmp_path):
-    estimate = exoid.identify(swing.leg, noisy(swing, 7), TERMS, JointML(0.05))
+    estimate = identify(swing.leg, noisy(swing, 7), TERMS, JointML(0.05))
     estimate.save(tmp_path / "est.json")
     again = exoid.Estimate.load(tmp_path / "est.json")
     assert (again.estimator, str(again)) == ("ml(spacing=0.05)", str(estimate))
@@ -214,13 +215,13 @@ def test_an_impossible_spacing_is_refused(spacing):
 
 def test_knots_closer_than_samples_can_hold_are_refused(swing):
     with pytest.raises(ExoidError, match=r"closer than 1\.5 samples"):
-        exoid.identify(swing.leg, noisy(swing, 8), TERMS, JointML(0.02))
+        identify(swing.leg, noisy(swing, 8), TERMS, JointML(0.02))
 
 
 def test_recorded_velocities_are_not_used(swing):
     log = noisy(swing, 9)
     wrong = dataclasses.replace(log, v=1.01 * swing.motion[1])
-    estimates = [exoid.identify(swing.leg, data, TERMS, JointML(0.05)) for data in (log, wrong)]
+    estimates = [identify(swing.leg, data, TERMS, JointML(0.05)) for data in (log, wrong)]
     np.testing.assert_allclose(estimates[0].values, estimates[1].values, rtol=1e-6)
 
 
@@ -248,7 +249,7 @@ def test_intervals_hold_under_torque_noise_with_a_memory(swing):
         noise = lfilter([1.0], [1.0, -0.9], rng.standard_normal((200 + len(log.tau), 3)), axis=0)[200:]
         log = dataclasses.replace(log, tau=log.tau + 0.1 * noise)
         for assumed, found in inside.items():
-            estimate = exoid.identify(swing.leg, log, TERMS, JointML(0.05), noise=assumed)
+            estimate = identify(swing.leg, log, TERMS, JointML(0.05), noise=assumed)
             low, high = estimate.interval().T
             found.append((low <= swing.truth) & (swing.truth <= high))
     coverage = {assumed: np.mean(found) for assumed, found in inside.items()}

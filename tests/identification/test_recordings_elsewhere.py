@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from log_writers import write_parquet
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
-from exoid import ExoidError, Recording, Recordings, identify
+from exoid import ExoidError, Recording, Recordings
 from exoid.signals import Cluster, FiniteDifference, Poses
 
 SWING = Swing(exoid.load_leg("bleex"), 100.0, 30.0)
@@ -89,7 +90,7 @@ def test_logs_on_disk_go_with_poses_and_recordings_in_memory(folder, in_memory):
     tau = SWING.leg.inverse_dynamics(q, 0 * q, 0 * q) + rng.normal(scale=0.1, size=q.shape)
     poses = Poses(q, tau, joint_names=SWING.leg.joint_names)
     mixed = [Recordings.from_folder(folder)[:3], poses, in_memory[4]]
-    assert_same(identify(SWING.leg, mixed), identify(SWING.leg, [*in_memory[:3], poses, in_memory[4]]))
+    assert_same(exoid.identify(SWING.leg, mixed), identify(SWING.leg, [*in_memory[:3], poses, in_memory[4]]))
 
 
 def test_they_are_a_sequence(folder):
@@ -118,7 +119,7 @@ def test_a_damaged_log_is_named(folder, tmp_path):
 
 @pytest.mark.parametrize("estimator", ["wls", pytest.param("ols", marks=pytest.mark.slow)])
 def test_a_cluster_that_reads_files_gives_the_estimate_of_memory(client, folder, in_memory, estimator):
-    found = identify(SWING.leg, Cluster.of_files(client, Recordings.from_folder(folder)), TERMS, estimator)
+    found = exoid.identify(SWING.leg, Cluster.of_files(client, Recordings.from_folder(folder)), TERMS, estimator)
     assert_same(found, identify(SWING.leg, in_memory, TERMS, estimator))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from example_robot_data.robots_loader import getModelPath
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
@@ -43,7 +44,7 @@ def assert_recovered(estimate, truth, tolerance):
 
 @pytest.mark.parametrize("estimator", sorted(set(ESTIMATORS) - {"ml"}))
 def test_exact_kinematics_give_the_parameters_back(swing, estimator):
-    estimate = exoid.identify(swing.leg, swing.recording(), TERMS, estimator, preparation=FiniteDifference())
+    estimate = identify(swing.leg, swing.recording(), TERMS, estimator, preparation=FiniteDifference())
     assert_recovered(estimate, swing.truth, 1e-8)
 
 
@@ -51,7 +52,7 @@ def test_exact_kinematics_give_the_parameters_back(swing, estimator):
 def test_the_parallel_filter_biases_nothing(swing, estimator):
     """Columns and torque pass the same filter; with the kinematics filter out of the way nothing else is left."""
     preparation = ZeroPhase(cutoff=6.0, kinematics_cutoff=0.49 * swing.rate)
-    estimate = exoid.identify(swing.leg, swing.recording(), TERMS, estimator, preparation=preparation)
+    estimate = identify(swing.leg, swing.recording(), TERMS, estimator, preparation=preparation)
     assert_recovered(estimate, swing.truth, 1e-6)
 
 
@@ -59,7 +60,7 @@ def test_several_recordings_are_one_least_squares_problem(swing):
     pieces = [Swing(swing.leg, seconds=6.0, seed=seed, base=0.2) for seed in (3, 4, 5)]
     rng = np.random.default_rng(0)
     recordings = [piece.with_noise(rng, 0.2) for piece in pieces]
-    estimate = exoid.identify(swing.leg, recordings, TERMS, "ols", preparation=FiniteDifference())
+    estimate = identify(swing.leg, recordings, TERMS, "ols", preparation=FiniteDifference())
 
     model = TorqueModel(swing.leg, TERMS)
     rows = [make_rows(model, recording, FiniteDifference()) for recording in recordings]
@@ -73,8 +74,8 @@ def test_the_order_of_recordings_and_of_their_joints_does_not_matter():
     swing = Swing(load("bleex-left-cad"))
     first, second = swing.recording(), Swing(swing.leg, seed=2).recording()
     reversed_joints = second.select(second.joint_names[::-1])
-    one = exoid.identify(swing.leg, [first, second], TERMS)
-    other = exoid.identify(swing.leg, [reversed_joints, first], TERMS)
+    one = identify(swing.leg, [first, second], TERMS)
+    other = identify(swing.leg, [reversed_joints, first], TERMS)
     np.testing.assert_allclose(one.values, other.values, rtol=1e-9)
 
 
@@ -82,8 +83,8 @@ def test_twice_the_data_halve_the_variance():
     swing = Swing(load("cuhk-left-nominal"))
     recording = swing.with_noise(np.random.default_rng(1), 0.3)
     options = {"preparation": FiniteDifference(), "noise": "white"}
-    once = exoid.identify(swing.leg, recording, TERMS, **options)
-    twice = exoid.identify(swing.leg, [recording, recording], TERMS, **options)
+    once = identify(swing.leg, recording, TERMS, **options)
+    twice = identify(swing.leg, [recording, recording], TERMS, **options)
     np.testing.assert_allclose(twice.values, once.values, rtol=1e-9)
     np.testing.assert_allclose(twice.covariance, once.covariance * once.dof / twice.dof, rtol=1e-9)
 
@@ -98,7 +99,7 @@ def test_every_term_is_recovered_beside_the_rigid_bodies():
     tau[:, 1] += extra["Ia_knee"] * a[:, 1]
     tau[:, 2] += extra["b2_ankle"] * q[:, 2] ** 2 + extra["b1_ankle"] * q[:, 2] + extra["b0_ankle"]
     terms = (*TERMS, Armature(joints=("knee",)), Offset(joints=("hip",)), Stiffness(joints=("left_ankle",)))
-    estimate = exoid.identify(swing.leg, swing.recording(tau=tau), terms, preparation=FiniteDifference())
+    estimate = identify(swing.leg, swing.recording(tau=tau), terms, preparation=FiniteDifference())
     for name, value in extra.items():
         assert estimate.value(name) == pytest.approx(value, rel=1e-7)
     assert_recovered(exoid.identify(swing.leg, swing.recording(), TERMS), swing.truth, 1e-4)
@@ -106,14 +107,14 @@ def test_every_term_is_recovered_beside_the_rigid_bodies():
 
 def test_the_default_terms_find_what_is_not_there_to_be_zero():
     swing = Swing(load("bleex-right-identified"), base=0.2)
-    estimate = exoid.identify(swing.leg, swing.recording(), preparation=FiniteDifference())
+    estimate = identify(swing.leg, swing.recording(), preparation=FiniteDifference())
     for name in ("Ia_knee", "Ia_ankle", "offset_hip", "offset_knee", "offset_ankle"):
         assert abs(estimate.value(name)) < 1e-8
 
 
 def test_leaving_out_friction_that_exists_must_fail():
     swing = Swing(load("bleex-left-cad"))
-    estimate = exoid.identify(swing.leg, swing.recording(), (), preparation=FiniteDifference())
+    estimate = identify(swing.leg, swing.recording(), (), preparation=FiniteDifference())
     with pytest.raises(AssertionError):
         assert_recovered(estimate, swing.leg.parameters, 1e-2)
 
@@ -121,13 +122,13 @@ def test_leaving_out_friction_that_exists_must_fail():
 def test_the_inertias_of_the_given_leg_do_not_enter():
     swing = Swing(load("bleex-left-identified"))
     for start in ("bleex-left-cad", "bleex-left-identified"):
-        estimate = exoid.identify(load(start), swing.recording(), TERMS, preparation=FiniteDifference())
+        estimate = identify(load(start), swing.recording(), TERMS, preparation=FiniteDifference())
         assert_recovered(estimate, swing.truth, 1e-8)
 
 
 def test_estimation_repeats_to_the_last_bit():
     swing = Swing(load("cuhk-left-nominal"))
     recording = swing.with_noise(np.random.default_rng(2), 0.1)
-    one, other = (exoid.identify(swing.leg, recording, (Coulomb(), Viscous())) for _ in range(2))
+    one, other = (identify(swing.leg, recording, (Coulomb(), Viscous())) for _ in range(2))
     assert (one.values == other.values).all()
     assert (one.covariance == other.covariance).all()

@@ -7,6 +7,7 @@ import os
 import numpy as np
 import pytest
 from typer.testing import CliRunner
+from unchecked import identify
 
 import exoid
 from exoid import Coulomb, ExoidError, Recording, Viscous
@@ -124,7 +125,7 @@ def test_held_out_error_is_not_training_error(leg, plain):
     candidates = [Candidate("plain", (Coulomb(), Viscous())), Candidate("rich", terms)]
     noisy = dataclasses.replace(few, tau=few.tau + np.random.default_rng(0).standard_normal(few.tau.shape))
     scores = select_terms(leg, noisy, candidates, folds=3, tune=False).scores
-    fits = [exoid.identify(leg, noisy, c.terms).residual_rms.mean() for c in candidates]
+    fits = [identify(leg, noisy, c.terms).residual_rms.mean() for c in candidates]
     assert fits[1] < fits[0]
     assert scores[1].mean > scores[0].mean
 
@@ -213,13 +214,13 @@ def dfki():
 def test_what_is_chosen_for_the_dfki_recording_predicts_its_unseen_part(dfki):
     """The choice of the command with five folds, and its figures: 0.0417 and 0.1011; without it 0.0653 and 0.1442."""
     (chosen,) = (c for c in friction_candidates() if c.name == CHOSEN)
-    est = exoid.identify(dfki.leg, dfki.train, chosen.terms, "huber")
+    est = identify(dfki.leg, dfki.train, chosen.terms, "huber")
     shoulder, elbow = exoid.validate(est, dfki.test).nrmse
     assert shoulder <= 0.045
     assert elbow <= 0.11
     assert all(0.0003 < bend < 0.003 for bend in est.nonlinear.values)
     assert set(est.nonlinear.identifiability) <= {"well", "weakly"}  # 25 % of their value, by the jackknife
-    plain = exoid.validate(exoid.identify(dfki.leg, dfki.train), dfki.test).nrmse
+    plain = exoid.validate(identify(dfki.leg, dfki.train), dfki.test).nrmse
     assert shoulder < 0.7 * plain[0]
     assert elbow < 0.75 * plain[1]
 

@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from unchecked import identify
 
 import exoid
 from exoid import Coulomb, Estimate, ExoidError, Leg, Offset, Recording, Viscous
@@ -91,7 +92,7 @@ def estimate(leg):
 
 
 def test_without_noise_parameters_and_settings_come_back(leg):
-    est = exoid.identify(leg, recording_of(leg), RICH, preparation=EXACT)
+    est = identify(leg, recording_of(leg), RICH, preparation=EXACT)
     assert est.nonlinear.names == tuple(SHAPES)
     np.testing.assert_allclose(est.nonlinear.values, list(SHAPES.values()), rtol=1e-4)
     for name, value in TRUTH.items():
@@ -102,7 +103,7 @@ def test_without_noise_parameters_and_settings_come_back(leg):
 
 @pytest.mark.parametrize("estimator", ["wls", "huber", "ols"])
 def test_with_noise_they_come_back_within_their_errors(leg, estimator):
-    est = exoid.identify(leg, recording_of(leg, noise=0.05), RICH, estimator, preparation=EXACT)
+    est = identify(leg, recording_of(leg, noise=0.05), RICH, estimator, preparation=EXACT)
     truth = np.array([*leg.parameters, *(TRUTH[name] for name in est.names[len(leg.parameters) :])])
     assert (np.abs(est.values - truth) < 4.5 * est.std).all()
     assert (np.abs(est.nonlinear.values - list(SHAPES.values())) < 4.5 * est.nonlinear.std).all()
@@ -111,14 +112,14 @@ def test_with_noise_they_come_back_within_their_errors(leg, estimator):
 
 def test_behind_the_default_filter_too(leg):
     """Columns of every kind pass the same filter as the torque."""
-    est = exoid.identify(leg, recording_of(leg, seconds=20.0, rate=400.0), RICH)
+    est = identify(leg, recording_of(leg, seconds=20.0, rate=400.0), RICH)
     np.testing.assert_allclose(est.nonlinear.values, list(SHAPES.values()), rtol=0.1)
     assert est.value("mu_drive_knee") == pytest.approx(0.10, abs=0.01)
     assert (exoid.validate(est, recording_of(leg, seconds=15.0, rate=400.0, seed=8)).nrmse < 0.01).all()
 
 
 def test_the_prediction_is_that_of_the_true_friction_on_another_motion(leg):
-    est = exoid.identify(leg, recording_of(leg), RICH, preparation=EXACT)
+    est = identify(leg, recording_of(leg), RICH, preparation=EXACT)
     _, q, v, a = harmonics(seed=11)
     np.testing.assert_allclose(est.torque(q, v, a), truth_torque(leg, q, v, a), atol=2e-3)
     assert (exoid.validate(est, recording_of(leg, seed=11)).nrmse < 1e-3).all()
@@ -129,7 +130,7 @@ def test_intervals_count_in_that_settings_are_uncertain(leg):
     """Standard deviations of parameters and settings over replicates are those that each estimate states."""
     found, stated = [], []
     for seed in range(25):
-        est = exoid.identify(leg, recording_of(leg, 0.05, seed, seconds=6.0), RICH, preparation=EXACT)
+        est = identify(leg, recording_of(leg, 0.05, seed, seconds=6.0), RICH, preparation=EXACT)
         found.append([*est.values, *est.nonlinear.values])
         stated.append([*est.std, *est.nonlinear.std])
     ratio = np.std(found, axis=0, ddof=1) / np.mean(stated, axis=0)
@@ -140,8 +141,8 @@ def test_intervals_count_in_that_settings_are_uncertain(leg):
 
 def test_a_setting_that_is_found_makes_its_parameters_less_certain_than_one_that_is_given(leg, estimate):
     recording, settled = recording_of(leg, noise=0.05), estimate.model.terms
-    found = exoid.identify(leg, recording, RICH, preparation=EXACT, noise="white")
-    given = exoid.identify(leg, recording, settled, preparation=EXACT, noise="white")
+    found = identify(leg, recording, RICH, preparation=EXACT, noise="white")
+    given = identify(leg, recording, settled, preparation=EXACT, noise="white")
     ratio = found.std / given.std
     assert given.nonlinear.names == ()
     assert (ratio > 0.97).all()
@@ -175,13 +176,13 @@ def test_poses_stand_beside_recordings(leg):
     q = np.random.default_rng(0).uniform(-0.5, 0.5, (20, 2))
     still = np.zeros_like(q)
     poses = Poses(q, leg.inverse_dynamics(q, still, still) + np.array([0.2, -0.1]), leg.joint_names)
-    est = exoid.identify(leg, [recording_of(leg), poses], RICH, preparation=EXACT)
+    est = identify(leg, [recording_of(leg), poses], RICH, preparation=EXACT)
     np.testing.assert_allclose(est.nonlinear.values, list(SHAPES.values()), rtol=1e-3)
 
 
 def test_what_is_known_is_kept_and_the_settings_found_beside_it(leg):
     known = {"X1": float(leg.parameters[0]), "mu_back_knee": TRUTH["mu_back_knee"]}
-    est = exoid.identify(leg, recording_of(leg), RICH, preparation=EXACT, known=known, nonnegative=True)
+    est = identify(leg, recording_of(leg), RICH, preparation=EXACT, known=known, nonnegative=True)
     for name, value in known.items():
         assert est.value(name) == value
     np.testing.assert_allclose(est.nonlinear.values, list(SHAPES.values()), rtol=1e-4)
@@ -207,7 +208,7 @@ def plain(leg, friction, noise=0.02, **motion):
 
 def test_a_stribeck_velocity_where_there_is_no_such_friction_is_said_not_to_be_determined(leg):
     recording = plain(leg, lambda q, v: 0.5 * np.tanh(v / 0.02) + 0.2 * v)
-    est = exoid.identify(leg, recording, (Coulomb(), Stribeck(velocity=VS), Viscous()), preparation=EXACT)
+    est = identify(leg, recording, (Coulomb(), Stribeck(velocity=VS), Viscous()), preparation=EXACT)
     for name, verdict in zip(est.nonlinear.names, est.nonlinear.identifiability, strict=True):
         assert verdict in ("not", "held"), name
     assert any("vs_" in warning for warning in est.warnings)
@@ -217,7 +218,7 @@ def test_a_stribeck_velocity_where_there_is_no_such_friction_is_said_not_to_be_d
 
 def test_presliding_sharper_than_the_samples_is_held_at_its_bound_and_said(leg):
     recording = plain(leg, lambda q, v: 0.5 * np.sign(v) + 0.2 * v)
-    est = exoid.identify(leg, recording, (Coulomb(presliding=DELTA), Viscous()), preparation=EXACT)
+    est = identify(leg, recording, (Coulomb(presliding=DELTA), Viscous()), preparation=EXACT)
     assert "delta_hip" in est.nonlinear.held
     assert any(w.startswith("delta_hip is at its lower bound, 1e-05 rad, and held") for w in est.warnings)
     assert est.nonlinear.std[0] == 0.0
@@ -232,8 +233,8 @@ def test_at_a_single_joint_driving_and_back_driving_are_not_told_apart_without_b
     tau = knee.inverse_dynamics(q, v, a) * (1.0 + 0.1 * np.sign(v * knee.inverse_dynamics(q, v, a)))
     recording = Recording(time=time, q=q, v=v, a=a, tau=tau, joint_names=knee.joint_names)
     with pytest.raises(ExoidError, match=r"mu_drive_knee.*cannot be told apart"):
-        exoid.identify(knee, recording, (LoadFriction(split=True, smoothing=0.0),), preparation=EXACT)
-    est = exoid.identify(knee, recording, (LoadFriction(smoothing=0.0),), preparation=EXACT)
+        identify(knee, recording, (LoadFriction(split=True, smoothing=0.0),), preparation=EXACT)
+    est = identify(knee, recording, (LoadFriction(smoothing=0.0),), preparation=EXACT)
     assert est.value("mu_knee") == pytest.approx(0.1, abs=1e-4)
 
 
@@ -243,16 +244,16 @@ def test_friction_of_a_load_that_is_not_there_is_refused_by_name(leg):
     tau = recording.tau - leg.inverse_dynamics(recording.q, recording.v, recording.a)
     empty = dataclasses.replace(recording, tau=tau)
     with pytest.raises(ExoidError, match="mu_hip, mu_knee left no trace"):
-        exoid.identify(leg, empty, (Coulomb(), LoadFriction()), preparation=EXACT)
+        identify(leg, empty, (Coulomb(), LoadFriction()), preparation=EXACT)
 
 
 def test_a_dead_band_that_leaves_nothing_is_refused_as_ever(leg):
     terms = (Coulomb(presliding=DELTA, dead_band=50.0), Viscous())
     with pytest.raises(ExoidError, match="faster than the dead band"):
-        exoid.identify(leg, recording_of(leg), terms, preparation=EXACT)
+        identify(leg, recording_of(leg), terms, preparation=EXACT)
 
 
 def test_too_short_a_recording_is_refused(leg):
     short = recording_of(leg, noise=0.05, seconds=0.3)
     with pytest.raises(ExoidError, match=r"too few|do not determine"):
-        exoid.identify(leg, short, RICH, preparation=ZeroPhase(20.0))
+        identify(leg, short, RICH, preparation=ZeroPhase(20.0))

@@ -54,6 +54,14 @@ def nearest_to_estimate(leg, values, covariance, heaviest):
     return bodies.solve(cp.Minimize(cp.norm(W @ values - W @ bodies.values)), lighter)
 
 
+def nearest_with_pull(leg, values, covariance, pull):
+    """Least χ²/2 + pull · D."""
+    bodies = Bodies(leg)
+    W = np.linalg.inv(np.linalg.cholesky(covariance))
+    divergence = sum(cp.trace(Q) - cp.log_det(Q) - 4 for Q in bodies.scaled)
+    return bodies.solve(cp.Minimize(cp.sum_squares(W @ values - W @ bodies.values) / 2 + pull * divergence))
+
+
 def mass_range(leg, values, first):
     """Least and largest mass of the links from ``first`` on; None where no bodies have the values."""
     bodies = Bodies(leg)

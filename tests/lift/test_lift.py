@@ -1,11 +1,13 @@
 """Lifted links are physically consistent, reproduce the parameters, and are those that a semidefinite program finds."""
 
+import itertools
+
 import numpy as np
 import pinocchio as pin
 import pytest
 from lxml import etree
 from public_robots import urdf_of
-from semidefinite import nearest_to_estimate, nearest_to_prior
+from semidefinite import nearest_to_estimate, nearest_to_prior, nearest_with_pull
 
 import exoid
 from exoid import ExoidError, Leg
@@ -149,6 +151,66 @@ def test_infeasible_estimates_lift_to_the_optimum_of_the_semidefinite_program(ro
         assert np.sqrt(missed @ np.linalg.solve(covariance, missed)) == pytest.approx(lifted.distance, rel=1e-9)
         assert_possible(lifted)
     assert infeasible >= 3
+
+
+@pytest.mark.parametrize("pull", [0.1, 1.0, 30.0])
+@pytest.mark.parametrize("robot", ["bleex", "ur5"])
+def test_a_pull_finds_the_optimum_of_the_semidefinite_program(robot, pull, arm):
+    leg = arm if robot == "ur5" else exoid.load_leg(robot)
+    rng = np.random.default_rng(6)
+    infeasible = 0
+    for _ in range(4):
+        values, covariance = noisy(leg, rng, 0.8)
+        lifted = lift(leg, values, covariance, pull=pull)
+        if lifted.feasible:
+            continue
+        infeasible += 1
+        optimum = nearest_with_pull(leg, values, covariance, pull)
+        masses = lifted.link_parameters[:, 0]
+        reached = 0.5 * lifted.distance**2 + pull * lifted.divergence
+        assert reached == pytest.approx(optimum.value, rel=1e-6, abs=1e-6)
+        np.testing.assert_allclose(masses, optimum.links[::10], rtol=1e-3)
+        assert_possible(lifted)
+    assert infeasible >= 2
+
+
+def test_a_stronger_pull_goes_nearer_to_the_legs_own_links_and_further_from_the_estimate(bleex):
+    values, covariance = noisy(bleex, np.random.default_rng(7), 1.0)
+    lifts = [lift(bleex, values, covariance, pull=pull) for pull in (0.0, 0.01, 1.0, 100.0, 1e6)]
+    assert not any(each.feasible for each in lifts)
+    for weak, strong in itertools.pairwise(lifts):
+        assert weak.divergence > strong.divergence
+        assert weak.distance < strong.distance
+    own = dynamic_parameters(bleex.model)
+    np.testing.assert_allclose(lifts[-1].link_parameters.ravel(), own, rtol=0, atol=1e-3 * np.abs(own).max())
+
+
+def test_a_pull_does_not_touch_feasible_values(bleex):
+    values, covariance = noisy(bleex, np.random.default_rng(3), 0.05)
+    with_, without = lift(bleex, values, covariance, pull=1e3), lift(bleex, values, covariance)
+    assert with_.feasible
+    np.testing.assert_array_equal(with_.link_parameters, without.link_parameters)
+
+
+def test_a_mass_factor_finds_lighter_links_with_exactly_the_same_values(bleex):
+    """Nearest are links up to so many times as heavy; others with the same values may be lighter."""
+    values, _ = noisy(bleex, np.random.default_rng(0), 0.2)
+    free = lift(bleex, values)
+    assert free.feasible
+    change = free.link_parameters[:, 0] / dynamic_parameters(bleex.model)[::10]
+    factor = 0.85 * change.max()
+    lighter = lift(bleex, values, np.eye(9), mass_factor=factor)
+    assert lighter.feasible
+    assert lighter.divergence > free.divergence
+    np.testing.assert_allclose(lighter.values, values, rtol=0, atol=1e-12 * np.abs(values).max())
+    assert (lighter.link_parameters[:, 0] / dynamic_parameters(bleex.model)[::10]).max() <= factor
+    assert_possible(lighter)
+
+
+def test_values_that_only_lighter_links_have_are_not_feasible_within_a_mass_factor(bleex):
+    light = 0.1 * bleex.parameters
+    assert lift(bleex, light).feasible
+    assert not lift(bleex, light, np.diag((0.01 * np.abs(light) + 1e-3) ** 2), mass_factor=5.0).feasible
 
 
 def test_what_is_known_best_gives_way_least(bleex):
@@ -301,3 +363,28 @@ def test_a_lift_says_what_had_to_give_way(bleex):
 def test_what_does_not_fit_is_refused(bleex, values, covariance, what):
     with pytest.raises(ExoidError, match=what):
         lift(bleex, values, covariance)
+
+
+@pytest.mark.parametrize("size", [1e14, 1e200, 1e308])
+def test_absurd_values_are_refused_by_name(bleex, size):
+    values = bleex.parameters.copy()
+    values[4] = size
+    with pytest.raises(ExoidError, match=r"no leg has Y2 = 1e\+"):
+        lift(bleex, values)
+
+
+@pytest.mark.parametrize(
+    "given", [{"pull": -1.0}, {"pull": np.nan}, {"mass_factor": 1.0}, {"mass_factor": np.nan}, {"mass_factor": -5.0}]
+)
+def test_weights_out_of_range_are_refused(bleex, given):
+    with pytest.raises(ExoidError, match="out of range"):
+        lift(bleex, bleex.parameters, **given)
+
+
+def test_any_mass_may_be_allowed(bleex):
+    poor = Leg.from_description(describe(with_masses(bleex.description.text, 1e-2)), bleex.joint_names)
+    lifted = lift(poor, bleex.parameters, mass_factor=np.inf)
+    assert lifted.feasible
+    infeasible = bleex.parameters.copy()
+    infeasible[-1] *= -1.0
+    assert_possible(lift(poor, infeasible, np.diag((0.1 * np.abs(infeasible)) ** 2), pull=1.0, mass_factor=np.inf))

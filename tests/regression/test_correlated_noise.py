@@ -8,6 +8,7 @@ import statsmodels.api as sm
 from scipy.linalg import toeplitz
 from scipy.signal import lfilter
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
 from exoid import Coulomb, ExoidError, Viscous
@@ -48,7 +49,7 @@ def coverage(swing, replicates, share=1.0, **options):
     """Share of 95 % intervals that contain the truth, of all parameters and of the worst."""
     inside = []
     for seed in range(replicates):
-        low, high = exoid.identify(swing.leg, noisy(swing, seed, share=share), TERMS, **options).interval().T
+        low, high = identify(swing.leg, noisy(swing, seed, share=share), TERMS, **options).interval().T
         inside.append((low <= swing.truth) & (swing.truth <= high))
     return np.mean(inside), np.mean(inside, axis=0).min()
 
@@ -163,7 +164,7 @@ def test_huber_survives_spikes_that_pull_least_squares_away(swing):
     recording = noisy(swing, 9, share=0.0)
     recording = dataclasses.replace(recording, tau=recording.tau + spikes)
     error = {
-        name: np.abs(exoid.identify(swing.leg, recording, TERMS, name, preparation=EXACT).values - swing.truth)
+        name: np.abs(identify(swing.leg, recording, TERMS, name, preparation=EXACT).values - swing.truth)
         for name in ("wls", "huber")
     }
     assert error["huber"].sum() < 0.4 * error["wls"].sum()
@@ -179,7 +180,7 @@ def test_gls_is_closer_to_the_truth_under_noise_with_memory():
     for seed in range(12):
         noise = noisy(swing, seed).tau - swing.torque
         for name, found in errors.items():
-            estimate = exoid.identify(swing.leg, swing.recording(tau=tau + noise), sharp, name, preparation=EXACT)
+            estimate = identify(swing.leg, swing.recording(tau=tau + noise), sharp, name, preparation=EXACT)
             found.append(estimate.values - swing.truth)
             assert not estimate.warnings
     mse = {name: np.mean(np.square(found), axis=0) for name, found in errors.items()}
@@ -196,12 +197,12 @@ def test_gls_says_when_the_residual_is_model_error(swing, tmp_path):
         states.append(state)
     noise = np.random.default_rng(0).normal(scale=0.05, size=swing.torque.shape)
     recording = swing.recording(tau=swing.torque + 2.0 * swing.coulomb * np.array(states) + noise)
-    estimate = exoid.identify(swing.leg, recording, TERMS, "gls")
+    estimate = identify(swing.leg, recording, TERMS, "gls")
     (warning,) = [text for text in estimate.warnings if text.startswith("gls and wls disagree")]
     assert "disagree on c0_hip" in warning
     assert f"warning: {warning[:60]}" in str(estimate)
     assert exoid.Estimate.load(_saved(estimate, tmp_path)).warnings == estimate.warnings
-    assert not any("disagree" in text for text in exoid.identify(swing.leg, recording, TERMS).warnings)
+    assert not any("disagree" in text for text in identify(swing.leg, recording, TERMS).warnings)
 
 
 def _saved(estimate, folder):
@@ -216,10 +217,10 @@ def test_poses_and_recordings_of_several_rates_make_one_estimate(swing, estimato
     tau = swing.leg.inverse_dynamics(q, 0.0 * q, 0.0 * q) + rng.normal(scale=STD, size=q.shape)
     slow = noisy(Swing(swing.leg, 50.0, seed=3), 11)
     data = [noisy(swing, 12), Poses(q, tau, swing.leg.joint_names), slow]
-    estimate = exoid.identify(swing.leg, data, TERMS, estimator)
+    estimate = identify(swing.leg, data, TERMS, estimator)
     assert (np.abs(estimate.values - swing.truth) < 4.5 * estimate.std).all()
     noise = "correlated" if estimator == "gls" else "white"  # errors of blocks scatter
-    textbook, alone = (exoid.identify(swing.leg, x, TERMS, estimator, noise=noise) for x in (data, data[0]))
+    textbook, alone = (identify(swing.leg, x, TERMS, estimator, noise=noise) for x in (data, data[0]))
     assert (textbook.std < (1.5 if estimator == "gls" else 1.1) * alone.std).all()
 
 
@@ -227,7 +228,7 @@ def test_rows_that_do_not_fit_into_memory_are_made_again(swing, monkeypatch):
     estimates = []
     for kept in (2**26, 0):
         monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", kept)
-        estimates.append(exoid.identify(swing.leg, noisy(swing, 13), TERMS, "huber"))
+        estimates.append(identify(swing.leg, noisy(swing, 13), TERMS, "huber"))
     assert (estimates[0].values == estimates[1].values).all()
     assert (estimates[0].covariance == estimates[1].covariance).all()
 
@@ -243,4 +244,4 @@ def test_the_noise_found_is_the_noise_made(swing):
 @pytest.mark.parametrize("noise", ["pink", "", "White"])
 def test_an_unknown_noise_is_refused(swing, noise):
     with pytest.raises(ExoidError, match="use one of correlated, white"):
-        exoid.identify(swing.leg, swing.recording(), TERMS, noise=noise)
+        identify(swing.leg, swing.recording(), TERMS, noise=noise)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
 from exoid import Stiffness
@@ -19,7 +20,7 @@ def swing():
 
 @pytest.fixture(scope="module")
 def estimate(swing):
-    return exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(0), 0.3), TERMS, preparation=EXACT)
+    return identify(swing.leg, swing.with_noise(np.random.default_rng(0), 0.3), TERMS, preparation=EXACT)
 
 
 @pytest.mark.parametrize(
@@ -47,7 +48,7 @@ def test_a_short_and_noisy_recording_says_what_it_does_not_determine(swing):
     """Hip stiffness of an upright leg looks like X1; two seconds of noise tell little of either."""
     short = Swing(swing.leg, seconds=3.0)
     recording = short.with_noise(np.random.default_rng(1), 2.0)
-    estimate = exoid.identify(swing.leg, recording, (*TERMS, Stiffness(joints=("hip",))), preparation=EXACT)
+    estimate = identify(swing.leg, recording, (*TERMS, Stiffness(joints=("hip",))), preparation=EXACT)
     judged = dict(zip(estimate.names, estimate.identifiability, strict=True))
     assert judged["b2_hip"] == judged["J3"] == "not"
     assert judged["X2"] == "well"
@@ -55,7 +56,7 @@ def test_a_short_and_noisy_recording_says_what_it_does_not_determine(swing):
 
 def test_sizes_are_what_explains_the_torque_of_a_joint_alone(swing):
     """‖τ‖ / ‖W_i‖ where that is smallest."""
-    estimate = exoid.identify(swing.leg, swing.recording(), TERMS, preparation=EXACT)
+    estimate = identify(swing.leg, swing.recording(), TERMS, preparation=EXACT)
     W = np.linalg.norm(estimate.model.regressor(*swing.motion)[1:-1], axis=0)
     tau = np.linalg.norm(swing.torque[1:-1], axis=0)
     expected = [min(tau[j] / W[j, i] for j in range(3) if W[j, i] > 0.0) for i in range(W.shape[1])]
@@ -82,7 +83,7 @@ def test_residuals_with_memory_are_called_so_and_count_less(swing):
     noise = rng.standard_normal(swing.torque.shape).cumsum(axis=0)
     noise = 0.3 * (noise[20:] - noise[:-20])[: len(swing.torque)]
     tau = swing.torque + np.vstack([noise, np.zeros((20, 3))])
-    estimate = exoid.identify(swing.leg, swing.recording(tau=tau), TERMS, preparation=EXACT)
+    estimate = identify(swing.leg, swing.recording(tau=tau), TERMS, preparation=EXACT)
     for of_joint in estimate.noise:
         assert of_joint.whiteness < 1e-6
         assert of_joint.correlation > 0.8
@@ -95,12 +96,12 @@ def test_residuals_with_memory_are_called_so_and_count_less(swing):
 def test_whiteness_is_uniform_where_noise_is_white(swing):
     """One test in ten at the ten-percent level, of 90."""
     rng = np.random.default_rng(3)
-    estimates = [exoid.identify(swing.leg, swing.with_noise(rng, 0.3), TERMS, preparation=EXACT) for _ in range(30)]
+    estimates = [identify(swing.leg, swing.with_noise(rng, 0.3), TERMS, preparation=EXACT) for _ in range(30)]
     share = np.mean([noise.whiteness < 0.1 for estimate in estimates for noise in estimate.noise])
     assert 0.02 < share < 0.22
 
 
 def test_noise_free_recordings_have_diagnostics_too(swing):
-    estimate = exoid.identify(swing.leg, swing.recording(), TERMS, preparation=EXACT)
+    estimate = identify(swing.leg, swing.recording(), TERMS, preparation=EXACT)
     assert all(np.isfinite([n.effective_samples, n.correlation, n.whiteness]).all() for n in estimate.noise)
     assert np.isfinite(estimate.std).all()

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
-from exoid import Estimate, Stiffness, identify
+from exoid import Estimate, Stiffness
 from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
 from exoid.signals import FiniteDifference, Poses

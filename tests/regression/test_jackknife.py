@@ -8,13 +8,14 @@ import pytest
 import statsmodels.api as sm
 from scipy.signal import lfilter
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
 from exoid.identification.estimators import ols, wls
 from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
-from exoid.regression import jackknife as module
-from exoid.regression.jackknife import jackknife
+from exoid.regression import fit as module
+from exoid.regression.fit import jackknife
 from exoid.regression.noise import AutoregressiveNoise
 from exoid.regression.residuals import sandwich
 from exoid.signals import FiniteDifference, Poses, ZeroPhase
@@ -153,7 +154,7 @@ def test_intervals_hold_where_noise_is_not_stationary_or_common(kind):
     inside = []
     for seed in range(REPLICATES):
         tau = swing.torque + disturbance(kind, swing, np.random.default_rng([seed, 1]))
-        low, high = exoid.identify(swing.leg, swing.recording(tau=tau), TERMS, preparation=ZeroPhase()).interval().T
+        low, high = identify(swing.leg, swing.recording(tau=tau), TERMS, preparation=ZeroPhase()).interval().T
         inside.append((low <= swing.truth) & (swing.truth <= high))
     mean, worst = np.mean(inside), np.mean(inside, axis=0).min()
     print(f"coverage {kind}: {mean:.3f}, worst {worst:.3f}")
@@ -170,7 +171,7 @@ def test_variances_of_replicates_scatter_as_they_say(swing, estimator):
     for _ in range(60):
         drive = lfilter([1.0], [1.0, -0.9], rng.standard_normal((200 + len(swing.torque), 3)), axis=0)[200:]
         recording = swing.recording(tau=swing.torque + 0.2 * drive)
-        estimates.append(exoid.identify(swing.leg, recording, TERMS, estimator, preparation=EXACT))
+        estimates.append(identify(swing.leg, recording, TERMS, estimator, preparation=EXACT))
     variances = np.array([estimate.std**2 for estimate in estimates])
     seen = 2.0 * variances.mean(axis=0) ** 2 / variances.var(axis=0, ddof=1)
     said = 1.0 / np.mean([1.0 / estimate.dof_each for estimate in estimates], axis=0)
@@ -182,7 +183,7 @@ def test_variances_of_replicates_scatter_as_they_say(swing, estimator):
 def test_a_parameter_that_is_known_or_believed_has_as_many_as_the_noise(swing):
     """No noise of the recordings makes it unsure."""
     rng = np.random.default_rng(5)
-    estimate = exoid.identify(
+    estimate = identify(
         swing.leg, swing.with_noise(rng, 0.3), TERMS, preparation=EXACT, known={"X1": 9.0}, prior={"J3": (0.06, 1e-6)}
     )
     places = [estimate.names.index(name) for name in ("X1", "J3")]
@@ -190,7 +191,7 @@ def test_a_parameter_that_is_known_or_believed_has_as_many_as_the_noise(swing):
 
 
 def test_they_are_kept_in_the_file_and_older_files_have_one_number_for_all(swing, tmp_path):
-    estimate = exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(6), 0.3), TERMS, preparation=EXACT)
+    estimate = identify(swing.leg, swing.with_noise(np.random.default_rng(6), 0.3), TERMS, preparation=EXACT)
     estimate.save(tmp_path / "e.json")
     np.testing.assert_array_equal(exoid.Estimate.load(tmp_path / "e.json").interval(), estimate.interval())
     old = dataclasses.replace(estimate, dof_each=np.zeros(0))

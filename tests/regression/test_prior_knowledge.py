@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
-from exoid import Armature, Coulomb, Estimate, ExoidError, Offset, Viscous, identify
+from exoid import Armature, Coulomb, Estimate, ExoidError, Offset, Viscous
 from exoid.regression import Prior
 from exoid.signals import FiniteDifference, ZeroPhase
 from exoid.torques import LoadFriction
@@ -199,7 +200,7 @@ def test_an_estimate_with_assumptions_survives_its_file(swing, tmp_path):
         ({"prior": {"J3": 0.05}}, "needs a value and a standard deviation"),
         ({"prior": {"J3": (0.05, 0.0)}}, "prior of J3"),
         ({"prior": {"J3": (0.05, 0.1)}, "known": {"J3": 0.05}}, "known and has a prior"),
-        ({"known": {"Ia_hip": 0.1}}, "Ia_hip is regrouped into J1"),
+        ({"prior": {"Ia_hip": (0.1, 0.01)}}, "Ia_hip is regrouped into J1"),
     ],
 )
 def test_assumptions_that_make_no_sense_are_refused(swing, given, said):

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
-from exoid import Coulomb, Offset, Recording, Viscous, identify
+from exoid import Coulomb, Offset, Recording, Viscous
 from exoid.identification.group_rows import GroupRows
 from exoid.identification.problem import Problem
 from exoid.regression import rows as rows_module

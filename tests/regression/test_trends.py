@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
-from exoid import Offset, Stiffness, identify
+from exoid import Offset, Stiffness
 from exoid.signals import FiniteDifference, ZeroPhase
 
 PLAIN = FiniteDifference()

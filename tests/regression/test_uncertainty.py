@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 from swings import TERMS, Swing
+from unchecked import identify
 
 import exoid
 from exoid import ExoidError
@@ -129,21 +130,21 @@ def test_fewer_samples_than_parameters_are_refused():
 
 @pytest.mark.parametrize("level", [0.5, 0.9, 0.95, 0.99])
 def test_intervals_are_students(swing, level):
-    estimate = exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(7), NOISE), TERMS)
+    estimate = identify(swing.leg, swing.with_noise(np.random.default_rng(7), NOISE), TERMS)
     low, high = stats.t(estimate.dof_each, loc=estimate.values, scale=estimate.std).interval(level)
     np.testing.assert_allclose(estimate.interval(level), np.column_stack([low, high]), rtol=1e-12)
 
 
 @pytest.mark.parametrize("level", [0.0, 1.0, -0.1, 95.0, float("nan")])
 def test_an_interval_of_an_impossible_level_is_refused(swing, level):
-    estimate = exoid.identify(swing.leg, swing.with_noise(np.random.default_rng(7), NOISE), TERMS)
+    estimate = identify(swing.leg, swing.with_noise(np.random.default_rng(7), NOISE), TERMS)
     with pytest.raises(ExoidError, match="between 0 and 1"):
         estimate.interval(level)
 
 
 def replicates(swing, count, std, **options):
     rng = np.random.default_rng(20)
-    return [exoid.identify(swing.leg, swing.with_noise(rng, std), TERMS, **options) for _ in range(count)]
+    return [identify(swing.leg, swing.with_noise(rng, std), TERMS, **options) for _ in range(count)]
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,9 @@ Estimator = Callable[[Problem], Fit]
 
 AnyEstimator = TypeVar("AnyEstimator", bound=Estimator)
 
+BUILT_IN: Mapping[str, Estimator] = {"gls": gls, "huber": huber, "ml": JointML(), "ols": ols, "wls": wls}
+"""Estimators of exoid that need no settings."""
+
 NEED_LOOP: Mapping[str, Estimator] = {"output-error": OutputError()}
 """Estimators that need a :class:`ClosedLoop`, and say so when they are used without."""
 
@@ -80,11 +83,8 @@ def register_estimator(
     return estimator
 
 
-register_estimator("gls", gls)
-register_estimator("huber", huber)
-register_estimator("ml", JointML())
-register_estimator("ols", ols)
-register_estimator("wls", wls)
+for _name, _estimator in BUILT_IN.items():
+    register_estimator(_name, _estimator)
 
 
 def find_estimator(given: str | Estimator) -> Estimator:
@@ -101,7 +101,8 @@ def find_estimator(given: str | Estimator) -> Estimator:
     """
     if callable(given):
         return given
-    return NEED_LOOP[given] if given in NEED_LOOP else ESTIMATORS.find(given)
+    known = {**BUILT_IN, **NEED_LOOP}
+    return known[given] if given in known else ESTIMATORS.find(given)
 
 
 def name_of(estimator: Estimator) -> str:
@@ -113,8 +114,9 @@ def name_of(estimator: Estimator) -> str:
     Returns:
         Its own attribute ``name``, else the name that it is registered by, else that of its function or class.
     """
-    registered = (name for name in ESTIMATORS.registered if ESTIMATORS.find(name) is estimator)
-    own = getattr(estimator, "name", None) or next(registered, None)
+    own = getattr(estimator, "name", None) or next((n for n, known in BUILT_IN.items() if known is estimator), None)
+    if own is None:
+        own = next((name for name in ESTIMATORS.registered if ESTIMATORS.find(name) is estimator), None)
     return str(own or getattr(estimator, "__name__", type(estimator).__name__))
 
 

@@ -126,7 +126,7 @@ class JointML:
 
 def smooth(model: TorqueModel) -> TorqueModel:
     """The same model with friction that can be differentiated."""
-    return TorqueModel(model.leg, tuple(_smooth(term) for term in model.terms))
+    return TorqueModel(model.leg, tuple(_smooth(term) for term in model.terms), separate=model.separate)
 
 
 def _smooth(term: Term) -> Term:

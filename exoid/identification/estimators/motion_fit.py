@@ -20,6 +20,9 @@ from .trajectory import Trajectory
 ROUNDS = 30
 """Gauss–Newton steps at most."""
 
+SINGULAR = 1e-12
+"""Largest eigenvalue of the scaled normal equations that counts as zero, over the largest one."""
+
 SETTLED = 1e-3
 """Converged when no parameter moves by more than this part of its standard deviation, and no noise level by more."""
 
@@ -110,8 +113,22 @@ def fit_motion(
 def _as_triangle(matrix: FloatArray, right: FloatArray, redundancy: int) -> RFactor:
     """Rows of unit noise that have these normal equations."""
     count = len(right)
-    root = np.linalg.cholesky(matrix)
     R = np.zeros((count + 1, count + 1))
-    R[:count, :count], R[:count, count] = root.T, np.linalg.solve(root, right)
+    try:
+        root = np.linalg.cholesky(matrix)
+        R[:count, :count], R[:count, count] = root.T, np.linalg.solve(root, right)
+    except np.linalg.LinAlgError:  # a known rotor has the same column as the J that it is no part of
+        R[:count] = _singular_root(matrix, right)
     R[count, count] = np.sqrt(redundancy)
     return RFactor(R, redundancy + count, float(redundancy + count))
+
+
+def _singular_root(matrix: FloatArray, right: FloatArray) -> FloatArray:
+    """Rows of unit noise, (P, P + 1), that have singular normal equations."""
+    scale = np.sqrt(np.diag(matrix))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    values, axes = np.linalg.eigh(matrix / np.outer(scale, scale))
+    root = np.sqrt(np.where(values > SINGULAR * values[-1], values, 0.0))
+    inverse = np.divide(1.0, root, out=np.zeros_like(root), where=root > 0.0)
+    rows = np.column_stack([root[:, None] * axes.T * scale, inverse * (axes.T @ (right / scale))])
+    return np.asarray(np.linalg.qr(rows, mode="r"))

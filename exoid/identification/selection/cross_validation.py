@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.fitting import Start, Task
-from exoid.identification.solving import fit_model
+from exoid.identification.identify import fit_model
 from exoid.regression.rows import make_rows
 from exoid.signals import Preparation, Recording, Smoothed, ZeroPhase
 

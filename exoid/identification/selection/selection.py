@@ -15,9 +15,9 @@ from exoid.estimate.estimate import Estimate
 from exoid.estimate.validation import Validation, validate
 from exoid.identification.estimators import find_estimator
 from exoid.identification.fitting import Fitted, Start, Task
-from exoid.identification.groups import Group
+from exoid.identification.group_rows import Group
+from exoid.identification.identify import fit_model
 from exoid.identification.recording_summary import refuse_dead_torques, refuse_still_joints, summarize
-from exoid.identification.solving import fit_model
 from exoid.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording
@@ -258,13 +258,12 @@ class _Bench(NamedTuple):
     def _score(self, candidate: Candidate, splits: Sequence[Split], fast: Split) -> Score:
         """Fit to all rows first: fits to most of them begin there, which changes where they end by nothing."""
         nothing = np.full(len(self.leg.joint_names), np.nan)
-        task = Task(
-            (Group("", self.leg, self.recordings, candidate.preparation),),
-            candidate.terms,
-            find_estimator(candidate.estimator),
-            prior_knowledge=PriorKnowledge.of(dict.fromkeys(candidate.zero, 0.0), None, nonnegative=True),
-        )
+        group = Group("", self.leg, self.recordings, candidate.preparation)
+        estimator = find_estimator(candidate.estimator)
+        known = PriorKnowledge.of(dict.fromkeys(candidate.zero, 0.0), None, nonnegative=True)
         try:
+            model = TorqueModel.at_start(self.leg, candidate.terms, known.known_names)
+            task = Task((group,), (model,), candidate.terms, estimator, prior_knowledge=known)
             whole = fit_model(task)
             start = Start.at(whole)
             each = [held_out(task, self.recordings, split, start, self.cutoff) for split in splits]

@@ -13,7 +13,7 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate
 from exoid.leg import SIDES, Leg
-from exoid.lift import lift
+from exoid.lift import PULL, lift
 from exoid.view.colours import CAD, IDENTIFIED, joint_colour
 
 from .commands import ROOT, Command, child_path, set_object, set_transform
@@ -167,7 +167,7 @@ def _lifted(estimate: Estimate) -> tuple[pin.Inertia, ...]:
     """Physically consistent inertias nearest to the estimate."""
     leg = estimate.model.leg
     p = len(leg.parameter_names)
-    lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p])
+    lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p], pull=PULL)
     return tuple(pin.Inertia.FromDynamicParameters(row) for row in lifted.link_parameters)
 
 

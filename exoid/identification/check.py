@@ -1,0 +1,77 @@
+"""The one call from a leg and recordings to findings: mistakes of logs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from exoid.checks import signal_findings
+from exoid.errors import ExoidError
+from exoid.findings import Finding, ordered
+from exoid.leg import Leg
+from exoid.regression.fit import uncertainty_of
+from exoid.regression.parameters import PriorKnowledge
+from exoid.signals import Cluster, Poses, Preparation, Recording
+from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+
+from .checkup import check_group
+from .estimators import find_estimator
+from .fitting import Task
+from .group_rows import Group
+from .identify import fit_model
+from .recording_summary import prepare_groups, summarize_groups
+
+
+def check(
+    leg: Leg,
+    recordings: Recording | Poses | Iterable[Recording | Poses],
+    terms: Sequence[Term] | None = None,
+    *,
+    cutoff: float | None = None,
+    preparation: Preparation | str | None = None,
+    known: Mapping[str, float] | None = None,
+) -> tuple[Finding, ...]:
+    """Check logs for the mistakes that real logs have.
+
+    Channels are checked first: rails, frozen and repeated values, dropouts, missing samples. Then the leg is
+    identified, and the residuals are tested against late torques, wrong zeros and scales, a tilted base, wrong lengths,
+    straps and friction of another form. ``docs/checks.md`` lists all kinds of findings.
+
+    Args:
+        leg: The leg.
+        recordings: One recording or several of the same leg, with torques.
+        terms: Terms besides rigid-body dynamics; None for those of :func:`exoid.identify`.
+        cutoff: Cut-off frequency of the parallel filter [Hz]; None to choose it.
+        preparation: Another way from a recording to rows, or its name.
+        known: Parameters that are known, by name.
+
+    Returns:
+        Findings, the worst first; empty where nothing was found. A log that nothing can be identified from has the
+        finding "not-identifiable".
+
+    Raises:
+        ExoidError: There is no recording, or a joint of the leg is not in it.
+
+    Example:
+        >>> data = exoid.datasets.bleex_swing()
+        >>> exoid.check(data.leg, data.train)
+        ()
+    """
+    used = DEFAULT_TERMS if terms is None else tuple(terms)
+    groups, model = (Group.alone(leg, recordings),), TorqueModel.at_start(leg, used, tuple(known or ()))
+    data = groups[0].data
+    if isinstance(data, Cluster):
+        raise ExoidError("recordings are on the workers of a cluster", remedy="check them before they are sent")
+    signals = signal_findings(model, data)
+    try:
+        knowledge = PriorKnowledge.of(known, None, nonnegative=False)
+        summaries = summarize_groups(
+            groups, {"": model}, (), knowledge, for_cutoff=preparation is None and cutoff is None
+        )
+        prepared = prepare_groups(groups, {"": model}, summaries, preparation, cutoff)
+        fitted = fit_model(Task(prepared, (model,), used, find_estimator("wls"), (), knowledge))
+    except ExoidError as error:
+        refused = Finding("not-identifiable", "", 1.0, "1", "error", error.what, error.remedy, parameters=model.names)
+        return ordered((*signals, refused))
+    covariance = uncertainty_of(fitted.problem, fitted.fit, white=False).covariance
+    count = len(fitted.models[0].names)
+    return check_group(fitted, 0, covariance[:count, :count]).findings

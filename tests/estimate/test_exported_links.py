@@ -1,0 +1,333 @@
+"""Links of exported URDFs are near the URDF's own, and simulators find the torques in them; else nothing is written."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+import pytest
+import yourdfpy
+from example_robot_data.robots_loader import ROBOTS, getModelPath
+from lxml import etree
+
+import exoid
+from exoid import Coulomb, Estimate, ExoidError, Leg, Viscous
+from exoid.catalog import URDFS, urdf_folder
+from exoid.description import describe
+from exoid.lift import MASS_FACTOR, PULL, lift
+from exoid.lift.pseudo_inertia import margins
+from exoid.rewriting import read_inertials
+from exoid.signals import ZeroPhase
+from exoid.torques import TorqueModel
+
+EXACT = 1e-9
+"""Largest error of a torque, over the largest torque."""
+
+
+BULLET = 1e-6
+"""The same for Bullet, which brings inertias to principal axes with a coarse tolerance of its own."""
+
+
+def bare(path, joints, locked=None):
+    """A leg whose URDF has no geometry, as simulators look for its meshes."""
+    root = etree.parse(str(path)).getroot()
+    for element in [*root.iter("visual"), *root.iter("collision")]:
+        element.getparent().remove(element)
+    return Leg.from_description(describe(etree.tostring(root, encoding="unicode"), path.name), joints, locked=locked)
+
+
+def public(robot, joints=None, locked=None):
+    loader = ROBOTS[robot]
+    inside = f"{loader.path}/{loader.urdf_subpath}/{loader.urdf_filename}"
+    return bare(type(urdf_folder())(getModelPath(inside)) / inside, joints, locked)
+
+
+LEGS = {
+    "bleex": lambda: exoid.load_leg("bleex", "left", "cad"),
+    "cuhk": lambda: exoid.load_leg("cuhk", "right", "nominal"),
+    "locked": lambda: bare(
+        urdf_folder() / URDFS["bleex", "cad"], ("left_hip", "left_knee"), {"left_ankle": 0.3}
+    ),  # the foot is part of the shank
+    "ur5": lambda: public("ur5"),
+    "z1": lambda: public("z1", ("joint2", "joint3", "jointGripper"), {"joint1": 0.4, "joint4": -0.5}),
+}
+
+
+@cache
+def leg_of(name):
+    return LEGS[name]()
+
+
+def sizes(leg):
+    return np.maximum(np.abs(leg.parameters), 0.01 * np.abs(leg.parameters).max())
+
+
+def random_root(leg, rng):
+    """Errors of 2 % to 300 % of every parameter, correlated at random."""
+    count = len(leg.parameters)
+    mixing = np.eye(count) + 0.3 * rng.standard_normal((count, count))
+    share = np.exp(rng.uniform(np.log(0.02), np.log(3.0)))
+    return share * sizes(leg)[:, None] * mixing / np.linalg.norm(mixing, axis=1, keepdims=True)
+
+
+def ill_conditioned_root(leg, rng):
+    """Errors of 1 % in one direction, and of 1e3 to 1e6 times as much in the worst."""
+    count = len(leg.parameters)
+    axes, _ = np.linalg.qr(rng.standard_normal((count, count)))
+    return sizes(leg)[:, None] * axes * np.geomspace(0.01, 0.01 * 10.0 ** rng.uniform(3.0, 6.0), count)
+
+
+KINDS = {"random": random_root, "ill-conditioned": ill_conditioned_root}
+
+
+def estimate_of(leg, values, covariance):
+    """An estimate of rigid bodies with these errors, and of friction without any."""
+    model = TorqueModel(leg, (Coulomb(), Viscous()))
+    p, P = len(values), len(model.names)
+    every, spread = np.full(P, 0.3), np.zeros((P, P))
+    every[:p], spread[:p, :p] = values, covariance
+    spread[range(p, P), range(p, P)] = 1e-4
+    return Estimate(model, every, spread, 10.0, 100.0, np.ones(len(leg.joint_names)), "ols", ZeroPhase(5.0))
+
+
+def noisy_estimate(leg, kind, rng, precision=1.0):
+    root = KINDS[kind](leg, rng)
+    values = leg.parameters + root @ rng.standard_normal(len(root))
+    return estimate_of(leg, values, root @ root.T / precision**2)
+
+
+def motion(leg, samples=10):
+    rng = np.random.default_rng(2)
+    lower, upper = np.maximum(leg.limits.lower, -2.0), np.minimum(leg.limits.upper, 2.0)
+    q = rng.uniform(lower, upper, (samples, len(leg.joint_names)))
+    v, a = rng.uniform(-1, 1, (2, *q.shape)) * np.array([4.0, 15.0])[:, None, None]
+    return q, v, a
+
+
+def mujoco_torque(path, leg, q, v, a):
+    """Torques of rigid bodies by MuJoCo; joints that are locked stay where they are."""
+    model = mujoco.MjModel.from_xml_path(str(path))
+    off = mujoco.mjtDisableBit
+    model.opt.disableflags |= off.mjDSBL_FRICTIONLOSS | off.mjDSBL_LIMIT | off.mjDSBL_CONTACT
+    model.dof_damping[:] = 0.0
+    data = mujoco.MjData(model)
+    joints = [model.joint(joint) for joint in leg.joint_names]
+    for name, angle in leg.locked.items():
+        data.qpos[model.joint(name).qposadr] = angle
+    torque = np.empty_like(q)
+    for i in range(len(q)):
+        for k, joint in enumerate(joints):
+            data.qpos[joint.qposadr], data.qvel[joint.dofadr], data.qacc[joint.dofadr] = q[i, k], v[i, k], a[i, k]
+        mujoco.mj_inverse(model, data)
+        torque[i] = [data.qfrc_inverse[joint.dofadr][0] for joint in joints]
+    return torque
+
+
+def bullet_torque(bullet, path, leg, q, v, a):
+    """The same by Bullet, whose inverse dynamics takes all joints."""
+    client = bullet.connect(bullet.DIRECT)
+    try:
+        bullet.setGravity(0.0, 0.0, -9.81, physicsClientId=client)
+        flags = bullet.URDF_USE_INERTIA_FROM_FILE
+        body = bullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=client)
+        infos = [bullet.getJointInfo(body, k, client) for k in range(bullet.getNumJoints(body, client))]
+        names = [info[1].decode() for info in infos if info[3] >= 0]  # those with a velocity
+        places = [names.index(name) for name in leg.joint_names]
+        every = np.zeros((3, len(q), len(names)))
+        for name, angle in leg.locked.items():
+            every[0, :, names.index(name)] = angle
+        every[:, :, places] = np.array([q, v, a])
+        found = [bullet.calculateInverseDynamics(body, *map(list, each), client) for each in every.transpose(1, 0, 2)]
+        return np.array(found)[:, places]
+    finally:
+        bullet.disconnect(client)
+
+
+class Outcome(NamedTuple):
+    """What became of estimates: numbers exported as they were, exported after they moved, and refused."""
+
+    exact: int
+    moved: int
+    refused: int
+
+
+def check_exports(name, kind, seeds, folder, torque, tolerance=EXACT):
+    """Export estimates, and check every URDF that is written."""
+    leg, exact, moved, refused = leg_of(name), 0, 0, 0
+    q, v, a = motion(leg)
+    for seed in seeds:
+        estimate = noisy_estimate(leg, kind, np.random.default_rng(seed))
+        path = folder / f"{seed}.urdf"
+        try:
+            export = estimate.to_urdf(path)
+        except ExoidError:
+            with pytest.raises(ExoidError, match="would weigh"):
+                estimate.to_urdf(path)
+            assert not path.exists()
+            refused += 1
+            continue
+        before, written = read_inertials(leg.description), read_inertials(describe(path.read_text(encoding="utf-8")))
+        for mass in export.masses:
+            assert 1.0 / MASS_FACTOR <= written[mass.link][0] / before[mass.link][0] <= MASS_FACTOR
+            assert margins(written[mass.link])[0] > 0.0
+        expected = leg.with_parameters(export.lift.values).inverse_dynamics(q, v, a)
+        if export.lift.feasible:
+            exact += 1
+            np.testing.assert_allclose(export.values, estimate.values, rtol=0, atol=0)
+            own = estimate.leg.inverse_dynamics(q, v, a)
+            np.testing.assert_allclose(expected, own, rtol=0, atol=EXACT * np.abs(own).max())
+        else:
+            moved += 1
+            assert export.lift.distance < 3.0 * np.sqrt(len(leg.parameters))
+        robot = yourdfpy.URDF.load(str(path), load_meshes=False)
+        assert {mass.link: pytest.approx(robot.link_map[mass.link].inertial.mass) for mass in export.masses} == {
+            mass.link: mass.after for mass in export.masses
+        }
+        found = torque(path, leg, q, v, a)
+        np.testing.assert_allclose(found, expected, rtol=0, atol=tolerance * np.abs(expected).max())
+    return Outcome(exact, moved, refused)
+
+
+CASES = [(name, kind) for name in LEGS for kind in KINDS]
+
+
+@pytest.mark.parametrize(("name", "kind"), CASES)
+def test_exported_links_are_near_the_urdfs_and_mujoco_finds_their_torques(name, kind, tmp_path):
+    outcome = check_exports(name, kind, range(2), tmp_path, mujoco_torque)
+    assert outcome.refused == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "kind"), CASES)
+def test_three_hundred_random_and_a_hundred_ill_conditioned_estimates(name, kind, tmp_path):
+    count = 60 if kind == "random" else 20
+    outcome = check_exports(name, kind, range(100, 100 + count), tmp_path, mujoco_torque)
+    print(name, kind, outcome)
+    assert outcome.refused <= 0.02 * count
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "kind"), CASES)
+def test_bullet_finds_the_torques_of_exported_links(name, kind, tmp_path):
+    bullet = pytest.importorskip("pybullet", reason="its wheel does not exist for every version of Python")
+
+    def torque(*arguments):
+        return bullet_torque(bullet, *arguments)
+
+    check_exports(name, kind, range(100, 110), tmp_path, torque, BULLET)
+
+
+# ------------------------------------------------------------------------------------ refused, or allowed
+
+
+@pytest.fixture(scope="module")
+def sure_of_heavy_thigh():
+    """An estimate with small errors that only links with a heavy thigh can have nearly."""
+    return noisy_estimate(leg_of("bleex"), "random", np.random.default_rng(0), precision=30.0)
+
+
+def test_without_a_pull_the_nearest_links_of_noisy_estimates_are_many_times_too_heavy():
+    """The finding: a link of 4.7 kg left as 282 kg, and the text said "the nearest are 4.8 std away"."""
+    leg = leg_of("bleex")
+    before = leg.model.inertias[1].mass
+    factors = {0.0: [], PULL: []}
+    for seed in range(10):
+        estimate = noisy_estimate(leg, "ill-conditioned", np.random.default_rng(seed))
+        for pull, found in factors.items():
+            lifted = lift(leg, estimate.values[:9], estimate.covariance[:9, :9], pull=pull)
+            found.append(lifted.link_parameters[0, 0] / before)
+    assert max(factors[0.0]) > 40.0
+    assert max(factors[PULL]) < 3.0
+
+
+def test_links_beyond_the_factor_are_refused_by_name_and_nothing_is_written(sure_of_heavy_thigh, tmp_path):
+    with pytest.raises(ExoidError) as refused:
+        sure_of_heavy_thigh.to_urdf(tmp_path / "leg.urdf")
+    text = str(refused.value)
+    for words in (
+        "left_thigh would weigh",
+        "instead of 4.75 kg",
+        "beyond a factor of 5",
+        "Prior.from_leg",
+        "mass_factor=",
+    ):
+        assert words in text
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_factor_that_the_refusal_names_allows_the_links(sure_of_heavy_thigh, tmp_path):
+    with pytest.raises(ExoidError) as refused:
+        sure_of_heavy_thigh.to_urdf(tmp_path / "leg.urdf")
+    factor = float(str(refused.value).partition("mass_factor=")[2].partition(" ")[0])
+    for allowed in (factor, np.inf):
+        export = sure_of_heavy_thigh.to_urdf(tmp_path / "leg.urdf", mass_factor=allowed)
+        assert MASS_FACTOR < max(mass.change for mass in export.masses) <= allowed
+        mujoco.MjModel.from_xml_path(str(export.urdf))
+
+
+def test_a_stronger_pull_brings_the_links_near(sure_of_heavy_thigh, tmp_path):
+    weak = sure_of_heavy_thigh.to_urdf(tmp_path / "weak.urdf", mass_factor=np.inf)
+    strong = sure_of_heavy_thigh.to_urdf(tmp_path / "strong.urdf", pull=1e4)
+    assert max(mass.change for mass in strong.masses) < 2.0
+    assert strong.lift.distance > weak.lift.distance
+
+
+def test_masses_are_printed_beside_those_of_the_urdf(sure_of_heavy_thigh, tmp_path):
+    export = sure_of_heavy_thigh.to_urdf(tmp_path / "leg.urdf", mass_factor=np.inf)
+    lines = [line.split() for line in str(export).splitlines()]
+    assert ["mass", "[kg]", "in", "the", "URDF", "exported", "factor"] in lines
+    for mass in export.masses:
+        assert [mass.link, f"{mass.before:.4g}", f"{mass.after:.4g}", f"{mass.factor:.3g}"] in lines
+    assert "with a pull of 1 towards" in str(export)
+    data = export.to_json()["lift"]
+    assert data["masses"]["left_thigh"] == [4.75, export.masses[0].after]
+    assert (data["pull"], data["mass_factor"]) == (PULL, None)
+
+
+def test_masses_of_a_feasible_export_are_printed_too(tmp_path):
+    leg = leg_of("bleex")
+    export = estimate_of(leg, leg.parameters, 1e-4 * np.eye(9)).to_urdf(tmp_path / "leg.urdf")
+    assert [(mass.before, mass.change) for mass in export.masses] == [
+        (mass.before, pytest.approx(1.0)) for mass in export.masses
+    ]
+    assert "in the URDF" in str(export)
+
+
+def test_placeholder_masses_are_refused_until_they_are_allowed(tmp_path):
+    """A URDF whose inertias are a hundredth of the truth."""
+    leg = leg_of("bleex")
+    root = etree.fromstring(leg.description.text.encode())
+    for element in [*root.iter("mass"), *root.iter("inertia")]:
+        for name, text in element.attrib.items():
+            element.set(name, repr(0.01 * float(text)))
+    light = Leg.from_description(describe(etree.tostring(root, encoding="unicode"), "light.urdf"), leg.joint_names)
+    estimate = estimate_of(light, leg.parameters, 1e-6 * np.eye(9))
+    with pytest.raises(ExoidError, match=r"light\.urdf: left_thigh would weigh .* correct the masses in the URDF"):
+        estimate.to_urdf(tmp_path / "leg.urdf")
+    export = estimate.to_urdf(tmp_path / "leg.urdf", mass_factor=1000.0)
+    assert export.lift.feasible
+    np.testing.assert_allclose(export.values, estimate.values, rtol=0, atol=0)
+
+
+def test_a_light_link_that_carries_a_heavy_locked_one_keeps_its_share(tmp_path):
+    """A shank of 0.1 kg with a foot of 4.1 kg: 1.4 times the body must not make the shank 17 times as heavy."""
+    leg = leg_of("locked")
+    root = etree.fromstring(leg.description.text.encode())
+    shank = root.find("link[@name='left_shank']/inertial")
+    for element in (shank.find("mass"), shank.find("inertia")):
+        for name, text in element.attrib.items():
+            element.set(name, repr(0.025 * float(text)))
+    light = Leg.from_description(
+        describe(etree.tostring(root, encoding="unicode"), "light.urdf"), leg.joint_names, locked=leg.locked
+    )
+    bodies = np.array([inertia.toDynamicParameters() for inertia in list(light.model.inertias)[1:]])
+    bodies[1] *= 1.4
+    values = light.reduction.parameters(bodies.ravel())
+    export = estimate_of(light, values, 1e-8 * np.eye(len(values))).to_urdf(tmp_path / "leg.urdf")
+    assert export.lift.feasible
+    assert {mass.link for mass in export.masses} == {"left_thigh", "left_shank", "left_foot"}
+    assert max(mass.change for mass in export.masses) < 2.0
+    again = Leg.from_urdf(export.urdf, light.joint_names, locked=light.locked)
+    np.testing.assert_allclose(again.parameters, values, rtol=1e-12)

@@ -1,0 +1,156 @@
+"""A known rotor of the first joint is no part of J1, and leaves in the sidecar rather than in the thigh."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+from lxml import etree
+
+import exoid
+from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Recording, Viscous
+from exoid.cli import main
+from exoid.exported import read_exported
+from exoid.torques import LoadFriction
+
+ROTOR = 0.05
+
+
+@pytest.fixture(scope="module")
+def swing():
+    return exoid.datasets.bleex_swing()
+
+
+@pytest.fixture(scope="module")
+def known(swing):
+    return exoid.identify(swing.leg, swing.train, known={"Ia_hip": ROTOR})
+
+
+@pytest.fixture(scope="module")
+def merged(swing):
+    return exoid.identify(swing.leg, swing.train)
+
+
+def motion(joints, samples=40):
+    return np.random.default_rng(0).standard_normal((3, samples, joints))
+
+
+@pytest.mark.parametrize("estimator", ["wls", "huber", "gls", "ml", "ols"])
+def test_a_known_rotor_is_subtracted_from_what_it_is_merged_into(swing, estimator):
+    without = exoid.identify(swing.leg, swing.train, estimator=estimator)
+    with_ = exoid.identify(swing.leg, swing.train, estimator=estimator, known={"Ia_hip": ROTOR})
+    tolerance = 1e-7 if estimator == "ml" else 1e-12  # which stops when steps are small
+    assert [one.name for one in without.regrouped] == ["Ia_hip"]
+    assert with_.regrouped == ()
+    assert with_["Ia_hip"].value == ROTOR
+    assert with_["Ia_hip"].std == 0.0
+    assert with_["Ia_hip"].identifiability == "known"
+    assert with_["J1"].value == pytest.approx(without["J1"].value - ROTOR, abs=tolerance)
+    assert with_["J1"].std == pytest.approx(without["J1"].std, rel=1e-3)
+    for name in without.names:
+        if name != "J1":
+            assert with_[name].value == pytest.approx(without[name].value, abs=1e2 * tolerance)
+    np.testing.assert_allclose(with_.torque(*motion(3)), without.torque(*motion(3)), rtol=0, atol=1e2 * tolerance)
+
+
+def test_a_file_keeps_it(known, tmp_path):
+    known.save(tmp_path / "est.json")
+    again = Estimate.load(tmp_path / "est.json")
+    assert again.names == known.names
+    assert again.regrouped == ()
+    assert again["Ia_hip"].identifiability == "known"
+    np.testing.assert_array_equal(again.torque(*motion(3)), known.torque(*motion(3)))
+
+
+def test_the_exported_thigh_is_without_it_and_the_sidecar_has_it(known, merged, tmp_path):
+    export = known.to_urdf(tmp_path / "leg.urdf")
+    assert "Ia_hip" in export.only_in_sidecar
+    assert json.loads(export.sidecar.read_text(encoding="utf-8"))["values"]["Ia_hip"] == ROTOR
+    read = read_exported(export.urdf)
+    assert read.resistances["Ia_hip"] == ROTOR
+    assert read.leg.parameters[2] == pytest.approx(merged["J1"].value - ROTOR, rel=1e-12)
+    with_rotor = read_exported(merged.to_urdf(tmp_path / "merged.urdf").urdf)
+    assert with_rotor.leg.parameters[2] == pytest.approx(merged["J1"].value, rel=1e-12)
+    q, v, a = motion(3)
+    torque = read.leg.inverse_dynamics(q, v, a) + [ROTOR, 0.0, 0.0] * a
+    np.testing.assert_allclose(torque, with_rotor.leg.inverse_dynamics(q, v, a), atol=1e-11)
+
+
+def test_an_export_says_that_a_rotor_is_in_a_link_and_how_to_take_it_out(merged, known, tmp_path):
+    text = str(merged.to_urdf(tmp_path / "leg.urdf"))
+    assert "Ia_hip is regrouped into J1" in text
+    assert 'known={"Ia_hip": …}' in text
+    assert "known={" not in str(known.to_urdf(tmp_path / "leg.urdf"))
+
+
+def test_the_command_line_takes_it(swing, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    swing.train.to_csv("log.csv")
+    command = ["exoid", "identify", "bleex", "log.csv", "-o", "est.json", "--known", f"Ia_hip={ROTOR}", "--json"]
+    monkeypatch.setattr(sys, "argv", command)
+    with pytest.raises(SystemExit) as stop:
+        main()
+    assert not stop.value.code, capsys.readouterr().err
+    assert Estimate.load("est.json")["Ia_hip"].value == ROTOR
+
+
+def test_every_group_may_have_its_own(swing):
+    halves = {"one": swing.train.between(0.0, 9.0), "two": swing.train.between(9.5, 20.0)}
+    both = exoid.identify(swing.leg, halves, own="offset", known={"Ia_hip": ROTOR})
+    plain = exoid.identify(swing.leg, halves, own="offset")
+    for name in halves:
+        assert both[name]["Ia_hip"].value == ROTOR
+        assert both[name]["J1"].value == pytest.approx(plain[name]["J1"].value - ROTOR, abs=1e-10)
+
+
+def test_terms_with_nonlinear_settings_or_load_take_it(swing):
+    terms = (Coulomb(), Viscous(), Armature(), LoadFriction())
+    without = exoid.identify(swing.leg, swing.train, terms)
+    with_ = exoid.identify(swing.leg, swing.train, terms, known={"Ia_hip": 1e-3})
+    assert with_["Ia_hip"].value == 1e-3
+    assert with_.regrouped == ()
+    assert with_["J1"].value == pytest.approx(without["J1"].value - 1e-3, abs=without["J1"].std)
+
+
+def test_a_prior_of_a_merged_rotor_is_still_refused(swing):
+    with pytest.raises(ExoidError, match="Ia_hip is regrouped into J1"):
+        exoid.identify(swing.leg, swing.train, prior={"Ia_hip": (0.05, 0.01)})
+
+
+BODY = (
+    '<inertial><origin xyz="0.02 0.03 -0.15"/><mass value="3"/>'
+    '<inertia ixx="0.06" ixy="0.002" ixz="0" iyy="0.05" iyz="0" izz="0.02"/></inertial>'
+)
+
+
+def arm(right_angle):
+    """Two axes at right angles, so that the second rotor merges as well."""
+    text = (
+        f'<robot name="arm"><link name="a"/><link name="b">{BODY}</link><link name="c">{BODY}</link>'
+        '<joint name="one" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>'
+        f'<joint name="two" type="continuous"><origin xyz="0 0 0.3" rpy="{right_angle} 0.0 0.4"/>'
+        '<parent link="b"/><child link="c"/><axis xyz="0 0 1"/></joint></robot>'
+    )
+    root = etree.fromstring(text)
+    return Leg.from_description(exoid.description.describe(etree.tostring(root, encoding="unicode"), "arm.urdf"))
+
+
+@pytest.mark.parametrize("right_angle", ["1.5708", "1.570796", "1.57", "1.57080001", "1.5709"])
+def test_rounding_of_a_right_angle_gives_no_rotor_inertia_of_tons(right_angle):
+    """The finding: −90 572 ± 38 364 kg·m² for π/2 written as 1.5708."""
+    leg = arm(right_angle)
+    rng = np.random.default_rng(1)
+    time = np.arange(4000) / 200.0
+    w = 2.0 * np.pi * np.array([0.2, 0.5, 0.9])
+    size, phase = rng.uniform(0.2, 0.5, (2, 3)), rng.uniform(0.0, 6.0, (2, 3))
+    angle = np.multiply.outer(time, w)[:, None] + phase
+    q, v, a = (size * np.sin(angle)).sum(-1), (size * w * np.cos(angle)).sum(-1), -(size * w**2 * np.sin(angle)).sum(-1)
+    tau = leg.inverse_dynamics(q, v, a) + 0.1 * a + rng.normal(scale=0.05, size=q.shape)
+    recording = Recording(time, q, v=v, a=a, tau=tau, joint_names=leg.joint_names)
+    estimate = exoid.identify(leg, recording, (Armature(),))
+    assert [one.name for one in estimate.regrouped] == ["Ia_one", "Ia_two"]
+    assert (np.abs(estimate.values) < 10.0).all()
+    assert (estimate.std < 0.01).all()
+    known = exoid.identify(leg, recording, (Armature(),), known={"Ia_one": 0.1, "Ia_two": 0.1})
+    inertias = [k for k, name in enumerate(leg.parameter_names) if name.startswith("I")]
+    np.testing.assert_allclose(known.values[inertias], leg.parameters[inertias], rtol=0, atol=0.01)
