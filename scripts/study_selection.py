@@ -2,8 +2,8 @@
 
     python scripts/study_selection.py [dfki] [cuhk] [bleex] [panda] [ur5] [kinova] ...
 
-Prints for each robot what is true and what is selected at each joint, NRMSE on a motion that was not fitted, over that of
-the model with the true friction terms, processor time, and the least friction power over speeds and loads. For the
+Prints for each robot what is true and what is selected at each joint, NRMSE on a motion that was not fitted, over that
+of the model with the true friction terms, processor time, and the least friction power over speeds and loads. For the
 real machine it prints the test error, and the error on the fast part of the log after a fit of the slow part.
 """
 
@@ -11,14 +11,14 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 import exoid
-from exoid import Armature, Leg, Offset, Recording
+from exoid import Armature, Leg, Recording
 from exoid._typing import FloatArray
 from exoid.identification.selection import Selection, select_terms
 from exoid.identification.selection.normal_equations import residuals
@@ -56,7 +56,7 @@ class Simulation:
         """Torque model with the true terms and rigid bodies."""
         pairs = zip(self.columns, self.leg.joint_names, strict=True)
         terms = tuple(term for columns, joint in pairs for term in terms_of(columns, joint))
-        return TorqueModel(self.leg, (*terms, Armature(), Offset()), self.leg.parameters)
+        return TorqueModel(self.leg, (*terms, Armature()), self.leg.parameters)
 
     @property
     def zero(self) -> dict[str, float]:

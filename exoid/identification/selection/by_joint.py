@@ -13,16 +13,13 @@ from exoid.estimate.estimate import Estimate
 from exoid.identification.identify import identify
 from exoid.leg import Leg
 from exoid.signals import Recording, ZeroPhase
-from exoid.torques import Armature, Offset
+from exoid.torques import Armature
 
 from .candidates import Candidate, estimator_candidates, filter_candidates
 from .fixed_friction import held_out_errors
-from .patterns import Column, describe, terms_of, zeros_of
+from .patterns import PLAIN, describe, terms_of, zeros_of
 from .per_joint import Columns, JointByJoint
 from .scores import Score, best_of
-
-PLAIN = (Column("c0"), Column("d"))
-"""Friction to compare with: Coulomb and viscous."""
 
 CONFIRMATIONS = 12
 """Fits at most to confirm a choice."""
@@ -33,7 +30,7 @@ class JointFriction(NamedTuple):
 
     Attributes:
         joint: Name of the joint.
-        coefficients: Symbols of its coefficients, all positive.
+        coefficients: Symbols of its coefficients, all positive but the offset.
         presliding: Presliding length [rad]; 0 for none.
         stribeck_velocity: Stribeck velocity [rad/s]; 0 for none.
         text: The same in a few words.
@@ -93,7 +90,7 @@ class _Bench:
         friction = tuple(term for columns, joint, _ in pairs for term in terms_of(columns, joint))
         zero = tuple(name for columns, _, label in pairs for name in zeros_of(columns, label))
         like = like or Candidate("", (), preparation=ZeroPhase(self.cutoff))
-        return replace(like, name=name, terms=(*friction, Armature(), Offset()), zero=zero)
+        return replace(like, name=name, terms=(*friction, Armature()), zero=zero)
 
     def score(self, candidate: Candidate, chosen: Sequence[Columns]) -> Score:
         """Predict what is held out."""
@@ -209,8 +206,9 @@ def _faults(search: JointByJoint, estimate: Estimate) -> list[tuple[int, str]]:
         faults: list[tuple[float, str]] = []
         for column in columns:
             value, std, judged = numbers[f"{column.symbol}_{label}"]
-            if value <= 0.0 or judged == "not":
-                faults.append((float(value / max(std, 1e-300)), column.symbol))
+            drives = value <= 0.0 and column.symbol != "offset"
+            if drives or judged == "not":
+                faults.append((float((value if drives else abs(value)) / max(std, 1e-300)), column.symbol))
         if faults:
             found.append((joint, min(faults)[1]))
     return found

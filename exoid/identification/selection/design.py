@@ -13,7 +13,7 @@ from exoid.identification.group_rows import Keep
 from exoid.leg import Leg
 from exoid.regression.rows import Prepared, prepare
 from exoid.signals import Preparation, Recording
-from exoid.torques import Armature, InternalState, JointMotion, Motion, Offset, TorqueModel
+from exoid.torques import Armature, InternalState, JointMotion, Motion, TorqueModel
 
 from .patterns import Column
 
@@ -29,7 +29,7 @@ class Design(NamedTuple):
         time: [s], (N,).
         v: Velocities [rad/s], (N, n).
         tau: Torques [N·m], (n, N).
-        base: Columns of rigid bodies, armatures and offsets, (n, N, p).
+        base: Columns of rigid bodies and armatures, (n, N, p).
         friction: Columns of the friction of each joint, n of (N, K).
         places: Index of each friction column of a joint, n of them.
         independent_fraction: Share of the rows that carries independent noise.
@@ -52,8 +52,8 @@ class Design(NamedTuple):
 
 
 def base_model(leg: Leg) -> TorqueModel:
-    """Torque model without friction, which all candidates share."""
-    return TorqueModel(leg, (Armature(), Offset()))
+    """Torque model of rigid bodies and armatures, which all candidates share."""
+    return TorqueModel(leg, (Armature(),))
 
 
 def form_design(

@@ -1,4 +1,4 @@
-"""Friction models of one joint that are compared: which coefficients they have, at which settings."""
+"""Friction models of one joint that are compared: which coefficients they have, at which settings, and an offset."""
 
 from __future__ import annotations
 
@@ -6,10 +6,17 @@ import itertools
 from dataclasses import replace
 from typing import NamedTuple
 
-from exoid.torques import Coulomb, LoadFriction, Stribeck, Term, Viscous
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.torques import Coulomb, LoadFriction, Offset, Stribeck, Term, Viscous
 
 SHARP = 0.0
 """Presliding length of friction without presliding."""
+
+DRY = ("c0", "mu", "mu_drive", "mu_back", "cs")
+"""Symbols of dry friction, which may have presliding."""
 
 LENGTHS = (3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 0.01, 0.02)
 """Presliding lengths that are tried [rad]."""
@@ -25,8 +32,8 @@ class Column(NamedTuple):
     """One coefficient at given settings.
 
     Attributes:
-        symbol: Symbol of the coefficient: c0, d, mu, mu_drive, mu_back or cs.
-        length: Presliding length [rad]; 0 for none, and for viscous friction.
+        symbol: Symbol of the coefficient: c0, d, mu, mu_drive, mu_back, cs, or offset.
+        length: Presliding length [rad]; 0 for none.
         velocity: Stribeck velocity [rad/s]; 0 for other friction.
     """
 
@@ -40,6 +47,7 @@ class Column(NamedTuple):
         kinds: dict[str, Term] = {
             "c0": Coulomb(presliding=self.length),
             "d": Viscous(),
+            "offset": Offset(),
             "mu": LoadFriction(presliding=self.length),
             "mu_drive": LoadFriction(presliding=self.length, split=True),
             "mu_back": LoadFriction(presliding=self.length, split=True),
@@ -47,10 +55,14 @@ class Column(NamedTuple):
         return Stribeck(presliding=self.length, velocity=self.velocity) if self.symbol == "cs" else kinds[self.symbol]
 
 
+PLAIN = (Column("c0"), Column("d"), Column("offset"))
+"""Where the search begins, and what a choice is compared with."""
+
+
 class Pattern(NamedTuple):
     """Coefficients that a friction model has, whatever their settings.
 
-    All coefficients are positive: then friction dissipates at every speed and under every load.
+    All coefficients but the offset are positive: then friction dissipates at every speed and under every load.
 
     Attributes:
         symbols: Symbols of the coefficients.
@@ -69,6 +81,18 @@ class Pattern(NamedTuple):
     def complexity(self) -> float:
         """Number of numbers; friction under load in one direction of power only counts half a number more."""
         return self.numbers + 0.5 * ("mu_back" in self.symbols and "mu_drive" not in self.symbols)
+
+    def dissipative(self, coefficients: FloatArray) -> NDArray[np.bool_]:
+        """Say which sets of coefficients are positive, as friction that dissipates is.
+
+        Args:
+            coefficients: Coefficients, (S, k).
+
+        Returns:
+            Mask, (S,).
+        """
+        signed = [symbol != "offset" for symbol in self.symbols]
+        return np.asarray((coefficients[:, signed] > 0.0).all(axis=1))
 
     def within(self, other: Pattern) -> bool:
         """Say whether another pattern can be this one, with coefficients that are zero or equal.
@@ -94,7 +118,7 @@ class Pattern(NamedTuple):
         """
         length = length if self.presliding else SHARP
         return tuple(
-            Column(symbol, SHARP if symbol == "d" else length, velocity if symbol == "cs" else 0.0)
+            Column(symbol, length if symbol in DRY else SHARP, velocity if symbol == "cs" else 0.0)
             for symbol in self.symbols
         )
 
@@ -116,7 +140,7 @@ class Grid(NamedTuple):
         dry = (SHARP, *self.lengths)
         plain = [Column(symbol, length) for length in dry for symbol in ("c0", "mu", "mu_drive", "mu_back")]
         fading = [Column("cs", length, velocity) for length in dry for velocity in self.velocities]
-        return (Column("d"), *plain, *fading)
+        return (Column("d"), Column("offset"), *plain, *fading)
 
     def settings(self, pattern: Pattern) -> list[tuple[Column, ...]]:
         """List a pattern at all settings that it has."""
@@ -148,7 +172,7 @@ def patterns() -> tuple[Pattern, ...]:
     Stribeck friction is an addition to Coulomb friction: alone it would vanish at speed.
 
     Returns:
-        The patterns; the first has no friction.
+        The patterns, each without and with an offset; the first has nothing.
     """
     loads = ((), ("mu",), ("mu_back",), ("mu_drive", "mu_back"))
     found = [Pattern((), presliding=False), Pattern(("d",), presliding=False)]
@@ -156,6 +180,7 @@ def patterns() -> tuple[Pattern, ...]:
         found.append(Pattern(("c0", *load, *viscous, *fading), bent))
         if load and not fading:
             found.append(Pattern((*load, *viscous), bent))
+    found += [pattern._replace(symbols=(*pattern.symbols, "offset")) for pattern in found]
     return tuple(sorted(found, key=lambda pattern: pattern.complexity))
 
 

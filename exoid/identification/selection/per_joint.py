@@ -17,7 +17,7 @@ from exoid.signals import Preparation, Recording
 from .cross_validation import Split, blocked_folds
 from .design import Design, base_model, form_design
 from .normal_equations import Active, NormalEquations, residuals
-from .patterns import Column, Grid, Pattern, patterns
+from .patterns import PLAIN, Column, Grid, Pattern, patterns
 
 SURE = 0.3
 """A coefficient whose standard deviation exceeds this part of it is not determined."""
@@ -117,11 +117,10 @@ class JointByJoint:
         """Sweep over the joints until predictions settle."""
         n = len(self.leg.joint_names)
         self.model = base_model(self.leg)
-        plain: Columns = (Column("c0"), Column("d"))
-        self.chosen, self.banned = [plain] * n, [set() for _ in range(n)]
+        self.chosen, self.banned = [PLAIN] * n, [set() for _ in range(n)]
         self.grids = [Grid()] * n
         self.sigma = np.ones(n)
-        rigid = self._rigid([plain] * n)
+        rigid = self._rigid([PLAIN] * n)
         before = None
         for sweep in range(SWEEPS):
             if sweep > 0:
@@ -204,7 +203,7 @@ class JointByJoint:
             settings = grid.settings(pattern)
             sets = np.array([self.design.indices(joint, columns) for columns in settings])
             solved = whole.solve(sets)
-            best = self._best(*solved)
+            best = self._best(pattern, *solved)
             if best is None:
                 continue
             gain = float(solved[2][best])
@@ -214,16 +213,16 @@ class JointByJoint:
             losses = []
             for k in folds:
                 c, _, lower = projected[k].solve(sets)
-                good = (c > 0.0).all(axis=1)
+                good = pattern.dissipative(c)
                 index = int(np.argmax(np.where(good, lower, -np.inf))) if good.any() else best
                 losses.append(self._loss(k, joint, sets[index]))
             candidates.append((pattern, settings[best], losses))
         self.chosen[joint] = _fewest(candidates)
 
-    def _best(self, c: FloatArray, variance: FloatArray, gain: FloatArray) -> int | None:
+    def _best(self, pattern: Pattern, c: FloatArray, variance: FloatArray, gain: FloatArray) -> int | None:
         """Index of the best setting whose coefficients are positive and determined; None if there is none."""
         limit = (SURE * c) ** 2 * self.design.independent_fraction
-        good = ((c > 0.0) & (variance <= limit)).all(axis=1)
+        good = pattern.dissipative(c) & (variance <= limit).all(axis=1)
         return int(np.argmax(np.where(good, gain, -np.inf))) if good.any() else None
 
     def _loss(self, fold: int, joint: int, columns: NDArray[np.intp]) -> FloatArray:
