@@ -31,7 +31,7 @@ BLOCKS = 20
 NEARLY = 0.02
 """A squared error that exceeds the least by no more than this part of it is as good,"""
 
-STANDARD_ERRORS = 0.5
+STANDARD_ERRORS = 2.0 / 3.0
 """or by no more than so many standard errors of the difference."""
 
 SWEEPS = 4
