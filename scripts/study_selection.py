@@ -155,7 +155,7 @@ def study_simulation(name: str) -> None:
     assert estimate is not None
     found = selection.validate(estimate, test).nrmse
     model = sim.model
-    truth = exoid.identify(sim.leg, train, model.terms, known=sim.zero or None)
+    truth = exoid.identify(sim.leg, train, model.terms, preparation=ZeroPhase(8.0), known=sim.zero or None)
     best = exoid.validate(truth, test).nrmse
     print(f"\n{name}: {len(found)} joints, {spent:.1f} s of processor time, {selection.candidate.name}")
     ratio = found / best

@@ -1,4 +1,4 @@
-"""``exoid select``: friction model, filter and estimator that predict best."""
+"""``exoid select``: friction of each joint, filter and estimator that predict best."""
 
 from __future__ import annotations
 

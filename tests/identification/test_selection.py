@@ -211,7 +211,7 @@ def dfki():
 
 @pytest.mark.real_data
 def test_what_is_chosen_for_the_dfki_recording_predicts_its_unseen_part(dfki):
-    """The choice of the command with five folds, and its figures: 0.0417 and 0.1011; without it 0.0653 and 0.1442."""
+    """A rich model for both joints alike, and its figures: 0.0417 and 0.1011; without it 0.0653 and 0.1442."""
     (chosen,) = (c for c in friction_candidates() if c.name == CHOSEN)
     est = identify(dfki.leg, dfki.train, chosen.terms, "huber")
     shoulder, elbow = exoid.validate(est, dfki.test).nrmse
