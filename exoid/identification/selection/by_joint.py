@@ -21,9 +21,6 @@ from .patterns import PLAIN, describe, terms_of, zeros_of
 from .per_joint import Columns, JointByJoint
 from .scores import Score, best_of
 
-CONFIRMATIONS = 12
-"""Fits at most to confirm a choice."""
-
 
 class JointFriction(NamedTuple):
     """Friction model that was chosen for a joint.
@@ -138,12 +135,20 @@ def select_by_joint(
     Raises:
         ExoidError: The recordings do not determine the rigid bodies.
     """
-    search = JointByJoint(leg, recordings, ZeroPhase(cutoff), folds, progress=lambda share: progress(0.6 * share))
-    search.run()
-    bench = _Bench(search, folds, cutoff)
+    preparation = ZeroPhase(cutoff)
+    first = JointByJoint(leg, recordings, preparation, folds, progress=lambda share: progress(0.3 * share))
+    second = JointByJoint(
+        leg, recordings, preparation, folds, progress=lambda share: progress(0.3 + 0.3 * share), offset_sweeps=2
+    )
+    benches = [_Bench(search, folds, cutoff) for search in (first, second)]
+    found = []
+    for each in benches:
+        each.search.run()
+        found.append(each.score(each.candidate("by joint", each.search.chosen), each.search.chosen))
+    better = best_of(found)  # the search may end elsewhere if it starts elsewhere
+    bench, search = benches[better], benches[better].search
     plain: list[Columns] = [PLAIN] * len(leg.joint_names)
-    scores = [bench.score(bench.candidate("coulomb", plain), plain)]
-    scores.append(bench.score(bench.candidate("by joint", search.chosen), search.chosen))
+    scores = [bench.score(bench.candidate("coulomb", plain), plain), found[better]]
     progress(0.65)
     chosen = 1
     for more in (filter_candidates, estimator_candidates) if tune else ():
@@ -153,16 +158,13 @@ def select_by_joint(
         chosen = chosen if choice == 0 else len(scores) + choice - 1
         scores += tried
     progress(0.75)
-    for _ in range(CONFIRMATIONS):
-        candidate = scores[chosen].candidate
-        estimate = fit_candidate(leg, recordings, candidate)
-        faults = _faults(search, estimate)
-        if not faults:
-            break
+    estimate = fit_candidate(leg, recordings, scores[chosen].candidate)
+    while faults := _faults(search, estimate):  # each round bans a coefficient for good
         for joint, symbol in faults:
             search.ban(joint, symbol)
-        again = bench.candidate(candidate.name, search.chosen, candidate)
+        again = bench.candidate(scores[chosen].candidate.name, search.chosen, scores[chosen].candidate)
         scores[chosen] = bench.score(again, search.chosen)
+        estimate = fit_candidate(leg, recordings, again)
         progress(0.9)
     progress(1.0)
     joints = tuple(JointFriction.of(*pair) for pair in zip(leg.joint_names, search.chosen, strict=True))

@@ -35,7 +35,7 @@ STANDARD_ERRORS = 2.0 / 3.0
 """or by no more than so many standard errors of the difference."""
 
 SWEEPS = 4
-"""Sweeps over all joints at most."""
+"""Sweeps over all joints at most, after those in which all joints have an offset."""
 
 SETTLED = 0.05
 """They end when no joint's predicted torque changes by more than this part of its residual."""
@@ -100,6 +100,8 @@ class JointByJoint:
         folds: Number of folds in time.
         keep: Function that selects rows; None for all.
         progress: Called with the share done.
+        offset_sweeps: Number of first sweeps in which all joints have an offset: what it is worth shows when the load
+            of friction is right.
         chosen: Friction columns of each joint.
         banned: Symbols that a joint must not have.
     """
@@ -110,6 +112,7 @@ class JointByJoint:
     folds: int
     keep: Keep | None = None
     progress: Callable[[float], None] | None = None
+    offset_sweeps: int = 0
     chosen: list[Columns] = field(default_factory=list)
     banned: list[set[str]] = field(default_factory=list)
 
@@ -122,7 +125,9 @@ class JointByJoint:
         self.sigma = np.ones(n)
         rigid = self._rigid([PLAIN] * n)
         before = None
-        for sweep in range(SWEEPS):
+        sweeps = self.offset_sweeps + SWEEPS
+        for sweep in range(sweeps):
+            self.with_offset: bool = sweep < self.offset_sweeps
             if sweep > 0:
                 rigid = self.base[: len(rigid)]
                 self.grids = [Grid().about(columns, sweep) for columns in self.chosen]
@@ -130,10 +135,10 @@ class JointByJoint:
             for joint in range(n):
                 self._choose(joint)
                 if self.progress is not None:
-                    self.progress((sweep * n + joint + 1) / (SWEEPS * n))
+                    self.progress((sweep * n + joint + 1) / (sweeps * n))
             self._weigh()
             explained = self.design.tau - self.left
-            if before is not None and self._moved(explained - before) <= SETTLED:
+            if before is not None and self._moved(explained - before) <= SETTLED and sweep > self.offset_sweeps:
                 break
             before = explained
 
@@ -198,7 +203,7 @@ class JointByJoint:
         candidates: list[Candidate] = []
         gains: dict[Pattern, float] = {}
         for pattern in patterns():
-            if self.banned[joint] & set(pattern.symbols):
+            if self.banned[joint] & set(pattern.symbols) or (self.with_offset and "offset" not in pattern.symbols):
                 continue
             settings = grid.settings(pattern)
             sets = np.array([self.design.indices(joint, columns) for columns in settings])
@@ -222,7 +227,8 @@ class JointByJoint:
     def _best(self, pattern: Pattern, c: FloatArray, variance: FloatArray, gain: FloatArray) -> int | None:
         """Index of the best setting whose coefficients are positive and determined; None if there is none."""
         limit = (SURE * c) ** 2 * self.design.independent_fraction
-        good = pattern.dissipative(c) & (variance <= limit).all(axis=1)
+        sure = (variance <= limit) | np.array([symbol == "offset" for symbol in pattern.symbols], dtype=np.bool_)
+        good = pattern.dissipative(c) & sure.all(axis=1)
         return int(np.argmax(np.where(good, gain, -np.inf))) if good.any() else None
 
     def _loss(self, fold: int, joint: int, columns: NDArray[np.intp]) -> FloatArray:
