@@ -1,6 +1,6 @@
 """Friction selected joint by joint, on simulated robots whose friction is known and on a real machine.
 
-    python scripts/study_selection.py [dfki] [cuhk] [bleex] [panda] [ur5] [kinova] ...
+    python scripts/study_selection.py [dfki] [cuhk] [bleex] [panda] [ur5] [kinova] [random] ...
 
 Prints for each robot what is true and what is selected at each joint, NRMSE on a motion that was not fitted, over that
 of the model with the true friction terms, processor time, and the least friction power over speeds and loads. For the
@@ -22,7 +22,7 @@ from exoid import Armature, Leg, Recording
 from exoid._typing import FloatArray
 from exoid.identification.selection import Selection, select_terms
 from exoid.identification.selection.normal_equations import residuals
-from exoid.identification.selection.patterns import Column, describe, terms_of, zeros_of
+from exoid.identification.selection.patterns import Column, Pattern, describe, terms_of, zeros_of
 from exoid.identification.selection.per_joint import JointByJoint, fast_fold
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
@@ -123,6 +123,24 @@ def simulate(name: str) -> Simulation:
     return Simulation(leg, tuple(columns), tuple(coefficients))
 
 
+def simulate_random(seed: int) -> Simulation:
+    """CUHK-EXO with random terms and sizes at each joint."""
+    rng, leg = np.random.default_rng(seed), exoid.load_leg("cuhk")
+    columns, coefficients = [], []
+    for size in leg.inverse_dynamics(*motion(leg, 0)).std(axis=0):
+        length = float(np.exp(rng.uniform(np.log(6e-4), np.log(8e-3)))) if rng.random() < 0.6 else 0.0
+        velocity = float(np.exp(rng.uniform(np.log(0.06), np.log(0.4))))
+        kinds = {"c0": rng.uniform(0.05, 0.25) * size}
+        kinds |= {"d": rng.uniform(0.05, 0.2) * size} if rng.random() < 0.7 else {}
+        load = rng.random()
+        kinds |= {"mu" if load < 0.35 else "mu_back": rng.uniform(0.08, 0.25)} if load < 0.5 else {}
+        kinds |= {"cs": rng.uniform(0.05, 0.15) * size} if rng.random() < 0.35 else {}
+        pattern = Pattern(tuple(kinds), presliding=length > 0.0)
+        columns.append(pattern.columns(length, velocity))
+        coefficients.append(tuple(float(value) for value in kinds.values()))
+    return Simulation(leg, tuple(columns), tuple(coefficients))
+
+
 def least_power(selection: Selection, speed: FloatArray, load: FloatArray) -> float:
     """Least sliding friction over |v| up to ten times the speed seen, and 1.5 times the load; negative if it drives."""
     estimate = selection.estimate
@@ -144,9 +162,8 @@ def least_power(selection: Selection, speed: FloatArray, load: FloatArray) -> fl
     return least
 
 
-def study_simulation(name: str) -> None:
+def study_simulation(name: str, sim: Simulation) -> None:
     """Select on one motion, predict another."""
-    sim = simulate(name)
     train, test = sim.record(1), sim.record(2)
     begin = time.process_time()
     selection = select_terms(sim.leg, train)
@@ -204,7 +221,13 @@ def _on(design: JointByJoint, search: JointByJoint, rows: np.ndarray) -> FloatAr
 def main(names: Sequence[str]) -> None:
     """Run the studies that are named."""
     for name in names or ("dfki", "cuhk", "bleex", *ROBOTS):
-        study_dfki() if name == "dfki" else study_simulation(name)
+        if name == "dfki":
+            study_dfki()
+        elif name == "random":
+            for seed in range(10):
+                study_simulation(f"random {seed}", simulate_random(seed))
+        else:
+            study_simulation(name, simulate(name))
 
 
 if __name__ == "__main__":
