@@ -21,7 +21,7 @@ DRY = ("c0", "mu", "mu_drive", "mu_back", "cs")
 LENGTHS = (3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 0.01, 0.02)
 """Presliding lengths that are tried [rad]."""
 
-VELOCITIES = (0.03, 0.06, 0.12, 0.25, 0.5)
+VELOCITIES = (0.03, 0.06, 0.085, 0.12, 0.17, 0.25, 0.35, 0.5)
 """Stribeck velocities that are tried [rad/s]; the largest is an upper bound. Beyond, it is no matter of slow motion."""
 
 FINER = (1.18, 1.06, 1.02)
