@@ -385,7 +385,10 @@ def without_reversals(
     """
     out, response = signals.copy(), _impulse_response(parallel)
     reach = len(response) // 2
-    pulses, taken, of_noise = _pulses(unknown, parallel), [np.zeros((len(signals), 0))], 0.0
+    margin = reach + 2 * math.ceil(LONGEST_REVERSAL * parallel.rate)  # longer than any reversal that is taken out
+    first = max(0, rows.start - margin)
+    pulses = first + _pulses(unknown[first : rows.stop + margin], parallel)
+    taken, of_noise = [np.zeros((len(signals), 0))], 0.0
     similarity = np.convolve(response, response)[2 * reach :: rows.step]
     together = max(1, PIECE * parallel.stride // rows.step)
     for piece in np.array_split(np.arange(len(rows)), -(-len(rows) // together)):

@@ -21,6 +21,9 @@ RATE = 500.0
 LOOPED = 100_000
 """Samples that the loop is timed over."""
 
+SMOOTH = (exoid.Coulomb(smoothing=0.015), exoid.Viscous(), exoid.Armature(), exoid.Offset())
+"""Terms without the projection of reversals, which the default terms have."""
+
 
 def recording(leg: exoid.Leg, samples: int) -> tuple[Recording, np.ndarray]:
     """Five harmonics a joint, and torques of the model with noise, formed piece by piece."""
@@ -68,7 +71,7 @@ def main(samples: int) -> None:
     """Print what was measured."""
     leg = exoid.load_leg("bleex")
     short, _ = recording(leg, 20_000)
-    exoid.identify(leg, short)  # whatever has to be imported
+    exoid.identify(leg, short, SMOOTH, check=False)  # whatever has to be imported
     log, truth = recording(leg, samples)
     out = np.full((LOOPED, len(leg.joint_names), 10 * len(leg.joint_names)), np.nan)
     before = memory("VmRSS")
@@ -76,7 +79,7 @@ def main(samples: int) -> None:
     loops, stored, seconds = [looped(leg, samples)], [], []
     for _ in range(2):
         start = time.process_time()
-        estimate = exoid.identify(leg, log)
+        estimate = exoid.identify(leg, log, SMOOTH, check=False)
         seconds.append(time.process_time() - start)
         loops.append(looped(leg, samples))
         stored.append(looped(leg, samples, out))
