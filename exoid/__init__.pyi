@@ -1,6 +1,7 @@
 # Table of contents of exoid: to add a name, import it here and list it. It is imported when it is first used.
 
 from . import (
+    actuators,
     catalog,
     codegen,
     control,
@@ -27,7 +28,8 @@ from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare
 from .findings import Finding
 from .identification import check, identify
 from .leg import Leg
-from .signals import Recording, Recordings
+from .payload import Payload
+from .signals import BaseMotion, Recording, Recordings
 from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
 from .torso import TorsoMotion
 
@@ -35,6 +37,7 @@ __version__: str
 
 __all__ = [
     "Armature",
+    "BaseMotion",
     "Comparison",
     "Coulomb",
     "Estimate",
@@ -43,12 +46,14 @@ __all__ = [
     "GroupedEstimate",
     "Leg",
     "Offset",
+    "Payload",
     "Recording",
     "Recordings",
     "Stiffness",
     "TorsoMotion",
     "Validation",
     "Viscous",
+    "actuators",
     "catalog",
     "check",
     "codegen",

@@ -32,7 +32,11 @@ UNBOUNDED = ("limit",)
 SHORTEST_AXIS = 1e-6
 """Smallest length of a joint axis."""
 
-NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+"""A decimal number. Each text matches in one way only, so that long ones take no longer than they are."""
+
+LONGEST_TEXT = 80
+"""Number of characters of an attribute in messages."""
 
 NUMBERS = {
     "link/inertial/mass": {"value": 1},
@@ -73,9 +77,13 @@ class Description:
     def plain(self) -> str:
         """XML for Pinocchio: single spaces between numbers, as it drops elements with other white space.
 
-        Angles of joints in few digits become exact, see :func:`exoid.rounded_angles.exact_angle`.
+        Angles of joints in few digits become exact, see :func:`exoid.rounded_angles.exact_angle`. Shapes are left out,
+        as the parser prints about those that it does not understand.
         """
         root = self.parse()
+        for link in root.findall("link"):
+            for shape in [*link.findall("visual"), *link.findall("collision")]:
+                link.remove(shape)
         for path, attributes in NUMBERS.items():
             for element in root.findall(path):
                 for attribute in attributes.keys() & element.keys():
@@ -217,13 +225,13 @@ def _check_numbers(root: etree._Element, name: str) -> None:
                 words = (text or "").split()
                 if len(words) != count or not all(NUMBER.fullmatch(w) and math.isfinite(float(w)) for w in words):
                     raise ExoidError(
-                        f"<{element.tag} {attribute}={text!r}> is not {count} finite number{'s' * (count > 1)}",
+                        f"<{element.tag} {attribute}={_short(text)}> is not {count} finite number{'s' * (count > 1)}",
                         where=_place(element, name),
                         remedy="write decimal numbers, separated by spaces",
                     )
                 if element.tag not in UNBOUNDED and max(abs(float(word)) for word in words) > LARGEST_NUMBER:
                     raise ExoidError(
-                        f"<{element.tag} {attribute}={text!r}> is not plausible (limit {LARGEST_NUMBER:.0e}, SI)",
+                        f"<{element.tag} {attribute}={_short(text)}> is not plausible (limit {LARGEST_NUMBER:.0e}, SI)",
                         where=_place(element, name),
                         remedy="correct the number",
                     )
@@ -235,6 +243,10 @@ def _check_numbers(root: etree._Element, name: str) -> None:
             raise ExoidError("its <axis> has no xyz", where=_place(axis, name), remedy="write a unit vector")
         if math.hypot(*map(float, axis.get("xyz", "").split())) < SHORTEST_AXIS:
             raise ExoidError("its <axis> is zero", where=_place(axis, name), remedy="write a unit vector")
+
+
+def _short(text: str | None) -> str:
+    return repr(text if text is None or len(text) <= LONGEST_TEXT else f"{text[:LONGEST_TEXT]}…")
 
 
 def _place(element: etree._Element, name: str) -> str:

@@ -45,6 +45,36 @@ def inverse_dynamics(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArr
     return np.array([pin.rnea(model, data, *row) for row in rows]).reshape(v.shape)
 
 
+def inverse_dynamics_on_base(
+    model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray, velocity: FloatArray, acceleration: FloatArray
+) -> FloatArray:
+    """Compute joint torques behind a free-flyer joint: the base is the root link, whose own inertia has no effect.
+
+    Args:
+        model: Model of joints with one degree of freedom.
+        q: Joint angles [rad], (N, n).
+        v: Joint velocities [rad/s], (N, n).
+        a: Joint accelerations [rad/s²], (N, n).
+        velocity: Spatial velocity of the base in its axes, linear [m/s] before angular [rad/s], (N, 6).
+        acceleration: Spatial acceleration less gravity, linear [m/s²] before angular [rad/s²], (N, 6).
+
+    Returns:
+        Joint torques [N·m], (N, n).
+    """
+    base = pin.Model()
+    joint = base.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "exoid base")
+    frame = base.addFrame(pin.Frame("exoid base", joint, 0, pin.SE3.Identity(), pin.FrameType.BODY))
+    free = pin.appendModel(base, model, frame, pin.SE3.Identity())
+    free.gravity.setZero()
+    data, upright = free.createData(), pin.neutral(free)[:7]
+    rows = zip(configuration(model, q), v, a, velocity, acceleration, strict=True)
+    torques = [
+        pin.rnea(free, data, np.r_[upright, angles], np.r_[of_base, rates], np.r_[force, slopes])[6:].copy()
+        for angles, rates, slopes, of_base, force in rows
+    ]
+    return np.array(torques).reshape(v.shape)
+
+
 class TorqueSlopes(NamedTuple):
     """Derivatives of joint torques by angles, velocities and accelerations.
 

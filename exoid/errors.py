@@ -36,6 +36,18 @@ class ExoidError(Exception):
         """
         return self._line(self.command or self.remedy)
 
+    def within(self, part: str) -> ExoidError:
+        """Add the part of the input that the error is in.
+
+        Args:
+            part: Name of the part, such as a file or a group of recordings; "" adds nothing.
+
+        Returns:
+            The error with the part before its place.
+        """
+        where = ", ".join(filter(None, (part, self.where)))
+        return ExoidError(self.what, where=where, remedy=self.remedy, command=self.command)
+
     def _line(self, remedy: str) -> str:
         text = f"{self.where}: {self.what}" if self.where else self.what
         return " ".join((f"{text}. To fix it: {remedy}" if remedy else text).split())

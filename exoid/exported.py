@@ -79,7 +79,13 @@ def read_exported(path: str | Path, joints: Sequence[str] | None = None) -> Expo
             where=str(sidecar),
             remedy="omit the argument joints",
         )
-    leg = Leg.from_description(description, data["joints"], locked=data["locked"], cumulative=data["cumulative"])
+    leg = Leg.from_description(
+        description,
+        data["joints"],
+        locked=data["locked"],
+        cumulative=data["cumulative"],
+        base=data.get("base", "fixed"),
+    )
     beside = {name: value for name, value in data["values"].items() if name not in leg.parameter_names}
     beside |= dict.fromkeys(data["not_dissipative"], 0.0)
     terms = data.get("term_of", {})
@@ -164,6 +170,7 @@ def _is_complete(data: Mapping[str, Any]) -> bool:
         and isinstance(data.get("cumulative"), bool)
         and all(isinstance(x, list) and all(isinstance(name, str) for name in x) for x in names)
         and all(isinstance(x, dict) and all(_is_finite(value) for value in x.values()) for x in numbers)
+        and data.get("base", "fixed") in ("fixed", "moving")
         and isinstance(terms, dict)
         and all(isinstance(term, str) for term in terms.values())
     )

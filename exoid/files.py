@@ -21,6 +21,9 @@ from .errors import ExoidError
 NAME_KEPT = 40
 """Characters of a file's name that stand in the name of its temporary file; names are limited to 255 bytes."""
 
+STANDARD_OUTPUT = 1
+"""Number of the file in which the output of the process goes."""
+
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 REPLACES = "is an input, which the output would replace"
@@ -131,11 +134,10 @@ def refuse_input(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLik
     Raises:
         ExoidError: The file is one of the inputs, under this or another name.
     """
-    if not Path(path).exists():
+    if not os.path.exists(path):  # noqa: PTH110 - False, not an error, below a folder that cannot be read
         return
     for name in inputs:
-        source = Path(name)
-        if source.exists() and (source.samefile(path) or (source.is_dir() and _is_inside(Path(path), source))):
+        if _reads(name, Path(path)):
             raise ExoidError(
                 f"is an input ({name}), which the output would replace" if str(name) != str(path) else REPLACES,
                 where=str(path),
@@ -192,8 +194,15 @@ def make_folder(folder: str | os.PathLike[str]) -> Path:
     )
 
 
-def _is_inside(path: Path, folder: Path) -> bool:
-    return any(parent.samefile(folder) for parent in path.resolve().parents)
+def _reads(name: str | os.PathLike[str], path: Path) -> bool:
+    """Tell whether an input is a file, or a folder that contains it."""
+    source = Path(name)
+    try:
+        if source.samefile(path):
+            return True
+        return source.is_dir() and any(parent.samefile(source) for parent in path.resolve().parents)
+    except (OSError, ValueError):  # not a file, such as the name of a leg; or reading it has a better message
+        return False
 
 
 def _target(path: str | os.PathLike[str]) -> Path:
@@ -204,6 +213,8 @@ def _target(path: str | os.PathLike[str]) -> Path:
     if target.is_dir():
         raise IsADirectoryError(errno.EISDIR, "it is a folder")
     if target.exists():
+        if _is_standard_output(target):
+            raise OSError(errno.EINVAL, "it is the standard output, which the printed result needs")
         if not target.is_file():
             raise OSError(errno.EINVAL, "it is a device or a pipe, not a file")
         if not os.access(target, os.W_OK):
@@ -211,6 +222,14 @@ def _target(path: str | os.PathLike[str]) -> Path:
     elif not target.parent.is_dir():
         raise FileNotFoundError(errno.ENOENT, "there is no such folder")
     return target
+
+
+def _is_standard_output(target: Path) -> bool:
+    """Tell whether a file is where standard output goes: it would lose what is printed."""
+    try:
+        return os.path.samestat(target.stat(), os.fstat(STANDARD_OUTPUT))
+    except OSError:  # there is no standard output
+        return False
 
 
 def _beside(target: Path, ending: str) -> Path:

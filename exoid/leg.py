@@ -7,28 +7,50 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 import pinocchio as pin
 
 from ._typing import ArrayLike, FloatArray
 from .description import Description, read_description
+from .dh import Convention, DHBody, DHRow, describe_dh
 from .dynamics import (
     SegmentPlacements,
     coriolis_matrix,
     gravity_torque,
     inverse_dynamics,
-    joint_torque_regressor,
+    inverse_dynamics_on_base,
     mass_matrix,
     segment_placements,
 )
 from .errors import ExoidError
 from .model import build_model, dynamic_parameters, with_dynamic_parameters
-from .reduction import PlanarChain, Plane, Reduction, documented, fill_regressor, numeric
-from .torso import TORSO_JOINTS, TorsoMotion, moving_torso_model, torso_coordinates
+from .reduction import (
+    BaseSamples,
+    PlanarChain,
+    Plane,
+    Reduction,
+    Tree,
+    documented,
+    fill_regressor,
+    fill_tree_regressor,
+    numeric,
+)
+from .torso import (
+    TORSO_JOINTS,
+    MovingBase,
+    TorsoMotion,
+    base_kinematics,
+    moving_torso_model,
+    torso_coordinates,
+    torso_samples,
+)
 
 SIDES = ("left_", "right_")
+
+Base = Literal["fixed", "moving"]
+"""Whether the base of the leg stands, or moves in space."""
 
 
 class JointLimits(NamedTuple):
@@ -63,6 +85,8 @@ class Leg:
         model: Pinocchio model of the moving joints; do not change it.
         chain: Planar geometry; None if the leg is not a planar chain.
         reduction: Reduction of link parameters to :attr:`parameters`.
+        base: "moving" if the parameters are those that torques on a base that moves in space depend on: numerical ones,
+            more than on a fixed base.
     """
 
     description: Description
@@ -71,6 +95,7 @@ class Leg:
     chain: PlanarChain | None
     locked: Mapping[str, float] = field(default_factory=dict)
     cumulative: bool = True
+    base: Base = "fixed"
 
     @classmethod
     def from_urdf(
@@ -80,6 +105,7 @@ class Leg:
         *,
         locked: Mapping[str, float] | None = None,
         cumulative: bool = True,
+        base: Base = "fixed",
     ) -> Leg:
         """Read a leg from a URDF file.
 
@@ -89,6 +115,8 @@ class Leg:
                 degree of freedom.
             locked: Positions of other joints [rad or m]; zero if not given.
             cumulative: Whether J of a segment contains the J below it (doc. 1) or not (doc. 2).
+            base: "moving" for the parameters of a leg whose base moves in space. A planar chain takes motions of its
+                base within its plane without it.
 
         Returns:
             The leg.
@@ -99,7 +127,49 @@ class Leg:
         Example:
             >>> leg = Leg.from_urdf("my_leg.urdf", joints=("hip", "knee"))  # doctest: +SKIP
         """
-        return cls.from_description(read_description(path), joints, locked=locked, cumulative=cumulative)
+        return cls.from_description(read_description(path), joints, locked=locked, cumulative=cumulative, base=base)
+
+    @classmethod
+    def from_dh(
+        cls,
+        table: Sequence[DHRow] | ArrayLike,
+        convention: Convention,
+        joint_names: Sequence[str] | None = None,
+        *,
+        bodies: Sequence[DHBody] | None = None,
+        base_rpy: Sequence[float] = (0.0, 0.0, 0.0),
+        locked: Mapping[str, float] | None = None,
+        cumulative: bool = True,
+        name: str = "dh",
+    ) -> Leg:
+        """Make a leg of a Denavit-Hartenberg table, for a robot without a URDF.
+
+        Identification uses only the geometry, so that inertias may be left out. The tool's frame is the last one.
+
+        Args:
+            table: Rows (a, α, d, offset of θ) of revolute joints in m and rad, (n, 4), such as :class:`exoid.dh.DHRow`;
+                (n, 3) without the offset.
+            convention: "standard" (Rz Tz Tx Rx) or "modified" (Rx Tx Rz Tz, Craig).
+            joint_names: Names of the n joints; None for joint1, joint2, ….
+            bodies: Inertia of each link in its frame; None for a unit mass at the origin of each frame.
+            base_rpy: Roll, pitch and yaw [rad] of frame 0 in the base, whose z axis points up.
+            locked: Positions of joints that do not move [rad].
+            cumulative: See :meth:`from_urdf`.
+            name: Name of the robot.
+
+        Returns:
+            The leg.
+
+        Raises:
+            ExoidError: The table has other numbers than a DH table, or names or bodies do not fit it.
+
+        Example:
+            >>> rows = [(0.0, np.pi / 2, 0.2), (0.4, 0.0, 0.0), (0.3, 0.0, 0.0)]
+            >>> Leg.from_dh(rows, "standard", ("yaw", "shoulder", "elbow")).joint_names
+            ('yaw', 'shoulder', 'elbow')
+        """
+        description = describe_dh(table, convention, joint_names, bodies=bodies, base_rpy=base_rpy, name=name)
+        return cls.from_description(description, locked=locked, cumulative=cumulative)
 
     @classmethod
     def from_description(
@@ -109,6 +179,7 @@ class Leg:
         *,
         locked: Mapping[str, float] | None = None,
         cumulative: bool = True,
+        base: Base = "fixed",
     ) -> Leg:
         """Build a leg from a description in memory.
 
@@ -117,6 +188,7 @@ class Leg:
             joints: See :meth:`from_urdf`.
             locked: See :meth:`from_urdf`.
             cumulative: See :meth:`from_urdf`.
+            base: See :meth:`from_urdf`.
 
         Returns:
             The leg.
@@ -124,15 +196,22 @@ class Leg:
         Raises:
             ExoidError: The URDF cannot be used, or a joint is missing.
         """
+        if base not in get_args(Base):
+            raise ExoidError(f"base is {base!r}", remedy='pass base="fixed" or base="moving"')
         locked = MappingProxyType(dict(locked or {}))
         model = build_model(description, joints, locked)
-        chain = PlanarChain.from_model(model)
+        chain = PlanarChain.from_model(model) if base == "fixed" else None
         if chain is not None:
             reduction = documented(chain, cumulative=cumulative)
         else:
             links = [description.child_links[name] for name in list(model.names)[1:]]
-            reduction = numeric(model, _without_side(links))
-        return cls(description, model, reduction, chain, locked, cumulative)
+            reduction = numeric(model, _without_side(links), moving_base=base == "moving")
+        return cls(description, model, reduction, chain, locked, cumulative, base)
+
+    @property
+    def hip(self) -> FloatArray:
+        """Origin of the first joint in the axes of the root link [m], (3,)."""
+        return np.array(self.model.jointPlacements[1].translation)
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -202,20 +281,21 @@ class Leg:
         adjusted = self.reduction.adjust(dynamic_parameters(self.model), array)
         return replace(self, model=with_dynamic_parameters(self.model, adjusted))
 
-    def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
+    def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
         """Form the regressor W of the parameters: τ = W(q, v, a) β.
 
         Args:
             q: Joint angles [rad], (N, n).
             v: Joint velocities [rad/s], (N, n).
             a: Joint accelerations [rad/s²], (N, n).
-            torso: Motion of the torso; None if it is upright and still.
+            torso: Motion of the torso or of the base in space, of which a planar chain takes the part within its plane;
+                None if it is upright and still.
 
         Returns:
             W, (N, n, p), each column contiguous in memory.
 
         Raises:
-            ExoidError: Shapes do not fit, or the torso of a leg that is not a planar chain moves.
+            ExoidError: Shapes do not fit, or the base of a leg moves that is neither a planar chain nor made for that.
         """
         q, v, a = self.samples(q, v, a)
         out = np.zeros((len(self.parameter_names), *q.shape[::-1]))
@@ -223,7 +303,7 @@ class Leg:
         return out.transpose(2, 1, 0)
 
     def fill_regressor(
-        self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, torso: TorsoMotion | None = None
+        self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, torso: MovingBase | None = None
     ) -> None:
         """Write the regressor into an array.
 
@@ -232,33 +312,34 @@ class Leg:
             v: Joint velocities [rad/s], (N, n).
             a: Joint accelerations [rad/s²], (N, n).
             out: Receives Wᵀ, zeroed, (p, n, N).
-            torso: Motion of the torso; None if it is upright and still.
+            torso: Motion of the torso, or of the base; see :meth:`regressor`.
 
         Raises:
-            ExoidError: The torso of a leg that is not a planar chain moves.
+            ExoidError: The base of a leg moves that is neither a planar chain nor made for that.
         """
         if self.chain is not None:
-            moved = None if torso is None else torso.samples(len(q))
+            moved = None if torso is None else torso_samples(torso, len(q), self.chain.plane, self.hip)
             fill_regressor(self.chain, q, v, a, out, cumulative=self.cumulative, torso=moved)
-        elif torso is not None:
-            raise ExoidError(
-                "a moving torso needs more parameters unless the leg is a planar chain",
-                where=self.description.name,
-                remedy="use inverse_dynamics, or add the torso's motion to the URDF as joints",
-            )
-        else:
+        elif torso is None:
             self._fill_numeric(q, v, a, out)
+        elif self.base == "moving":
+            self._fill_numeric(q, v, a, out, base_kinematics(torso, len(q), self._plane, self.hip).spatial())
+        else:
+            raise ExoidError(
+                "a moving base needs more parameters unless the leg is a planar chain",
+                where=self.description.name,
+                remedy='make the leg with Leg.from_urdf(..., base="moving")',
+                command="give --moving-base",
+            )
 
-    def inverse_dynamics(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None
-    ) -> FloatArray:
+    def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
         """Compute joint torques by Pinocchio's recursive Newton-Euler algorithm (RNEA).
 
         Args:
             q: Joint angles [rad], (N, n).
             v: Joint velocities [rad/s], (N, n).
             a: Joint accelerations [rad/s²], (N, n).
-            torso: Motion of the torso; None if it is upright and still.
+            torso: Motion of the torso, or of the base in space with all that it adds; None if it is upright and still.
 
         Returns:
             Torques [N·m], (N, n).
@@ -269,6 +350,10 @@ class Leg:
         samples = self.samples(q, v, a)
         if torso is None:
             return inverse_dynamics(self.model, *samples)
+        if not isinstance(torso, TorsoMotion):
+            base = base_kinematics(torso, len(samples[0]), self._plane, self.hip)
+            q, v, a = samples
+            return inverse_dynamics_on_base(self.model, q, v, a, *base.spatial())
         moved = (
             np.hstack(pair) for pair in zip(torso_coordinates(torso.samples(len(samples[0]))), samples, strict=True)
         )
@@ -395,12 +480,25 @@ class Leg:
     def _on_torso(self) -> pin.Model:
         return moving_torso_model(self.model, self._plane)
 
-    def _fill_numeric(self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray) -> None:
+    @cached_property
+    def _tree(self) -> Tree:
+        return Tree.from_model(self.model)
+
+    def _fill_numeric(
+        self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, base: BaseSamples | None = None
+    ) -> None:
+        columns, spread = self.reduction.columns, self.reduction.spread
+        if self.reduction.selects:
+            fill_tree_regressor(self._tree, q, v, a, columns, out, base)
+            return
         block = 2048  # samples, which limits the memory of Pinocchio's wide regressor
         for start in range(0, len(q), block):
             rows = slice(start, start + block)
-            Y = joint_torque_regressor(self.model, q[rows], v[rows], a[rows])
-            out[..., rows] = self.reduction.reduce(Y).transpose(2, 1, 0)
+            part = out[..., rows]
+            Y = np.zeros((len(columns), *part.shape[1:]))
+            moved = None if base is None else BaseSamples(*(x[rows] for x in base))
+            fill_tree_regressor(self._tree, q[rows], v[rows], a[rows], columns, Y, moved)
+            part[:] = np.tensordot(spread[columns].T, Y, axes=1)
 
 
 def _numbers(values: ArrayLike) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Torso motion: tilt and acceleration of the base of the leg."""
+"""Motion of the base of the leg: torso tilt and acceleration in the plane of the leg, or any motion in space."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ import numpy as np
 import pinocchio as pin
 
 from ._typing import ArrayLike, FloatArray
+from .base_kinematics import BaseKinematics
 from .errors import ExoidError
-from .reduction import Plane, TorsoSamples
+from .reduction import GRAVITY, Plane, TorsoSamples
 
 TORSO_JOINTS = 3
 """Number of torso joints before the leg's joints: forward, up and pitch."""
@@ -69,6 +70,64 @@ class TorsoMotion:
                 shown = values.tolist() if values.size <= 2 else f"<array of shape {values.shape}>"
                 entries.append(f"{field.name}={shown}")
         return f"TorsoMotion({', '.join(entries)})"
+
+
+MovingBase = TorsoMotion | BaseKinematics
+"""Motion of what carries the leg: in the plane of the leg, or in space."""
+
+
+def base_kinematics(base: MovingBase, count: int, plane: Plane, hip: FloatArray) -> BaseKinematics:
+    """Write a motion of the torso as one in space.
+
+    Args:
+        base: Motion of the torso, or one in space, which is returned.
+        count: Number of samples, N.
+        plane: Plane of motion.
+        hip: Origin of the first joint in the axes of the base [m], (3,).
+
+    Returns:
+        Motion of the base at N samples.
+
+    Raises:
+        ExoidError: The motion has another number of samples.
+    """
+    if isinstance(base, BaseKinematics):
+        return _of_length(base, count)
+    torso = base.samples(count)
+    forward = torso.hip_acceleration_x[:, None] * plane.forward
+    up = (torso.hip_acceleration_z + GRAVITY)[:, None] * plane.up
+    cosine, sine = np.cos(torso.pitch)[:, None], np.sin(torso.pitch)[:, None]
+    across = np.cross(plane.lateral, forward + up)
+    at_hip = BaseKinematics(
+        -torso.pitch_rate[:, None] * plane.lateral,
+        -torso.pitch_acceleration[:, None] * plane.lateral,
+        cosine * (forward + up) + sine * across,
+    )
+    return at_hip.moved(-hip)
+
+
+def torso_samples(base: MovingBase, count: int, plane: Plane, hip: FloatArray) -> TorsoSamples:
+    """Take the part of a motion that lies in the plane of the leg.
+
+    Args:
+        base: Motion of the torso, or one in space.
+        count: Number of samples, N.
+        plane: Plane of motion.
+        hip: Origin of the first joint in the axes of the base [m], (3,).
+
+    Returns:
+        Motion of the torso at N samples.
+
+    Raises:
+        ExoidError: An entry is not finite or has another number of samples.
+    """
+    return base.samples(count) if isinstance(base, TorsoMotion) else _of_length(base, count).in_plane(plane, hip)
+
+
+def _of_length(base: BaseKinematics, count: int) -> BaseKinematics:
+    if len(base) != count:
+        raise ExoidError(f"the base has {len(base)} samples, the joints {count}", remedy="give one for each sample")
+    return base
 
 
 def moving_torso_model(model: pin.Model, plane: Plane) -> pin.Model:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -51,6 +51,7 @@ def leg_of(name: str) -> exoid.Leg:
     return exoid.Leg.from_urdf(path, ("lf_haa_joint", "lf_hfe_joint", "lf_kfe_joint"))
 
 
+@lru_cache(maxsize=32)
 def clean_log(name: str, seed: int, *, sharpness: float = SHARPNESS) -> Log:
     """Simulate a log without faults, with friction of some width [rad/s]."""
     leg, rng = leg_of(name), np.random.default_rng(seed)

@@ -3,7 +3,8 @@
     python scripts/mutate_files.py [--files 20000] [--kinds mat,parquet,…] [--seed 0]
 
 A finding is a child that dies, uses more than 1 GB, or takes more than 20 s on one file, or an error that is no
-ExoidError of one line. The file of each finding is kept in ``mutated/``; the exit status is their number.
+ExoidError of one line. The file of each finding is kept in ``mutated/``; the exit status is their number. Each line
+also has the largest memory of the processes and the longest time of a file.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -184,7 +186,17 @@ def _high_water(pid: int) -> int:
     return next((int(line.split()[1]) * 1024 for line in lines if line.startswith("VmHWM")), 0)
 
 
-def findings(kind: str, seed: bytes, folder: Path, count: int, rng: np.random.Generator) -> Iterator[Finding]:
+@dataclass
+class Largest:
+    """Largest memory [bytes] and longest time [s] so far, of files that were read to their end."""
+
+    memory: int = 0
+    seconds: float = 0.0
+
+
+def findings(
+    kind: str, seed: bytes, folder: Path, count: int, rng: np.random.Generator, largest: Largest
+) -> Iterator[Finding]:
     """Let a child read mutated files, and start another one where it dies."""
     path, child = folder / name_of(kind), None
     for _ in range(count):
@@ -195,8 +207,11 @@ def findings(kind: str, seed: bytes, folder: Path, count: int, rng: np.random.Ge
         late.start()
         reply = _ask(child)
         late.cancel()
+        seconds = time.monotonic() - began
+        if reply is not None:
+            largest.memory = max(largest.memory, reply["memory"])
+            largest.seconds = max(largest.seconds, seconds)
         if reply is None:
-            seconds = time.monotonic() - began
             yield Finding(kind, f"status {child.wait()} after {seconds:.1f} s", content)
             child = None
         elif reply["what"]:
@@ -252,12 +267,17 @@ def main() -> int:
         for kind in words.kinds.split(","):
             began, count = time.monotonic(), 0
             rng = np.random.default_rng([words.seed, KINDS.index(kind)])
-            for finding in findings(kind, contents[kind], Path(name), words.files, rng):
+            largest = Largest()
+            for finding in findings(kind, contents[kind], Path(name), words.files, rng, largest):
                 words.keep.mkdir(exist_ok=True)
                 (words.keep / f"{count}-{name_of(kind)}").write_bytes(finding.content)
                 print(f"  {kind}: {finding.what}", flush=True)
                 count += 1
-            print(f"{kind}: {words.files} files in {time.monotonic() - began:.0f} s, {count} findings", flush=True)
+            print(
+                f"{kind}: {words.files} files in {time.monotonic() - began:.0f} s, {count} findings; "
+                f"at most {largest.memory / 1e6:.0f} MB, {largest.seconds:.2f} s a file",
+                flush=True,
+            )
             total += count
     return min(total, 100)
 

@@ -20,6 +20,7 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
 from itertools import product
 from pathlib import Path
 from typing import NamedTuple
@@ -110,13 +111,19 @@ def _moved(log: Log, bad: Log) -> bool:
     """Whether a corruption moves a parameter out of its interval; data that occur twice only narrow intervals."""
     if len(bad.recordings) > len(log.recordings):
         return True
-    before = exoid.identify(log.leg, log.recordings, check=False)
+    before = _identified(log.leg, log.recordings)
     try:
         after = exoid.identify(bad.leg, bad.recordings, check=False)
     except ExoidError:
         return True
     low, high = before.interval().T
     return bool(((after.values < low) | (after.values > high)).any())
+
+
+@lru_cache(maxsize=32)
+def _identified(leg: exoid.Leg, recordings: tuple[exoid.Recording, ...]) -> exoid.Estimate:
+    """Identify from a log without faults, of which many are made with one."""
+    return exoid.identify(leg, recordings, check=False)
 
 
 class Study(NamedTuple):
@@ -127,6 +134,7 @@ class Study(NamedTuple):
     only: str
     workers: int
     verbose: bool
+    sizes: tuple[float, ...] = ()
 
     def each(self, function: Callable, *lists: Sequence) -> list:
         """Call a function for each leg, each combination of some lists, and each seed."""
@@ -135,7 +143,8 @@ class Study(NamedTuple):
 
     def chosen(self, faults: Sequence[Corruption]) -> Iterator[tuple[int, Corruption]]:
         """Faults whose name contains what was asked for."""
-        return ((which, fault) for which, fault in enumerate(faults) if self.only in fault.name)
+        chosen = ((which, fault) for which, fault in enumerate(faults) if self.only in fault.name)
+        return ((which, fault._replace(sizes=self.sizes or fault.sizes)) for which, fault in chosen)
 
 
 def corruptions(study: Study) -> None:
@@ -234,6 +243,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--seeds", type=int, default=2, help="logs for each fault, size and leg")
     parser.add_argument("--legs", default=",".join(LEGS))
     parser.add_argument("--only", default="", help="faults whose name contains this")
+    parser.add_argument("--sizes", default="", help="sizes of these faults, such as 1,2,3, instead of the usual ones")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--verbose", action="store_true", help="say what was found instead")
     given = parser.parse_args(arguments)
@@ -241,7 +251,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if unknown:
         parser.error(f"no table {', '.join(sorted(unknown))}")
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    study = Study(given.seeds, tuple(given.legs.split(",")), given.only, given.workers, given.verbose)
+    sizes = tuple(float(size) for size in given.sizes.split(",") if size)
+    study = Study(given.seeds, tuple(given.legs.split(",")), given.only, given.workers, given.verbose, sizes)
     for table, show in zip(TABLES, (corruptions, clean, real, disturbances), strict=True):
         if table in (given.tables or TABLES):
             show(study)

@@ -10,9 +10,12 @@ from one_joint import URDF, swing, write_urdf
 
 import exoid
 from exoid import Estimate, ExoidError, Leg
+from exoid.control import pd, simulate
 from exoid.description import describe
+from exoid.experiments import Hold
 from exoid.experiments.excitation import plan_excitation
 from exoid.lift import lift
+from exoid.rig import Plant
 
 
 @pytest.fixture(scope="module")
@@ -28,6 +31,15 @@ def test_numbers_of_a_urdf_with_which_arithmetic_overflows_are_refused(old, numb
     with pytest.raises(ExoidError, match=r"link 'thigh': .* is not plausible"):
         describe(text)
     describe(URDF.replace('upper="1.5"', 'upper="1e16"'))  # no limit
+
+
+def test_a_number_of_a_million_digits_takes_no_longer_to_refuse_than_to_read():
+    """Found by a mutated URDF of 24 kB, which took 9 s: with the square of the number of digits."""
+    long = "9" * 1_000_000
+    for text in (long, f"{long}x", f"{long}.{long}", f"1e{long}", f"{long} 1"):
+        with pytest.raises(ExoidError, match=r"joint 'hip': <limit velocity='.*'> is not 1 finite number") as refused:
+            describe(URDF.replace('velocity="6"', f'velocity="{text}"'))
+        assert len(str(refused.value)) < 300
 
 
 @pytest.mark.parametrize("cutoff", [[8.0], {}, "8", None, True])
@@ -82,3 +94,23 @@ def test_a_leg_reads_its_own_text_again():
 def test_a_joint_without_a_direction_is_refused(axis):
     with pytest.raises(ExoidError, match="joint 'hip': its <axis>"):
         Leg.from_description(describe(URDF.replace('<axis xyz="0 1 0"/>', axis)))
+
+
+def test_shapes_that_the_parser_does_not_understand_print_nothing(tmp_path, capfd):
+    """The leg has no use for them; the parser prints four lines for each."""
+    shape = '<{0}><geometry><mesh filename="a.stl" scale="nan 1 1"/></geometry></{0}>'
+    shapes = shape.format("visual") + shape.format("collision")
+    (tmp_path / "one.urdf").write_text(URDF.replace("<inertial>", f"{shapes}<inertial>"), encoding="utf-8")
+    leg = Leg.from_urdf(tmp_path / "one.urdf")
+    assert capfd.readouterr() == ("", "")
+    assert "a.stl" in leg.description.text
+    (tmp_path / "a.stl").touch()
+    with pytest.raises(ExoidError, match="<mesh scale='nan 1 1'> of a <visual> is not 3 finite numbers"):
+        exoid.view.scene(leg, meshes=tmp_path)
+
+
+@pytest.mark.parametrize("seconds", [1e12, float("inf")])
+def test_runs_without_end_are_refused(leg, seconds):
+    plant = Plant.build(leg, {}, end_stops=False)
+    with pytest.raises(ExoidError, match=r"a run of .* s is longer than 1e[+]07 samples"):
+        simulate(plant, pd(50.0, 5.0), Hold([0.1]), seconds)

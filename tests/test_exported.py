@@ -50,6 +50,7 @@ def test_everything_of_the_estimate_comes_back_from_the_files(files):
     np.testing.assert_allclose([found[name] for name in estimate.names], estimate.values, rtol=1e-12, atol=1e-14)
 
 
+@pytest.mark.slow
 def test_the_rig_simulates_it_and_identification_of_the_log_returns_the_estimate(files):
     """Estimate, URDF, plant, motion under a controller, log, estimate: the circle closes.
 

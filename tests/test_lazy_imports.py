@@ -71,6 +71,7 @@ def test_the_leg_in_three_dimensions_needs_no_matplotlib():
     assert "matplotlib" not in imported
 
 
+@pytest.mark.slow
 def test_every_public_name_can_be_the_first_that_is_used():
     assert run(FROM_NOTHING).split() == exoid.__all__
 

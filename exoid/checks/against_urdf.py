@@ -12,10 +12,11 @@ from exoid.errors import ExoidError
 from exoid.findings import Finding
 from exoid.leg import Leg
 from exoid.lift import check as can_exist
-from exoid.lift import lift
+from exoid.lift import consistent_within, lift
 from exoid.torques import TorqueModel
 
-from .score import Evidence
+from .evidence import Evidence
+from .least_sizes import LEAST_SHARE
 
 OTHER_UNIT = 3.0
 """A torque that is so many times larger or smaller than the URDF's inertias ask for has another unit."""
@@ -32,11 +33,20 @@ VISIBLE = 0.1
 IMPOSSIBLE = 4.5
 """Parameters that no leg can have are so many standard deviations from the nearest that one can."""
 
-TURNED = 0.2
+TURNED = 0.03
 """A mass moment that points elsewhere by this angle is reported [rad]."""
+
+ALIKE = 0.25
+"""Segments are turned alike if their angles differ by this part at most, and by their errors."""
 
 FAR = 2.0
 """A mass moment or an inertia that is so many times larger or smaller than in the URDF is far from it."""
+
+NOTICEABLE = 0.15
+"""Residual over torque that is found where nothing else is: friction that has another form leaves less."""
+
+PERSISTENT = 0.5
+"""Least correlation of such residuals from one row to the next; noise of a sensor has less."""
 
 POOR, HOPELESS = 0.5, 0.9
 """NRMSE of a joint beyond which its residual is large, and beyond which the torque is not explained."""
@@ -75,11 +85,14 @@ def torque_scale(model: TorqueModel, evidence: Evidence) -> Iterator[Finding]:
         yield _scale_finding(joint, abs(scale), model.names)
 
 
-def impossible_leg(model: TorqueModel, values: FloatArray, covariance: FloatArray) -> Iterator[Finding]:
+def impossible_leg(
+    model: TorqueModel, evidence: Evidence, values: FloatArray, covariance: FloatArray
+) -> Iterator[Finding]:
     """Find parameters that no leg can have, by more than their errors.
 
     Args:
         model: Torque model.
+        evidence: Rows.
         values: Parameters, (P,).
         covariance: Their covariance, (P, P).
 
@@ -93,7 +106,14 @@ def impossible_leg(model: TorqueModel, values: FloatArray, covariance: FloatArra
     if not reasons:
         return
     try:
-        apart = max(_wrong_side(leg, bodies, errors), lift(leg, bodies, errors).distance)
+        apart = _wrong_side(leg, bodies, errors)
+        if apart < IMPOSSIBLE and consistent_within(leg, bodies, errors, IMPOSSIBLE):
+            return
+        nearest = lift(leg, bodies, errors)
+        change = evidence.torque_shares(np.arange(rigid), bodies - nearest.values).max()
+        if apart < IMPOSSIBLE and change < LEAST_SHARE:
+            return
+        apart = max(apart, nearest.distance)
     except (ExoidError, np.linalg.LinAlgError):  # a covariance without a metric
         return
     if apart < IMPOSSIBLE:
@@ -165,10 +185,10 @@ def far_from_urdf(model: TorqueModel, values: FloatArray, std: FloatArray) -> It
 
 
 def turned_segment(model: TorqueModel, values: FloatArray, std: FloatArray) -> Iterator[Finding]:
-    """Compare the direction of the last segment's mass moment with that of the URDF; only of planar legs.
+    """Compare the directions of the segments' mass moments with those of the URDF; only of planar legs.
 
     A wrong zero of the last angle turns (X, Y) of the last segment and changes nothing else: a log alone does not show
-    it.
+    it. A tilt of the base turns all segments alike, and a small one changes little else.
 
     Args:
         model: Torque model.
@@ -181,39 +201,84 @@ def turned_segment(model: TorqueModel, values: FloatArray, std: FloatArray) -> I
     leg = model.leg
     if leg.chain is None:
         return
-    last = slice(3 * len(leg.joint_names) - 3, 3 * len(leg.joint_names) - 1)
-    (drawn, found), size = (leg.parameters[last], values[last]), float(np.hypot(*leg.parameters[last]))
-    if size == 0.0 or not found.any():
+    joints = len(leg.joint_names)
+    drawn, found = (x[: 3 * joints].reshape(-1, 3)[:, :2] for x in (leg.parameters, values))
+    size = np.hypot(*found.T)
+    if (np.hypot(*drawn.T) == 0.0).any() or (size == 0.0).any():
         return
-    cross, dot = found[0] * drawn[1] - found[1] * drawn[0], float(found @ drawn)
-    angle = float(leg.chain.signs[-1] * np.arctan2(cross, dot))
-    error = float(std[last].max() / np.hypot(*found))
-    if abs(angle) > TURNED and abs(angle) > 4.0 * error:
+    cross, dot = found[:, 0] * drawn[:, 1] - found[:, 1] * drawn[:, 0], (found * drawn).sum(axis=1)
+    turns = leg.chain.signs * np.arctan2(cross, dot)
+    errors = std[: 3 * joints].reshape(-1, 3)[:, :2].max(axis=1) / size
+    angle, error = float(turns[-1]), float(errors[-1])
+    if abs(angle) <= max(TURNED, 4.0 * error):
+        return
+    absolute = leg.chain.signs * turns  # about one axis
+    alike = np.abs(absolute - absolute[-1]) < ALIKE * abs(angle) + 2.0 * np.hypot(errors, error)
+    if joints > 1 and alike.all():
+        tilt = -float(turns[0])
         yield Finding(
-            "angle-offset",
-            leg.joint_names[-1],
-            angle,
+            "gravity-direction",
+            "",
+            tilt,
             "rad",
             "info",
-            f"the centre of mass of {leg.link_names[-1]} lies in a direction {abs(np.degrees(angle)):.3g}° from the "
-            "URDF's: the zero of its joint is off by that, or the URDF is wrong; the log alone cannot tell",
-            "check the zero of the encoder against a pose that was measured",
-            interval=(angle - 2.0 * error, angle + 2.0 * error),
+            f"the centres of mass of all segments lie in directions {abs(np.degrees(angle)):.3g}° from the URDF's: the "
+            "base is tilted by that, or the zero of the first angle is wrong, or the URDF; the log alone cannot tell",
+            "level the base, and check the zero of the first encoder against a pose that was measured",
+            interval=(tilt - 2.0 * error, tilt + 2.0 * error),
         )
+        return
+    yield Finding(
+        "angle-offset",
+        leg.joint_names[-1],
+        angle,
+        "rad",
+        "info",
+        f"the centre of mass of {leg.link_names[-1]} lies in a direction {abs(np.degrees(angle)):.3g}° from the "
+        "URDF's: the zero of its joint is off by that, or the URDF is wrong; the log alone cannot tell",
+        "check the zero of the encoder against a pose that was measured",
+        interval=(angle - 2.0 * error, angle + 2.0 * error),
+    )
 
 
-def large_residuals(model: TorqueModel, nrmse: FloatArray) -> Iterator[Finding]:
+def persistence_of(evidence: Evidence, values: FloatArray) -> FloatArray:
+    """Correlation of residuals from one row to the next: near 0 for noise of a sensor, near 1 for a motion.
+
+    Behind the filter, rows are about as far apart as the samples that carry independent noise.
+
+    Args:
+        evidence: Rows.
+        values: Parameters, (P,).
+
+    Returns:
+        Correlation of each joint; 0 where there are only poses.
+    """
+    power, product = np.zeros((2, evidence.joints))
+    for part, at_rest in zip(evidence.parts, evidence.at_rest, strict=True):
+        if not at_rest:
+            residual = np.where(part.usable, part.tau - part.W[..., : evidence.count] @ values, 0.0)
+            power += np.sum(residual**2, axis=0)
+            product += np.sum(residual[1:] * residual[:-1], axis=0)
+    return np.asarray(product / np.maximum(power, np.finfo(float).tiny))
+
+
+def large_residuals(
+    model: TorqueModel, nrmse: FloatArray, *, persistence: FloatArray | None = None
+) -> Iterator[Finding]:
     """Find joints whose torque the model does not explain.
 
     Args:
         model: Torque model.
         nrmse: RMS residual of each joint over the standard deviation of its torque, (n,).
+        persistence: Correlation of the residuals from one row to the next, (n,), where no other finding explains
+            them; None to find only the largest.
 
     Yields:
         One finding for each joint.
     """
     for j, joint in enumerate(model.joint_names):
-        if nrmse[j] > POOR:
+        persistent = persistence is not None and persistence[j] > PERSISTENT
+        if nrmse[j] > (NOTICEABLE if persistent else POOR):
             yield Finding(
                 "large-residual",
                 joint,
@@ -221,7 +286,10 @@ def large_residuals(model: TorqueModel, nrmse: FloatArray) -> Iterator[Finding]:
                 "1",
                 "error" if nrmse[j] > HOPELESS else "warning",
                 f"the model leaves {nrmse[j]:.0%} of the torque unexplained",
-                "check whether this channel is the torque of this joint, and record larger or faster motions",
+                "check whether this channel is the torque of this joint, and record larger or faster motions"
+                if nrmse[j] > POOR
+                else "if the torso moved, record its motion: Recording(base=BaseMotion.from_imu(...)); else check for "
+                "contacts, straps and cables",
                 parameters=_acting(model, j),
             )
 
@@ -244,23 +312,6 @@ def nrmse_of(evidence: Evidence, values: FloatArray) -> FloatArray:
         rms = float(np.sqrt(np.mean((tau - W @ values) ** 2))) if len(tau) else 0.0
         found.append(rms / spread if spread > 0.0 else 0.0)
     return np.array(found)
-
-
-def torque_shares(evidence: Evidence, values: FloatArray) -> FloatArray:
-    """Part of a joint's torque that each parameter makes up, at the joint where it is largest, (P,).
-
-    Args:
-        evidence: Rows.
-        values: Parameters, (P,).
-
-    Returns:
-        The parts.
-    """
-    parts = [
-        np.linalg.norm(R[:, : evidence.count], axis=0) / max(float(np.linalg.norm(R[:, -1])), 1e-300)
-        for R in evidence.factors
-    ]
-    return np.asarray(np.abs(values) * np.max(parts, axis=0))
 
 
 def negative_friction(model: TorqueModel, values: FloatArray, below: NDArray[np.bool_]) -> Iterator[Finding]:
@@ -292,7 +343,7 @@ def negative_friction(model: TorqueModel, values: FloatArray, below: NDArray[np.
 def _scale_finding(joint: str, scale: float, names: Sequence[str]) -> Finding:
     whose = f"the torque of {joint}" if joint else "all torques"
     looks = (
-        "as N·mm would be"
+        "as N·mm would be, or a current in mA times N·m per A"
         if MILLI[0] < scale < MILLI[1]
         else "as the torque of the motor in front of a gear, or a current in amperes, would be"
         if scale < 1.0
@@ -305,7 +356,8 @@ def _scale_finding(joint: str, scale: float, names: Sequence[str]) -> Finding:
         "1",
         "error",
         f"{whose} is {scale:.3g} times what the URDF's inertias ask for, {looks}; the log alone cannot tell",
-        "convert the torque to N·m at the joint; if it is right, the URDF's inertias are wrong",
+        "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
+        "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong",
         parameters=tuple(names),
     )
 

@@ -8,18 +8,17 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.findings import Finding
-from exoid.regression.rows import form_rows, prepare
 from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
 
+from .coupled import coupled_joints, coupling_finding
+from .factors import TorqueFactors, never_negative
 from .sample import Checked
-from .score import r_factor
 
 POOR = 0.2
 """Alternatives are worth trying where the NRMSE of a joint is above this,"""
@@ -33,16 +32,14 @@ BETTER = 1.6
 CLEARLY = 1.1
 """and one that is more far-fetched only if they are so many times smaller still."""
 
-ROUNDS = 3
-"""Weights of the joints and residuals are computed in turn so often."""
+CLEARLY_MIXED = 1.5
+"""Coupled joints, which have numbers of their own to fit, are reported only if they fit so many times better still."""
 
 ENOUGH = 12_000
 """Samples that are looked at, at most."""
 
 SWAPPED_JOINTS = 4
 """Up to so many joints all pairs are swapped, beyond only neighbours."""
-
-TINY = 1e-12
 
 
 class Alternative(NamedTuple):
@@ -86,7 +83,7 @@ def negative_parameters(
         Mask, (P,).
     """
     below = (values < NEGATIVE * std) & (values < 0.0) & (shares > MATTERS)
-    return np.asarray(below & _never_negative(model))
+    return np.asarray(below & never_negative(model))
 
 
 def gross_findings(checked: Checked) -> tuple[Finding, ...]:
@@ -105,17 +102,21 @@ def gross_findings(checked: Checked) -> tuple[Finding, ...]:
     trial = checked._replace(data=tuple(_shortened(checked.data)))
     base = tuple(alternatives(model))
     try:
-        as_logged = _Factors.of(trial, base[0])
-        reference = as_logged.misfit(checked, base[0])
+        as_logged = TorqueFactors.of(trial, trial.data)
+        reference = as_logged.fit(checked).misfit
         best, least = base[0], reference - np.log(BETTER)
-        for alternative in base[1:]:
+        for alternative in (one for one in base[1:] if _moves_driven(one, as_logged.driven)):
             same_angles = alternative.angles == base[0].angles and alternative.angle_order == base[0].angle_order
-            factors = as_logged if same_angles else _Factors.of(trial, alternative)
-            misfit = factors.misfit(checked, alternative)
+            data = (_reread(one, alternative) for one in trial.data)
+            factors = as_logged if same_angles else TorqueFactors.of(trial, data)
+            misfit = factors.fit(checked, alternative.torque_order, alternative.torques).misfit
             if misfit < least:
                 best, least = alternative, misfit - np.log(CLEARLY)
+        coupled = coupled_joints(trial, as_logged, reference)
     except (ExoidError, np.linalg.LinAlgError):
         return ()
+    if coupled is not None and coupled.misfit < least - np.log(CLEARLY_MIXED):
+        return (coupling_finding(checked, coupled, reference),)
     if best is base[0]:
         return ()
     ratio = float(np.exp(reference - least - np.log(CLEARLY)))
@@ -123,6 +124,11 @@ def gross_findings(checked: Checked) -> tuple[Finding, ...]:
     return (
         Finding(best.kind, best.joint, best.value or ratio, "1", "error", message, best.remedy, parameters=model.names),
     )
+
+
+def _moves_driven(alternative: Alternative, driven: Sequence[bool]) -> bool:
+    """Whether a reading takes torques only from and to joints that have one."""
+    return all(driven[j] and driven[k] for j, k in enumerate(alternative.torque_order) if j != k)
 
 
 def alternatives(model: TorqueModel) -> Iterator[Alternative]:
@@ -172,66 +178,6 @@ def alternatives(model: TorqueModel) -> Iterator[Alternative]:
         factors = tuple(unit if k == j else 1.0 for k in range(n))
         text = f"the angle of {joint} is in degrees"
         yield Alternative("angle-scale", joint, factors, order, ones, order, text, in_degrees, 1.0 / unit)
-
-
-class _Factors(NamedTuple):
-    """R factors of the rows of each joint with the torques of all joints, [W τ₁ … τₙ]."""
-
-    of_joints: list[FloatArray]
-
-    @classmethod
-    def of(cls, checked: Checked, alternative: Alternative) -> _Factors:
-        """Form the rows of recordings whose angles are read otherwise."""
-        model = checked.model
-        joints = len(model.joint_names)
-        tables: list[list[FloatArray]] = [[] for _ in range(joints)]
-        for one in checked.data:
-            prepared = prepare(model, _reread(one, alternative), checked.preparation)
-            prepared = prepared._replace(reversals=None)  # torques may be another joint's, with other reversals
-            for stretch in prepared.stretches():
-                rows = form_rows(model, prepared, stretch)
-                for j in range(joints):
-                    tables[j].append(np.column_stack([rows.W[:, j], rows.tau])[rows.usable[:, j]])
-        stacked = [np.vstack(of_joint) for of_joint in tables]
-        return cls([r_factor(of_joint) for of_joint in stacked])
-
-    def misfit(self, checked: Checked, alternative: Alternative) -> float:
-        """Mean logarithm of residual over torque of the joints, with torques read otherwise."""
-        model, fixed = checked.model, checked.fixed
-        count, free = len(model.names), ~np.isfinite(checked.fixed)
-        known = np.where(free, 0.0, fixed)
-        rows = []
-        for R, source, factor in zip(self.of_joints, alternative.torque_order, alternative.torques, strict=True):
-            rows.append((R[:, :count][:, free], factor * R[:, count + source] - R[:, :count] @ known))
-        level = np.maximum(np.array([np.linalg.norm(t) for _, t in rows]), TINY)
-        lower = np.where(_never_negative(model)[free], 0.0, -np.inf)
-        weights = 1.0 / level
-        for _ in range(ROUNDS):
-            A = np.vstack([w * W for w, (W, _) in zip(weights, rows, strict=True)])
-            b = np.concatenate([w * t for w, (_, t) in zip(weights, rows, strict=True)])
-            x = _bounded(A, b, lower)
-            left = np.array([np.linalg.norm(t - W @ x) for W, t in rows])
-            weights = 1.0 / np.maximum(left, 1e-6 * level)
-        return float(np.mean(np.log(np.maximum(left, 1e-6 * level) / level)))
-
-
-def _bounded(A: FloatArray, b: FloatArray, lower: FloatArray) -> FloatArray:
-    """Least squares with some values not below zero, columns scaled to unit length."""
-    scale = np.linalg.norm(A, axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
-    x, *_ = np.linalg.lstsq(A / scale, b, rcond=1e-9)
-    if (x < lower).any():
-        R = r_factor(np.column_stack([A / scale, b]))
-        x = scipy.optimize.lsq_linear(R[:, :-1], R[:, -1], (lower, np.inf), method="bvls", tol=1e-8).x
-    return np.asarray(x / scale)
-
-
-def _never_negative(model: TorqueModel) -> NDArray[np.bool_]:
-    """Which parameters cannot be negative: friction, rotor inertia and J of planar segments, (P,)."""
-    planar = model.leg.chain is not None
-    rigid = set(model.leg.parameter_names) if planar else set()
-    inertia = [name in rigid and name[0] == "J" for name in model.names]
-    return np.asarray(model.nonnegative | np.array(inertia))
 
 
 def _shortened(data: Sequence[Recording | Poses]) -> Iterator[Recording | Poses]:

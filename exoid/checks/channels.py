@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.findings import Finding
 from exoid.signals import Recording
+from exoid.signals.recording import UNITS
 
 from .runs import Runs, noise_size, quantum
 
@@ -50,6 +51,9 @@ SPIKE_PART = 0.4
 ISOLATED = 5.0
 """A spike is also so many times larger than 95 % of all deviations: noise that grows with speed has none."""
 
+DRIVE_NOUNS = {"current": "current", "force": "force", "motor_torque": "motor torque", "motor_angle": "motor angle"}
+"""Word for each quantity that a drive measures."""
+
 
 class Channel(NamedTuple):
     """One quantity of one joint.
@@ -61,6 +65,8 @@ class Channel(NamedTuple):
         joint: Name of the joint.
         parameters: Parameters that act on the joint.
         recording: Name of the recording.
+        noun: Word for the quantity.
+        unit: Its unit.
     """
 
     time: FloatArray
@@ -69,10 +75,12 @@ class Channel(NamedTuple):
     joint: str
     parameters: tuple[str, ...]
     recording: str
+    noun: str = "torque"
+    unit: str = "N·m"
 
 
 def channel_findings(recording: Recording, acting: Mapping[str, Sequence[str]], name: str = "") -> Iterator[Finding]:
-    """Check every torque and angle of a recording.
+    """Check every torque and angle of a recording; where torque was computed of a drive, what the drive measured.
 
     Args:
         recording: The recording, with the joints of the leg.
@@ -82,17 +90,29 @@ def channel_findings(recording: Recording, acting: Mapping[str, Sequence[str]], 
     Yields:
         Findings of the kinds saturation, stuck-channel, stale-samples, dropout and spikes.
     """
+    driven = recording.driven
     for k, joint in enumerate(recording.joint_names):
         names = tuple(acting.get(joint, ()))
         angle = Channel(recording.time, recording.q[:, k], recording.q, joint, names, name)
         yield from frozen_angle(angle)
-        if recording.tau is None:
+        if recording.tau is None or not driven[k]:
             continue
         torque = angle._replace(x=recording.tau[:, k])
+        if joint in recording.computed:
+            torque = _of_drive(torque, recording, k)
         yield from saturation(torque)
         yield from frozen_torque(torque)
         yield from repeated_values(torque)
         yield from outliers(torque)
+
+
+def _of_drive(channel: Channel, recording: Recording, k: int) -> Channel:
+    """Channel of what the drive of a joint measured, of which its torque was computed."""
+    for quantity, noun in DRIVE_NOUNS.items():
+        values = getattr(recording, quantity)
+        if values is not None and not np.isnan(values[:, k]).any():
+            return channel._replace(x=values[:, k], noun=noun, unit=UNITS[quantity])
+    return channel
 
 
 def saturation(channel: Channel) -> Iterator[Finding]:
@@ -108,7 +128,7 @@ def saturation(channel: Channel) -> Iterator[Finding]:
         One finding for each side that is clipped.
     """
     x = channel.x
-    runs, step = Runs.of(x, 1e-9 * float(np.ptp(x))), quantum(x)
+    runs = Runs.of(x, 1e-9 * float(np.ptp(x)))
     if len(runs.start) < 3:
         return
     usual = float(np.median(runs.length))
@@ -123,6 +143,7 @@ def saturation(channel: Channel) -> Iterator[Finding]:
             continue
         entry = np.abs(runs.value[inner] - runs.value[inner - 1])
         leave = np.abs(runs.value[inner + 1] - runs.value[inner])
+        step = quantum(x)
         if float(np.median(np.maximum(entry, leave))) <= STEEP * step:
             continue
         near = (np.abs(x - rail) <= 3.5 * step) & (np.abs(x - rail) > 0.5 * step)
@@ -133,10 +154,10 @@ def saturation(channel: Channel) -> Iterator[Finding]:
             "saturation",
             channel.joint,
             rail,
-            "N·m",
+            channel.unit,
             "error" if share > 0.05 else "warning",
-            f"{share:.1%} of the torques are exactly {rail:.4g} N·m: the sensor or the amplifier is at its limit, and "
-            "the true torque is larger",
+            f"{share:.1%} of the {channel.noun}s are exactly {rail:.4g} {channel.unit}: the sensor or the amplifier is "
+            f"at its limit, and the true {channel.noun} is larger",
             "record a slower or smaller motion, raise the limit, or cut out these segments",
             parameters=channel.parameters,
             recording=channel.recording,
@@ -155,7 +176,7 @@ def frozen_torque(channel: Channel) -> Iterator[Finding]:
     runs = Runs.of(channel.x)
     spans = _long_runs(channel, runs, FROZEN_TORQUE)
     moving = [k for k in spans if _moves(channel.others[runs.start[k] : runs.stop[k]], channel.others)]
-    yield from _frozen(channel, runs, moving, "torque")
+    yield from _frozen(channel, runs, moving, channel.noun)
 
 
 def frozen_angle(channel: Channel) -> Iterator[Finding]:
@@ -172,11 +193,12 @@ def frozen_angle(channel: Channel) -> Iterator[Finding]:
     """
     x, runs = channel.x, Runs.of(channel.x)
     steps = np.abs(np.diff(x))
-    if not steps.any():
+    long = _long_runs(channel, runs, FROZEN_ANGLE)
+    if not long or not steps.any():
         return
     usual, large = float(np.sqrt(np.mean(steps**2))), float(np.quantile(steps, 0.99))
     frozen = []
-    for k in _long_runs(channel, runs, FROZEN_ANGLE):
+    for k in long:
         first, stop = int(runs.start[k]), int(runs.stop[k])
         before, after = steps[max(0, first - 6) : max(0, first - 1)], steps[stop : stop + 5]
         jump = steps[stop - 1] if stop < len(x) else 0.0
@@ -218,8 +240,8 @@ def repeated_values(channel: Channel) -> Iterator[Finding]:
         share,
         "1",
         "warning",
-        f"{share:.1%} of the torques repeat the sample before: the log asks faster than the sensor answers (about "
-        f"{fresh:.3g} new values a second), so that torque is late by up to a sample of the sensor",
+        f"{share:.1%} of the {channel.noun}s repeat the sample before: the log asks faster than the sensor answers "
+        f"(about {fresh:.3g} new values a second), so that {channel.noun} is late by up to a sample of the sensor",
         "log at the rate of the sensor, or with the time stamps of its own messages",
         parameters=channel.parameters,
         recording=channel.recording,
@@ -238,9 +260,12 @@ def outliers(channel: Channel) -> Iterator[Finding]:
     x = channel.x
     middle = scipy.signal.medfilt(x, 5)
     apart = x - middle
-    size = max(SPIKE * noise_size(apart), SPIKE_PART * float(np.std(middle)), SPIKE * quantum(x))
+    size = max(SPIKE * noise_size(apart), SPIKE_PART * float(np.std(middle)))
     odd: NDArray[np.bool_] = np.abs(apart) > size
     odd[:2] = odd[-2:] = False
+    if not odd.any():
+        return
+    odd &= np.abs(apart) > SPIKE * quantum(x)
     zero = odd & (x == 0.0)
     if zero.sum() >= max(3, DROPOUT_SHARE * len(x)):
         share = float(np.mean((x == 0.0) & (np.abs(middle) > 0.0)))
@@ -250,7 +275,8 @@ def outliers(channel: Channel) -> Iterator[Finding]:
             share,
             "1",
             "error",
-            f"the torque drops to exactly 0 in {share:.1%} of the samples: messages were lost and filled with zeros",
+            f"the {channel.noun} drops to exactly 0 in {share:.1%} of the samples: messages were lost and filled with "
+            "zeros",
             "remove these samples, or write NaN where there is no value and interpolate short gaps",
             parameters=channel.parameters,
             recording=channel.recording,
@@ -266,7 +292,8 @@ def outliers(channel: Channel) -> Iterator[Finding]:
             share,
             "1",
             "warning",
-            f"{share:.1%} of the torques are spikes of {float(np.median(np.abs(apart[odd]))):.3g} N·m"
+            f"{share:.1%} of the {channel.noun}s are spikes of {float(np.median(np.abs(apart[odd]))):.3g} "
+            + channel.unit
             + (", nearly all to one side, which looks like an offset" if abs(lean) > 0.5 else ""),
             "remove them at their source, or identify with the estimator huber",
             parameters=channel.parameters,
@@ -278,6 +305,8 @@ def _long_runs(channel: Channel, runs: Runs, shortest: float) -> list[int]:
     """Runs that last for a while, and much longer than usual."""
     least = max(10.0, shortest * _rate(channel.time))
     long = runs.length >= least
+    if not long.any():
+        return []
     others = runs.length[~long]
     usual = float(np.quantile(others, 0.99)) if len(others) else 1.0
     return [int(k) for k in np.flatnonzero(long & (runs.length >= LONG_RUN * usual))]

@@ -8,10 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.actuators import Actuators
 from exoid.errors import ExoidError
 from exoid.estimate.motion_ranges import MotionRanges
 from exoid.findings import Finding, ordered
-from exoid.regression.rows import for_leg
+from exoid.regression.rows import Rows, for_leg
 from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, ZeroPhase
 from exoid.torques import TorqueModel
 
@@ -21,17 +22,23 @@ from .against_urdf import (
     large_residuals,
     negative_friction,
     nrmse_of,
+    persistence_of,
     torque_scale,
-    torque_shares,
     turned_segment,
 )
 from .alternatives import POOR, gross_findings, negative_parameters
+from .arm_columns import arm_columns
 from .channels import channel_findings
-from .model_checks import Delays, delays, find_faults, findings_of
-from .repeats import MOST_COMPARED, repeated_data
+from .evidence import Evidence
+from .model_checks import Delays, delays, find_faults
+from .out_of_plane import out_of_plane_findings
+from .repeats import repeated_data
 from .sample import Checked, averaged, few_of, gather, names_of, segments, some_samples
-from .score import Evidence
+from .sentences import findings_of
 from .timing import timing_findings
+
+LARGE_CROSS_TALK = 0.3
+"""No torque sensor sees so large a part of other joints' torques: motors of a coupling do."""
 
 
 class FittedLeg(NamedTuple):
@@ -43,6 +50,7 @@ class FittedLeg(NamedTuple):
         fixed: Known values of parameters, (P,); not a number where they are free.
         values: Fitted parameters, (P,).
         covariance: Their covariance, (P, P).
+        actuators: Drives of the recordings; None where torques were measured.
     """
 
     model: TorqueModel
@@ -50,6 +58,7 @@ class FittedLeg(NamedTuple):
     fixed: FloatArray
     values: FloatArray
     covariance: FloatArray
+    actuators: Actuators | None = None
 
 
 class Checkup(NamedTuple):
@@ -58,10 +67,13 @@ class Checkup(NamedTuple):
     Attributes:
         findings: Findings, the worst first.
         ranges: Ranges of the motion; None where no rows could be formed.
+        friction: Rows of parameters and friction of other forms, of each recording in motion; None where they were not
+            formed with the preparation of the fit.
     """
 
     findings: tuple[Finding, ...] = ()
     ranges: MotionRanges | None = None
+    friction: tuple[Rows, ...] | None = None
 
 
 def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple[Finding, ...]:
@@ -94,14 +106,16 @@ def check_fit(fitted: FittedLeg, data: Sequence[Recording | Poses]) -> Checkup:
     found = list(signal_findings(model, data))
     checked = _checked(fitted, data)
     try:
-        evidence = gather(checked, values)
+        evidence = gather(checked, values, other_friction=checked.preparation is fitted.preparation)
     except ExoidError:
         return Checkup(ordered(found))
+    found += out_of_plane_findings(model, checked.preparation, checked.data)
     ranges = evidence.ranges[0]
     for other in evidence.ranges[1:]:
         ranges = ranges.joined(other)
     found += tuple(_fit_findings(fitted, checked, evidence, found))
-    return Checkup(ordered(found), ranges)
+    friction = tuple(evidence.friction) if checked.preparation is fitted.preparation else None
+    return Checkup(ordered(found), ranges, friction)
 
 
 def torque_delays(fitted: FittedLeg, data: Sequence[Recording | Poses]) -> Delays:
@@ -123,7 +137,13 @@ def _checked(fitted: FittedLeg, data: Sequence[Recording | Poses]) -> Checked:
     noisy = isinstance(fitted.preparation, (FiniteDifference, MovingAverage))
     preparation = ZeroPhase() if noisy else fitted.preparation
     sampled = some_samples(fitted.model, data)
-    return Checked(fitted.model, tuple(averaged(one, preparation) for one in sampled), preparation, fitted.fixed)
+    arms = {
+        joint: arm
+        for joint, arm in arm_columns(fitted.actuators, fitted.model.leg).items()
+        if all(isinstance(one, Recording) and one.joint_names[joint] in one.computed for one in sampled)
+    }
+    averages = tuple(averaged(one, preparation) for one in sampled)
+    return Checked(fitted.model, averages, preparation, fitted.fixed, arms)
 
 
 def _signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> Iterator[Finding]:
@@ -147,8 +167,7 @@ def _signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> I
                     found[key] = finding
         yield from found.values()
         recordings.append((chosen, name))
-    if sum(len(one) for one, _ in recordings) <= MOST_COMPARED:
-        yield from repeated_data([one for one, _ in recordings], [name for _, name in recordings], model.names)
+    yield from repeated_data([one for one, _ in recordings], [name for _, name in recordings], model.names)
 
 
 def _fit_findings(
@@ -158,9 +177,10 @@ def _fit_findings(
     model, values = fitted.model, fitted.values
     std = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
     nrmse = nrmse_of(evidence, values)
-    below = negative_parameters(model, values, std, torque_shares(evidence, values))
+    below = negative_parameters(model, values, std, evidence.torque_shares(np.arange(evidence.count), values))
     broken = any(finding.severity == "error" for finding in before)
     found: list[Finding] = []
+    explained = False  # impossible parameters
     if not broken:
         if (nrmse > POOR).any() or below.any():
             found += gross_findings(checked)
@@ -168,13 +188,20 @@ def _fit_findings(
         if not gross:
             found += torque_scale(model, evidence)
         if all(finding.joint for finding in found if finding.kind == "torque-scale") and not gross:
-            finer = findings_of(model, find_faults(checked, values, evidence))
+            faults = find_faults(checked, values, evidence)
+            explained = any(size.moves_far for size in faults)
+            finer = findings_of(model, faults)
+            if any(finding.kind == "cross-talk" and finding.value > LARGE_CROSS_TALK for finding in finer):
+                mixed = tuple(finding for finding in gross_findings(checked) if finding.kind == "coupled-joints")
+                finer = mixed or finer
             found += [finding for finding in finer if finding.kind not in {one.kind for one in found}]
         if not found:
             found += far_from_urdf(model, values, std)
             found += turned_segment(model, values, std)
     yield from found
-    if not any(finding.severity == "error" for finding in found):
-        yield from impossible_leg(model, values, fitted.covariance)
+    if not explained and not any(finding.severity == "error" for finding in found):
+        yield from impossible_leg(model, evidence, values, fitted.covariance)
         yield from negative_friction(model, values, below)
-    yield from large_residuals(model, nrmse)
+    doubted = broken or any(finding.severity != "info" for finding in found)
+    persistence = None if doubted else persistence_of(evidence, values)
+    yield from large_residuals(model, nrmse, persistence=persistence)

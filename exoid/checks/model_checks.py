@@ -6,138 +6,32 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.findings import Finding, Severity
-from exoid.torques import TorqueModel
 
-from .corrections import CORRECTED, corrected
-from .nuisances import Nuisance, always, column_layout, nuisances
+from .corrections import corrected
+from .evidence import Evidence
+from .faults import SMALLEST_MOVE, Fault, FaultSize, is_corrected
+from .nuisance_columns import FORCES, column_layout
+from .nuisances import Nuisance, always, nuisances
 from .sample import Checked, gather
-from .score import HALF_WIDTH, Evidence, Score, State
-from .sentences import describe_fault
+from .score import HALF_WIDTH, LARGE_GAIN, Score, State
 
 FALSE_ALARMS = 0.005
 """Probability with which some fault would be found in a log without any."""
 
-LARGE_GAIN = 0.05
-"""A fault that explains more than this part of the squared residuals is tested with the noise that is left then."""
+CLEARLY = 1.5
+"""Faults whose evidence is so many times smaller than that of the best are not tested again."""
 
-SMALLEST_MOVE = 0.5
-"""A fault matters if it moves a parameter by more than so many half widths of its interval."""
-
-DOUBTFUL_MOVE = 0.25
-"""A fault that matters makes all parameters doubtful that it moves by more than this."""
+UNDECIDED = 3.0
+"""Faults whose evidence is less than this below that of the best (20 times less likely) are named beside it."""
 
 STEPS = 6
 """Faults that are looked for at most."""
 
-SEVERE = 10.0
-"""A fault that moves a parameter by so many half widths is an error."""
-
 LARGEST = {"torque-delay": 0.1, "torque-scale": 2.0, "angle-offset": 0.5, "angle-scale": 0.5, "gravity-direction": 0.5}
 """Largest part of a fault that is taken out at once: beyond, one step of Gauss and Newton is not to be trusted."""
-
-
-class Fault(NamedTuple):
-    """A fault that was accepted.
-
-    Attributes:
-        nuisance: The fault.
-        applied: Part of it that was taken out of the recordings.
-    """
-
-    nuisance: Nuisance
-    applied: float = 0.0
-
-    @property
-    def columns(self) -> tuple[int, ...]:
-        """Columns that stay in the fit; none where the fault is taken out of the recordings."""
-        return () if is_corrected(self.nuisance) else self.nuisance.columns
-
-
-class FaultSize(NamedTuple):
-    """Size of a fault beside all others, and what it does to the parameters.
-
-    Attributes:
-        fault: The fault.
-        delta: Estimate, (m,).
-        std: Standard deviations, (m,).
-        p_value: Probability of a fault as large as this in noise alone.
-        move: Change of the parameters when the fault is taken into account, (P,).
-        half: Half widths of the parameters' intervals, (P,).
-    """
-
-    fault: Fault
-    delta: FloatArray
-    std: FloatArray
-    p_value: float
-    move: FloatArray
-    half: FloatArray
-
-    @property
-    def moves(self) -> FloatArray:
-        """Changes of the parameters in half widths, (P,)."""
-        return np.divide(np.abs(self.move), self.half, out=np.zeros_like(self.move), where=self.half > 0.0)
-
-    def moving_at_least(self, total: FloatArray) -> FaultSize:
-        """Blame this fault for what all faults together move more than it does alone.
-
-        Args:
-            total: Change of the parameters by all faults, (P,).
-
-        Returns:
-            The same fault.
-        """
-        return self._replace(move=np.where(np.abs(total) > np.abs(self.move), total, self.move))
-
-
-def is_corrected(nuisance: Nuisance) -> bool:
-    """Say whether a fault is taken out of the recordings.
-
-    Args:
-        nuisance: The fault.
-
-    Returns:
-        Whether it is; else its columns stay in the fit.
-    """
-    return nuisance.kind in CORRECTED and not nuisance.group
-
-
-def findings_of(model: TorqueModel, sizes: Sequence[FaultSize]) -> tuple[Finding, ...]:
-    """Describe faults that were found.
-
-    Args:
-        model: Torque model.
-        sizes: The faults with their sizes.
-
-    Returns:
-        One finding for each kind and joint, with the parameters that it makes doubtful.
-    """
-    findings: dict[tuple[str, str], Finding] = {}
-    for size in sizes:
-        severe = bool(size.moves.max(initial=0.0) > SEVERE)
-        doubtful = size.moves > DOUBTFUL_MOVE
-        if severe:  # too large for a linear estimate of what it moves
-            doubtful |= _acting(model, size.fault.nuisance.joint) & (size.half > 0.0)
-        moved = [name for name, is_doubtful in zip(model.names, doubtful, strict=True) if is_doubtful]
-        severity: Severity = "error" if severe else "warning"
-        finding = describe_fault(size.fault.nuisance, size.delta, HALF_WIDTH * size.std, severity).affecting(moved)
-        place = (finding.kind, finding.joint)
-        if place in findings:  # another form of the same fault
-            first = findings[place]
-            findings[place] = first.affecting(tuple(dict.fromkeys((*first.parameters, *moved))))
-        else:
-            findings[place] = finding
-    return tuple(findings.values())
-
-
-def _acting(model: TorqueModel, joint: str) -> NDArray[np.bool_]:
-    """Which parameters act on a joint, or on any where it has no name, (P,)."""
-    at = model.acting if not joint else model.acting[[model.joint_names.index(joint)]]
-    return np.asarray(at.any(axis=0))
 
 
 def find_faults(checked: Checked, values: FloatArray, evidence: Evidence | None = None) -> tuple[FaultSize, ...]:
@@ -154,106 +48,136 @@ def find_faults(checked: Checked, values: FloatArray, evidence: Evidence | None 
     Returns:
         Faults with their sizes; none where the recordings are too short for a check.
     """
-    layout = column_layout(checked.model)
-    candidates, protecting = nuisances(checked.model, layout), always(layout)
+    layout = column_layout(checked.model, checked.arms)
+    candidates, protecting = nuisances(checked.model, layout, checked.arms), always(layout)
     limit = FALSE_ALARMS / len(candidates)
     faults: list[Fault] = []
     try:
         evidence = gather(checked, values) if evidence is None else evidence
-        before = evidence.state(()).values
+        before = State.of(evidence, ()).values
         for _ in range(STEPS):
-            best = _best(evidence, candidates, faults, protecting, limit)
-            if best is None:
+            likely = _likely(evidence, candidates, faults, protecting, limit)
+            if not likely:
                 break
+            best, *alternatives = likely
             delta = 0.0
             if is_corrected(best.nuisance):
                 most = LARGEST[best.nuisance.kind]
                 delta = float(np.clip(best.delta[0], -most, most))
                 data = tuple(corrected(one, best.nuisance.kind, best.nuisance.place, delta) for one in checked.data)
                 checked = checked._replace(data=data)
-            faults = _added(faults, Fault(best.nuisance, delta))
+            faults = _added(faults, Fault(best.nuisance, delta, tuple(alternatives)))
             if is_corrected(best.nuisance):
                 columns = [column for fault in faults for column in fault.columns]
-                evidence = gather(checked, evidence.state(columns).values)
-        sizes = (_size(evidence, fault, faults, protecting) for fault in faults)
-        found = [size for size in sizes if size.p_value < limit and size.moves.max(initial=0.0) > SMALLEST_MOVE]
+                evidence = gather(checked, State.of(evidence, columns).values)
+        forms = [k for k, column in enumerate(layout) if column.kind in FORCES]
+        sizes = (
+            _size(evidence, fault, faults, protecting, forms if fault.nuisance.kind == "unmodelled-force" else ())
+            for fault in faults
+        )
+        found = [size for size in sizes if size.p_value < limit and size.matters]
         if found:
             columns = [column for fault in faults for column in fault.columns]
-            found[0] = found[0].moving_at_least(evidence.state(columns).values - before)
+            found[0] = found[0].moving_at_least(State.of(evidence, columns).values - before)
         return tuple(found)
     except (ExoidError, np.linalg.LinAlgError):
         return ()  # too little is left for a check
 
 
-def _best(
+def _likely(
     evidence: Evidence, candidates: Sequence[Nuisance], faults: Sequence[Fault], protecting: Sequence[int], limit: float
-) -> Score | None:
-    """Most convincing fault that is significant and moves a parameter out of its interval; None where there is none."""
+) -> list[Score]:
+    """Most convincing fault that is significant and moves a parameter out of its interval, and those as likely."""
     fitted = [column for fault in faults for column in fault.columns]
     taken = [fault.nuisance for fault in faults]
     state = _state_beside(evidence, taken, protecting)
-    plain = evidence.state(fitted, state)
-    scores = [state.test(nuisance, plain) for nuisance in candidates if nuisance not in taken]
+    plain = State.of(evidence, fitted, state)
+    new = [nuisance for nuisance in candidates if nuisance not in taken]
+    scores = [state.test(nuisance, plain, limit) for nuisance in state.conspicuous(new)]
     for fault in faults:
         if is_corrected(fault.nuisance):  # what a first step left of it
             others = [nuisance for nuisance in taken if nuisance != fault.nuisance]
-            scores.append(_state_beside(evidence, others, protecting).test(fault.nuisance, plain))
-    scores = [
-        _again(evidence, score, (taken, fitted), protecting) if score is not None and score.gain > LARGE_GAIN else score
-        for score in scores
-    ]
-    likely = [
-        score
-        for score in scores
-        if score is not None and score.p_value < limit and score.largest_move > SMALLEST_MOVE and score.evidence > 0.0
-    ]
-    return max(likely, key=lambda score: score.evidence, default=None)
+            beside = _state_beside(evidence, others, protecting, fault.nuisance)
+            scores.append(beside.test(fault.nuisance, plain, limit))
+    likely: list[Score] = []
+    for score in sorted((one for one in scores if one is not None), key=lambda one: -one.evidence):
+        most = max((one.evidence for one in likely), default=-np.inf)
+        if most > max(CLEARLY * score.evidence, score.evidence + UNDECIDED):
+            break
+        again = _again(evidence, score, (taken, fitted), protecting, state) if score.gain > LARGE_GAIN else score
+        if again is None or again.p_value >= limit or again.largest_move <= SMALLEST_MOVE or again.evidence <= 0.0:
+            continue
+        likely.append(again)
+    likely.sort(key=lambda one: -one.evidence)
+    return [one for one in likely if one.evidence > likely[0].evidence - UNDECIDED]
 
 
 def _again(
-    evidence: Evidence, score: Score, beside: tuple[Sequence[Nuisance], Sequence[int]], protecting: Sequence[int]
+    evidence: Evidence,
+    score: Score,
+    beside: tuple[Sequence[Nuisance], Sequence[int]],
+    protecting: Sequence[int],
+    before: State,
 ) -> Score | None:
     """Test a fault with the noise of residuals that no longer contain it, which it would make look coloured."""
     taken, fitted = beside
     others = [nuisance for nuisance in taken if nuisance != score.nuisance]
-    full = _state_beside(evidence, (*others, score.nuisance), protecting)
+    full = _state_beside(evidence, (*others, score.nuisance), protecting, score.nuisance, before)
     columns = (*(column for nuisance in others for column in nuisance.columns), *protecting)
-    return evidence.state(tuple(dict.fromkeys(columns)), full).test(score.nuisance, evidence.state(fitted, full))
+    return State.of(evidence, tuple(dict.fromkeys(columns)), full).test(
+        score.nuisance, State.of(evidence, fitted, full)
+    )
 
 
-def _state_beside(evidence: Evidence, taken: Sequence[Nuisance], protecting: Sequence[int]) -> State:
-    """Fit with the columns of some faults, those that are taken out of the recordings too."""
+def _state_beside(
+    evidence: Evidence,
+    taken: Sequence[Nuisance],
+    protecting: Sequence[int],
+    tested: Nuisance | None = None,
+    near: State | None = None,
+) -> State:
+    """Fit with the columns of some faults, those that are taken out of the recordings too, to test one or any other."""
     columns = (*(column for nuisance in taken for column in nuisance.columns), *protecting)
-    return evidence.state(tuple(dict.fromkeys(columns)))
+    return State.of(
+        evidence, tuple(dict.fromkeys(columns)), tested=None if tested is None else tested.columns, near=near
+    )
 
 
 def _added(faults: Sequence[Fault], new: Fault) -> list[Fault]:
     """Add a fault; one that was found before grows."""
-    before = sum(fault.applied for fault in faults if fault.nuisance == new.nuisance)
     others = [fault for fault in faults if fault.nuisance != new.nuisance]
-    return [*others, new._replace(applied=before + new.applied)]
+    for fault in faults:
+        if fault.nuisance == new.nuisance:
+            new = fault._replace(applied=fault.applied + new.applied)
+    return [*others, new]
 
 
-def _size(evidence: Evidence, fault: Fault, faults: Sequence[Fault], protecting: Sequence[int]) -> FaultSize:
-    """Estimate one fault beside all others."""
+def _size(
+    evidence: Evidence, fault: Fault, faults: Sequence[Fault], protecting: Sequence[int], forms: Sequence[int]
+) -> FaultSize:
+    """Estimate one fault beside all others; its torque may consist of other columns (forms) than were tested."""
     others = [other.nuisance for other in faults if other.nuisance != fault.nuisance]
     fitted = [c for other in faults if other.nuisance != fault.nuisance for c in other.columns]
-    full = _state_beside(evidence, (*others, fault.nuisance), protecting)
+    full = _state_beside(evidence, (*others, fault.nuisance), protecting, fault.nuisance)
     columns = (*(column for nuisance in others for column in nuisance.columns), *protecting)
-    state = evidence.state(tuple(dict.fromkeys(columns)), full)
-    plain = evidence.state(tuple(dict.fromkeys(fitted)), full)
+    state = State.of(evidence, tuple(dict.fromkeys(columns)), full)
+    plain = State.of(evidence, tuple(dict.fromkeys(fitted)), full)
     score = state.test(fault.nuisance, plain)
     if score is None:  # others explain it now
         nothing = np.zeros(evidence.count)
-        return FaultSize(fault, np.zeros(1), np.zeros(1), 1.0, nothing, nothing)
+        return FaultSize(fault, np.zeros(1), np.zeros(1), 1.0, nothing, nothing, nothing)
+    reach, parameters = np.zeros(evidence.count), np.arange(evidence.count)
     if not is_corrected(fault.nuisance):
-        return FaultSize(fault, score.delta, score.std, score.p_value, score.move, score.half)
+        if forms:
+            reach = plain.reach(fault.nuisance.columns, score.delta, forms)
+        torque = evidence.torque_share(fault.nuisance, score.delta)
+        share = float(evidence.torque_shares(parameters, score.move).max())
+        return FaultSize(fault, score.delta, score.std, score.p_value, score.move, score.half, reach, torque, share)
     total = fault.applied + float(score.delta[0])
-    std = float(score.std[0])
-    slope = plain.slope(fault.nuisance)
-    return FaultSize(
-        fault, np.array([total]), score.std, score.p_of(total / max(std, 1e-300)), -slope * total, score.half
-    )
+    p_value, move = score.p_of(total / max(float(score.std[0]), 1e-300)), -plain.slope(fault.nuisance) * total
+    torque = evidence.torque_share(fault.nuisance, np.array([total]))
+    share = float(evidence.torque_shares(parameters, move).max())
+    return FaultSize(fault, np.array([total]), score.std, p_value, move, score.half, reach, torque, share)
 
 
 class Delays(NamedTuple):

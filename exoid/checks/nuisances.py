@@ -1,38 +1,25 @@
-"""Nuisance columns: how the torque would change if the log or the model had a fault.
-
-For a small fault δ the torque is τ = W β + z δ, with z the derivative of the predicted torque by the fault: −dτ/dt for
-a torque that is late, ∂τ/∂q for an angle zero, ∂τ/∂L for a segment's length. The columns stand beside those of the
-parameters, pass the same filter, and are tested in :mod:`exoid.checks.score`.
-"""
+"""Faults that nuisance columns describe, each a combination of some of them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.dynamics import TorqueSlopes, gravity_torque, inverse_dynamics, inverse_dynamics_slopes
-from exoid.leg import Leg
-from exoid.reduction.planar import fill_regressor
-from exoid.torques import Coulomb, Regrouped, TorqueModel
-from exoid.torques.term import Motion
+from exoid.torques import TorqueModel
 
-STEP = 1e-4
-"""Step of finite differences [rad, or a part of the quantity]."""
+from .arm_columns import ArmColumns
+from .nuisance_columns import Column
 
-WIDTH = 0.05
-"""Width of friction columns where the model has no Coulomb friction [rad/s]."""
-
-SLOW = 0.25
-"""Stribeck friction is tested with a velocity of this part of the RMS speed."""
-
-FEW_JOINTS = 4
-"""Up to so many joints cross-talk and forces that depend on other joints are tested."""
+FORMS = {
+    "friction |v|": ("asymmetric friction", "N·m·s/rad"),
+    "friction v²": ("quadratic friction", "N·m·s²/rad²"),
+    "friction Stribeck": ("Stribeck friction", "N·m"),
+    "friction load": ("friction that grows with the load", "1"),
+}
+"""Form that each column describes, and its unit."""
 
 
 class Nuisance(NamedTuple):
@@ -56,305 +43,15 @@ class Nuisance(NamedTuple):
     group: bool = False
     form: str = ""
 
-    def matrix(self, count: int) -> FloatArray:
-        """Combine columns.
-
-        Args:
-            count: Number of all columns, K.
-
-        Returns:
-            Weights of the columns, (K, m).
-        """
-        C = np.zeros((count, len(self.columns) if self.group else 1))
-        for k, column in enumerate(self.columns):
-            C[column, k if self.group else 0] = 1.0
-        return C
-
-
-class Column(NamedTuple):
-    """One nuisance column.
-
-    Attributes:
-        kind: What it is the derivative by.
-        place: Index of the joint or segment.
-        rows: Joints on whose torque it acts, (n,).
-        other: Index of another joint; −1 for none.
-    """
-
-    kind: str
-    place: int
-    rows: tuple[bool, ...]
-    other: int = -1
-
-
-@dataclass(frozen=True, eq=False)
-class Augmented:
-    """Torque model with nuisance columns behind those of its parameters.
-
-    Attributes:
-        model: The torque model.
-        values: Parameters at which derivatives are taken, (P,).
-        rate: Sampling rate [Hz].
-        speed: RMS speed of each joint [rad/s], (n,).
-        moving: Whether samples are a motion in time; False for poses.
-    """
-
-    model: TorqueModel
-    values: FloatArray
-    rate: float
-    speed: FloatArray
-    moving: bool = True
-
     @property
-    def joint_names(self) -> tuple[str, ...]:
-        """Joints, (n,)."""
-        return self.model.joint_names
-
-    @property
-    def joint_labels(self) -> tuple[str, ...]:
-        """Names that parameters call the joints by, (n,)."""
-        return self.model.joint_labels
-
-    @property
-    def regrouped(self) -> tuple[Regrouped, ...]:
-        """Parameters that are part of others."""
-        return self.model.regrouped
-
-    @cached_property
-    def layout(self) -> tuple[Column, ...]:
-        """Nuisance columns, K of them."""
-        return column_layout(self.model)
-
-    @cached_property
-    def names(self) -> tuple[str, ...]:
-        """Names of parameters, then of nuisance columns, (P + K,)."""
-        return (*self.model.names, *(f"{c.kind} {c.place} {c.other}" for c in self.layout))
-
-    @cached_property
-    def acting(self) -> NDArray[np.bool_]:
-        """Columns that can act on each joint, (n, P + K)."""
-        return np.hstack([self.model.acting, np.array([column.rows for column in self.layout], dtype=np.bool_).T])
-
-    def motion(self, q: Any, v: Any, a: Any, torso: Any = None) -> Motion:  # noqa: ANN401 - arrays of any kind
-        """Gather what the columns of a whole recording depend on.
-
-        Args:
-            q: Angles [rad], (N, n).
-            v: Velocities [rad/s], (N, n).
-            a: Accelerations [rad/s²], (N, n).
-            torso: Motion of the torso, if it moves.
-
-        Returns:
-            The motion.
-        """
-        return self.model.motion(q, v, a, torso)
-
-    def usable(self, v: FloatArray) -> NDArray[np.bool_]:
-        """Say which samples of which joint may be fitted.
-
-        Args:
-            v: Velocities [rad/s], (N, n).
-
-        Returns:
-            Mask, (N, n).
-        """
-        return self.model.usable(v)
-
-    def reversing(self, v: FloatArray) -> None:
-        """Say that all samples count: a fault may show at reversals.
-
-        Args:
-            v: Velocities [rad/s], (N, n).
-        """
-
-    def regressor(self, q: Any, v: Any, a: Any, torso: Any = None) -> FloatArray:  # noqa: ANN401 - arrays of any kind
-        """Columns of parameters and nuisances.
-
-        Args:
-            q: Angles [rad], (N, n).
-            v: Velocities [rad/s], (N, n).
-            a: Accelerations [rad/s²], (N, n).
-            torso: Motion of the torso, if it moves.
-
-        Returns:
-            (N, n, P + K).
-        """
-        return self.columns(self.motion(q, v, a, torso)).transpose(2, 1, 0)
-
-    def columns(self, motion: Motion) -> FloatArray:
-        """Columns of parameters and nuisances.
-
-        Args:
-            motion: Motion, or some rows of it.
-
-        Returns:
-            (P + K, n, N).
-        """
-        base = self.model.columns(motion)
-        out = np.zeros((len(self.names), *base.shape[1:]))
-        out[: len(base)] = base
-        rigid = len(self.model.leg.parameter_names)
-        of_leg = np.tensordot(self.values[:rigid], base[:rigid], axes=1)
-        torque = of_leg + np.tensordot(self.values[rigid:], base[rigid:], axes=1)
-        work = _Work(self, motion, torque, of_leg)
-        for place, column in enumerate(self.layout, start=len(base)):
-            work.fill(column, out[place])
-        return out
+    def combination(self) -> FloatArray:
+        """Weights of its columns, one row for each, (len(columns), m)."""
+        return np.eye(len(self.columns)) if self.group else np.ones((len(self.columns), 1))
 
 
-@dataclass(frozen=True, eq=False)
-class _Work:
-    """Columns of one block of samples."""
-
-    augmented: Augmented
-    motion: Motion
-    torque: FloatArray
-    of_leg: FloatArray
-
-    def fill(self, column: Column, out: FloatArray) -> None:
-        """Write one column, (n, N)."""
-        j, motion = column.place, self.motion
-        v = motion.v[:, j].T if column.kind in FRICTION else None
-        match column.kind:
-            case "delay":
-                if self.augmented.moving:
-                    out[j] = -_derivative(self.torque[j]) * self.augmented.rate
-            case "gain":
-                out[j] = self.torque[j]
-            case "cross-talk":
-                out[j] = self.torque[column.other]
-            case "zero":
-                out[:] = self._by_angle(j)
-            case "scale":
-                out[:] = self._by_scale(j)
-            case "gravity":
-                out[:] = _gravity_change(self._fitted_leg, motion.q, j)
-            case "length":
-                out[:] = self._lengthened(j)
-            case "clock":
-                out[:] = self._faster()
-            case "force":
-                out[j] = motion.q[:, column.other]
-            case "force²":
-                out[j] = motion.q[:, j] ** 2
-            case _:
-                assert v is not None
-                out[j] = self._friction(column.kind, j, v)
-
-    def _friction(self, kind: str, j: int, v: FloatArray) -> FloatArray:
-        """Friction of other forms than Coulomb's and viscous friction."""
-        width, slow = _width(self.augmented.model), SLOW * max(float(self.augmented.speed[j]), 1e-6)
-        match kind:
-            case "sharpness":
-                return np.tanh(4.0 * v / width)
-            case "friction |v|":
-                return np.abs(v)
-            case "friction v²":
-                return v * np.abs(v)
-            case "friction Stribeck":
-                return np.tanh(v / width) * np.exp(-((v / slow) ** 2))
-            case _:
-                return np.asarray(np.tanh(v / width) * np.abs(self.of_leg[j]))
-
-    def _by_angle(self, j: int) -> FloatArray:
-        """Derivative of the rigid-body torque by an angle, (n, N)."""
-        if self.augmented.model.leg.chain is None:
-            return self._slopes.q[:, :, j].T
-        q = self.motion.q.copy()
-        q[:, j] += STEP
-        return (self._rigid(self.motion._replace(q=q)) - self.of_leg) / STEP
-
-    def _by_scale(self, j: int) -> FloatArray:
-        """Derivative of the rigid-body torque by the scale of an angle and its derivatives, (n, N)."""
-        motion = self.motion
-        if self.augmented.model.leg.chain is None:
-            pairs = zip(self._slopes, (motion.q, motion.v, motion.a), strict=True)
-            return np.asarray(sum(slope[:, :, j].T * x[:, j] for slope, x in pairs))
-        scaled = [x.copy() for x in (motion.q, motion.v, motion.a)]
-        for x in scaled:
-            x[:, j] *= 1.0 + STEP
-        q, v, a = scaled
-        return (self._rigid(motion._replace(q=q, v=v, a=a)) - self.of_leg) / STEP
-
-    @cached_property
-    def _slopes(self) -> TorqueSlopes:
-        """Derivatives of the rigid-body torque of a leg that is not planar."""
-        motion = self.motion
-        return inverse_dynamics_slopes(self._fitted_leg.model, motion.q, motion.v, motion.a)
-
-    def _rigid(self, motion: Motion) -> FloatArray:
-        """Rigid-body torque with the fitted parameters, (n, N)."""
-        leg = self.augmented.model.leg
-        if leg.chain is None:
-            return inverse_dynamics(self._fitted_leg.model, motion.q, motion.v, motion.a).T
-        return _planar_torque(leg, self.augmented.values, motion)
-
-    def _lengthened(self, j: int) -> FloatArray:
-        """Derivative of the torque by the relative length of a segment, (n, N)."""
-        leg = self.augmented.model.leg
-        assert leg.chain is not None
-        offsets = leg.chain.offsets.copy()
-        offsets[j] *= 1.0 + STEP
-        longer = replace(leg, chain=replace(leg.chain, offsets=offsets))
-        return (_planar_torque(longer, self.augmented.values, self.motion) - self.of_leg) / STEP
-
-    def _faster(self) -> FloatArray:
-        """Derivative of the torque by the relative speed of the clock, (n, N): all but gravity goes with its square."""
-        leg = self.augmented.model.leg
-        if leg.chain is None:
-            return 2.0 * (self.of_leg - gravity_torque(self._fitted_leg.model, self.motion.q).T)
-        still = np.zeros_like(self.motion.v)
-        return 2.0 * (self.of_leg - self._rigid(self.motion._replace(v=still, a=still)))
-
-    @cached_property
-    def _fitted_leg(self) -> Leg:
-        leg = self.augmented.model.leg
-        return leg.with_parameters(self.augmented.values[: len(leg.parameter_names)])
-
-
-FRICTION = ("sharpness", "friction |v|", "friction v²", "friction Stribeck", "friction load")
-"""Columns of one joint's velocity."""
-
-FORMS = {
-    "friction |v|": ("asymmetric friction", "N·m·s/rad"),
-    "friction v²": ("quadratic friction", "N·m·s²/rad²"),
-    "friction Stribeck": ("Stribeck friction", "N·m"),
-    "friction load": ("friction that grows with the load", "1"),
-}
-"""Form that each column describes, and its unit."""
-
-
-def column_layout(model: TorqueModel) -> tuple[Column, ...]:
-    """List the nuisance columns of a model.
-
-    Args:
-        model: The torque model.
-
-    Returns:
-        The columns, K of them.
-    """
-    n, planar = len(model.joint_names), model.leg.chain is not None
-    every = (True,) * n
-    columns = []
-    for j in range(n):
-        own = tuple(k == j for k in range(n))
-        columns += [Column("delay", j, own), Column("gain", j, own), Column("zero", j, every)]
-        columns += [Column("scale", j, every)]
-        columns += [Column(kind, j, own) for kind in FRICTION]
-        columns += [Column("force", j, own, k) for k in range(n) if k == j or n <= FEW_JOINTS]
-        columns += [Column("force²", j, own)]
-        if n <= FEW_JOINTS:
-            columns += [Column("cross-talk", j, own, k) for k in range(n) if k != j]
-        if planar and j < n - 1:
-            columns += [Column("length", j, every)]
-    if not planar:
-        columns += [Column("gravity", k, every) for k in range(2)]
-    if n > 2 or (n > 1 and not planar):  # of a planar leg of two segments it is that of the length
-        columns += [Column("clock", 0, every)]
-    return tuple(columns)
-
-
-def nuisances(model: TorqueModel, layout: Sequence[Column]) -> tuple[Nuisance, ...]:
+def nuisances(
+    model: TorqueModel, layout: Sequence[Column], arms: Mapping[int, ArmColumns] | None = None
+) -> tuple[Nuisance, ...]:
     """List the faults that are tested, as combinations of nuisance columns.
 
     In a planar leg a tilt of the base changes the torque as the zero of the first angle does, so that only one of the
@@ -363,6 +60,7 @@ def nuisances(model: TorqueModel, layout: Sequence[Column]) -> tuple[Nuisance, .
     Args:
         model: The torque model.
         layout: The nuisance columns.
+        arms: Moment arms of linear actuators, by the index of their joint; None for none.
 
     Returns:
         The faults.
@@ -389,6 +87,9 @@ def nuisances(model: TorqueModel, layout: Sequence[Column]) -> tuple[Nuisance, .
             found.append(Nuisance("unmodelled-friction", joint, j, unit, tuple(places[kind, j]), form=form))
         force = (*places["force", j], *places["force²", j])
         found.append(Nuisance("unmodelled-force", joint, j, "N·m", force, group=True))
+        if arms is not None and j in arms:
+            arm = tuple(places["arm", j])
+            found.append(Nuisance("moment-arm", joint, j, arms[j].unit, arm, group=True, form=arms[j].what))
         if ("cross-talk", j) in places:
             found.append(Nuisance("cross-talk", joint, j, "1", tuple(places["cross-talk", j]), group=True))
     if ("clock", 0) in places:
@@ -409,41 +110,3 @@ def always(layout: Sequence[Column]) -> tuple[int, ...]:
         Their indices.
     """
     return tuple(k for k, column in enumerate(layout) if column.kind == "sharpness")
-
-
-def _planar_torque(leg: Leg, values: FloatArray, motion: Motion) -> FloatArray:
-    """Rigid-body torque of a planar leg, (n, N)."""
-    assert leg.chain is not None
-    count = len(leg.parameter_names)
-    out = np.zeros((count, *motion.q.shape[::-1]))
-    torso = None if motion.torso is None else motion.torso.samples(len(motion.q))
-    fill_regressor(leg.chain, motion.q, motion.v, motion.a, out, cumulative=leg.cumulative, torso=torso)
-    return np.asarray(np.tensordot(values[:count], out, axes=1))
-
-
-def _gravity_change(leg: Leg, q: FloatArray, axis: int) -> FloatArray:
-    """Derivative of the gravity torque by a tilt about one of two horizontal axes, (n, N)."""
-    model = leg.model.copy()
-    gravity = np.array(model.gravity.linear)
-    up = -gravity / np.linalg.norm(gravity)
-    first = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
-    directions = (first / np.linalg.norm(first), np.cross(up, first / np.linalg.norm(first)))
-    model.gravity.linear = np.cross(directions[axis], gravity)
-    return gravity_torque(model, q).T
-
-
-def _derivative(x: FloatArray) -> FloatArray:
-    """Difference of fourth order per sample, (N,)."""
-    if len(x) < 5:
-        return np.asarray(np.gradient(x)) if len(x) > 1 else np.zeros_like(x)
-    d = np.gradient(x)
-    d[2:-2] = (8.0 * (x[3:-1] - x[1:-3]) - (x[4:] - x[:-4])) / 12.0
-    return np.asarray(d)
-
-
-def _width(model: TorqueModel) -> float:
-    """Width of the model's Coulomb friction [rad/s]."""
-    for term in model.terms:
-        if isinstance(term, Coulomb) and isinstance(term.smoothing, float) and term.smoothing > 0.0:
-            return term.smoothing
-    return WIDTH

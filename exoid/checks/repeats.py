@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.findings import Finding
 from exoid.signals import Recording
 
@@ -22,10 +23,48 @@ SAMPLE = np.uint64(7)
 """Whether anything occurs twice is first seen on the rows whose hash has these bits zero."""
 
 
+class Overlap(NamedTuple):
+    """Two recordings that contain the same samples.
+
+    Attributes:
+        first: Place of the earlier one.
+        second: Place of the later one.
+        share: Shared samples over those of the shorter one.
+        again: Samples of the later one that occur in the earlier one, (N,).
+    """
+
+    first: int
+    second: int
+    share: float
+    again: BoolArray
+
+
+def overlaps(recordings: Sequence[Recording]) -> Iterator[Overlap]:
+    """Find recordings that contain the same samples; only samples that count are compared.
+
+    Args:
+        recordings: The recordings, of the same joints.
+
+    Yields:
+        Each pair that shares more than :data:`SAME_ROWS`.
+    """
+    if len(recordings) < 2 or sum(map(len, recordings)) > MOST_COMPARED:
+        return
+    hashes = [_hashes(one) for one in recordings]
+    counted = [own if one.mask is None else own[one.mask] for own, one in zip(hashes, recordings, strict=True)]
+    common = _common(counted)
+    rows = [np.intersect1d(_distinct(own), common) for own in counted]
+    for first, second in combinations([k for k, own in enumerate(rows) if len(own)], 2):
+        shortest = max(1, min(len(counted[first]), len(counted[second])))
+        share = len(np.intersect1d(rows[first], rows[second])) / shortest
+        if share > SAME_ROWS:
+            yield Overlap(first, second, share, np.isin(hashes[second], counted[first]))
+
+
 def repeated_data(
     recordings: Sequence[Recording], names: Sequence[str], parameters: Sequence[str]
 ) -> Iterator[Finding]:
-    """Find recordings that contain the same samples.
+    """Report recordings that contain the same samples, where these count twice.
 
     Args:
         recordings: The recordings.
@@ -35,26 +74,18 @@ def repeated_data(
     Yields:
         One finding for each pair.
     """
-    if len(recordings) < 2:
-        return
-    hashes = [_hashes(one) for one in recordings]
-    common = _common(hashes)
-    rows = [np.intersect1d(_distinct(own), common) for own in hashes]
-    for first, second in combinations([k for k, own in enumerate(rows) if len(own)], 2):
-        shortest = max(1, min(len(recordings[first]), len(recordings[second])))
-        share = len(np.intersect1d(rows[first], rows[second])) / shortest
-        if share > SAME_ROWS:
-            yield Finding(
-                "repeated-data",
-                "",
-                share,
-                "1",
-                "warning",
-                f"{names[first] or first + 1} and {names[second] or second + 1} share {share:.0%} of their samples, "
-                "which count twice: intervals are too narrow",
-                "pass every sample once",
-                parameters=tuple(parameters),
-            )
+    for first, second, share, _ in overlaps(recordings):
+        yield Finding(
+            "repeated-data",
+            "",
+            share,
+            "1",
+            "warning",
+            f"{names[first] or first + 1} and {names[second] or second + 1} share {share:.0%} of their samples, "
+            "which count twice: intervals are too narrow",
+            "pass every sample once",
+            parameters=tuple(parameters),
+        )
 
 
 def _common(hashes: Sequence[NDArray[np.uint64]]) -> NDArray[np.uint64]:

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
+from exoid.estimate.alternative_friction import AlternativeFriction
 from exoid.estimate.motion_ranges import MotionRanges
-from exoid.regression.rows import Rows, chain, decimate, for_leg, form_rows, prepare
+from exoid.regression.rows import Prepared, Rows, chain, decimated, for_leg, form_rows, prepare
 from exoid.signals import Poses, Preparation, Recording, Recordings, ZeroPhase
 from exoid.torques import TorqueModel
+from exoid.torques.payloads import payload_parameters
+from exoid.torques.with_columns import WithColumns
 
-from .nuisances import Augmented
-from .score import Evidence
+from .arm_columns import ArmColumns
+from .evidence import Evidence
+from .nuisance_columns import NuisanceColumns
 
 MOST_SAMPLES = 60_000
 """Samples of which a check forms rows; of a longer log it takes segments that are spread evenly,"""
@@ -25,7 +31,7 @@ SEGMENT = 6_000
 """so many samples each."""
 
 
-RATE, PER_CUTOFF = 250.0, 25.0
+RATE, PER_CUTOFF = 100.0, 12.5
 """Faster logs are averaged to at least this rate [Hz], and to so many samples in 1/cut-off."""
 
 MOST_STORED = 20
@@ -46,12 +52,14 @@ class Checked(NamedTuple):
         data: Recordings and poses, with the joints of the leg.
         preparation: Filter and differentiation.
         fixed: Known values of parameters, (P,); not a number where they are free.
+        arms: Moment arms of linear actuators whose force was measured, by the index of their joint.
     """
 
     model: TorqueModel
     data: tuple[Recording | Poses, ...]
     preparation: Preparation
     fixed: FloatArray
+    arms: Mapping[int, ArmColumns] = MappingProxyType({})
 
 
 def some_samples(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple[Recording | Poses, ...]:
@@ -106,11 +114,12 @@ def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Po
     count = len(one) // size * size
     means = {
         name: of_all[:count].reshape(-1, size, *of_all.shape[1:]).mean(axis=1)
-        for name in ("time", "q", "v", "a", "tau")
+        for name in ("time", "q", "v", "a", "tau", "current", "force", "motor_torque", "motor_angle", "temperature")
         if (of_all := getattr(one, name)) is not None
     }
     mask = None if one.mask is None else np.asarray(one.mask[:count].reshape(-1, size).all(axis=1))
-    return replace(one, **means, mask=mask)
+    base = None if one.base is None else one.base.averaged(size)
+    return replace(one, **means, mask=mask, base=base)
 
 
 def few_of(data: Sequence[Recording | Poses]) -> Sequence[Recording | Poses]:
@@ -145,12 +154,13 @@ def segments(recording: Recording) -> Iterator[Recording]:
         yield recording.slice(int(start), int(start) + size)
 
 
-def gather(checked: Checked, values: FloatArray) -> Evidence:
+def gather(checked: Checked, values: FloatArray, *, other_friction: bool = False) -> Evidence:
     """Form rows of parameters and nuisance columns.
 
     Args:
         checked: Torque model and data.
         values: Parameters at which nuisance columns are formed, (P,).
+        other_friction: Whether to form rows of friction of other forms as well, in the same pass.
 
     Returns:
         The rows.
@@ -158,35 +168,71 @@ def gather(checked: Checked, values: FloatArray) -> Evidence:
     Raises:
         ExoidError: No recording is long enough for the filter.
     """
-    parts, at_rest, ranges, errors = [], [], [], []
+    rigid, prepared, errors = values[: len(checked.model.leg.parameter_names)], [], []
+    speed = np.zeros(len(checked.model.joint_names))
     for one in checked.data:
+        extras = (AlternativeFriction(rigid, speed),) if other_friction and isinstance(one, Recording) else ()
         try:
-            rows, moved = _rows(checked, one, values)
+            ready = prepare(WithColumns(checked.model, extras), one, checked.preparation)
+            if isinstance(one, Recording) and one.passive:  # zero is no measurement that could have a fault
+                ready = ready._replace(usable=ready.usable & one.driven)
+            prepared.append((one, decimated(ready)))
         except ExoidError as error:
             errors.append(error)
-            continue
-        parts.append(rows)
-        ranges.append(moved)
-        at_rest.append(isinstance(one, Poses))
-    if not parts:
+    if not prepared:
         raise errors[0]
-    return Evidence(parts, at_rest, len(checked.model.names), checked.fixed, ranges)
+    ranges = [_range(one) for _, one in prepared]
+    speed = np.max([one.speed for one in ranges], axis=0)
+    friction = AlternativeFriction(rigid, speed) if other_friction else None
+    both = [_rows(checked, one, ready, values, friction) for one, ready in prepared]
+    return Evidence(
+        [rows for rows, _ in both],
+        [isinstance(one, Poses) for one, _ in prepared],
+        len(checked.model.names),
+        checked.fixed,
+        ranges,
+        [rows for _, rows in both if rows is not None],
+    )
 
 
-def _rows(checked: Checked, one: Recording | Poses, values: FloatArray) -> tuple[Rows, MotionRanges]:
-    """Form the decimated rows of one recording, and measure its motion."""
+def _range(prepared: Prepared) -> MotionRanges:
+    """Measure the motion of one recording."""
+    motion, used = prepared.motion, prepared.inside
+    return MotionRanges.of(motion.q[used], motion.v[used], motion.a[used])
+
+
+def _rows(
+    checked: Checked,
+    one: Recording | Poses,
+    prepared: Prepared,
+    values: FloatArray,
+    friction: AlternativeFriction | None,
+) -> tuple[Rows, Rows | None]:
+    """Form the decimated rows of one recording: those with nuisance columns, and those with other friction."""
     moving = isinstance(one, Recording)
     rate = one.sample_rate if isinstance(one, Recording) else 1.0
     speed = np.std(np.diff(one.q, axis=0), axis=0) * rate
-    augmented = Augmented(checked.model, values, rate, speed, moving)
-    prepared = prepare(augmented, one, checked.preparation)
-    before, kept = 0, []
-    for stretch in prepared.stretches():
-        kept.append(decimate(form_rows(augmented, prepared, stretch), before, len(prepared.rows)))
-        before += len(stretch)
-    motion, used = prepared.motion, prepared.inside
-    ranges = MotionRanges.of(motion.q[used], motion.v[used], motion.a[used])
-    return chain([rows for rows in kept if len(rows.time)]), ranges
+    if one.payloads:  # a fault of the log changes the torque of payloads too
+        values = values.copy()
+        values[: len(checked.model.leg.parameter_names)] += payload_parameters(checked.model.leg, one.payloads)
+    faults = NuisanceColumns(checked.model, values, rate, speed, moving, checked.arms)
+    extras = (faults,) if friction is None or not moving else (faults, friction)
+    model = WithColumns(checked.model, extras)
+    rows, count = (
+        chain([form_rows(model, prepared, stretch) for stretch in prepared.stretches()]),
+        len(model.model.names),
+    )
+    with_faults = np.arange(count + len(faults.names))
+    if len(extras) == 1:
+        return rows, None
+    with_friction = np.r_[:count, len(with_faults) : len(model.names)]
+    return _columns_of(rows, with_faults), _columns_of(rows, with_friction)
+
+
+def _columns_of(rows: Rows, columns: NDArray[np.intp]) -> Rows:
+    """Take some columns of rows."""
+    W = rows.W.transpose(2, 1, 0)[columns].transpose(2, 1, 0)
+    return rows._replace(W=W, acting=rows.acting[:, columns])
 
 
 def _even(one: Recording | Poses) -> Recording | Poses:

@@ -18,29 +18,19 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.estimate.motion_ranges import MotionRanges
-from exoid.regression.noise import LARGEST_ORDER, AutoregressiveNoise, LagSums
-from exoid.regression.rows import Rows
+from exoid.regression.noise import LARGEST_ORDER, AutoregressiveNoise, autocovariance_sums
 
+from .evidence import RANK, TINY, Evidence, pseudo_inverse, r_factor
 from .nuisances import Nuisance
-
-ROUNDS = 4
-"""Weights of the joints and residuals are computed in turn so often."""
-
-TINY = 1e-300
-"""Smallest variance to divide by."""
-
-FLOOR = 1e-9
-"""Residuals below this part of the torque are rounding."""
-
-RANK = 1e-6
-"""Columns this close to others, after scaling, are dependent."""
 
 HIDDEN = 1.0 / 300.0
 """A fault of whose column less than this part is not explained by the parameters cannot be tested."""
 
 WORTH_A_LOOK = 0.01
 """Below this probability the variance of the score is also taken from blocks of time."""
+
+LARGE_GAIN = 0.05
+"""A fault that explains more than this part of the squared residuals is tested with the noise that is left then."""
 
 BLOCKS, BLOCK, FEWEST_BLOCKS = 60, 8, 10
 """Most blocks of a recording, fewest rows of a block, and fewest blocks that say something."""
@@ -98,99 +88,6 @@ class Score(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Evidence:
-    """Rows of parameters and nuisance columns of several recordings, decimated to independent noise.
-
-    Attributes:
-        parts: Rows of each recording or set of poses.
-        at_rest: Whether each is poses.
-        count: Number of parameters P; nuisance columns follow.
-        fixed: Known values of parameters, (P,); not a number where they are free.
-        ranges: Ranges of the motion of each.
-    """
-
-    parts: Sequence[Rows]
-    at_rest: Sequence[bool]
-    count: int
-    fixed: FloatArray
-    ranges: Sequence[MotionRanges] = ()
-
-    @cached_property
-    def samples(self) -> int:
-        """Rows of all joints."""
-        return int(sum(part.usable.sum() for part in self.parts))
-
-    @cached_property
-    def joints(self) -> int:
-        """Number of joints."""
-        return int(self.parts[0].tau.shape[1])
-
-    @cached_property
-    def free(self) -> NDArray[np.intp]:
-        """Indices of the free parameters."""
-        return np.flatnonzero(~np.isfinite(self.fixed))
-
-    def table(self, part: Rows, joint: int) -> FloatArray:
-        """Columns of parameters and nuisances, and the torque less that of known parameters, (P + K + 1, N).
-
-        Args:
-            part: Rows of a recording.
-            joint: Index of the joint.
-
-        Returns:
-            The rows, zero where samples are left out.
-        """
-        W = part.W[:, joint].T
-        known = np.where(np.isfinite(self.fixed), self.fixed, 0.0)
-        torque = part.tau[:, joint] - known @ W[: self.count]
-        return np.asarray(np.vstack([W, torque]) * part.usable[:, joint])
-
-    @cached_property
-    def tables(self) -> list[list[FloatArray]]:
-        """Tables of each joint, recording by recording."""
-        return [[self.table(part, joint) for part in self.parts] for joint in range(self.joints)]
-
-    @cached_property
-    def factors(self) -> list[FloatArray]:
-        """R factor of the rows of each joint, (P + K + 1, P + K + 1)."""
-        return [r_factor(np.hstack(of_joint).T) for of_joint in self.tables]
-
-    @cached_property
-    def counts(self) -> FloatArray:
-        """Usable rows of each joint, (n,)."""
-        counts = np.sum([part.usable.sum(axis=0) for part in self.parts], axis=0)
-        return np.asarray(np.maximum(counts, 1), dtype=np.float64)
-
-    def state(self, active: Sequence[int], like: State | None = None) -> State:
-        """Fit parameters and some nuisance columns.
-
-        Args:
-            active: Indices of nuisance columns.
-            like: Fit whose weights and noise are taken; None for those of this fit's own residuals.
-
-        Returns:
-            The fit.
-        """
-        columns = np.concatenate([self.free, self.count + np.array(active, dtype=np.intp)]).astype(np.intp)
-        if like is not None:
-            return State(self, columns, like.weights, like.R, _pseudo_inverse(like.R[:, columns]), like)
-        torque = np.array([np.linalg.norm(R[:, -1]) for R in self.factors]) / np.sqrt(self.counts)
-        floor = FLOOR * max(float(torque.max(initial=0.0)), 1e-12)
-        weights = 1.0 / np.maximum(torque, floor)
-        for _ in range(ROUNDS):
-            R = np.vstack([w * R for w, R in zip(weights, self.factors, strict=True)])
-            pinv = _pseudo_inverse(R[:, columns])
-            solution = pinv @ R[:, -1]
-            rms = [
-                float(np.linalg.norm(R_j[:, -1] - R_j[:, columns] @ solution)) / np.sqrt(count)
-                for R_j, count in zip(self.factors, self.counts, strict=True)
-            ]
-            weights = 1.0 / np.maximum(rms, floor)
-        R = r_factor(np.vstack([w * R for w, R in zip(weights, self.factors, strict=True)]))
-        return State(self, columns, weights, R, _pseudo_inverse(R[:, columns]))
-
-
-@dataclass(frozen=True, eq=False)
 class State:
     """Weighted least-squares fit of parameters and some nuisance columns.
 
@@ -200,6 +97,7 @@ class State:
         weights: Weight of each joint's rows, (n,).
         R: R factor of all weighted rows, (P + K + 1, P + K + 1).
         pinv: Pseudo-inverse of its fitted columns.
+        used: Indices of the columns that are fitted or tested; None for all.
         like: Fit whose residuals give the noise; None for this fit's own.
     """
 
@@ -208,7 +106,37 @@ class State:
     weights: FloatArray
     R: FloatArray
     pinv: FloatArray
+    used: NDArray[np.intp] | None = None
     like: State | None = None
+
+    @classmethod
+    def of(
+        cls,
+        evidence: Evidence,
+        active: Sequence[int],
+        like: State | None = None,
+        tested: Sequence[int] | None = None,
+        near: State | None = None,
+    ) -> State:
+        """Fit parameters and some nuisance columns.
+
+        Args:
+            evidence: The rows.
+            active: Indices of nuisance columns.
+            like: Fit whose weights and noise are taken; None for those of this fit's own residuals.
+            tested: Indices of the other nuisance columns that are to be tested; None for all.
+            near: Fit with nearly these columns, at whose weights to begin.
+
+        Returns:
+            The fit.
+        """
+        columns = evidence.places(active)
+        if like is not None:
+            return cls(evidence, columns, like.weights, like.R, pseudo_inverse(like.R[:, columns]), like=like)
+        used = None if tested is None else np.union1d(columns, evidence.places(tested))
+        weights = evidence.weights(columns, None if near is None else near.weights)
+        R = r_factor(np.vstack([w * R for w, R in zip(weights, evidence.factors, strict=True)]))
+        return cls(evidence, columns, weights, R, pseudo_inverse(R[:, columns]), used)
 
     @cached_property
     def solution(self) -> FloatArray:
@@ -233,11 +161,29 @@ class State:
         return max(1.0, self.evidence.samples - len(self.columns))
 
     @cached_property
-    def _split(self) -> tuple[FloatArray, FloatArray]:
-        """Shares of the fitted columns in each nuisance column, and what they leave of it."""
-        Z = self.R[:, self.evidence.count : -1]
-        share = self.pinv @ Z
-        return share, Z - self.R[:, self.columns] @ share
+    def nuisances(self) -> FloatArray:
+        """Nuisance columns of the R factor, (M, K)."""
+        return self.R[:, self.evidence.count : -1]
+
+    @cached_property
+    def shares(self) -> FloatArray:
+        """Shares of the fitted columns in each nuisance column, (F, K)."""
+        return np.asarray(self.pinv @ self.nuisances)
+
+    @cached_property
+    def _tests(self) -> _Tests:
+        """Score test of each nuisance column, before they are combined."""
+        rests, k = self.nuisances - self.R[:, self.columns] @ self.shares, self.evidence.count
+        crossed = self.meat[k:, self.columns] @ self.shares
+        fitted = self.shares.T @ self.meat[np.ix_(self.columns, self.columns)] @ self.shares
+        noise = self.meat[k:, k:] - crossed - crossed.T + fitted
+        return _Tests(self.nuisances.T @ self.nuisances, rests.T @ rests, rests.T @ self.residual, noise)
+
+    @cached_property
+    def _residuals(self) -> list[list[FloatArray]]:
+        """Weighted residuals of each joint, recording by recording."""
+        pairs = zip(self.weights, self.evidence.tables, strict=True)
+        return [[w * (table[-1] - self.solution @ table[self.columns]) for table in of_joint] for w, of_joint in pairs]
 
     @cached_property
     def noises(self) -> list[AutoregressiveNoise]:
@@ -245,35 +191,29 @@ class State:
         if self.like is not None:
             return self.like.noises
         noises = []
-        for weight, of_joint, count in zip(self.weights, self.evidence.tables, self.evidence.counts, strict=True):
+        for of_joint, count in zip(self._residuals, self.evidence.counts, strict=True):
             order = int(min(LARGEST_ORDER, count // 10))
-            sums, pairs = LagSums(order), LagSums(order)
-            for table, rest in zip(of_joint, self.evidence.at_rest, strict=True):
-                residual = weight * (table[-1] - self.solution @ table[self.columns])
-                lags = LagSums(order)
-                lags.add(residual)
-                number = LagSums(order)
-                number.add(np.ones(len(residual)))
+            sums, pairs = np.zeros((2, order + 1))
+            for residual, rest in zip(of_joint, self.evidence.at_rest, strict=True):
                 keep = slice(0, 1) if rest else slice(None)
-                sums.sums[keep] += lags.sums[keep]
-                pairs.sums[keep] += number.sums[keep]
+                sums[keep] += autocovariance_sums(residual, order)[keep]
+                pairs[keep] += np.maximum(len(residual) - np.arange(order + 1), 0)[keep]
             lost = count / max(1.0, count - len(self.columns) / len(self.weights))
-            gamma = lost * sums.sums / np.maximum(pairs.sums[0], 1.0)
+            gamma = lost * sums / np.maximum(pairs[0], 1.0)
             noises.append(AutoregressiveNoise.from_autocovariances(gamma, int(count)))
         return noises
 
     @cached_property
     def meat(self) -> FloatArray:
-        """[W Z]ᵀ Γ [W Z] of all columns, (P + K, P + K)."""
+        """[W Z]ᵀ Γ [W Z] of all columns, (P + K, P + K), zero where a column is neither fitted nor tested."""
         if self.like is not None:
             return self.like.meat
         width = self.R.shape[1] - 1
-        total = np.zeros((width, width))
+        total, used = np.zeros((width, width)), np.arange(width) if self.used is None else self.used
         for weight, of_joint, noise in zip(self.weights, self.evidence.tables, self.noises, strict=True):
             for table, rest in zip(of_joint, self.evidence.at_rest, strict=True):
-                rows = weight * table[:-1]
-                act = np.flatnonzero(rows.any(axis=1))
-                some = rows[act]
+                act = used[table[used].any(axis=1)]
+                some = weight * table[act]
                 size = float(noise.variances[0])
                 total[np.ix_(act, act)] += size * some @ some.T if rest else noise.quadratic_form(some)
         return total
@@ -297,67 +237,105 @@ class State:
         Returns:
             Change of each parameter, 0 for known ones, (P,).
         """
-        count, width = self.evidence.count, self.R.shape[1] - 1
-        z = self.R[:, count:width] @ nuisance.matrix(width - count)[:, 0]
-        slope = np.zeros(count)
-        slope[self.evidence.free] = (self.pinv @ z)[: len(self.evidence.free)]
-        return slope
+        return self._moved(nuisance.columns, nuisance.combination[:, 0])
 
-    def test(self, nuisance: Nuisance, plain: State | None = None) -> Score | None:
+    def reach(self, columns: Sequence[int], sizes: FloatArray, others: Sequence[int]) -> FloatArray:
+        """Largest change of the fitted parameters by a fault of the same torque but another form.
+
+        Args:
+            columns: Indices of the nuisance columns of the fault.
+            sizes: Their coefficients.
+            others: Indices of the columns of which the other form may consist.
+
+        Returns:
+            Largest change of each parameter, 0 for known ones, (P,).
+        """
+        torque = float(np.linalg.norm(self.nuisances[:, list(columns)] @ sizes))
+        kept = [k for k in others if self.nuisances[:, k].any()]
+        _, values, axes = np.linalg.svd(self.nuisances[:, kept] / np.linalg.norm(self.nuisances[:, kept], axis=0))
+        used = values > RANK * values[0]
+        free = len(self.evidence.free)
+        share = self.shares[:free, kept] / np.linalg.norm(self.nuisances[:, kept], axis=0)
+        reach = np.zeros(self.evidence.count)
+        reach[self.evidence.free] = torque * np.linalg.norm(share @ axes[: len(values)][used].T / values[used], axis=1)
+        return reach
+
+    def _moved(self, columns: Sequence[int], sizes: FloatArray) -> FloatArray:
+        """Change of the fitted parameters by nuisance columns of these sizes, 0 for known ones, (P,)."""
+        moved = np.zeros(self.evidence.count)
+        free = len(self.evidence.free)
+        moved[self.evidence.free] = self.shares[:free, list(columns)] @ sizes
+        return moved
+
+    def conspicuous(self, nuisances: Sequence[Nuisance]) -> list[Nuisance]:
+        """Leave out faults of one number that explain little and are likely in noise alone: all are tested at once.
+
+        Args:
+            nuisances: The faults.
+
+        Returns:
+            Those that are worth a test, and all of several numbers.
+        """
+        tests, single = self._tests, [one for one in nuisances if not one.group]
+        C = np.zeros((len(tests.score), len(single)))
+        for k, one in enumerate(single):
+            C[list(one.columns), k] = 1.0
+        information, noise = ((C * (M @ C)).sum(axis=0) for M in (tests.information, tests.noise))
+        score, rss = C.T @ tests.score, float(self.residual @ self.residual)
+        p_values = scipy.special.fdtrc(1, self.dof, score**2 / np.maximum(noise, TINY))
+        odd = (p_values < WORTH_A_LOOK) | (score**2 > LARGE_GAIN * rss * np.maximum(information, TINY))
+        left_out = {one for one, is_odd in zip(single, odd, strict=True) if not is_odd}
+        return [one for one in nuisances if one not in left_out]
+
+    def test(self, nuisance: Nuisance, plain: State | None = None, limit: float = 1.0) -> Score | None:
         """Test one fault beside what is fitted.
 
         Args:
             nuisance: The fault.
             plain: Fit without protecting columns, whose parameters the fault moves; None for this one.
+            limit: Faults that are less probable than this are not looked at further, if they explain little.
 
         Returns:
-            The test; None where the columns leave no trace beside those fitted.
+            The test; None where the columns leave no trace beside those fitted, or the fault is not significant.
         """
-        count, width = self.evidence.count, self.R.shape[1] - 1
-        C = np.zeros((width, nuisance.matrix(width - count).shape[1]))
-        C[count:] = nuisance.matrix(width - count)
-        size = np.linalg.norm(self.R[:, count:-1] @ C[count:], axis=0)
+        columns, tests = list(nuisance.columns), self._tests
+        own = np.ix_(columns, columns)
+        C = nuisance.combination
+        size = np.sqrt(np.diag(C.T @ tests.size[own] @ C))
         if (size == 0.0).all():
             return None
         C = C[:, size > 0.0] / size[size > 0.0]
-        shares, rests = self._split
-        share, apart = shares @ C[count:], rests @ C[count:]
-        information = apart.T @ apart
+        information = C.T @ tests.information[own] @ C
         if len(information) > 1:
             basis, sizes, _ = np.linalg.svd(information)
-            rotate = basis[:, sizes > HIDDEN**2]
-            C, apart, share = C @ rotate, apart @ rotate, share @ rotate
-            information = apart.T @ apart
+            C = C @ basis[:, sizes > HIDDEN**2]
+            information = C.T @ tests.information[own] @ C
         if not information.size or information[0, 0] <= HIDDEN**2:
             return None
-        T = C.copy()
-        T[self.columns] -= share
-        score = apart.T @ self.residual
-        noise = T.T @ self.meat @ T
-        inverse = np.linalg.inv(information)
+        score, noise = C.T @ tests.score[columns], C.T @ tests.noise[own] @ C
+        inverse = np.linalg.inv(information) if len(information) > 1 else 1.0 / information
         step = inverse @ score
-        covariance = inverse @ noise @ inverse
         m, rss = len(step), float(self.residual @ self.residual)
+        gain = min(float(score @ step) / max(rss, 1e-300), 1.0 - 1e-12)
         p_value = self._p_value(score, noise, self.dof)
         if p_value < WORTH_A_LOOK:
-            factor, blocks = self._uneven(T, step, noise)
-            noise, covariance = factor * noise, factor * covariance
+            factor, blocks = self._uneven(columns, C, step, noise)
+            noise = factor * noise
             p_value = self._p_value(score, noise, min(self.dof, blocks))
-        gain = min(float(score @ step) / max(rss, 1e-300), 1.0 - 1e-12)
+        if p_value >= limit and gain <= LARGE_GAIN:
+            return None
+        covariance = inverse @ noise @ inverse
         evidence = -0.5 * self.dof * np.log1p(-gain) - m * np.log(max(self.dof, 2.0))
         plain = plain or self
-        move = np.zeros(count)
-        move[self.evidence.free] = -(plain.pinv @ (plain.R[:, :-1] @ (C @ step)))[: len(self.evidence.free)]
-        delta, spread = C[count:] @ step, C[count:] @ covariance @ C[count:].T
-        kept = np.array(nuisance.columns if nuisance.group else nuisance.columns[:1])
+        kept = slice(None) if nuisance.group else slice(0, 1)
         return Score(
             nuisance,
-            delta[kept],
-            spread[np.ix_(kept, kept)],
+            (C @ step)[kept],
+            (C @ covariance @ C.T)[kept, kept],
             p_value,
             gain,
             float(evidence),
-            move,
+            -plain._moved(columns, C @ step),
             plain.half * (1.0 if self.like is not None else np.sqrt(1.0 - gain)),
             self.dof,
         )
@@ -371,43 +349,43 @@ class State:
             statistic = float(score @ np.linalg.pinv(noise, rcond=1e-12, hermitian=True) @ score)
         return float(scipy.special.fdtrc(len(score), dof, statistic / len(score)))
 
-    def _uneven(self, T: FloatArray, step: FloatArray, noise: FloatArray) -> tuple[float, float]:
+    def _uneven(
+        self, columns: Sequence[int], C: FloatArray, step: FloatArray, noise: FloatArray
+    ) -> tuple[float, float]:
         """How much more a score varies from block to block than stationary noise lets it, at least 1; and blocks.
 
         Noise that grows with the speed, or is common to the joints, shows in the scores of blocks of time.
         """
-        scores = []
+        count, scores = self.evidence.count, []
+        share, places = C.T @ self.shares[:, columns].T, count + np.array(columns)
         for place, rest in enumerate(self.evidence.at_rest):
-            tables = [of_joint[place] for of_joint in self.evidence.tables]
-            count = tables[0].shape[1]
-            total = np.zeros((len(step), count))
-            for weight, table in zip(self.weights, tables, strict=True):
-                rows = weight * T.T @ table[:-1]
-                total += rows * (weight * (table[-1] - self.solution @ table[self.columns]) - step @ rows)
-            blocks = max(1, count if rest else min(BLOCKS, count // BLOCK))
-            scores += [part.sum(axis=1) for part in np.array_split(total, blocks, axis=1)]
-        if len(scores) < FEWEST_BLOCKS:
-            return 1.0, float(max(len(scores), FEWEST_BLOCKS))
-        found = np.array(scores)
+            total = np.zeros((len(step), self.evidence.tables[0][place].shape[1]))
+            for weight, tables, residuals in zip(self.weights, self.evidence.tables, self._residuals, strict=True):
+                rows = weight * (C.T @ tables[place][places] - share @ tables[place][self.columns])
+                total += rows * (residuals[place] - step @ rows)
+            samples = total.shape[1]
+            blocks = max(1, samples if rest else min(BLOCKS, samples // BLOCK))
+            starts = np.linspace(0, samples, blocks, endpoint=False).astype(np.intp)
+            scores.append(np.add.reduceat(total, starts, axis=1).T)
+        found = np.vstack(scores)
+        if len(found) < FEWEST_BLOCKS:
+            return 1.0, float(FEWEST_BLOCKS)
         seen = found.T @ found * len(found) / (len(found) - 1)
         ratio = float(np.trace(np.linalg.pinv(noise, rcond=1e-12, hermitian=True) @ seen)) / len(step)
         return max(1.0, ratio), float(len(found))
 
 
-def r_factor(rows: FloatArray) -> FloatArray:
-    """Reduce rows to their R factor.
+class _Tests(NamedTuple):
+    """Score tests of single nuisance columns: matrices (K, K) and scores (K,), which faults combine.
 
-    Args:
-        rows: Rows, (N, P).
-
-    Returns:
-        The R factor, (min(N, P), P).
+    Attributes:
+        size: ZᵀZ of the columns.
+        information: Z⊥ᵀ Z⊥ of what the fitted columns leave of them.
+        score: Z⊥ᵀ r.
+        noise: Covariance of the scores.
     """
-    return np.asarray(np.linalg.qr(rows, mode="r"), dtype=np.float64)
 
-
-def _pseudo_inverse(A: FloatArray) -> FloatArray:
-    """Pseudo-inverse with columns scaled to unit length."""
-    scale = np.linalg.norm(A, axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
-    return np.asarray(np.linalg.pinv(A / scale, rcond=RANK) / scale[:, None])
+    size: FloatArray
+    information: FloatArray
+    score: FloatArray
+    noise: FloatArray

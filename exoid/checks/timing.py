@@ -107,10 +107,13 @@ def missing_samples(recording: Recording, acting: Mapping[str, Sequence[str]], n
     information = (velocity**2 * weight).sum(axis=1)
     gap = (velocity * jump * weight).sum(axis=1) / np.maximum(information, 1e-300)
     size = gap * np.sqrt(information)
+    inner = slice(WINDOW - 1, len(q) - WINDOW)
+    odd = (size > GAP_SIZE) & (gap > max(SHORTEST_GAP / rate, SHORTEST_TIME)) & ~wrapped[inner]
+    if not odd.any():
+        return
     still = (np.diff(q, axis=0) == 0.0).astype(np.float64)
     frozen = np.max([np.convolve(of_joint, np.ones(2 * WINDOW), "same") for of_joint in still.T], axis=0) >= 5.0
-    inner = slice(WINDOW - 1, len(q) - WINDOW)
-    odd = (size > GAP_SIZE) & (gap > max(SHORTEST_GAP / rate, SHORTEST_TIME)) & ~frozen[inner] & ~wrapped[inner]
+    odd &= ~frozen[inner]
     unexplained = ((jump - gap[:, None] * velocity) ** 2 * weight).sum(axis=1)
     odd &= unexplained < 0.3 * size**2
     places = _peaks(odd, size)
@@ -200,11 +203,18 @@ def _jumps(q: FloatArray, interval: float) -> tuple[FloatArray, FloatArray]:
     level = np.full(WINDOW, 1.0 / WINDOW)
     to_middle = 0.5 * WINDOW
     ahead, behind = level - to_middle * slope, level + to_middle * slope
-    windows = np.lib.stride_tricks.sliding_window_view(q, WINDOW, axis=0)
-    left, right = windows[:-WINDOW], windows[WINDOW:]
-    jump = right @ ahead - left @ behind
-    velocity = 0.5 * (right @ slope + left @ slope) / interval
+    count = len(q) - 2 * WINDOW + 1
+    jump = _moving_sum(q[WINDOW:], ahead, count) - _moving_sum(q, behind, count)
+    velocity = 0.5 * (_moving_sum(q[WINDOW:], slope, count) + _moving_sum(q, slope, count)) / interval
     return jump, velocity
+
+
+def _moving_sum(x: FloatArray, weights: FloatArray, count: int) -> FloatArray:
+    """Weighted sum of each sample and those behind it, (count, n)."""
+    total = weights[0] * x[:count]
+    for k, weight in enumerate(weights[1:], start=1):
+        total += weight * x[k : k + count]
+    return np.asarray(total)
 
 
 def _peaks(odd: FloatArray, size: FloatArray) -> list[int]:

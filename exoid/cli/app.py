@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 import threading
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -87,11 +87,19 @@ def _terminate(*_: object) -> None:
 def _run(words: list[str]) -> None:
     """Run a verb, and write what is left to write: a full disk is noticed only then."""
     try:
-        app(words)
+        status = app(words, standalone_mode=False)
     except SystemExit:
         _flush()
         raise
+    except typer.Abort:
+        status = PROGRAM_ERROR
+    except Exception as error:
+        if type(error).__name__ != "NoArgsIsHelpError":  # of Typer or of Click, by Typer's version
+            raise
+        typer.echo(error, err=True)
+        status = BAD_INPUT
     _flush()
+    sys.exit(status if isinstance(status, int) else 0)
 
 
 def _flush() -> None:
@@ -116,6 +124,8 @@ def describe_error(error: Exception) -> tuple[str, int]:
     if isinstance(error, ExoidError):
         return error.for_command(), BAD_INPUT
     what = " ".join(str(error).split())
+    if hasattr(error, "format_message"):  # wrong options or arguments; a class of Typer or of Click, by Typer's version
+        return _describe_usage(error), BAD_INPUT
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
         return f"{where}{error.strerror or what}. To fix it: check this file, free space and permissions", BAD_INPUT
@@ -124,3 +134,12 @@ def describe_error(error: Exception) -> tuple[str, int]:
     kind = type(error).__name__
     remedy = f"run again with {TRACEBACK} to see where; the input is unusual, or exoid has an error: please report it"
     return f"{kind}: {what[:LONGEST]}. To fix it: {remedy}", PROGRAM_ERROR
+
+
+def _describe_usage(error: Any) -> str:  # noqa: ANN401 - see above
+    """Say which option or argument is wrong."""
+    what = " ".join(error.format_message().split()).rstrip(".").partition(", unable to parse")[0]
+    for python, plain in (("valid float", "number"), ("valid integer", "whole number"), ("valid number", "number")):
+        what = what.replace(python, plain)
+    context = getattr(error, "ctx", None)
+    return f"{what}. To fix it: see {context.command_path if context is not None else 'exoid'} --help"

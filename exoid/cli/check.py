@@ -14,20 +14,28 @@ from exoid.torques import TERMS
 
 from .inputs import (
     AsJson,
-    Column,
+    BasePosition,
+    ColumnPairs,
     Degrees,
+    DriveFile,
     LogOptions,
+    MovingBase,
+    Names,
+    Passive,
     Received,
     Start,
     Stop,
     Topic,
+    Unmeasured,
     find_leg,
-    parse_terms,
+    given_terms,
+    read_drives,
     read_logs,
     refuse_unknown_leg,
     split_names,
 )
 from .numbers import parse_known
+from .payloads import PayloadOptions, refuse_other_payloads
 
 
 def check(
@@ -43,19 +51,49 @@ def check(
     known: Annotated[
         list[str] | None, typer.Option(metavar="NAME=VALUE", help="Hold a parameter fixed. Repeatable.")
     ] = None,
-    column: Column = None,
+    column: ColumnPairs = None,
     degrees: Degrees = False,
     start: Start = None,
     stop: Stop = None,
     topic: Topic = None,
     received: Received = False,
+    names: Names = None,
+    passive: Passive = None,
+    unmeasured: Unmeasured = None,
+    payload: PayloadOptions = None,
+    base_position: BasePosition = None,
+    moving_base: MovingBase = False,
+    actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Check the LOGs of LEG for late, frozen, clipped or swapped channels, wrong units and zeros, and straps."""
     refuse_unknown_leg(leg)
-    recordings = read_logs(logs, LogOptions(column, degrees, start, stop, topic, received))
-    found_leg = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names)
-    found = identification.check(found_leg, recordings, parse_terms(terms), cutoff=cutoff, known=parse_known(known))
+    refuse_other_payloads(payload, logs)
+    recordings = read_logs(
+        logs,
+        LogOptions(
+            column,
+            degrees,
+            start,
+            stop,
+            topic,
+            received,
+            names=names,
+            passive=passive,
+            unmeasured=unmeasured,
+            payloads=payload,
+            base_position=base_position,
+        ),
+    )
+    found_leg = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names, moving_base=moving_base)
+    found = identification.check(
+        found_leg,
+        recordings,
+        given_terms(terms),
+        cutoff=cutoff,
+        known=parse_known(known),
+        actuators=read_drives(actuators, found_leg),
+    )
     typer.echo(json.dumps({"findings": findings_to_json(found)}, indent=1) if as_json else _text(found))
 
 

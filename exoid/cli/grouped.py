@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple, TypedDict
 
 from exoid import identification
+from exoid.actuators import Actuators, Coupling, Drive
 from exoid.errors import ExoidError
 from exoid.estimate.file import estimate_text
 from exoid.files import write_together
@@ -19,7 +20,7 @@ from exoid.torques import Term
 class Settings(TypedDict):
     """Settings of an identification, of one leg or several."""
 
-    terms: tuple[Term, ...]
+    terms: tuple[Term, ...] | None
     estimator: str
     cutoff: float | None
     preparation: str | None
@@ -64,6 +65,7 @@ class GroupedLogs(NamedTuple):
         self,
         recordings: Sequence[Recording],
         find: Callable[[Sequence[str]], Leg],
+        read_drives: Callable[[Leg], Actuators | None],
         settings: Settings,
         *,
         as_json: bool,
@@ -73,6 +75,7 @@ class GroupedLogs(NamedTuple):
         Args:
             recordings: One recording for each name.
             find: Function that finds the leg of the logged joints.
+            read_drives: Function that reads the drives of a leg; None for torques.
             settings: Settings of the identification.
             as_json: Whether the text is JSON.
 
@@ -82,7 +85,13 @@ class GroupedLogs(NamedTuple):
         known = {each.joint_names: find(each.joint_names) for each in recordings}
         legs = {name: known[each.joint_names] for name, each in zip(self.names, recordings, strict=True)}
         groups = dict(zip(self.names, recordings, strict=True))
-        found = identification.identify(legs, groups, own=self.own, **settings)
+        drives: dict[str, Drive | Coupling] = {}
+        for leg in known.values():
+            mounted = read_drives(leg)
+            if mounted is not None:
+                couplings = {f"{name} of {', '.join(each.joints)}": each for name, each in mounted.couplings.items()}
+                drives |= {**mounted.drives, **couplings}
+        found = identification.identify(legs, groups, own=self.own, actuators=drives or None, **settings)
         write_together({path: estimate_text(found[name]) for name, path in self.paths.items()})
         if not as_json:
             return str(found)

@@ -18,18 +18,25 @@ from exoid.torques import TERMS
 from .grouped import GroupedLogs, Settings, log_names
 from .inputs import (
     AsJson,
-    Column,
+    BasePosition,
+    ColumnPairs,
     Degrees,
+    DriveFile,
     LogOptions,
     Mask,
+    MovingBase,
+    Names,
+    Passive,
     Received,
     Report,
     Segments,
     Start,
     Stop,
     Topic,
+    Unmeasured,
     find_leg,
-    parse_terms,
+    given_terms,
+    read_drives,
     read_logs,
     refuse,
     refuse_other_segments,
@@ -38,6 +45,7 @@ from .inputs import (
 )
 from .numbers import parse_known, parse_prior
 from .outputs import check_outputs
+from .payloads import PayloadOptions, refuse_other_payloads
 from .remote_logs import all_at_once, at_hand, each_log, is_folder_of_logs, logs_on_disk
 
 
@@ -93,7 +101,7 @@ def identify(
         typer.Option(metavar="TCP://HOST:PORT", help="Let a Dask cluster read the logs from a shared disk."),
     ] = None,
     report: Report = None,
-    column: Column = None,
+    column: ColumnPairs = None,
     degrees: Degrees = False,
     start: Start = None,
     stop: Stop = None,
@@ -101,22 +109,44 @@ def identify(
     received: Received = False,
     segments: Segments = None,
     mask: Mask = None,
+    names: Names = None,
+    passive: Passive = None,
+    unmeasured: Unmeasured = None,
+    payload: PayloadOptions = None,
+    base_position: BasePosition = None,
+    moving_base: MovingBase = False,
+    actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Identify the parameters of LEG from the LOGs: columns time, q_<joint>, tau_<joint>, optionally v_ and a_."""
     refuse_unknown_leg(leg)
     files = {"--output": output if own is None else None, "--report": report}
-    check_outputs(files, [leg, *logs, *(test or []), *([segments] if segments else [])])
-    options = LogOptions(column, degrees, start, stop, topic, received, segments, mask)
+    check_outputs(files, [leg, *logs, *(test or []), *(each for each in (segments, actuators) if each)])
+    options = LogOptions(
+        column,
+        degrees,
+        start,
+        stop,
+        topic,
+        received,
+        segments,
+        mask,
+        names=names,
+        passive=passive,
+        unmeasured=unmeasured,
+        payloads=payload,
+        base_position=base_position,
+    )
     remote = scheduler is not None or (own is None and any(map(is_folder_of_logs, logs)))
     logs = each_log(logs)
     refuse_other_segments(segments, [*logs, *(test or [])])
+    refuse_other_payloads(payload, [*logs, *(test or [])])
     grouped = None if own is None else _grouped(leg, logs, own, output, test, report, scheduler)
     recordings = logs_on_disk(logs, options) if remote else read_logs(logs, options)
     held_out = read_logs(test or [], options)
-    find = partial(find_leg, leg, side, inertias, split_names(joints))
+    find = partial(find_leg, leg, side, inertias, split_names(joints), moving_base=moving_base)
     settings = Settings(
-        terms=parse_terms(terms),
+        terms=given_terms(terms),
         estimator=estimator,
         cutoff=cutoff,
         preparation=preparation,
@@ -128,11 +158,12 @@ def identify(
         check=check,
     )
     if grouped is not None:
-        typer.echo(grouped.identify(all_at_once(recordings), find, settings, as_json=as_json))
+        read = partial(read_drives, actuators)
+        typer.echo(grouped.identify(all_at_once(recordings), find, read, settings, as_json=as_json))
         return
     found = find(recordings[0].joint_names)
     with at_hand(recordings, scheduler) as source:
-        estimate = identification.identify(found, source, **settings)
+        estimate = identification.identify(found, source, actuators=read_drives(actuators, found), **settings)
     predicted = [estimates.validate(estimate, recording) for recording in held_out]
     if output is not None:
         estimate.save(output)

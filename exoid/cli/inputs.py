@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import os
+import stat
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
@@ -12,21 +14,51 @@ import pinocchio as pin
 import typer
 
 from exoid import datasets
+from exoid.actuators import Actuators, read_actuators
 from exoid.catalog import SEGMENTS, load_leg
 from exoid.description import read_description
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.signals import Recording
+from exoid.signals import Column, Recording
 from exoid.torques import DEFAULT_TERMS, Term, term_by_name
+
+from .payloads import payloads_in
 
 DATASETS = {"bleex_swing": datasets.bleex_swing, "dfki_double_pendulum": datasets.dfki_double_pendulum}
 """Datasets of exoid, as LEG ``name`` and LOG ``name:train`` or ``name:test``."""
 
-Column = Annotated[
+ColumnPairs = Annotated[
     list[str] | None,
     typer.Option(
-        "--column", metavar="NAME=HEADER", help="The file's header for a column, e.g. q_hip=pos1. Repeatable."
+        "--column",
+        metavar="NAME=HEADER",
+        help="The file's header for a column, e.g. q_hip=pos1; with :SCALE, :SCALE:ZERO and :UNIT where needed, e.g. "
+        "tau_hip=current:0.118, q_hip=enc:deg, time=stamp:ms. Repeatable.",
     ),
+]
+Names = Annotated[
+    str | None,
+    typer.Option(
+        "--names", metavar="A,B", help="Columns of logs without a header line: time,q_hip,tau_hip; empty: not read."
+    ),
+]
+Passive = Annotated[
+    str | None, typer.Option("--passive", metavar="A,B", help="Joints without an actuator: their torque is zero.")
+]
+Unmeasured = Annotated[
+    str | None, typer.Option("--unmeasured", metavar="A,B", help="Joints whose torque column is not read.")
+]
+BasePosition = Annotated[
+    str | None,
+    typer.Option(
+        "--base-position",
+        metavar="X,Y,Z",
+        help="Position of the IMU of base_gyro_x and base_acc_x in the axes of the root link [m].",
+    ),
+]
+MovingBase = Annotated[
+    bool,
+    typer.Option("--moving-base", help="Parameters of a leg whose base moves in space; for legs that are not planar."),
 ]
 Degrees = Annotated[bool, typer.Option("--degrees", help="Angles in the logs are degrees.")]
 Start = Annotated[float | None, typer.Option(metavar="S", help="Use each log from this time stamp on [s].")]
@@ -44,6 +76,15 @@ Segments = Annotated[
     ),
 ]
 Mask = Annotated[str | None, typer.Option(metavar="HEADER", help="Use only samples with 1 in this column of 0 and 1.")]
+DriveFile = Annotated[
+    str | None,
+    typer.Option(
+        "--actuators",
+        metavar="DRIVES.TOML",
+        help="Drives of the joints, for logs of currents (i_), forces (f_), motor torques (tm_) or motor angles (qm_); "
+        "bleex: its assumed cylinders.",
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 
 
@@ -59,6 +100,11 @@ class LogOptions(NamedTuple):
         received: Whether the time in bags is that at which they received the messages.
         segments: CSV file of the segments that count; None for all.
         mask: Header of a column of 0 and 1 that says which samples count; None for all.
+        names: Names of the columns of files without a header line, separated by commas.
+        passive: Joints without an actuator, separated by commas.
+        unmeasured: Joints whose torque column is not read, separated by commas.
+        payloads: "LOG=SEGMENT:KG@X,Y,Z" of payloads.
+        base_position: Position of the sensor on the base [m], "X,Y,Z".
     """
 
     columns: Sequence[str] | None = None
@@ -69,6 +115,11 @@ class LogOptions(NamedTuple):
     received: bool = False
     segments: str | None = None
     mask: str | None = None
+    names: str | None = None
+    passive: str | None = None
+    unmeasured: str | None = None
+    payloads: Sequence[str] | None = None
+    base_position: str | None = None
 
 
 def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] | None = None) -> list[Recording]:
@@ -86,7 +137,13 @@ def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] |
 
 
 def find_leg(
-    name: str, side: str | None, inertias: str | None, joints: Sequence[str] | None, logged: Sequence[str] | None
+    name: str,
+    side: str | None,
+    inertias: str | None,
+    joints: Sequence[str] | None,
+    logged: Sequence[str] | None,
+    *,
+    moving_base: bool = False,
 ) -> Leg:
     """Load a leg: a built-in one, that of a dataset, or that of a URDF file.
 
@@ -96,6 +153,7 @@ def find_leg(
         inertias: Inertia set of a built-in leg.
         joints: Joints of a URDF that move; None for those that were logged.
         logged: Joints in the log; None without a log: all joints of a URDF move.
+        moving_base: Whether the leg has the parameters of a base that moves in space.
 
     Returns:
         The leg.
@@ -103,6 +161,8 @@ def find_leg(
     Raises:
         ExoidError: There is no such leg or file, or an option has no effect on it.
     """
+    if name in SEGMENTS or name in DATASETS:
+        refuse({"--moving-base": moving_base or None}, f"{name} is planar; name a URDF file for a base in space")
     if name in SEGMENTS:
         refuse({"--joints": joints}, f"the joints of {name} are known")
         return load_leg(name, side or _side(logged or ()), inertias)
@@ -113,7 +173,7 @@ def find_leg(
     refuse_unknown_leg(name)
     if joints is None and logged is not None:
         joints = _moving_joints(Path(name), logged)
-    return Leg.from_urdf(name, joints)
+    return Leg.from_urdf(name, joints, base="moving" if moving_base else "fixed")
 
 
 def refuse_unknown_leg(name: str) -> None:
@@ -125,12 +185,48 @@ def refuse_unknown_leg(name: str) -> None:
     Raises:
         ExoidError: There is no such leg or file; names files that are similar.
     """
-    if name in SEGMENTS or name in DATASETS or Path(name).is_file():
+    if name in SEGMENTS or name in DATASETS or is_readable(name):
         return
+    if os.path.isdir(name):  # noqa: PTH112 - as in is_readable
+        raise ExoidError("is a folder, not a URDF file", where=name, remedy="name the URDF file in it")
     known = ", ".join([*SEGMENTS, *DATASETS])
     similar = get_close_matches(Path(name).name, _names_beside(Path(name)), n=3, cutoff=0.6)
     beside = f"; there is {', '.join(similar)}" if similar else ""
     raise ExoidError(f"no leg or URDF file {name!r}{beside}", remedy=f"name a built-in leg ({known}) or a URDF file")
+
+
+def is_readable(name: str) -> bool:
+    """Tell whether a name is that of a file.
+
+    Args:
+        name: Path of a file, or another name.
+
+    Returns:
+        Whether there is such a file.
+
+    Raises:
+        ExoidError: A folder on the way to it cannot be read.
+    """
+    try:
+        return stat.S_ISREG(Path(name).stat().st_mode)
+    except (FileNotFoundError, NotADirectoryError, ValueError):
+        return False
+    except OSError as problem:
+        raise unreadable(name, problem) from None
+
+
+def unreadable(name: str, problem: Exception) -> ExoidError:
+    """Make the error about a file that the system does not let read.
+
+    Args:
+        name: Path of the file.
+        problem: Error of the system.
+
+    Returns:
+        The error.
+    """
+    reason = getattr(problem, "strerror", None) or str(problem)
+    return ExoidError(f"cannot be read ({reason})", where=name, remedy="check the path and its rights")
 
 
 def _names_beside(path: Path) -> list[str]:
@@ -198,6 +294,16 @@ def split_names(text: str | None) -> tuple[str, ...] | None:
     return None if text is None else tuple(name.strip() for name in text.split(","))
 
 
+def given_terms(text: str | None) -> tuple[Term, ...] | None:
+    """Turn "coulomb,viscous" into terms; None stays None, for the default with the terms of drives."""
+    return None if text is None else parse_terms(text)
+
+
+def read_drives(file: str | None, leg: Leg) -> Actuators | None:
+    """Read the drives of a leg; None without a file."""
+    return None if file is None else read_actuators(file, leg)
+
+
 def parse_numbers(text: str | None, option: str) -> tuple[float, ...] | None:
     """Turn "0.3,0.2" into numbers; one number stands for all joints.
 
@@ -222,11 +328,19 @@ def parse_numbers(text: str | None, option: str) -> tuple[float, ...] | None:
 def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None) -> Recording:
     """Read a log, or a part of a built-in dataset; arguments as for :func:`read_logs`."""
     dataset, _, part = name.partition(":")
-    if dataset in DATASETS and part in ("train", "test") and not Path(name).exists():
+    if dataset in DATASETS and part in ("train", "test") and not is_readable(name):
         refuse({"--mask": options.mask}, f"{name} has no such column")
+        without_effect: dict[str, object] = {
+            "--names": options.names,
+            "--passive": options.passive,
+            "--unmeasured": options.unmeasured,
+            "--payload": payloads_in(name, options.payloads),
+            "--base-position": options.base_position,
+        }
+        refuse(without_effect, f"{name} is a dataset")
         data = DATASETS[dataset]()
         recording = data.train if part == "train" else data.test
-    elif dataset in DATASETS and not Path(name).exists():
+    elif dataset in DATASETS and not is_readable(name):
         raise ExoidError(f"no log {name!r}", remedy=f"name {dataset}:train or {dataset}:test")
     else:
         unit: Literal["deg", "rad"] = "deg" if options.degrees else "rad"
@@ -237,6 +351,11 @@ def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None
             topic=options.topic,
             stamps=stamps,
             mask=options.mask,
+            names=split_names(options.names),
+            passive=split_names(options.passive) or (),
+            unmeasured=split_names(options.unmeasured) or (),
+            payloads=payloads_in(name, options.payloads),
+            base_position=parse_numbers(options.base_position, "--base-position"),
         )
     if options.segments is not None:
         recording = recording.segments(read_segments(Path(options.segments), name))
@@ -289,8 +408,8 @@ def _segment_lines(path: Path) -> list[tuple[str | None, tuple[float, float]]]:
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             rows = list(csv.DictReader(file, skipinitialspace=True))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise ExoidError(f"segments cannot be read ({error})", where=str(path), remedy="check the path") from None
+    except (OSError, ValueError, csv.Error) as error:
+        raise unreadable(str(path), error) from None
     lines = []
     for number, row in enumerate(rows, start=2):
         try:
@@ -306,11 +425,11 @@ def _segment_lines(path: Path) -> list[tuple[str | None, tuple[float, float]]]:
     return lines
 
 
-def _columns(pairs: Sequence[str] | None) -> dict[str, str] | None:
+def _columns(pairs: Sequence[str] | None) -> dict[str, Column] | None:
     if not pairs:
         return None
     split = [pair.partition("=") for pair in pairs]
     for pair, (name, _, header) in zip(pairs, split, strict=True):
         if not name or not header:
             raise ExoidError(f"--column {pair}", remedy="write NAME=HEADER, e.g. --column q_hip=pos1")
-    return {name.strip(): header.strip() for name, _, header in split}
+    return {name.strip(): Column.from_text(header.strip()) for name, _, header in split}

@@ -20,11 +20,14 @@ from exoid.files import write_bytes
 
 from .inputs import (
     AsJson,
-    Column,
+    ColumnPairs,
     Degrees,
     LogOptions,
+    Names,
+    Passive,
     Start,
     Stop,
+    Unmeasured,
     find_leg,
     parse_numbers,
     parse_terms,
@@ -86,10 +89,13 @@ def plan(
     starts: Annotated[int, typer.Option(min=1, help="Number of starts of the search.")] = 16,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the search.")] = 0,
     figure: Annotated[str | None, typer.Option(metavar="PNG", help="Draw motion and precision.")] = None,
-    column: Column = None,
+    column: ColumnPairs = None,
     degrees: Degrees = False,
     start: Start = None,
     stop: Stop = None,
+    names: Names = None,
+    passive: Passive = None,
+    unmeasured: Unmeasured = None,
     as_json: AsJson = False,
 ) -> None:
     """Find the motion that identifies LEG best, and predict the precision of its parameters; or --assess a log."""
@@ -97,7 +103,11 @@ def plan(
     pitches = [math.radians(tilt) for tilt in parse_numbers(tilts, "--tilts") or ()]
     files = () if output is None or assess else excitation.plan_files(output, pitches, poses=poses > 0)
     check_outputs({**{f"--output ({file.name})": file for file in files}, "--figure": figure}, [leg, *(assess or [])])
-    recordings = read_logs(assess, LogOptions(column, degrees, start, stop)) if assess else None
+    recordings = (
+        read_logs(assess, LogOptions(column, degrees, start, stop, names=names, passive=passive, unmeasured=unmeasured))
+        if assess
+        else None
+    )
     found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names if recordings else None)
     limits = excitation.MotionLimits.of(
         found,

@@ -1,4 +1,4 @@
-"""``exoid select``: friction model, filter and estimator that predict best."""
+"""``exoid select``: friction of each joint, filter and estimator that predict best."""
 
 from __future__ import annotations
 
@@ -10,24 +10,32 @@ import typer
 from exoid import identification
 from exoid.errors import ExoidError
 from exoid.identification.selection import Candidate, friction_candidates
+from exoid.signals.default_preparation import highest_cutoff
 
 from .inputs import (
     AsJson,
-    Column,
+    BasePosition,
+    ColumnPairs,
     Degrees,
+    DriveFile,
     LogOptions,
+    Names,
+    Passive,
     Start,
     Stop,
+    Unmeasured,
     find_leg,
+    read_drives,
     read_logs,
     refuse_unknown_leg,
     split_names,
 )
 from .outputs import check_outputs
+from .payloads import PayloadOptions, refuse_other_payloads
 from .progress import progress_bar
 
 FRICTION = [candidate.name for candidate in friction_candidates()]
-"""Friction models that are compared by default."""
+"""Friction models that can be compared for all joints alike."""
 
 
 def select(
@@ -41,30 +49,59 @@ def select(
         str | None, typer.Option(metavar="LOG", help="Validate the selected model, once, on another log.")
     ] = None,
     friction: Annotated[
-        str | None, typer.Option(metavar="A,B", help=f"Models to compare; default: {', '.join(FRICTION)}.")
+        str | None,
+        typer.Option(
+            metavar="A,B",
+            help=f"Models for all joints alike, of {', '.join(FRICTION)}; default: friction joint by joint.",
+        ),
     ] = None,
     folds: Annotated[int, typer.Option(min=3, help="Blocks of each log, each predicted from the others.")] = 5,
-    cutoff: Annotated[float, typer.Option(metavar="HZ", help="Low-pass of the compared torques.")] = 8.0,
+    cutoff: Annotated[
+        float | None,
+        typer.Option(metavar="HZ", help="Low-pass of the compared torques; default: 8, less for logs below 20 Hz."),
+    ] = None,
     side: Annotated[str | None, typer.Option(help="left or right; by default the side in the log.")] = None,
     inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
     joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF; default: logged.")] = None,
-    column: Column = None,
+    column: ColumnPairs = None,
     degrees: Degrees = False,
     start: Start = None,
     stop: Stop = None,
+    names: Names = None,
+    passive: Passive = None,
+    unmeasured: Unmeasured = None,
+    payload: PayloadOptions = None,
+    actuators: DriveFile = None,
+    base_position: BasePosition = None,
     as_json: AsJson = False,
 ) -> None:
     """Select terms, filter and estimator for LEG by blocked cross-validation inside the LOGs."""
     refuse_unknown_leg(leg)
+    refuse_other_payloads(payload, [*logs, *([test] if test else [])])
     check_outputs({"--output": output}, [leg, *logs, test])
-    recordings = read_logs(logs, LogOptions(column, degrees, start, stop))
-    tested = read_logs([test], LogOptions(column, degrees))[0] if test is not None else None
+    options = LogOptions(
+        column,
+        degrees,
+        names=names,
+        passive=passive,
+        unmeasured=unmeasured,
+        payloads=payload,
+        base_position=base_position,
+    )
+    recordings = read_logs(logs, options._replace(start=start, stop=stop))
+    tested = None if test is None else read_logs([test], options)[0]
     found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names)
-    with progress_bar("fitting candidates") as progress:
+    if cutoff is None:
+        cutoff = highest_cutoff(min(recording.sample_rate for recording in recordings))
+    drives = read_drives(actuators, found)
+    if drives is not None:
+        recordings = [drives.torque(each) for each in recordings]
+        tested = None if tested is None else drives.torque(tested)
+    with progress_bar("selecting friction", lines=True) as progress:
         selection = identification.select_terms(
             found, recordings, _candidates(friction, cutoff), folds=folds, cutoff=cutoff, progress=progress
         )
-    estimate = selection.identify(recordings)
+    estimate = selection.estimate or selection.identify(recordings)
     if output is not None:
         estimate.save(output)
     data, text = selection.to_json(), [str(selection), str(estimate)]
@@ -75,10 +112,12 @@ def select(
     typer.echo(json.dumps(data, indent=1) if as_json else "\n\n".join(text))
 
 
-def _candidates(names: str | None, cutoff: float) -> list[Candidate]:
-    """Find friction models by name; None for all."""
+def _candidates(names: str | None, cutoff: float) -> list[Candidate] | None:
+    """Find friction models by name; None to choose the friction of each joint."""
+    if names is None:
+        return None
     known = {candidate.name: candidate for candidate in friction_candidates(cutoff)}
-    requested = list(known) if names is None else [name.strip() for name in names.split(",")]
+    requested = [name.strip() for name in names.split(",")]
     missing = [name for name in requested if name not in known]
     if missing:
         raise ExoidError(f"no friction model {', '.join(missing)}", remedy=f"use some of {', '.join(known)}")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from io import BytesIO
-from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -21,7 +20,7 @@ from exoid.estimate import Estimate
 from exoid.files import write_bytes
 from exoid.rig import Plant
 
-from .inputs import AsJson, refuse
+from .inputs import AsJson, is_readable, refuse
 from .numbers import joint_values
 from .outputs import check_outputs
 from .progress import progress_bar
@@ -91,7 +90,7 @@ def _plant(name: str, rotor: float | None) -> Plant:
         leg = load_leg("cuhk")
         rotors = {f"Ia_{label}": ROTOR if rotor is None else rotor for label in leg.joint_labels}
         return Plant.build(leg, {**published.cuhk_resistances(), **rotors}, end_stops=False)
-    if not Path(name).is_file():
+    if not is_readable(name):
         raise ExoidError(f"no leg or estimate {name!r}", remedy="name cuhk, or an estimate of exoid identify -o")
     refuse({"--rotor": rotor}, "the estimate has rotors")
     estimate = Estimate.load(name)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
@@ -19,10 +18,9 @@ from exoid.estimate import Estimate
 from exoid.files import make_folder
 from exoid.leg import Leg
 from exoid.rig import Payload, Plant, Reference
-from exoid.signals import Recording
 from exoid.tables import DataTable, to_text
 
-from .inputs import AsJson, Report, refuse
+from .inputs import AsJson, ColumnPairs, Degrees, LogOptions, Names, Report, is_readable, read_log, refuse
 from .numbers import joint_values
 from .outputs import check_outputs
 from .progress import progress_bar
@@ -77,6 +75,9 @@ def track(
     reference: Annotated[
         str | None, typer.Option(metavar="LOG", help="Follow the angles of a log from its beginning to its end.")
     ] = None,
+    column: ColumnPairs = None,
+    degrees: Degrees = False,
+    names: Names = None,
     role: Annotated[
         list[str] | None,
         typer.Option(metavar="JOINT=ROLE", help="Joint that is the hip, knee or ankle of the gait. Repeatable."),
@@ -99,6 +100,9 @@ def track(
     options = TrackOptions(kp, kd, rate, period, scale, speed, reference, role, payload, friction)
     if figures is not None:
         make_folder(figures)
+    read = {"--column": column, "--degrees": degrees or None, "--names": names}
+    if reference is None:
+        refuse(read, "only the log of --reference is read")
     check_outputs({"--report": report}, [what, reference])
     if what == "cuhk":
         given = {f"--{name}": value for name, value in options._asdict().items()}
@@ -112,8 +116,10 @@ def track(
             table, notes = reproduce.cuhk_tracking_table(replay), reproduce.cuhk_tracking_notes(replay)
             runs, text, data = replay.laws, reproduce.cuhk_tracking_text(replay), reproduce.cuhk_tracking_json(replay)
         else:
-            runs, table, data = _track_leg(what, options, seed, progress)
-            text, notes = to_text(table), ()
+            runs, table, data = _track_leg(what, options, LogOptions(column, degrees, names=names), seed, progress)
+            drives = Estimate.load(what).actuators if is_readable(what) else None
+            commands = () if drives is None else (control.command_table(runs.values(), drives),)
+            text, notes = to_text(table, *commands), ()
     if figures is not None:
         for path in write_figures(figures, reproduce.tracking_figures(runs), form):
             typer.echo(f"wrote {path}", err=True)
@@ -123,13 +129,13 @@ def track(
 
 
 def _track_leg(
-    what: str, options: TrackOptions, seed: int, progress: Callable[[float], None]
+    what: str, options: TrackOptions, reading: LogOptions, seed: int, progress: Callable[[float], None]
 ) -> tuple[Mapping[str, Any], DataTable, dict[str, Any]]:
     """Run every controller on a leg; return the runs, also as a table and as JSON."""
     from exoid import reproduce  # noqa: PLC0415 - see above
 
     model = _model(what)
-    reference, period, settle = _reference(model.leg, options)
+    reference, period, settle = _reference(model.leg, options, reading)
     labels = model.leg.joint_labels
     kp, kd = control.default_gains(model, control.mean_pose(reference, period))
     if options.kp is not None:
@@ -164,7 +170,7 @@ def _model(what: str) -> ControlModel:
         return ControlModel.of(
             Plant.build(load_leg("bleex", inertias="identified"), published.bleex_resistances("left"))
         )
-    if not Path(what).is_file():
+    if not is_readable(what):
         raise ExoidError(f"no estimate {what!r}", remedy="name an estimate of exoid identify -o, cuhk or bleex")
     return ControlModel.of(Estimate.load(what))
 
@@ -177,11 +183,11 @@ class _Course(NamedTuple):
     settle: float | None = None
 
 
-def _reference(leg: Leg, options: TrackOptions) -> _Course:
+def _reference(leg: Leg, options: TrackOptions, reading: LogOptions) -> _Course:
     """Make the reference of one leg."""
     if options.reference is not None:
         refuse({"--scale": options.scale, "--speed": options.speed}, "the reference is that of a log")
-        return _logged(leg, options.reference, options.period)
+        return _logged(leg, options.reference, options.period, reading)
     period = 10.0 if options.period is None else options.period
     if not 0.0 < period < np.inf:
         raise ExoidError(f"--period {period:g}", remedy="give seconds")
@@ -192,9 +198,9 @@ def _reference(leg: Leg, options: TrackOptions) -> _Course:
     return _Course(experiments.gait_for_leg(leg, experiments.norm_gait(options.speed, scale, period), roles), period)
 
 
-def _logged(leg: Leg, name: str, period: float | None) -> _Course:
+def _logged(leg: Leg, name: str, period: float | None, reading: LogOptions) -> _Course:
     """Follow a log; one of a periodic motion, again and again."""
-    log = Recording.from_file(name, leg.joint_names)
+    log = read_log(name, reading, leg.joint_names)
     if period is None:
         followed = experiments.follow_log(log)
         return _Course(followed, followed.duration, min(SETTLE, SETTLED_SHARE * followed.duration))

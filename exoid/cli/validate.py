@@ -11,18 +11,25 @@ from exoid import estimate as estimates
 
 from .inputs import (
     AsJson,
-    Column,
+    BasePosition,
+    ColumnPairs,
     Degrees,
+    DriveFile,
     LogOptions,
     Mask,
+    Names,
+    Passive,
     Received,
     Segments,
     Start,
     Stop,
     Topic,
+    Unmeasured,
+    read_drives,
     read_logs,
     refuse_other_segments,
 )
+from .payloads import PayloadOptions, refuse_other_payloads
 
 NOT_PREDICTED = 1
 """Exit status where the estimate does not predict the logs."""
@@ -36,7 +43,7 @@ def validate(
         typer.Option(metavar="HZ", help="Cut-off of both torques, the same for all estimates that are compared."),
     ] = None,
     strict: Annotated[bool, typer.Option("--strict", help='Exit status 1 for "predicts poorly" too.')] = False,
-    column: Column = None,
+    column: ColumnPairs = None,
     degrees: Degrees = False,
     start: Start = None,
     stop: Stop = None,
@@ -44,6 +51,12 @@ def validate(
     received: Received = False,
     segments: Segments = None,
     mask: Mask = None,
+    names: Names = None,
+    passive: Passive = None,
+    unmeasured: Unmeasured = None,
+    payload: PayloadOptions = None,
+    base_position: BasePosition = None,
+    actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Predict the torque of the LOGs from their motion and compare it with the measured one.
@@ -52,8 +65,26 @@ def validate(
     """
     loaded = estimates.Estimate.load(estimate)
     refuse_other_segments(segments, logs)
-    recordings = read_logs(logs, LogOptions(column, degrees, start, stop, topic, received, segments, mask))
-    result = estimates.validate(loaded, recordings, cutoff=cutoff)
+    refuse_other_payloads(payload, logs)
+    recordings = read_logs(
+        logs,
+        LogOptions(
+            column,
+            degrees,
+            start,
+            stop,
+            topic,
+            received,
+            segments,
+            mask,
+            names=names,
+            passive=passive,
+            unmeasured=unmeasured,
+            payloads=payload,
+            base_position=base_position,
+        ),
+    )
+    result = estimates.validate(loaded, recordings, cutoff=cutoff, actuators=read_drives(actuators, loaded.model.leg))
     if as_json:
         typer.echo(json.dumps(result.to_json(), indent=1))
     else:

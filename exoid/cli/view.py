@@ -21,18 +21,23 @@ from exoid.view import Scene
 
 from .inputs import (
     AsJson,
-    Column,
+    ColumnPairs,
     Degrees,
     LogOptions,
+    Names,
+    Passive,
     Start,
     Stop,
+    Unmeasured,
     find_leg,
+    is_readable,
     read_logs,
     refuse,
     refuse_unknown_leg,
     split_names,
 )
 from .outputs import check_outputs
+from .payloads import PayloadOptions, refuse_other_payloads
 
 
 def view(
@@ -54,10 +59,14 @@ def view(
     meshes: Annotated[str | None, typer.Option(metavar="DIR", help="Folder of the URDF's meshes.")] = None,
     port: Annotated[int | None, typer.Option(metavar="N", help="Port to listen on; 0 for any free one.")] = None,
     browser: Annotated[bool, typer.Option("--open/--no-browser", help="Open a browser.")] = True,
-    column: Column = None,
+    column: ColumnPairs = None,
     degrees: Degrees = False,
     start: Start = None,
     stop: Stop = None,
+    names: Names = None,
+    passive: Passive = None,
+    unmeasured: Unmeasured = None,
+    payload: PayloadOptions = None,
     as_json: AsJson = False,
 ) -> None:
     """Show LEG in a browser until Ctrl-C, on 127.0.0.1 only; or write it as a page that needs no network."""
@@ -68,13 +77,16 @@ def view(
     check_outputs({"--html": html}, [leg, log, reference])
     if not leg.endswith(".json"):
         refuse_unknown_leg(leg)
-    options = LogOptions(column, degrees, start, stop)
+    refuse_other_payloads(payload, [each for each in (log, reference) if each is not None])
+    options = LogOptions(
+        *(column, degrees, start, stop), names=names, passive=passive, unmeasured=unmeasured, payloads=payload
+    )
     recording = None if log is None else read_logs([log], options)[0]
     shown = _shown(leg, side, inertias, split_names(joints), () if recording is None else recording.joint_names)
     ghost, label = None if reference is None else read_logs([reference], options)[0], "reference"
     with Console(stderr=True).status("drawing"):
         estimate = shown.legs[0]
-        if ghost is None and recording is not None and recording.tau is not None and not isinstance(estimate, Leg):
+        if ghost is None and recording is not None and recording.measured.all() and not isinstance(estimate, Leg):
             ghost, label = estimates.predict_motion(estimate, recording, horizon), "predicted"
         drawn = views.scene(
             *shown.legs,
@@ -114,7 +126,7 @@ def _shown(
         if inertias is None:
             return _Shown(legs)
         return _Shown(legs, [find_leg(name, each, inertias, joints, logged) for each in sides])
-    if Path(name).is_file() and joints is None and not logged:
+    if is_readable(name) and joints is None and not logged:
         refuse({"--side": side, "--inertias": inertias}, f"{name!r} is no built-in leg")
         return _Shown([Leg.from_urdf(name)])
     return _Shown([find_leg(name, side, inertias, joints, logged)])

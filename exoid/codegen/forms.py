@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, TypeVar, get_args
 
 from exoid.errors import ExoidError
-from exoid.torques import Term
+from exoid.torques import CoordinateTerm, CoupledTerm, Term
 
 from .dialect import Dialect
 
@@ -21,7 +21,8 @@ class JointInC:
 
     Attributes:
         variable: Variable of the joint in C: its velocity ``v[j]`` [rad/s] where the place is "friction", its angle
-            ``q[j]`` [rad] where it is "stiffness"; empty where it is "rotor", whose inertia is constant.
+            ``q[j]`` [rad] where it is "stiffness"; empty where it is "rotor", whose inertia is constant. For a
+            :class:`exoid.torques.CoordinateTerm` it is the coordinate or its rate.
         parameters: Constant in C of each symbol of the term; symbols regrouped into other parameters are missing.
         dialect: Precision, which writes numbers and functions of <math.h>.
     """
@@ -136,14 +137,28 @@ def c_form(term: Term) -> CForm:
         The form of its own type; that of a parent may compute something else.
 
     Raises:
-        ExoidError: None is registered, or the term depends on load or has memory.
+        ExoidError: None is registered, the term depends on load or has memory, or it couples joints and is not along a
+            coordinate.
     """
     described = f"{type(term).__name__} ({', '.join(term.symbols)})"
-    if term.internal_state is not None or term.loaded:
-        needs = "has memory" if term.internal_state is not None else "depends on the load of its joint"
+    needs = (
+        "depends on temperature"
+        if term.needs_temperature
+        else "has memory"
+        if term.internal_state is not None
+        else "depends on the load of its joint"
+        if term.loaded
+        else ""
+    )
+    if needs:
         raise ExoidError(
             f"{described} has no form in C: it {needs}, and the functions take one velocity or angle",
             remedy="identify with terms that depend on one of these alone, without presliding",
+        )
+    if isinstance(term, CoupledTerm) and not isinstance(term, CoordinateTerm):
+        raise ExoidError(
+            f"{described} has no form in C: it acts on several joints, and not along one coordinate",
+            remedy="derive it from exoid.torques.CoordinateTerm if it is a torque along a sum of ratios times angles",
         )
     if type(term) not in FORMS:
         raise ExoidError(

@@ -14,6 +14,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid._version import __version__
+from exoid.actuators import Actuators
 from exoid.errors import ExoidError
 from exoid.files import write_whole
 from exoid.reduction import PlanarChain
@@ -21,6 +22,7 @@ from exoid.reduction.planar import GRAVITY
 from exoid.torques import TorqueModel
 
 from .dialect import Dialect, comment, identifier
+from .drives import commands_in_c
 from .source import CSource
 from .terms import TermsInC, terms_in_c
 
@@ -36,6 +38,7 @@ def write_c(
     warnings: Sequence[str] = (),
     precision: str = "double",
     name: str | None = None,
+    actuators: Actuators | None = None,
 ) -> CSource:
     """Write the torques of a planar leg as one C99 file.
 
@@ -47,6 +50,7 @@ def write_c(
         warnings: Warnings about the values, for the result.
         precision: "double" or "float".
         name: Prefix of every name in C; None for the file's.
+        actuators: Drives; a function then turns torques into their commands. None for no such function.
 
     Returns:
         The text that was written, with its file.
@@ -55,7 +59,13 @@ def write_c(
         ExoidError: As for :func:`c_source`, or the file cannot be written.
     """
     source = c_source(
-        model, values, provenance=provenance, warnings=warnings, precision=precision, name=name or Path(path).name
+        model,
+        values,
+        provenance=provenance,
+        warnings=warnings,
+        precision=precision,
+        name=name or Path(path).name,
+        actuators=actuators,
     )
     write_whole(path, [source.text])
     return replace(source, path=Path(path))
@@ -69,6 +79,7 @@ def c_source(
     warnings: Sequence[str] = (),
     precision: str = "double",
     name: str = "leg",
+    actuators: Actuators | None = None,
 ) -> CSource:
     """Turn the torques of a planar leg into C99, without writing a file.
 
@@ -82,13 +93,14 @@ def c_source(
         warnings: Warnings about the values. The result prints them; the file has only the provenance.
         precision: "double" or "float".
         name: Prefix of every name in C; characters that no identifier can have are replaced.
+        actuators: Drives; the function ``command`` then turns torques into currents, forces or motor angles.
 
     Returns:
         Text of the file, with model and values.
 
     Raises:
-        ExoidError: The leg is not a planar chain, a term has no form in C, the values are not P finite numbers, or a
-            name or number cannot be written.
+        ExoidError: The leg is not a planar chain, a term or a drive has no form in C, the values are not P finite
+            numbers, or a name or number cannot be written.
 
     Example:
         >>> leg = exoid.load_leg("cuhk")
@@ -117,8 +129,10 @@ def c_source(
         provenance=provenance,
         tables=list(_tables(model, numbers, leg.chain, terms, dialect)),
         terms=terms,
+        commands=[] if actuators is None else commands_in_c(actuators, dialect),
+        units=() if actuators is None else actuators.units,
     )
-    return CSource(text, prefix, dialect, model, numbers, tuple(warnings))
+    return CSource(text, prefix, dialect, model, numbers, tuple(warnings), commands=actuators is not None)
 
 
 class _Table(NamedTuple):

@@ -20,6 +20,9 @@ SCHEMA = "exoid-c-1"
 FUNCTIONS = ("gravity", "friction", "stiffness", "mass_matrix", "rigid_bodies", "inverse_dynamics")
 """Functions of every file, after the prefix."""
 
+COMMAND = "command"
+"""Function of a file with drives."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CSource:
@@ -33,6 +36,7 @@ class CSource:
         values: Parameters in the order of ``model.names``, (P,).
         warnings: Warnings about the values.
         path: File that contains the text; None if none was written.
+        commands: Whether a function turns torques into commands of drives.
     """
 
     text: str
@@ -42,11 +46,12 @@ class CSource:
     values: FloatArray
     warnings: tuple[str, ...] = ()
     path: Path | None = None
+    commands: bool = False
 
     @property
     def functions(self) -> tuple[str, ...]:
         """Names of the functions in the file."""
-        return tuple(f"{self.prefix}_{name}" for name in FUNCTIONS)
+        return tuple(f"{self.prefix}_{name}" for name in (*FUNCTIONS, *((COMMAND,) if self.commands else ())))
 
     @cached_property
     def sha256(self) -> str:

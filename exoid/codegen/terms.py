@@ -3,15 +3,28 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from typing import NamedTuple, get_args
 
 from exoid._typing import FloatArray
-from exoid.torques import Armature, Coulomb, Offset, Stiffness, Stribeck, TorqueModel, Viscous
-from exoid.torques.term import number
+from exoid.torques import (
+    Armature,
+    Cable,
+    CoordinateTerm,
+    Coulomb,
+    CouplingFriction,
+    CouplingSpring,
+    Offset,
+    Stiffness,
+    Stribeck,
+    TorqueModel,
+    Viscous,
+)
+from exoid.torques.term import TermBlock, number
 from exoid.torques.terms import DryFriction
 
 from .dialect import Dialect
-from .forms import JointInC, Place, c_form, register_c_form
+from .forms import CForm, JointInC, Place, c_form, register_c_form
 
 
 class TermsInC(NamedTuple):
@@ -55,13 +68,24 @@ def terms_in_c(model: TorqueModel, values: FloatArray, table: str, dialect: Dial
     for block, form in forms:
         symbols = zip(block.term.symbols, block.names, strict=True)
         parameters = {symbol: constants[name] for symbol, name in symbols if name in constants}
-        variable = {"friction": f"v[{block.joint}]", "stiffness": f"q[{block.joint}]", "rotor": ""}[form.place]
-        summands[form.place][block.joint].append(
-            _summand(form.write(block.term, JointInC(variable, parameters, dialect)))
-        )
+        for joint, expression in _torques(block, form, parameters, dialect):
+            summands[form.place][joint].append(_summand(expression))
     zero = dialect.number(0.0)
     sums = {place: [" + ".join(joint) or zero for joint in joints] for place, joints in summands.items()}
     return TermsInC(sums["friction"], sums["stiffness"], sums["rotor"], tabled)
+
+
+def _torques(block: TermBlock, form: CForm, parameters: dict[str, str], dialect: Dialect) -> Iterator[tuple[int, str]]:
+    """Index of each joint of a term, and the torque of the term there."""
+    variables = [{"friction": f"v[{j}]", "stiffness": f"q[{j}]", "rotor": ""}[form.place] for j in block.joints]
+    if not isinstance(block.term, CoordinateTerm):
+        yield block.joints[0], form.write(block.term, JointInC(variables[0], parameters, dialect))
+        return
+    ratios = [dialect.number(ratio) for ratio in block.term.ratios]
+    coordinate = " + ".join(f"{ratio} * {variable}" for ratio, variable in zip(ratios, variables, strict=True))
+    along = form.write(block.term, JointInC(f"({coordinate})", parameters, dialect))
+    for joint, ratio in zip(block.joints, ratios, strict=True):
+        yield joint, f"{ratio} * ({along})"
 
 
 def _summand(expression: str) -> str:
@@ -108,17 +132,38 @@ def _viscous(term: Viscous, joint: JointInC) -> str:
     return f"{_by_direction('d', joint) if term.asymmetric else joint.parameters['d']} * {joint.variable}"
 
 
+@register_c_form(Cable, "stiffness")
+def _cable(term: Cable, joint: JointInC) -> str:
+    stretch, zero = f"({joint.variable} - {joint.number(number(term.slack))})", joint.number(0.0)
+    return f"({stretch} > {zero} ? {joint.parameters['kc']} * {stretch} : {zero})"
+
+
+@register_c_form(CouplingFriction, "friction")
+def _coupling_friction(term: CouplingFriction, joint: JointInC) -> str:
+    direction = _direction(term.smoothing, joint)
+    return f"{joint.parameter('c0')} * {direction} + {joint.parameter('d')} * {joint.variable}"
+
+
+@register_c_form(CouplingSpring, "stiffness")
+def _coupling_spring(term: CouplingSpring, joint: JointInC) -> str:
+    return f"{joint.parameter('k')} * {joint.variable} + {joint.parameter('preload')}"
+
+
 def _dry(term: DryFriction, size: str, joint: JointInC) -> str:
     """Write a size times the direction of motion, zero in the dead band."""
     v, zero = joint.variable, joint.number(0.0)
-    if (smoothing := number(term.smoothing)) > 0.0:
-        direction = f"{joint.function('tanh')}({v} / {joint.number(smoothing)})"
-    else:
-        direction = f"({v} > {zero} ? {joint.number(1.0)} : {v} < {zero} ? {joint.number(-1.0)} : {v})"
-    torque = f"{size} * {direction}"
+    torque = f"{size} * {_direction(number(term.smoothing), joint)}"
     if term.dead_band > 0.0:
         torque = f"({joint.function('fabs')}({v}) > {joint.number(term.dead_band)} ? {torque} : {zero})"
     return torque
+
+
+def _direction(smoothing: float, joint: JointInC) -> str:
+    """Write the direction of motion, smooth or sharp."""
+    v, zero = joint.variable, joint.number(0.0)
+    if smoothing > 0.0:
+        return f"{joint.function('tanh')}({v} / {joint.number(smoothing)})"
+    return f"({v} > {zero} ? {joint.number(1.0)} : {v} < {zero} ? {joint.number(-1.0)} : {v})"
 
 
 def _by_direction(symbol: str, joint: JointInC) -> str:

@@ -3,6 +3,7 @@
 from .closed_loop import simulate, simulate_many
 from .compare_laws import compare_laws
 from .computed_torque import computed_torque
+from .driven import Driven
 from .feedforward_pd import feedforward_pd
 from .friction import AHEAD, SHARP, SMOOTH, FrictionCompensation
 from .gravity_friction_pd import gravity_friction_pd
@@ -15,7 +16,7 @@ from .pd import p, pd
 from .side_by_side import SideBySide
 from .standard_laws import LAWS, default_gains, standard_laws
 from .track import track
-from .tracking import Tracking
+from .tracking import Tracking, command_table
 
 __all__ = [
     "AHEAD",
@@ -23,6 +24,7 @@ __all__ = [
     "SHARP",
     "SMOOTH",
     "ControlModel",
+    "Driven",
     "FrictionCompensation",
     "Law",
     "Limited",
@@ -30,6 +32,7 @@ __all__ = [
     "State",
     "Tracking",
     "Weights",
+    "command_table",
     "compare_laws",
     "computed_torque",
     "default_gains",

@@ -23,6 +23,9 @@ LONGEST_STEP = 5e-4
 SHORTEST_STEP = 2e-5
 """Shortest step of the plant [s]; rates that need a shorter one are refused."""
 
+MOST_SAMPLES = 10**7
+"""Largest number of samples of a run: a day at 100 Hz."""
+
 LOG_RATE = 100.0
 """Rate of the log [Hz], unless the controller is faster."""
 
@@ -125,6 +128,10 @@ def simulate_many(
         raise ExoidError(f"{len(names)} names for {plant.count} rigs", remedy="give one name for each rig")
     if not 0.0 <= settle < duration:
         raise ExoidError(f"{settle:g} s to settle in a run of {duration:g} s", remedy="run longer than it settles")
+    if duration * max(law.rate, LOG_RATE) > MOST_SAMPLES:
+        raise ExoidError(
+            f"a run of {duration:g} s is longer than {MOST_SAMPLES:.0e} samples", remedy="simulate a shorter one"
+        )
     if np.isfinite(plant.lower).any() or np.isfinite(plant.upper).any():
         refuse_motion_beyond_limits(plant.leg, reference, duration)
     log = max(LOG_RATE, law.rate) if log_rate is None else log_rate

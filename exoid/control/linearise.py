@@ -29,9 +29,10 @@ class Linear(NamedTuple):
 def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) -> Linear:
     """Linearise forward dynamics in continuous time.
 
-        δv̇ = (∂v̇/∂q − M⁻¹ s'(q)) δq + (∂v̇/∂v − M⁻¹ d) δv + M⁻¹ δτ
+        δv̇ = −M⁻¹ (∂τ/∂q + s'(q)) δq − M⁻¹ (∂τ/∂v + d) δv + M⁻¹ δτ
 
-    Coulomb friction, which has no derivative at rest, and terms of other kinds are left out.
+    with τ = RNEA(q, v, a). Springs that couple joints, and rotors that several joints turn, are included. Coulomb
+    friction, which has no derivative at rest, and terms of other kinds are left out.
 
     Args:
         model: Model of the leg.
@@ -45,13 +46,12 @@ def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) 
     pinocchio, n = model.pinocchio, model.n
     data = pinocchio.createData()
     at = configuration(pinocchio, q[None])[0]
-    tau = pin.rnea(pinocchio, data, at, v, a)
-    by_q, by_v, upper = pin.computeABADerivatives(pinocchio, data, at, v, tau)
-    inverse = np.triu(upper) + np.triu(upper, 1).T
+    by_q, by_v, _ = pin.computeRNEADerivatives(pinocchio, data, at, v, a)
+    inverse = np.linalg.inv(model.mass_matrix(q))
     A, B = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, n))
     A[:n, n:] = np.eye(n)
-    A[n:, :n] = by_q - inverse * model.spring_rate(q)
-    A[n:, n:] = by_v - inverse * model.viscous
+    A[n:, :n] = -inverse @ (by_q + model.spring_rate(q))
+    A[n:, n:] = -inverse @ (by_v + np.diag(model.viscous))
     B[n:] = inverse
     return Linear(A, B)
 

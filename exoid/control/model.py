@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -16,48 +15,17 @@ from exoid.leg import Leg
 from exoid.model import configuration
 from exoid.rig import Plant
 from exoid.rig.plant import STIFFNESS_DEGREE
-from exoid.torques import Armature, Coulomb, JointMotion, Offset, Stiffness, Term, TorqueModel, Viscous
+from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
 
 from .law import spread
+from .other_term import OtherTerm
 
 PLAIN: tuple[type[Term], ...] = (Coulomb, Viscous, Armature)
 """Terms with one coefficient for each joint."""
 
 
-SLIDING = 0.02
-"""Velocity over which a contact with memory changes its sign in a controller [rad/s]."""
-
-
-class OtherTerm(NamedTuple):
-    """A term at one joint for which this package has no closed form.
-
-    Attributes:
-        term: The term.
-        joint: Index of the joint.
-        values: Values of the term's parameters.
-    """
-
-    term: Term
-    joint: int
-    values: FloatArray
-
-    def torque(self, q: FloatArray, v: FloatArray, load: FloatArray) -> FloatArray:
-        """Compute the torque of the term.
-
-        The distance since the last reversal is unknown, so presliding contacts count as sliding.
-
-        Args:
-            q: Angles of the joint [rad], (N,).
-            v: Velocities [rad/s], (N,).
-            load: Gravity torques [N·m], (N,).
-
-        Returns:
-            Torques [N·m], (N,).
-        """
-        out = np.zeros((len(self.values), q.size))
-        sliding = None if self.term.internal_state is None else np.tanh(v / SLIDING)
-        self.term.fill(JointMotion(q, v, np.zeros_like(q), load, sliding), out)
-        return np.asarray(self.values @ out)
+STEP = 1e-6
+"""Step of differences by an angle [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,13 +161,15 @@ class ControlModel:
         """
         if q.ndim == 1:
             at = configuration(self.pinocchio, q[None])[0] if self._turns else q
-            return np.asarray(pin.rnea(self.pinocchio, self._data, at, v, a) + self._springs(q))
+            torque = pin.rnea(self.pinocchio, self._data, at, v, a) + self._springs(q)
+            return np.asarray(torque + self._other_inertia(q, a) if self._inertial else torque)
         leg = self.leg
         if leg.chain is not None:
             torque = (leg.regressor(q.T, v.T, a.T) @ leg.parameters).T
         else:
             torque = leg.inverse_dynamics(q.T, v.T, a.T).T
-        return np.asarray(torque + self.armature[:, None] * a + self._springs(q))
+        torque = torque + self.armature[:, None] * a + self._springs(q)
+        return np.asarray(torque + self._other_inertia(q, a) if self._inertial else torque)
 
     def friction(self, q: FloatArray, v: FloatArray, width: float) -> FloatArray:
         """Compute r(v) = c0 sgn v + d v, or c0 tanh(v / width) + d v, and other terms that depend on velocity.
@@ -216,26 +186,34 @@ class ControlModel:
         torque = spread(self.coulomb, v) * sign + spread(self.viscous, v) * v
         if self.others:
             load = self.gravity(q)
+            at, rate, pull = (x.reshape(self.n, -1) for x in (q, v, load))
+            still = np.zeros_like(rate)
             for other in self.others:
-                at, rate, pull = (np.atleast_1d(x[other.joint]) for x in (q, v, load))
-                moving = other.torque(at, rate, pull) - other.torque(at, np.zeros_like(rate), pull)
-                torque[other.joint] += moving.reshape(v.shape[1:])
+                moving = other.torque(at, rate, still, pull) - other.torque(at, still, still, pull)
+                torque[list(other.joints)] += moving.reshape(-1, *v.shape[1:])
         return np.asarray(torque)
 
     def spring_rate(self, q: FloatArray) -> FloatArray:
-        """Compute the derivative s'(q) of the polynomials.
+        """Compute the derivative of the springs: of the polynomials, and of terms that couple joints.
 
         Args:
             q: Angles [rad], (n,).
 
         Returns:
-            Derivatives [N·m/rad], (n,).
+            Derivatives [N·m/rad], (n, n).
         """
         powers = np.arange(len(self.spring) - 1, 0, -1.0)[:, None]
-        return np.asarray((powers * self.spring[:-1] * q ** (powers - 1.0)).sum(axis=0))
+        rate = np.diag((powers * self.spring[:-1] * q ** (powers - 1.0)).sum(axis=0))
+        above, below = (q[:, None] + step * np.eye(self.n) for step in (STEP, -STEP))
+        still = np.zeros_like(above)
+        for other in self.others:
+            if len(other.joints) > 1:
+                difference = other.torque(above, still, still, still) - other.torque(below, still, still, still)
+                rate[list(other.joints)] += difference / (2.0 * STEP)
+        return rate
 
     def mass_matrix(self, q: FloatArray) -> FloatArray:
-        """Compute M(q) with rotors.
+        """Compute M(q) with rotors and other terms that depend on accelerations.
 
         Args:
             q: Angles [rad], (n,).
@@ -243,7 +221,22 @@ class ControlModel:
         Returns:
             Mass matrix [kg·m²], (n, n).
         """
-        return np.asarray(self.leg.mass_matrix(q)[0] + np.diag(self.armature))
+        return np.asarray(self.leg.mass_matrix(q)[0] + self.rotors(q[None])[0])
+
+    def rotors(self, q: FloatArray) -> FloatArray:
+        """Compute the part of the mass matrix that is not the bodies': rotors, and other terms with accelerations.
+
+        Args:
+            q: Angles [rad], (N, n).
+
+        Returns:
+            Inertias [kg·m²], (N, n, n).
+        """
+        found = np.tile(np.diag(self.armature), (len(q), 1, 1))
+        if self._inertial:
+            for joint, one in enumerate(np.eye(self.n)):
+                found[..., joint] += self._other_inertia(q.T, np.tile(one[:, None], len(q))).T
+        return found
 
     def with_friction(self, scale: float) -> ControlModel:
         """Scale the friction.
@@ -254,7 +247,9 @@ class ControlModel:
         Returns:
             A model with the scaled friction.
         """
-        others = tuple(other._replace(values=scale * other.values) for other in self.others)
+        others = tuple(
+            other._replace(values=scale * other.values) if other.term.friction else other for other in self.others
+        )
         return replace(self, coulomb=scale * self.coulomb, viscous=scale * self.viscous, others=others)
 
     @cached_property
@@ -272,6 +267,22 @@ class ControlModel:
     def _turns(self) -> bool:
         return bool(self.pinocchio.nq != self.pinocchio.nv)
 
+    @cached_property
+    def _inertial(self) -> bool:
+        """Whether some other term depends on accelerations."""
+        return any(other.inertial for other in self.others)
+
+    def _other_inertia(self, q: FloatArray, a: FloatArray) -> FloatArray:
+        """Part of other terms that accelerations cause, at rest, (n,) or (n, B)."""
+        torque = np.zeros_like(a)
+        at, rising = q.reshape(self.n, -1), a.reshape(self.n, -1)
+        still = np.zeros_like(at)
+        for other in self.others:
+            if other.inertial:
+                part = other.torque(at, still, rising, still) - other.torque(at, still, still, still)
+                torque[list(other.joints)] += part.reshape(-1, *a.shape[1:])
+        return torque
+
     def _springs(self, q: FloatArray) -> FloatArray:
         """Evaluate s(q) by Horner's scheme."""
         first, *rest = self.spring if q.ndim == 1 else self.spring[..., None]
@@ -279,9 +290,10 @@ class ControlModel:
         for coefficient in rest:
             torque = torque * q + coefficient
         for other in self.others:
-            at = np.atleast_1d(q[other.joint])
+            at = q.reshape(self.n, -1)
+            still = np.zeros_like(at)
             torque = torque + np.zeros_like(q)
-            torque[other.joint] += other.torque(at, np.zeros_like(at), np.zeros_like(at)).reshape(q.shape[1:])
+            torque[list(other.joints)] += other.torque(at, still, still, still).reshape(-1, *q.shape[1:])
         return np.asarray(torque)
 
 
@@ -297,9 +309,10 @@ def _of_parameters(model: TorqueModel, parameters: FloatArray) -> ControlModel:
     spring, rest = np.zeros((degree + 1, n)), np.zeros((3, n))
     others = []
     for term in model.terms:
-        for joint in term.joint_indices(leg.joint_names, leg.joint_labels):
+        for joints in term.places(leg.joint_names, leg.joint_labels):
+            label, joint = term.label(joints, leg.joint_labels), joints[0]
             # a regrouped parameter is part of another one
-            found = np.array([values.get(f"{symbol}_{leg.joint_labels[joint]}", 0.0) for symbol in term.symbols])
+            found = np.array([values.get(f"{symbol}_{label}", 0.0) for symbol in term.symbols])
             kind = type(term)
             if type(term) is Stiffness:  # a subclass may compute something else
                 spring[degree - term.degree :, joint] += found
@@ -308,6 +321,6 @@ def _of_parameters(model: TorqueModel, parameters: FloatArray) -> ControlModel:
             elif kind in PLAIN and len(term.symbols) == 1:
                 rest[PLAIN.index(kind), joint] += found[0]
             else:
-                others.append(OtherTerm(term, joint, found))
+                others.append(OtherTerm.of(term, joints, found, n))
     coulomb, viscous, armature = rest
     return ControlModel(leg, spring, coulomb, viscous, armature, tuple(others))

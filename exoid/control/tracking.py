@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.actuators import Actuators
 from exoid.json_values import attributes
 from exoid.rig import Energy, Run
 from exoid.signals import Recording
@@ -86,6 +87,20 @@ class Tracking:
         time = self._settled(self.time)
         return np.asarray(np.abs(np.diff(self._settled(self.tau), axis=0)).sum(axis=0) / (time[-1] - time[0]))
 
+    def commands(self, actuators: Actuators) -> FloatArray:
+        """Compute what drives need for the torques of the run.
+
+        Args:
+            actuators: Drives of the leg.
+
+        Returns:
+            Currents, forces or motor angles in ``actuators.units``, (N, n).
+
+        Raises:
+            ExoidError: A drive cannot make a torque.
+        """
+        return actuators.command(self.tau, self.q, self.v)
+
     def to_json(self) -> dict[str, Any]:
         """Convert the metrics to JSON types.
 
@@ -146,6 +161,28 @@ def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:
     ]
     headers = ("controller", "[Hz]", "joint", "peak [deg]", "rms [deg]", "rms [N·m]", "energy [J]", "TV [N·m/s]")
     return DataTable(caption, headers, rows)
+
+
+def command_table(trackings: Iterable[Tracking], actuators: Actuators) -> DataTable:
+    """Make a table of what drives need for several controllers.
+
+    Args:
+        trackings: Runs, in the order of the table.
+        actuators: Drives of the leg.
+
+    Returns:
+        Table with one line for each controller and joint with a drive: largest and RMS command.
+
+    Raises:
+        ExoidError: A drive cannot make a torque.
+    """
+    rows = []
+    for one in trackings:
+        commands = one.commands(actuators)
+        for joint, (name, unit) in enumerate(zip(one.joint_names, actuators.units, strict=True)):
+            values = commands[:, joint]
+            rows.append((one.law, name, f"{np.abs(values).max():.3g}", f"{np.sqrt(np.mean(values**2)):.3g}", unit))
+    return DataTable("Commands of the drives", ("controller", "joint", "largest", "rms", "unit"), rows)
 
 
 def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tracking:

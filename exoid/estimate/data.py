@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.actuators import Actuators
 from exoid.errors import ExoidError
 from exoid.findings import Finding, doubtful_parameters
 from exoid.leg import Leg
+from exoid.payload import Payload
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.influence import Influence
 from exoid.regression.intervals import half_width
@@ -19,9 +21,9 @@ from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
 from exoid.regression.trends import Trend
 from exoid.signals import Preparation
 from exoid.torques import Regrouped, TorqueModel
-from exoid.torso import TorsoMotion
+from exoid.torques.with_columns import WithColumns
+from exoid.torso import MovingBase
 
-from .alternative_friction import WithAlternatives
 from .model_error import ModelError
 from .motion_ranges import MotionRanges
 from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
@@ -42,6 +44,8 @@ class Input:
         samples: Number of samples.
         sample_rate: [Hz].
         segments: First and last time stamp of each segment that was used [s]; empty if all was.
+        payloads: Payloads on the leg, as text; empty for none.
+        moving_base: Whether the base moved.
     """
 
     name: str
@@ -49,6 +53,13 @@ class Input:
     samples: int
     sample_rate: float
     segments: tuple[tuple[float, float], ...] = ()
+    payloads: tuple[str, ...] = ()
+    moving_base: bool = False
+
+    @property
+    def label(self) -> str:
+        """Name, with the payloads if there were any."""
+        return f"{self.name} with {' and '.join(self.payloads)}" if self.payloads else self.name
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -89,6 +100,7 @@ class EstimateData(ParameterTable):
             it was not stored, or where logs were not checked.
         cutoff_source: How the cut-off of the preparation was chosen; "" where that was not stored.
         torque_delays: Delays that were taken out of the torques [s], (n,); validation takes them out too.
+        actuators: Drives of the recordings, which validation uses too; None where torques were measured.
     """
 
     model: TorqueModel
@@ -117,6 +129,7 @@ class EstimateData(ParameterTable):
     model_error: ModelError | None = None
     cutoff_source: str = ""
     torque_delays: FloatArray = field(default_factory=lambda: np.zeros(0))
+    actuators: Actuators | None = None
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
@@ -164,6 +177,11 @@ class EstimateData(ParameterTable):
     def joint_names(self) -> tuple[str, ...]:
         """Joints of the leg."""
         return self.model.leg.joint_names
+
+    @property
+    def trained(self) -> tuple[bool, ...]:
+        """Whether the torque of each joint was among those that the estimate was fitted to, (n,)."""
+        return tuple(noise.samples > 0 for noise in self.noise) or (True,) * len(self.joint_names)
 
     @property
     def regrouped(self) -> tuple[Regrouped, ...]:
@@ -223,25 +241,45 @@ class EstimateData(ParameterTable):
         """The leg with the identified rigid-body parameters."""
         return self.model.leg.with_parameters(self.values[: len(self.model.leg.parameter_names)])
 
-    def torque(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
+    def torque(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        torso: MovingBase | None = None,
+        payloads: Sequence[Payload] = (),
+        temperature: ArrayLike | None = None,
+    ) -> FloatArray:
         """Predict actuator torques τ = W(q, v, a) β, rigid bodies and terms together.
 
         Friction that depends on load takes the estimate's own rigid-body torque. Terms with presliding take the samples
-        in time order and start as if the joint had slid in the direction of its first velocity.
+        in time order and start as if the joint had slid in the direction of its first velocity, or undeflected if it is
+        at rest.
 
         Args:
             q: Joint angles [rad], (N, n).
             v: Joint velocities [rad/s], (N, n).
             a: Joint accelerations [rad/s²], (N, n).
             torso: Motion of the torso, if it moves.
+            payloads: Payloads on the leg; their torque is added.
+            temperature: Temperatures [°C], (N, n), for friction that depends on them.
 
         Returns:
             Torques [N·m], (N, n).
         """
-        return self.model.regressor(q, v, a, torso) @ self.values
+        motion = self.model.motion(q, v, a, torso, payloads, temperature=temperature)
+        torque = self.model.columns(motion).transpose(2, 1, 0) @ self.values
+        return torque if motion.payload is None else torque + motion.payload
 
     def torque_std(
-        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None, *, measured: bool = False
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        torso: MovingBase | None = None,
+        *,
+        measured: bool = False,
+        temperature: ArrayLike | None = None,
     ) -> FloatArray:
         """Standard deviation of :meth:`torque` [N·m], (N, n), as if loads of friction and fitted settings were exact.
 
@@ -255,16 +293,17 @@ class EstimateData(ParameterTable):
             torso: Motion of the torso, if it moves.
             measured: Whether to add the model error, and the noise of a new measurement, which has passed the same
                 filter as those that the estimate was made from.
+            temperature: Temperatures [°C], (N, n), for friction that depends on them.
 
         Returns:
             Standard deviations [N·m], (N, n).
         """
         model = self.band_model if measured else self.model.loaded_by(self.values)
         variance = self.measured_variance if measured else partial(parameter_variance, self.covariance)
-        return torque_std(model, variance, model.motion(q, v, a, torso))
+        return torque_std(model, variance, model.motion(q, v, a, torso, temperature=temperature))
 
     @property
-    def band_model(self) -> TorqueModel | WithAlternatives:
+    def band_model(self) -> TorqueModel | WithColumns:
         """Torque model with the columns that the band of a measured torque needs."""
         model = self.model.loaded_by(self.values)
         return model if self.model_error is None else self.model_error.model(model, self.values)
@@ -290,10 +329,11 @@ class EstimateData(ParameterTable):
         q: ArrayLike,
         v: ArrayLike,
         a: ArrayLike,
-        torso: TorsoMotion | None = None,
+        torso: MovingBase | None = None,
         *,
         level: float = 0.95,
         measured: bool = True,
+        temperature: ArrayLike | None = None,
     ) -> TorqueBand:
         """Band that contains a new torque of each sample with so much probability, by Student's t.
 
@@ -307,11 +347,12 @@ class EstimateData(ParameterTable):
             level: The probability, between 0 and 1.
             measured: True for a torque measured and filtered like those that the estimate was made from, False for the
                 model's own, without noise.
+            temperature: Temperatures [°C], (N, n), for friction that depends on them.
 
         Returns:
             Torque with the lower and upper edge of its band [N·m], (N, n) each.
         """
         dof = self.dof if measured else float(self.dof_each.min())
-        half = half_width(level, dof) * self.torque_std(q, v, a, torso, measured=measured)
-        torque = self.torque(q, v, a, torso)
+        half = half_width(level, dof) * self.torque_std(q, v, a, torso, measured=measured, temperature=temperature)
+        torque = self.torque(q, v, a, torso, temperature=temperature)
         return TorqueBand(torque, torque - half, torque + half)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from exoid.codegen import CSource, write_c
+from exoid.codegen.drives import with_form_in_c
 from exoid.lift import MASS_FACTOR, PULL
 from exoid.tables import to_html, to_text
 
@@ -110,8 +111,9 @@ class Estimate(EstimateData):
         """Write the torques of a planar leg as one C99 file that needs nothing but ``<math.h>``.
 
         Gravity, friction, springs and offsets, mass matrix, rigid bodies, and all together (:meth:`torque`) are
-        functions ``<name>_gravity(q, tau)`` and so on, without state or allocation, for a microcontroller. The comment
-        at the top says where the numbers come from.
+        functions ``<name>_gravity(q, tau)`` and so on, without state or allocation, for a microcontroller. With drives,
+        ``<name>_command(q, v, tau, command)`` turns torques into currents or forces; where a drive has no form in C, a
+        warning says why that function is missing. The comment at the top says where the numbers come from.
 
         Args:
             path: The file to write, whole or not at all.
@@ -124,14 +126,16 @@ class Estimate(EstimateData):
         Raises:
             ExoidError: The leg is not a planar chain, a term has no form in C, or the file cannot be written.
         """
+        actuators, warnings = with_form_in_c(self.actuators)
         return write_c(
             path,
             self.model,
             self.values,
             provenance=provenance(self),
-            warnings=self.warnings,
+            warnings=(*self.warnings, *warnings),
             precision=precision,
             name=name,
+            actuators=actuators,
         )
 
     def __repr__(self) -> str:

@@ -85,6 +85,7 @@ class Export:
             "joints": list(leg.joint_names),
             "locked": dict(leg.locked),
             "cumulative": leg.cumulative,
+            **({"base": leg.base} if leg.base != "fixed" else {}),
             "values": dict(zip(estimate.names, self.values.tolist(), strict=True)),
             "units": dict(zip(estimate.names, estimate.units, strict=True)),
             "only_here": list(self.only_in_sidecar),
@@ -224,7 +225,7 @@ def _places(model: TorqueModel) -> dict[str, tuple[str, str]]:
     """Joint and attribute of ``<dynamics>`` for each parameter that the URDF has a place for."""
     joints = model.leg.joint_names
     return {
-        name: (joints[block.joint], PLACES[type(block.term), symbol])
+        name: (joints[block.joints[0]], PLACES[type(block.term), symbol])
         for block in model.blocks
         for symbol, name in zip(block.term.symbols, block.names, strict=True)
         if (type(block.term), symbol) in PLACES

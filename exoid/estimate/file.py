@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.actuators import Actuators, actuators_from_data, actuators_to_data
 from exoid.description import describe
 from exoid.errors import ExoidError
 from exoid.files import refuse_content, write_whole
@@ -121,6 +122,7 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
         "model_error": model_error_to_json(estimate.model_error),
         "cutoff_source": estimate.cutoff_source,
         "torque_delays": dict(zip(estimate.joint_names, estimate.torque_delays.tolist(), strict=True)),
+        "actuators": None if estimate.actuators is None else actuators_to_data(estimate.actuators),
         "known": dict(estimate.prior_knowledge.known),
         "prior": {name: list(pair) for name, pair in estimate.prior_knowledge.prior.values.items()},
         "prior_gains": estimate.prior_gains.tolist(),
@@ -137,6 +139,7 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
             "joints": list(leg.joint_names),
             "locked": dict(leg.locked),
             "cumulative": leg.cumulative,
+            **({"base": leg.base} if leg.base != "fixed" else {}),
             "urdf": leg.description.text,
         },
         "covariance": estimate.covariance.tolist(),
@@ -162,6 +165,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         about["joints"],
         locked=about["locked"],
         cumulative=about["cumulative"],
+        base=about.get("base", "fixed"),
     )
     if leg.description.sha256 != about["sha256"]:
         raise ExoidError("the URDF inside is not the one identified: its hash differs", remedy="identify again")
@@ -197,7 +201,13 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         model_error=model_error_from_json(data.get("model_error"), leg.joint_names, model.names),
         cutoff_source=str(data.get("cutoff_source", "")),
         torque_delays=_by_name(data.get("torque_delays", dict.fromkeys(leg.joint_names, 0.0)), leg.joint_names),
+        actuators=_actuators(data.get("actuators"), leg),
     )
+
+
+def _actuators(data: Any, leg: Leg) -> Actuators | None:  # noqa: ANN401 - as JSON holds it
+    """Read the drives, if there are any; they are complete without the URDF's transmissions."""
+    return None if data is None else actuators_from_data(data, leg, transmissions=False)
 
 
 def _prior_knowledge(data: Mapping[str, Any], model: TorqueModel) -> PriorKnowledge:
@@ -242,16 +252,26 @@ def _joint_noise(
     return JointNoise(int(samples), float(effective_samples), int(order), float(correlation), float(whiteness))
 
 
-def _input(name: str, sha256: str, samples: int, sample_rate: float, segments: Sequence[Sequence[float]] = ()) -> Input:
+def _input(
+    name: str,
+    sha256: str,
+    samples: int,
+    sample_rate: float,
+    segments: Sequence[Sequence[float]] = (),
+    payloads: Sequence[str] = (),
+    moving_base: bool = False,
+) -> Input:
     """As for the noise."""
     pairs = tuple((float(start), float(stop)) for start, stop in segments)
-    return Input(str(name), str(sha256), int(samples), float(sample_rate), pairs)
+    return Input(
+        str(name), str(sha256), int(samples), float(sample_rate), pairs, tuple(map(str, payloads)), bool(moving_base)
+    )
 
 
 def _input_to_json(source: Input) -> dict[str, Any]:
-    """Describe a recording, and its segments if it has any."""
-    data = asdict(source)
-    return data if source.segments else {key: value for key, value in data.items() if key != "segments"}
+    """Describe a recording, and its segments, payloads and moving base if it has any."""
+    optional = ("segments", "payloads", "moving_base")
+    return {key: value for key, value in asdict(source).items() if value or key not in optional}
 
 
 def _by_name(data: Mapping[str, float], names: Sequence[str]) -> FloatArray:

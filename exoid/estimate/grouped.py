@@ -19,7 +19,7 @@ from .comparison import Comparison, wald, welch
 from .equality import Equality
 from .estimate import Estimate
 from .parameter import ParameterTable
-from .text import assumptions, condition, written
+from .text import assumptions, condition, residual_sizes, written
 
 HEADERS = ("value", "± std", "95 % from", "to", "unit", "determined")
 """Of what tables say of a parameter."""
@@ -246,8 +246,7 @@ def _own_rows(grouped: GroupedEstimate, numbers: dict[str, tuple[str, ...]]) -> 
 def _closing_lines(grouped: GroupedEstimate) -> Iterator[str]:
     for group in grouped:
         estimate = grouped[group]
-        residuals = zip(estimate.joint_names, estimate.residual_rms, strict=True)
-        yield f"residual RMS of {group} [N·m]: " + ", ".join(f"{joint} {rms:.3g}" for joint, rms in residuals)
+        yield f"residual RMS of {group} [N·m]: {residual_sizes(estimate)}"
     yield condition(grouped.condition_number)
     if grouped.own and len(grouped) > 1:
         yield f"own parameters that differ at 5 % of all: {', '.join(grouped.equal.below(DIFFERENT)) or 'none'}"

@@ -11,8 +11,9 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.torques import TorqueModel
+from exoid.torques.with_columns import WithColumns
 
-from .alternative_friction import COUNT, WithAlternatives
+from .alternative_friction import COUNT, with_alternatives
 
 LEAST_NOISE = 0.25
 """At least this part of the residual variance is noise, whatever the alternatives explain."""
@@ -22,10 +23,10 @@ LEAST_NOISE = 0.25
 class ModelError:
     """Second moment of the torque that friction of other forms would add, after the parameters have absorbed theirs.
 
-    A joint's torque may contain z c, with z the columns of :class:`WithAlternatives` and c unknown coefficients. The
-    fit of the parameters alone absorbs w G c of it, with G the regression of z on the training's rows. The prediction
-    then errs by (z − w G) c, which is as small as the residuals inside the training and grows beyond it. With
-    E[c cᵀ] = L Lᵀ its second moment is ‖(z − w G) L‖² = ‖w A + z B‖².
+    A joint's torque may contain z c, with z the columns of :class:`.AlternativeFriction` and c unknown coefficients.
+    The fit of the parameters alone absorbs w G c of it, with G the regression of z on the training's rows. The
+    prediction then errs by (z − w G) c, which is as small as the residuals inside the training and grows beyond it.
+    With E[c cᵀ] = L Lᵀ its second moment is ‖(z − w G) L‖² = ‖w A + z B‖².
 
     Attributes:
         speed: Largest speed of the training [rad/s], (n,).
@@ -48,7 +49,7 @@ class ModelError:
                 raise ExoidError("the model error does not fit the estimate's joints", remedy="identify again")
             array.flags.writeable = False
 
-    def model(self, model: TorqueModel, values: FloatArray) -> WithAlternatives:
+    def model(self, model: TorqueModel, values: FloatArray) -> WithColumns:
         """Add the columns of the alternatives to a torque model.
 
         Args:
@@ -58,7 +59,7 @@ class ModelError:
         Returns:
             Model with P + K columns.
         """
-        return WithAlternatives(model, values, self.speed)
+        return with_alternatives(model, values, self.speed)
 
     def variance(self, rows: FloatArray) -> FloatArray:
         """Second moment of the error of predicted torques.

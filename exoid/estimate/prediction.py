@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.base_kinematics import BaseKinematics
 from exoid.errors import ExoidError
+from exoid.payload import Payload
 from exoid.regression.rows import for_leg
-from exoid.signals import Recording
-from exoid.torso import TorsoMotion
+from exoid.signals import Recording, base_during
+from exoid.torso import MovingBase
 
 from .data import EstimateData
 
@@ -30,7 +34,7 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
 
     Args:
         estimate: The estimate, with friction and all its terms.
-        recording: Motion and torques; the torso at rest or tilted.
+        recording: Motion and torques; the base at rest, tilted or moving.
         horizon: Time from one start to the next [s].
 
     Returns:
@@ -48,11 +52,18 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
     recording = for_leg(estimate.model, recording).resampled()
     if recording.tau is None:
         raise ExoidError("there is no torque in the recording", remedy="log it, or show the motion without prediction")
+    if not recording.measured.all():
+        pairs = zip(recording.joint_names, recording.measured, strict=True)
+        without = ", ".join(name for name, there in pairs if not there)
+        raise ExoidError(
+            f"the torque of {without} was not measured, so that the motion under it cannot be predicted",
+            remedy="show the motion without prediction, or declare joints without an actuator passive",
+        )
     if not 2.0 <= horizon * recording.sample_rate < math.inf:
         raise ExoidError(
             f"a horizon of {horizon:g} s at {recording.sample_rate:.4g} Hz", remedy="let it span two samples or more"
         )
-    start = estimate.preparation.kinematics(recording)
+    start, carried = estimate.preparation.kinematics(recording), base_during(recording, estimate.preparation)
     samples = len(recording)
     length = min(round(horizon * recording.sample_rate), samples)
     pieces = -(-samples // length)
@@ -66,7 +77,14 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
         now, later = torque[first + sample], torque[first + sample + 1]
         for step in range(steps):
             ends = [now + (later - now) * (step + share) / steps for share in (0.0, 0.5, 1.0)]
-            q, v = _step(estimate, q, v, ends, 1.0 / (recording.sample_rate * steps), recording.torso)
+            around = [_between(carried, first + sample, (step + share) / steps) for share in (0.0, 0.5, 1.0)]
+            heat = (
+                None
+                if recording.temperature is None
+                else recording.temperature[np.minimum(first + sample, samples - 1)]
+            )
+            base = [Surroundings(each, recording.payloads, heat) for each in around]
+            q, v = _step(estimate, q, v, ends, 1.0 / (recording.sample_rate * steps), base)
         if not (np.abs(v) < FASTEST).all():
             raise ExoidError(
                 f"the model's motion diverges within {(sample + 1) / recording.sample_rate:.3g} s",
@@ -74,30 +92,61 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
             )
     predicted = out.transpose(1, 0, 2).reshape(-1, q.shape[1])[:samples]
     names = recording.joint_names
-    return Recording(recording.time, predicted, joint_names=names, torso=recording.torso, largest_angle=math.inf)
+    about: dict[str, Any] = {"torso": recording.torso, "base": recording.base}
+    return Recording(recording.time, predicted, joint_names=names, largest_angle=math.inf, **about)
+
+
+class Surroundings(NamedTuple):
+    """What acts on the leg from outside at one time.
+
+    Attributes:
+        base: Motion of the base, of B samples if it moves; None if it is upright and still.
+        payloads: Payloads on the leg.
+        temperature: Temperatures [°C], (B, n); None without.
+    """
+
+    base: MovingBase | None
+    payloads: tuple[Payload, ...]
+    temperature: FloatArray | None = None
+
+
+def _between(base: MovingBase | None, samples: NDArray[np.intp], share: float) -> MovingBase | None:
+    """Motion of the base between samples and those that follow, by linear interpolation."""
+    if not isinstance(base, BaseKinematics):
+        return base
+    here, there = (
+        np.hstack([base.angular_velocity[k], base.angular_acceleration[k], base.specific_force[k]])
+        for k in (np.minimum(samples + ahead, len(base) - 1) for ahead in (0, 1))
+    )
+    return BaseKinematics(*np.split(here + share * (there - here), 3, axis=1))
 
 
 def _step(
-    estimate: EstimateData, q: FloatArray, v: FloatArray, tau: list[FloatArray], dt: float, torso: TorsoMotion | None
+    estimate: EstimateData, q: FloatArray, v: FloatArray, tau: list[FloatArray], dt: float, base: list[Surroundings]
 ) -> tuple[FloatArray, FloatArray]:
-    """Take a step from each of B states, (B, n), with torques at its start, middle and end."""
-    a1 = _acceleration(estimate, q, v, tau[0], torso)
+    """Take a step from each of B states, (B, n), with torques, base and payloads at its start, middle and end."""
+    a1 = _acceleration(estimate, q, v, tau[0], base[0])
     v2 = v + 0.5 * dt * a1
-    a2 = _acceleration(estimate, q + 0.5 * dt * v, v2, tau[1], torso)
+    a2 = _acceleration(estimate, q + 0.5 * dt * v, v2, tau[1], base[1])
     v3 = v + 0.5 * dt * a2
-    a3 = _acceleration(estimate, q + 0.5 * dt * v2, v3, tau[1], torso)
+    a3 = _acceleration(estimate, q + 0.5 * dt * v2, v3, tau[1], base[1])
     v4 = v + dt * a3
-    a4 = _acceleration(estimate, q + dt * v3, v4, tau[2], torso)
+    a4 = _acceleration(estimate, q + dt * v3, v4, tau[2], base[2])
     return q + dt / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
 
 
 def _acceleration(
-    estimate: EstimateData, q: FloatArray, v: FloatArray, tau: FloatArray, torso: TorsoMotion | None
+    estimate: EstimateData, q: FloatArray, v: FloatArray, tau: FloatArray, base: Surroundings
 ) -> FloatArray:
     """Solve M a = τ − b, with M and b from torques with no acceleration and with 1 rad/s² of each joint, (B, n)."""
     count, n = q.shape
     units = np.repeat(np.vstack([np.zeros(n), np.eye(n)]), count, axis=0)
-    torques = estimate.torque(np.tile(q, (n + 1, 1)), np.tile(v, (n + 1, 1)), units, torso).reshape(n + 1, count, n)
+    motion = np.tile(q, (n + 1, 1)), np.tile(v, (n + 1, 1)), units
+    carried = base.base
+    if isinstance(carried, BaseKinematics):
+        carried = carried.rows(np.tile(np.arange(count), n + 1))
+    heat = None if base.temperature is None else np.tile(base.temperature, (n + 1, 1))
+    torques = estimate.torque(*motion, carried, base.payloads, heat).reshape(n + 1, count, n)
     b = torques[0]
     M = (torques[1:] - b).transpose(1, 2, 0)
     try:

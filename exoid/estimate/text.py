@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.actuators import describe_actuators
 from exoid.findings import finding_lines
 from exoid.regression.diagnostics import ILL_CONDITIONED
 from exoid.regression.intervals import half_width
@@ -75,17 +76,24 @@ def written(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
 
 
 def _closing_lines(estimate: EstimateData) -> Iterator[str]:
-    residuals = zip(estimate.joint_names, estimate.residual_rms, strict=True)
-    yield "residual RMS [N·m]: " + ", ".join(f"{joint} {rms:.3g}" for joint, rms in residuals)
+    yield f"residual RMS [N·m]: {residual_sizes(estimate)}"
     yield f"{condition(estimate.condition_number)}; {estimate.dof:.0f} degrees of freedom"
     yield from _noise(estimate)
-    names = ", ".join(source.name for source in estimate.inputs)
+    names = ", ".join(source.label for source in estimate.inputs)
     yield f"from {names}; {estimate.preparation.name} preparation"
+    if estimate.actuators is not None:
+        yield f"torque computed of drives: {'; '.join(describe_actuators(estimate.actuators))}"
     yield from assumptions(estimate.prior_knowledge, estimate.bounded)
     yield from influences(estimate)
     yield from finding_lines(estimate.findings)
     yield from (f"warning: {warning}" for warning in estimate.warnings)
     yield from (f"note: {regrouped}" for regrouped in estimate.regrouped)
+
+
+def residual_sizes(estimate: EstimateData) -> str:
+    """Write the RMS residual of each joint, or that its torque was not measured."""
+    residuals = zip(estimate.joint_names, estimate.residual_rms, estimate.trained, strict=True)
+    return ", ".join(f"{joint} {rms:.3g}" if there else f"{joint} not measured" for joint, rms, there in residuals)
 
 
 def condition(number: float) -> str:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.actuators import Actuators, Coupling, Drive
 from exoid.errors import ExoidError
 from exoid.findings import Finding, finding_lines, findings_to_json, ordered
 from exoid.regression.intervals import half_width
-from exoid.regression.rows import each_row, prepare
+from exoid.regression.rows import each_row, for_leg, prepare
 from exoid.signals import Preparation, Recording
 from exoid.tables import DataTable, make_table, to_html, to_text
 
@@ -26,6 +27,7 @@ from .validation_checks import (
     narrow_bands,
     poor_predictions,
     shifted_torques,
+    unmeasured_torques,
 )
 from .verdict import Verdict, verdict_line, verdict_of
 
@@ -43,7 +45,7 @@ class Validation:
     Attributes:
         joint_names: Joints, (n,).
         time: [s], (N,).
-        measured: Filtered measured torque [N·m], (N, n).
+        measured: Filtered measured torque [N·m], (N, n); not a number where the torque of a joint was not measured.
         predicted: Filtered predicted torque [N·m], (N, n).
         source: Name of the recording, or of all.
         parts: Validation of each recording where there are several; samples of all follow each other above.
@@ -75,13 +77,13 @@ class Validation:
 
     @property
     def rmse(self) -> FloatArray:
-        """Root of the mean squared residual [N·m], (n,)."""
-        return np.asarray(np.sqrt(np.mean(self.residual**2, axis=0)))
+        """Root of the mean squared residual [N·m], (n,); not a number for a joint whose torque was not measured."""
+        return np.asarray(np.sqrt(_mean(self.residual**2)))
 
     @property
     def nrmse(self) -> FloatArray:
         """RMSE over the standard deviation of the measured torque, (n,); not a number where that is constant."""
-        spread = self.measured.std(axis=0)
+        spread = np.sqrt(_mean((self.measured - _mean(self.measured)) ** 2))
         return np.asarray(np.divide(self.rmse, spread, out=np.full(len(spread), np.nan), where=spread > 0.0))
 
     @property
@@ -92,7 +94,8 @@ class Validation:
     @property
     def coverage(self) -> FloatArray:
         """Share of the samples whose measured torque is inside the 95 % band, (n,)."""
-        return np.asarray((np.abs(self.residual) <= self.half_width).mean(axis=0))
+        inside = (np.abs(self.residual) <= self.half_width).astype(np.float64)
+        return _mean(np.where(np.isnan(self.residual), np.nan, inside))
 
     @property
     def verdict(self) -> Verdict:
@@ -115,17 +118,18 @@ class Validation:
             "cutoff_of_estimate": self.filter.chosen,
             "samples": len(self.time),
             "joint_names": list(self.joint_names),
-            "rmse": self.rmse.tolist(),
+            "rmse": _numbers(self.rmse),
             "nrmse": _numbers(self.nrmse),
             "r2": _numbers(self.r2),
-            "coverage_95": self.coverage.tolist(),
+            "coverage_95": _numbers(self.coverage),
             "findings": findings_to_json(self.findings),
             **parts,
         }
 
     def __repr__(self) -> str:
         """Name the joints and their NRMSE."""
-        errors = ", ".join(f"{n} {e:.3f}" for n, e in zip(self.joint_names, self.nrmse, strict=True))
+        each = zip(self.joint_names, self.nrmse, self.rmse, strict=True)
+        errors = ", ".join(f"{n} not measured" if np.isnan(rms) else f"{n} {e:.3f}" for n, e, rms in each)
         return f"Validation(nrmse: {errors})"
 
     def __str__(self) -> str:
@@ -159,9 +163,26 @@ class Validation:
         """
         columns = (self.joint_names, self.rmse, self.nrmse, self.r2, self.coverage)
         return [
-            (name, f"{e:.4g}", f"{n:.4f}", f"{r:.4f}", f"{100.0 * c:.1f} %")
+            (name, "not measured", "", "", "")
+            if np.isnan(e)
+            else (name, f"{e:.4g}", _ratio(n), _ratio(r), f"{100.0 * c:.1f} %")
             for name, e, n, r, c in zip(*columns, strict=True)
         ]
+
+
+def _ratio(value: float) -> str:
+    """Write a ratio to the spread of the torque, which a passive joint has not."""
+    return "–" if np.isnan(value) else f"{value:.4f}"
+
+
+def _mean(x: FloatArray) -> FloatArray:
+    """Mean of the samples that were measured, (n,); not a number where there is none."""
+    there = ~np.isnan(x)
+    if there.all():
+        return np.asarray(x.mean(axis=0))
+    count = there.sum(axis=0)
+    total = np.where(there, x, 0.0).sum(axis=0)
+    return np.asarray(np.divide(total, count, out=np.full(x.shape[1], np.nan), where=count > 0))
 
 
 def _numbers(array: FloatArray) -> list[float | None]:
@@ -175,6 +196,7 @@ def validate(
     *,
     cutoff: float | None = None,
     preparation: Preparation | None = None,
+    actuators: Mapping[str, Drive | Coupling] | Actuators | None = None,
 ) -> Validation:
     """Predict the torque of one or several recordings and compare.
 
@@ -188,6 +210,7 @@ def validate(
         recordings: Motions with torques, better none that the estimate was fitted to.
         cutoff: Cut-off frequency of both torques [Hz]; None for the estimate's own preparation.
         preparation: Another way from a recording to filtered torques; ``cutoff`` then does not apply.
+        actuators: Drives of the recordings, as for :func:`exoid.identify`; None for those of the estimate.
 
     Returns:
         Measured and predicted torque with RMSE, NRMSE, R² and share inside the 95 % band of each joint, over all
@@ -212,6 +235,8 @@ def validate(
         raise ExoidError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
     if cutoff is not None and preparation is not None:
         raise ExoidError("cutoff is that of the parallel filter, which preparation replaces", remedy="pass one of them")
+    if actuators is not None:
+        estimate = replace(estimate, actuators=Actuators.of(estimate.model.leg, actuators))
     chosen = TorqueFilter.of(estimate, cutoff, preparation)
     parts = tuple(_validate_one(estimate, each, chosen) for each in several)
     if len(parts) == 1:
@@ -238,9 +263,12 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
     parts = []
     for rows in each_row(model, prepared):
         half = factor * np.sqrt(estimate.measured_variance(rows.W, bandwidth))
-        parts.append((rows.time, rows.tau, rows.W[..., :count] @ estimate.values, half))
+        payload = 0.0 if rows.payload is None else rows.payload
+        parts.append((rows.time, rows.tau + payload, rows.W[..., :count] @ estimate.values + payload, half))
     time, measured, predicted, half = (np.concatenate(part) for part in zip(*parts, strict=True))
     name = recording.source.name if recording.source else ""
+    chosen_joints = for_leg(model, recording)
+    measured[:, ~chosen_joints.measured] = np.nan
     alone = Validation(estimate.joint_names, time, measured, predicted, name or "array", half_width=half, filter=chosen)
     used = prepared.inside
     ranges = MotionRanges.of(prepared.motion.q[used], prepared.motion.v[used], prepared.motion.a[used])
@@ -250,7 +278,11 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
         of_training = np.sqrt(bandwidth) * estimate.residual_rms
         growth = np.divide(alone.rmse, of_training, out=growth, where=of_training > 0.0)
         independent = len(time) * preparation.independent_fraction(rate)
-        found += narrow_bands(estimate, alone.coverage, independent, name)
-        found += late_torques(estimate.joint_names, time, predicted, alone.residual, alone.coverage, name)
-    found += poor_predictions(estimate, alone.nrmse, growth, name)
+        coverage = np.where(estimate.trained, alone.coverage, np.nan)
+        found += narrow_bands(estimate, coverage, independent, name)
+        found += late_torques(estimate.joint_names, time, predicted, alone.residual, coverage, name)
+    found += unmeasured_torques(estimate, chosen_joints.measured, name)
+    found += poor_predictions(
+        estimate, alone.nrmse, growth, name, passive=chosen_joints.measured & ~chosen_joints.driven
+    )
     return replace(alone, findings=ordered(found))

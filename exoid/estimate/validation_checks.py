@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.findings import Finding
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording, without_torque_delay
@@ -41,15 +41,20 @@ LATE = 0.5
 
 
 def as_trained(estimate: EstimateData, recording: Recording) -> Recording:
-    """Shift torques by the delays that were taken out of those of the training.
+    """Compute torques by the drives of the training, and shift them by the delays that were taken out there.
 
     Args:
-        estimate: The estimate, with its delays.
+        estimate: The estimate, with its drives and delays.
         recording: A recording.
 
     Returns:
-        The recording; as it is where the estimate has no delays.
+        The recording; as it is where the estimate has neither drives nor delays.
+
+    Raises:
+        ExoidError: The recording has neither torque nor what the drives need.
     """
+    if estimate.actuators is not None:
+        recording = estimate.actuators.torque(recording)
     if not estimate.torque_delays.any():
         return recording
     chosen = for_leg(estimate.model, recording)
@@ -117,8 +122,35 @@ def extrapolations(estimate: EstimateData, ranges: MotionRanges, source: str = "
                 )
 
 
+def unmeasured_torques(estimate: EstimateData, measured: BoolArray, source: str = "") -> Iterator[Finding]:
+    """Say which joints cannot be validated, and which are predicted without their friction.
+
+    Args:
+        estimate: The estimate.
+        measured: Whether the torque of each is known, (n,).
+        source: Name of the recording.
+
+    Yields:
+        One finding for each joint without torque here or in the training.
+    """
+    for joint, trained, there in zip(estimate.joint_names, estimate.trained, measured, strict=True):
+        if trained and there:
+            continue
+        message, remedy = (
+            (f"the torque of {joint} was not measured in the training: friction is not predicted", "identify from it")
+            if there
+            else (f"the torque of {joint} was not measured: its prediction is not compared", "record it")
+        )
+        yield Finding("unmeasured-torque", joint, 1.0, "1", "info", message, remedy, recording=source)
+
+
 def poor_predictions(
-    estimate: EstimateData, nrmse: FloatArray, growth: FloatArray, source: str = ""
+    estimate: EstimateData,
+    nrmse: FloatArray,
+    growth: FloatArray,
+    source: str = "",
+    *,
+    passive: BoolArray | None = None,
 ) -> Iterator[Finding]:
     """Find joints whose torque is predicted badly: by itself, or in comparison with the training.
 
@@ -127,13 +159,27 @@ def poor_predictions(
         nrmse: RMSE of each joint over the standard deviation of its torque, (n,).
         growth: RMSE of each joint over that of the training, (n,).
         source: Name of the recording.
+        passive: Joints whose torque is zero, (n,); None for none.
 
     Yields:
         One finding for each joint.
     """
-    for joint, error, grown in zip(estimate.joint_names, nrmse, growth, strict=True):
+    of_passive = np.zeros(len(nrmse), dtype=np.bool_) if passive is None else passive
+    for joint, error, grown, is_passive in zip(estimate.joint_names, nrmse, growth, of_passive, strict=True):
         if not np.isfinite(error):
-            if grown > GROWN:
+            if grown > GROWN and is_passive:
+                yield Finding(
+                    "large-residual",
+                    joint,
+                    float(grown),
+                    "1",
+                    "warning",
+                    f"the joint is passive, and the predicted torque is {grown:.3g} times further from zero than in "
+                    "the training",
+                    "check whether the joint is really passive, and whether the leg has changed",
+                    recording=source,
+                )
+            elif grown > GROWN:
                 yield Finding(
                     "large-residual",
                     joint,

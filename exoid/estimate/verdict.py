@@ -28,7 +28,7 @@ def verdict_of(findings: Sequence[Finding]) -> Verdict:
     Returns:
         The verdict.
     """
-    lowering = [finding for finding in findings if finding.kind in LOWERING]
+    lowering = _lowering(findings)
     if any(finding.severity == "error" for finding in lowering):
         return "does not predict"
     return "predicts poorly" if lowering else "predicts"
@@ -44,8 +44,14 @@ def verdict_line(findings: Sequence[Finding]) -> str:
         The line.
     """
     reasons = []
+    told = [*_lowering(findings), *(finding for finding in findings if finding.kind == "extrapolation")]
     for kind in (*LOWERING, "extrapolation"):
-        joints = dict.fromkeys(finding.joint for finding in findings if finding.kind == kind)
+        joints = dict.fromkeys(finding.joint for finding in told if finding.kind == kind)
         if joints:
             reasons.append(f"{kind} at {', '.join(joints)}")
     return f"verdict: {verdict_of(findings)}" + (f" ({'; '.join(reasons)})" if reasons else "")
+
+
+def _lowering(findings: Sequence[Finding]) -> list[Finding]:
+    """Findings that lower the verdict; information, such as a delay that was corrected, does not."""
+    return [finding for finding in findings if finding.kind in LOWERING and finding.severity != "info"]

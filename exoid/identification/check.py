@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from exoid.checks import signal_findings
 from exoid.errors import ExoidError
@@ -14,12 +15,16 @@ from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .checkup import check_group
+from .drive_constants import refuse_unknown_scale, with_found
+from .drives import DrivenGroups, Drives
 from .estimators import find_estimator
 from .fitting import Task
 from .group_rows import Group
 from .identify import fit_model
-from .recording_summary import prepare_groups, summarize_groups
+from .recording_summary import bases_turn, has_unmeasured_joints, prepare_groups, summarize_groups
 from .repeats import counted_once
+from .rotors_apart import rotors_apart
+from .unmeasured import only_measured
 
 
 def check(
@@ -30,6 +35,7 @@ def check(
     cutoff: float | None = None,
     preparation: Preparation | str | None = None,
     known: Mapping[str, float] | None = None,
+    actuators: Drives | None = None,
 ) -> tuple[Finding, ...]:
     """Check logs for the mistakes that real logs have.
 
@@ -44,6 +50,7 @@ def check(
         cutoff: Cut-off frequency of the parallel filter [Hz]; None to choose it.
         preparation: Another way from a recording to rows, or its name.
         known: Parameters that are known, by name.
+        actuators: Drives of the recordings, as for :func:`exoid.identify`; None for torques.
 
     Returns:
         Findings, the worst first; empty where nothing was found. A log that nothing can be identified from has the
@@ -59,22 +66,39 @@ def check(
     """
     used = DEFAULT_TERMS if terms is None else tuple(terms)
     groups: tuple[Group, ...] = (Group.alone(leg, recordings),)
-    model = TorqueModel.at_start(leg, used, tuple(known or ()))
+    mounted, unknown, knowledge = None, None, PriorKnowledge.of(known, None, nonnegative=False)
+    if actuators is not None:
+        driven = DrivenGroups.of(groups, actuators)
+        used = driven.default_terms() if terms is None else used
+        groups, mounted = driven.groups, driven.actuators[0]
+        knowledge = replace(knowledge, known=driven.known_rotors(used, knowledge))
+        driven.refuse_unknown(find_estimator("wls"), used, None, knowledge.names)
+        unknown = driven.unknown
+    model = TorqueModel.at_start(leg, used, tuple(knowledge.known))
     data = groups[0].data
     if isinstance(data, Cluster):
         raise ExoidError("recordings are on the workers of a cluster", remedy="check them before they are sent")
     signals = signal_findings(model, data)
     try:
-        knowledge = PriorKnowledge.of(known, None, nonnegative=False)
         summaries = summarize_groups(
             groups, {"": model}, (), knowledge, for_cutoff=preparation is None and cutoff is None
         )
-        groups, summaries, (repeats,) = counted_once(groups, summaries)
+        if has_unmeasured_joints(summaries.values()):
+            used, (unmeasured,) = only_measured(find_estimator("wls"), used, groups, summaries, knowledge)
+            model = TorqueModel.at_start(leg, used, tuple(knowledge.known))
+            signals = (*signals, *unmeasured)
+        groups, summaries, (repeats,) = counted_once(groups, {"": model}, summaries)
+        if bases_turn(summaries.values()):
+            model = TorqueModel.at_start(leg, used, (*knowledge.known, *rotors_apart([model])))
         prepared = prepare_groups(groups, {"": model}, summaries, preparation, cutoff)
-        fitted = fit_model(Task(prepared, (model,), used, find_estimator("wls"), (), knowledge))
+        if unknown is not None:
+            refuse_unknown_scale(unknown, summaries[""], knowledge)
+        fitted = fit_model(Task(prepared, (model,), used, find_estimator("wls"), (), knowledge, unknown=unknown))
     except ExoidError as error:
         refused = Finding("not-identifiable", "", 1.0, "1", "error", error.what, error.remedy, parameters=model.names)
         return ordered((*signals, refused))
     covariance = uncertainty_of(fitted.problem, fitted.fit, white=False).covariance
     count = len(fitted.models[0].names)
-    return ordered((*repeats, *check_group(fitted, 0, covariance[:count, :count]).findings))
+    without = (finding for finding in signals if finding.kind == "unmeasured-torque")
+    mounted = mounted if unknown is None else with_found(unknown, fitted)
+    return ordered((*repeats, *without, *check_group(fitted, 0, covariance[:count, :count], mounted).findings))

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.actuators import Actuators
 from exoid.checks import Checkup, FittedLeg, check_fit, torque_delays
 from exoid.errors import ExoidError
 from exoid.estimate.model_error import ModelError
-from exoid.estimate.motion_ranges import MotionRanges
 from exoid.findings import Finding
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.rows import for_leg
@@ -19,7 +19,7 @@ from exoid.signals import Cluster, Poses, without_torque_delay
 from exoid.torques import TorqueModel
 
 from .fitting import Fitted, Task
-from .friction_form import friction_form_error
+from .friction_form import friction_form_error, friction_rows
 from .group_rows import Group
 
 NOT_CHECKED = Finding(
@@ -34,13 +34,14 @@ NOT_CHECKED = Finding(
 """Stands for the checks of recordings on a cluster."""
 
 
-def check_group(fitted: Fitted, group: int, covariance: FloatArray) -> Checkup:
+def check_group(fitted: Fitted, group: int, covariance: FloatArray, actuators: Actuators | None = None) -> Checkup:
     """Check the logs of one group, and the fit to them.
 
     Args:
         fitted: The fit of all groups.
         group: Index of the group.
         covariance: Covariance of the parameters of its model, (P, P).
+        actuators: Drives of its recordings; None where torques were measured.
 
     Returns:
         Findings and ranges of the motion; for recordings on a cluster only that they were not checked.
@@ -48,13 +49,13 @@ def check_group(fitted: Fitted, group: int, covariance: FloatArray) -> Checkup:
     data = fitted.problem.groups[group].data
     if isinstance(data, Cluster):
         return Checkup((NOT_CHECKED,))
-    return check_fit(_fitted_leg(fitted, group, covariance), data)
+    return check_fit(_fitted_leg(fitted, group, covariance)._replace(actuators=actuators), data)
 
 
 def model_error(
     fitted: Fitted,
     group: int,
-    ranges: MotionRanges | None,
+    checkup: Checkup,
     residual_rms: FloatArray,
     noise: Sequence[JointNoise],
 ) -> ModelError | None:
@@ -63,7 +64,7 @@ def model_error(
     Args:
         fitted: The fit of all groups.
         group: Index of the group.
-        ranges: Ranges of its motion; None where they are not known.
+        checkup: Result of its checks, with the ranges of the motion.
         residual_rms: RMS residual of each joint [N·m], (n,).
         noise: Noise of the residuals of each joint.
 
@@ -71,11 +72,13 @@ def model_error(
         The model error; None for recordings on a cluster, or without ranges.
     """
     data = fitted.problem.groups[group].data
-    if ranges is None or isinstance(data, Cluster):
+    if checkup.ranges is None or isinstance(data, Cluster):
         return None
-    nothing = np.zeros((len(fitted.models[group].names),) * 2)
+    speed = checkup.ranges.speed
+    leg = _fitted_leg(fitted, group, np.zeros((len(fitted.models[group].names),) * 2))
     share = np.array([joint.effective_samples / max(joint.samples, 1) for joint in noise])
-    return friction_form_error(_fitted_leg(fitted, group, nothing), ranges.speed, residual_rms, share, data)
+    rows = friction_rows(leg, speed, data) if checkup.friction is None else checkup.friction
+    return friction_form_error(leg, speed, residual_rms, share, rows)
 
 
 class WithoutDelays(NamedTuple):

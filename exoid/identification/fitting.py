@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from exoid._typing import FloatArray
+from exoid.actuators import Actuators
 from exoid.estimate.nonlinear import NonlinearParameters
 from exoid.regression.fit import Fit
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
@@ -27,6 +28,7 @@ class Task(NamedTuple):
         own: Names of parameters that each group has of its own.
         prior_knowledge: Known parameters, priors and signs.
         keep: Function that selects rows; None for all.
+        unknown: Drives with unknown constants, which are found beside the parameters; None for none.
     """
 
     groups: tuple[Group, ...]
@@ -36,6 +38,7 @@ class Task(NamedTuple):
     own: tuple[str, ...] = ()
     prior_knowledge: PriorKnowledge = NO_PRIOR_KNOWLEDGE
     keep: Keep | None = None
+    unknown: Actuators | None = None
 
 
 class Fitted(NamedTuple):

@@ -12,9 +12,9 @@ from exoid._typing import FloatArray
 from exoid.checks import FittedLeg
 from exoid.checks.sample import few_of, some_samples
 from exoid.errors import ExoidError
-from exoid.estimate.alternative_friction import COUNT, KINDS, WithAlternatives
+from exoid.estimate.alternative_friction import COUNT, KINDS, with_alternatives
 from exoid.estimate.model_error import ModelError
-from exoid.regression.rows import Rows, chain, decimate, form_rows, prepare
+from exoid.regression.rows import Rows, chain, decimated, form_rows, prepare
 from exoid.signals import Poses, Recording
 
 SIZES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
@@ -35,7 +35,7 @@ def friction_form_error(
     speed: FloatArray,
     residual_rms: FloatArray,
     independent: FloatArray,
-    data: Sequence[Recording | Poses],
+    rows: Sequence[Rows],
 ) -> ModelError | None:
     """Average over forms of friction that the terms do not have (Bayesian model averaging).
 
@@ -50,13 +50,11 @@ def friction_form_error(
         speed: Largest speed of the training [rad/s], (n,).
         residual_rms: RMS residual of each joint [N·m], (n,).
         independent: Independent samples over decimated rows of each joint, (n,).
-        data: Recordings and poses.
+        rows: Decimated rows of parameters and alternatives, of recordings in motion.
 
     Returns:
-        The model error; None where no recording in motion gives rows.
+        The model error; None where there are no rows.
     """
-    model = WithAlternatives(fitted.model, fitted.values, speed)
-    rows = _rows(model, fitted, data)
     if not rows:
         return None
     joints = [_Joint.of(rows, j, fitted.values, float(residual_rms[j])) for j in range(len(speed))]
@@ -122,20 +120,25 @@ def _absorbed(joints: Sequence[_Joint], free: NDArray[np.bool_]) -> FloatArray:
     return G
 
 
-def _rows(model: WithAlternatives, fitted: FittedLeg, data: Sequence[Recording | Poses]) -> list[Rows]:
-    """Form decimated rows of recordings in motion, of as many samples as checks look at."""
-    found = []
+def friction_rows(fitted: FittedLeg, speed: FloatArray, data: Sequence[Recording | Poses]) -> list[Rows]:
+    """Form decimated rows of recordings in motion, of as many samples as checks look at.
+
+    Args:
+        fitted: Torque model, preparation and parameters.
+        speed: Largest speed of the training [rad/s], (n,).
+        data: Recordings and poses.
+
+    Returns:
+        Rows of parameters and alternatives.
+    """
+    model, found = with_alternatives(fitted.model, fitted.values, speed), []
     moving = [one for one in few_of(data) if isinstance(one, Recording)]
     for one in some_samples(fitted.model, moving):
         try:
-            prepared = prepare(model, one, fitted.preparation)
+            prepared = decimated(prepare(model, one, fitted.preparation))
         except ExoidError:  # too short for the filter
             continue
-        before, kept = 0, []
-        for stretch in prepared.stretches():
-            kept.append(decimate(form_rows(model, prepared, stretch), before, len(prepared.rows)))
-            before += len(stretch)
-        found.append(chain([rows for rows in kept if len(rows.time)]))
+        found.append(chain([form_rows(model, prepared, stretch) for stretch in prepared.stretches()]))
     return found
 
 
@@ -151,21 +154,21 @@ def _average(H: FloatArray, h: FloatArray, unit: FloatArray, joints: int) -> Flo
     Returns:
         Second moment, (n K, n K).
     """
-    moments, evidence = [], []
+    sizes, spectra, evidence = np.array(SIZES)[:, None], [], []
     for columns in (*KINDS.values(), tuple(range(COUNT))):
         chosen = np.flatnonzero(np.tile(np.isin(np.arange(COUNT), columns), joints) & (unit > 0.0))
-        for size in SIZES:
-            scale = size * unit[chosen]
-            sizes, vectors = np.linalg.eigh(scale[:, None] * H[np.ix_(chosen, chosen)] * scale)
-            sizes = 1.0 + np.clip(sizes, 0.0, None)
-            mean = vectors @ (vectors.T @ (scale * h[chosen]) / sizes)
-            evidence.append(0.5 * float(scale * h[chosen] @ mean - np.log(sizes).sum()))
-            whole = np.zeros_like(H)
-            inner = (vectors / sizes) @ vectors.T + np.multiply.outer(mean, mean)
-            whole[np.ix_(chosen, chosen)] = scale[:, None] * inner * scale
-            moments.append(whole)
-    weights = np.exp(np.array(evidence) - max(evidence))
-    return np.asarray(np.tensordot(weights / weights.sum(), np.array(moments), axes=1))
+        scale = unit[chosen]
+        squares, vectors = np.linalg.eigh(scale[:, None] * H[np.ix_(chosen, chosen)] * scale)
+        shrunk = sizes**2 / (1.0 + sizes**2 * np.clip(squares, 0.0, None))  # eigenvalues of S in units of the torque
+        turned = vectors.T @ (scale * h[chosen])
+        spectra.append((chosen, scale[:, None] * vectors, shrunk, shrunk * turned))
+        evidence.append(0.5 * (shrunk @ turned**2 + np.log(shrunk / sizes**2).sum(axis=1)))
+    weights = np.exp(np.array(evidence) - np.max(evidence))
+    total = np.zeros_like(H)
+    for of_kind, (chosen, vectors, shrunk, means) in zip(weights / weights.sum(), spectra, strict=True):
+        inner = np.diag(of_kind @ shrunk) + (means.T * of_kind) @ means
+        total[np.ix_(chosen, chosen)] += vectors @ inner @ vectors.T
+    return total
 
 
 def _root(moment: FloatArray, scale: FloatArray) -> FloatArray:

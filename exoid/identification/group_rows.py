@@ -69,8 +69,7 @@ def within(part: str) -> Iterator[None]:
     try:
         yield
     except ExoidError as error:
-        where = ", ".join(filter(None, (part, error.where)))
-        raise ExoidError(error.what, where=where, remedy=error.remedy, command=error.command) from error
+        raise error.within(part) from error
 
 
 class Group(NamedTuple):
@@ -81,12 +80,14 @@ class Group(NamedTuple):
         leg: The leg.
         data: Its recordings and poses.
         preparation: Filter and differentiation; None while it is not chosen.
+        unmeasured: Joints without torque in any of the recordings.
     """
 
     name: str
     leg: Leg
     data: Data
     preparation: Preparation | None = None
+    unmeasured: tuple[str, ...] = ()
 
     @classmethod
     def alone(cls, leg: Leg, recordings: Measured | Cluster) -> Group:
@@ -142,6 +143,7 @@ class GroupRows:
         preparation: Filter and differentiation.
         keep: Function that selects rows, given the index of the recording and their times [s], (N,); None for all.
         memory_share: Part of :data:`KEPT_BYTES` for rows that are kept, where there are several groups.
+        unmeasured: Joints without torque in any of the recordings, which have no rows.
     """
 
     model: TorqueModel
@@ -149,6 +151,7 @@ class GroupRows:
     preparation: Preparation
     keep: Keep | None = None
     memory_share: float = 1.0
+    unmeasured: tuple[str, ...] = ()
     _kept: dict[tuple[int, bool], list[Rows]] = field(default_factory=dict, init=False, repr=False)
     _filed: dict[int, RowsFile] = field(default_factory=dict, init=False, repr=False)
     _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)

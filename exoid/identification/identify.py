@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import overload
+from dataclasses import replace
+from typing import NamedTuple, overload
 
 from exoid.errors import ExoidError
 from exoid.estimate.estimate import Estimate
@@ -15,14 +16,18 @@ from exoid.signals import Cluster, Poses, Preparation, Recording
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .checkup import without_delays
+from .drive_constants import refuse_unknown_scale, search_constants, with_found
+from .drives import DrivenGroups, Drives
 from .estimators import Estimator, find_estimator, fit_by, name_of
 from .fitting import Fitted, Start, Task
 from .group_rows import Group, Measured
 from .groups import make_groups, own_parameters, refuse_nonlinear_terms
 from .problem import Problem
-from .recording_summary import prepare_groups, summarize_groups
+from .recording_summary import RecordingSummary, bases_turn, has_unmeasured_joints, prepare_groups, summarize_groups
 from .repeats import counted_once
 from .result import Preliminaries, Result
+from .rotors_apart import rotors_apart
+from .unmeasured import only_measured
 from .variable_projection import search
 
 NOISES = ("correlated", "white")
@@ -44,6 +49,7 @@ def identify(
     nonnegative: bool = False,
     delay: str | None = None,
     check: bool = True,
+    actuators: Drives | None = None,
 ) -> Estimate: ...
 
 
@@ -63,6 +69,7 @@ def identify(
     nonnegative: bool = False,
     delay: str | None = None,
     check: bool = True,
+    actuators: Drives | None = None,
 ) -> GroupedEstimate: ...
 
 
@@ -82,6 +89,7 @@ def identify(
     nonnegative: bool = False,
     delay: str | None = None,
     check: bool = True,
+    actuators: Drives | None = None,
 ) -> GroupedEstimate: ...
 
 
@@ -100,6 +108,7 @@ def identify(
     nonnegative: bool = False,
     delay: str | None = None,
     check: bool = True,
+    actuators: Drives | None = None,
 ) -> Estimate | GroupedEstimate:
     """Identify the parameters of a leg from recorded motions and torques (docs/identification.md).
 
@@ -124,6 +133,9 @@ def identify(
         delay: "auto" to estimate by how much torques are late, and to shift them; None to leave them as they are.
         check: Whether to check logs and fit for faults, ``findings`` of the estimate (docs/checks.md), and for friction
             of other forms, which widens bands (``model_error``).
+        actuators: Drives that turn currents, forces or motor angles of the recordings into torque: one for each joint
+            by its name, such as :class:`exoid.actuators.Motor` (docs/drives.md); None for torques. Constants of drives
+            that are not known are identified where something is known in N·m, such as a payload (docs/amperes.md).
 
     Returns:
         The estimate; with groups, one for each with their joint covariance.
@@ -137,30 +149,93 @@ def identify(
     """
     _check_noise(noise)
     _check_delay(delay)
-    chosen, terms = find_estimator(estimator), _check_terms(terms)
+    chosen = find_estimator(estimator)
     _refuse_without_effect(chosen, preparation, cutoff)
-    groups, before = _groups(leg, recordings, own), Preliminaries()
-    if len(groups) > 1:
-        refuse_nonlinear_terms({group.name: group.leg for group in groups}, terms)
     knowledge = PriorKnowledge.of(known, prior, nonnegative=nonnegative)
-    models = {group.name: TorqueModel.at_start(group.leg, terms, knowledge.known_names) for group in groups}
-    own_names = () if own is None and list(models) == [""] else own_parameters(models, own)
-    summaries = summarize_groups(
-        groups, models, own_names, knowledge, for_cutoff=preparation is None and cutoff is None
-    )
-    if any(len(of_group) > 1 for of_group in summaries.values()):
-        groups, summaries, repeats = counted_once(groups, summaries)
-        before = Preliminaries(repeats)
-    prepared = prepare_groups(groups, models, summaries, preparation, cutoff)
-    task = Task(prepared, tuple(models.values()), terms, chosen, own_names, knowledge)
+    inputs = _Inputs(_groups(leg, recordings, own), _check_terms(terms), knowledge)
+    if actuators is not None:
+        inputs = inputs.driven(actuators, chosen, delay, default_terms=terms is None)
+    task, summaries, before = _gather(inputs, chosen, own, preparation, cutoff)
     fitted = fit_model(task)
     if delay is not None:
         task, delays, shifts = without_delays(task, fitted)
         fitted = fit_model(task) if any(shifts) else fitted
         before = before.shifted(delays, shifts)
-    before = before._replace(cutoff_source=_cutoff_source(preparation, cutoff))
+    if task.unknown is not None:
+        before = before._replace(actuators=(with_found(task.unknown, fitted),))
     result = Result.of(fitted, list(summaries.values()), chosen, white=noise == "white", check=check, before=before)
-    return result.estimate() if groups[0].name == "" else result.grouped_estimate()
+    return result.estimate() if task.groups[0].name == "" else result.grouped_estimate()
+
+
+class _Inputs(NamedTuple):
+    """What an identification begins with.
+
+    Attributes:
+        groups: Groups of recordings.
+        terms: Terms beside rigid-body dynamics.
+        knowledge: What is known beside the recordings.
+        drives: Drives of which torques were computed; None without drives.
+    """
+
+    groups: tuple[Group, ...]
+    terms: tuple[Term, ...]
+    knowledge: PriorKnowledge
+    drives: DrivenGroups | None = None
+
+    def driven(self, drives: Drives, estimator: Estimator, delay: str | None, *, default_terms: bool) -> _Inputs:
+        """Turn readings of drives into torque; coupled motors have terms, and known rotors are held."""
+        found = DrivenGroups.of(self.groups, drives)
+        terms = found.default_terms() if default_terms else self.terms
+        known = found.known_rotors(terms, self.knowledge)
+        found.refuse_unknown(estimator, terms, delay, (*known, *self.knowledge.prior.values))
+        return _Inputs(found.groups, terms, replace(self.knowledge, known=known), found)
+
+
+def _gather(
+    inputs: _Inputs,
+    estimator: Estimator,
+    own: str | Sequence[str] | None,
+    preparation: Preparation | str | None,
+    cutoff: float | None,
+) -> tuple[Task, dict[str, list[RecordingSummary]], Preliminaries]:
+    """Summarize the recordings, which say what terms and parameters there are, and prepare them for the fit."""
+    groups, terms, knowledge, drives = inputs
+    before = Preliminaries(cutoff_source=_cutoff_source(preparation, cutoff))
+    if drives is not None:
+        before = before._replace(actuators=drives.actuators)
+    unknown = None if drives is None else drives.unknown
+    models, own_names = _models(groups, terms, knowledge, own)
+    by_noise = preparation is None and cutoff is None
+    summaries = summarize_groups(groups, models, own_names, knowledge, for_cutoff=by_noise)
+    if has_unmeasured_joints(summaries.values()):
+        terms, unmeasured = only_measured(estimator, terms, groups, summaries, knowledge)
+        models, own_names = _models(groups, terms, knowledge, own)
+        before = before.beside_others(unmeasured)
+    if any(len(of_group) > 1 for of_group in summaries.values()):
+        groups, summaries, repeats = counted_once(groups, models, summaries)
+        before = before.beside_others(repeats)
+    if bases_turn(summaries.values()):
+        models, own_names = _models(groups, terms, knowledge, own, rotors_apart(models.values()))
+    prepared = prepare_groups(groups, models, summaries, preparation, cutoff)
+    if unknown is not None:
+        refuse_unknown_scale(unknown, next(iter(summaries.values())), knowledge)
+    task = Task(prepared, tuple(models.values()), terms, estimator, own_names, knowledge, unknown=unknown)
+    return task, summaries, before
+
+
+def _models(
+    groups: Sequence[Group],
+    terms: Sequence[Term],
+    knowledge: PriorKnowledge,
+    own: str | Sequence[str] | None,
+    apart: Sequence[str] = (),
+) -> tuple[dict[str, TorqueModel], tuple[str, ...]]:
+    """Torque model of each group, and names of the parameters that each has of its own."""
+    if len(groups) > 1:
+        refuse_nonlinear_terms({group.name: group.leg for group in groups}, terms)
+    separate = (*knowledge.known_names, *apart)
+    models = {group.name: TorqueModel.at_start(group.leg, terms, separate) for group in groups}
+    return models, () if own is None and list(models) == [""] else own_parameters(models, own)
 
 
 def _cutoff_source(preparation: Preparation | str | None, cutoff: float | None) -> str:
@@ -184,6 +259,8 @@ def fit_model(task: Task, start: Start | None = None) -> Fitted:
     Raises:
         ExoidError: Parameters are not determined by the rows: names them.
     """
+    if task.unknown is not None:
+        return search_constants(task, task.unknown)
     if any(term.nonlinear or term.loaded for term in task.terms):
         return search(task, start)
     problem = Problem.of(task.groups, task.models, task.own, task.prior_knowledge, task.keep)

@@ -61,7 +61,7 @@ class Problem:
             The problem; rows are formed when they are first needed.
         """
         rows = tuple(
-            GroupRows(model, group.data, group.chosen_preparation, keep, 1.0 / len(groups))
+            GroupRows(model, group.data, group.chosen_preparation, keep, 1.0 / len(groups), group.unmeasured)
             for model, group in zip(models, groups, strict=True)
         )
         layout = ParameterLayout.of([group.name for group in groups], models[0].names, models[0].units, own)
@@ -92,6 +92,40 @@ class Problem:
             raise ExoidError(
                 "this estimator is for one leg alone, and there are several groups",
                 remedy="use one of gls, huber, ols, wls",
+            )
+
+    def refuse_moving_base(self, estimator: str) -> None:
+        """Refuse recordings whose base moves, for estimators that simulate the leg.
+
+        Args:
+            estimator: Name of the estimator, for the message.
+
+        Raises:
+            ExoidError: The base moves in a recording of the only group.
+        """
+        moving = next((data for data in self.local_data if isinstance(data, Recording) and data.base), None)
+        if moving is not None:
+            raise ExoidError(
+                f"{estimator} simulates the leg on a base at rest, and the base moves in a recording",
+                where=moving.source.name if moving.source else "",
+                remedy="use wls",
+            )
+
+    def refuse_payloads(self, estimator: str) -> None:
+        """Refuse recordings with payloads, for estimators that do not fit the rows.
+
+        Args:
+            estimator: Name of the estimator, for the message.
+
+        Raises:
+            ExoidError: A recording of the only group has a payload.
+        """
+        loaded = next((data for data in self.local_data if data.payloads), None)
+        if loaded is not None:
+            raise ExoidError(
+                f"{estimator} fits the leg without payloads, and a recording has {loaded.payloads[0]}",
+                where=loaded.source.name if loaded.source else "",
+                remedy="use wls, huber, gls or ols",
             )
 
     @property
@@ -184,8 +218,9 @@ class Problem:
         """
         for name, rows in zip(self.layout.groups, self.groups, strict=True):
             with within(name):
-                of_joints = [stack(r_factors) for r_factors in zip(*rows.by_kind, strict=True)]
-                refuse_empty_joints(rows.model.joint_names, of_joints)
+                of_joints = zip(rows.model.joint_names, *rows.by_kind, strict=True)
+                driven = {name: stack(r_factors) for name, *r_factors in of_joints if name not in rows.unmeasured}
+                refuse_empty_joints(list(driven), list(driven.values()))
             self._forget(rows)
 
     def weights_of(self, group: int, weights: Sequence[float]) -> list[float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from itertools import combinations, product
 from typing import NamedTuple
@@ -32,6 +32,13 @@ LOOKED_AT = 100_000
 """Samples spread over a long recording that are looked at to find that value."""
 
 
+TURNING = 0.05
+"""Least angular velocity of a base that turns, over that of the first joint, root mean square each.
+
+Below it, the motion of the base hardly tells a rotor from the link that it turns with.
+"""
+
+
 class Torques(NamedTuple):
     """Values that the torque of each joint has, (n,) each.
 
@@ -40,12 +47,18 @@ class Torques(NamedTuple):
         constant: Whether all others are the same.
         middle: Their median [N·m].
         share: Part of the samples that have exactly the median.
+        measured: Whether there are any, or the joint is passive.
+        passive: Whether the joint is passive.
+        computed: Whether they were computed of what a drive measured.
     """
 
     first: FloatArray
     constant: NDArray[np.bool_]
     middle: FloatArray
     share: FloatArray
+    measured: NDArray[np.bool_]
+    passive: NDArray[np.bool_]
+    computed: NDArray[np.bool_]
 
 
 class RecordingSummary(NamedTuple):
@@ -59,6 +72,8 @@ class RecordingSummary(NamedTuple):
         mean: Mean angle of each joint [rad], (n,).
         torques: None where there are none.
         acceleration_power: Noise of the angles beside their motion, for the cut-off; None where it is not needed.
+        base_turning: Angular velocity of the base over that of the first joint, root mean square each; 0 for a base at
+            rest. Of a planar leg only rotation within its plane counts.
     """
 
     evidence: Input
@@ -68,6 +83,7 @@ class RecordingSummary(NamedTuple):
     mean: FloatArray
     torques: Torques | None
     acceleration_power: AccelerationPower | None
+    base_turning: float = 0.0
 
 
 def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool = True) -> RecordingSummary:
@@ -99,9 +115,33 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
         q.min(axis=1),
         q.max(axis=1),
         q.mean(axis=1),
-        None if tau is None else _torques(tau),
+        None if tau is None else _torques(tau, chosen),
         acceleration_power(chosen) if for_cutoff else None,
+        _base_turning(model, chosen) if isinstance(chosen, Recording) and chosen.base is not None else 0.0,
     )
+
+
+def _base_turning(model: TorqueModel, recording: Recording) -> float:
+    """Compare rates of base and first joint, without their means; that of an unmoved joint counts as tiny."""
+    assert recording.base is not None
+    omega = recording.base.angular_velocity
+    if model.leg.chain is not None:
+        omega = omega @ model.leg.chain.plane.lateral[:, np.newaxis]
+    velocity = np.gradient(recording.q[:, 0], recording.time)
+    turning = float(np.sqrt(np.sum(np.var(omega, axis=0))))
+    return turning / max(float(np.std(velocity)), np.finfo(float).tiny)
+
+
+def bases_turn(groups: Iterable[Sequence[RecordingSummary]]) -> bool:
+    """Tell whether the base turns in any recording, by more than :data:`TURNING`.
+
+    Args:
+        groups: Summaries of each group.
+
+    Returns:
+        Whether it does.
+    """
+    return any(one.base_turning > TURNING for summaries in groups for one in summaries)
 
 
 def angles(summaries: Sequence[RecordingSummary]) -> tuple[FloatArray, FloatArray]:
@@ -149,8 +189,18 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
     measured = [(one, one.torques) for one in summaries if one.torques is not None]
     if not measured:
         return  # preparing them says so, and which column is missing
-    first = measured[0][1].first
-    constant = np.all([torques.constant & (torques.first == first) for _, torques in measured], axis=0)
+    every = [torques for _, torques in measured]
+    driven = np.array([torques.measured & ~torques.passive for torques in every])
+    if not driven.any():
+        raise ExoidError(
+            "no joint has a measured torque: without one, only ratios of parameters could be found",
+            where=_sources(summaries),
+            remedy="record the torque of a joint that is not passive",
+        )
+    values = np.array([torques.first for torques in every])
+    first = values[driven.argmax(axis=0), np.arange(len(values[0]))]
+    same = np.array([torques.constant for torques in every]) & (values == first)
+    constant = (same | ~driven).all(axis=0) & driven.any(axis=0)
     dead = {
         joint: value for joint, value, is_dead in zip(model.leg.joint_names, first, constant, strict=True) if is_dead
     }
@@ -162,18 +212,51 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
             f"{found} although the joint{'s move' if len(dead) > 1 else ' moves'}",
             where=_sources(summaries),
             remedy=f"connect {'the' if len(dead) > 1 else 'its'} torque channel{'s' if len(dead) > 1 else ''}, or map "
-            f"the right column to {', '.join(f'tau_{joint}' for joint in dead)}",
+            f"the right column to {', '.join(f'tau_{joint}' for joint in dead)}; a joint without an actuator is "
+            f"passive={tuple(dead)!r}, one without a sensor unmeasured={tuple(dead)!r}",
+            command=f"connect it, or map the right column to {', '.join(f'tau_{joint}' for joint in dead)}; give "
+            f"--passive {','.join(dead)} for joints without an actuator, --unmeasured {','.join(dead)} for those "
+            "without a sensor",
         )
     for index, joint in enumerate(model.leg.joint_names):
         for one, torques in measured:
             middle, share = torques.middle[index], torques.share[index]
-            if MOST < share < 1.0:
+            if MOST < share < 1.0 and not torques.passive[index]:
                 raise ExoidError(
                     f"the torque of joint {joint} is {middle + 0.0:.6g} N·m in {share:.0%} of the samples although "
                     "the joint moves: these say nothing, or something wrong",
                     where=one.source,
                     remedy="use the part of the recording in which torque was measured, see Recording.between",
                 )
+
+
+def has_unmeasured_joints(summaries: Iterable[Sequence[RecordingSummary]]) -> bool:
+    """Tell whether some recording has torques of some joints only.
+
+    Args:
+        summaries: Summaries of the recordings of each group.
+
+    Returns:
+        Whether there is one.
+    """
+    each = (one.torques for of_group in summaries for one in of_group)
+    return any(torques is not None and not torques.measured.all() for torques in each)
+
+
+def unmeasured_joints(joint_names: Sequence[str], groups: Iterable[Sequence[RecordingSummary]]) -> tuple[str, ...]:
+    """List the joints whose torque is not known in any recording, although that of others is.
+
+    Args:
+        joint_names: Joints of the leg, (n,).
+        groups: Summaries of the recordings of each group.
+
+    Returns:
+        Their names.
+    """
+    measured = [one.torques.measured for summaries in groups for one in summaries if one.torques is not None]
+    if not measured:
+        return ()
+    return tuple(name for name, there in zip(joint_names, np.any(measured, axis=0), strict=True) if not there)
 
 
 def _refuse_still_groups(
@@ -283,7 +366,8 @@ def prepare_groups(
         with within(group.name):
             chosen = choose_preparation(summaries[group.name], preparation, cutoff)
             refuse_dead_torques(models[group.name], summaries[group.name])
-        prepared.append(group._replace(preparation=chosen))
+        without = unmeasured_joints(models[group.name].leg.joint_names, [summaries[group.name]])
+        prepared.append(group._replace(preparation=chosen, unmeasured=without))
     return tuple(prepared)
 
 
@@ -302,27 +386,33 @@ def choose_preparation(
     )
 
 
-def _torques(tau: FloatArray) -> Torques:
+def _torques(tau: FloatArray, data: Recording | Poses) -> Torques:
     first = tau[0].copy()  # a view would keep all of it
     middle = np.median(tau[:: 1 + len(tau) // LOOKED_AT], axis=0)
+    passive, computed = (np.isin(data.joint_names, getattr(data, name, ())) for name in ("passive", "computed"))
     constant, share = [], []
     for of_joint, value, common in zip(tau.T, first, middle, strict=True):
         constant.append(bool((of_joint == value).all()))
         share.append(np.count_nonzero(of_joint == common) / len(tau))
-    return Torques(first, np.array(constant), middle, np.array(share))
+    return Torques(first, np.array(constant), middle, np.array(share), ~np.isnan(first), passive, computed)
 
 
 def evidence(data: Recording | Poses) -> Input:
     """Describe a recording by its name, hash and size."""
     rate, segments = (data.sample_rate, data.segment_times) if isinstance(data, Recording) else (0.0, ())
+    payloads = tuple(map(str, data.payloads))
+    base = data.base if isinstance(data, Recording) else None
     if data.source is not None:
-        return Input(data.source.name, data.source.sha256, len(data), rate, segments)
+        return Input(data.source.name, data.source.sha256, len(data), rate, segments, payloads, base is not None)
     digest = hashlib.sha256()
-    for name in ("time", "q", "v", "a", "tau"):
+    for name in ("time", "q", "v", "a", "tau", "current", "force", "motor_torque", "motor_angle", "temperature"):
         array = getattr(data, name, None)
         if array is not None:
             digest.update(np.ascontiguousarray(array).data)
-    return Input("array", digest.hexdigest(), len(data), rate, segments)
+    if base is not None:
+        digest.update(np.ascontiguousarray(base.columns).data)
+        digest.update(np.ascontiguousarray(base.position).data)
+    return Input("array", digest.hexdigest(), len(data), rate, segments, payloads, base is not None)
 
 
 def _sources(summaries: Sequence[RecordingSummary]) -> str:

@@ -1,4 +1,4 @@
-"""Recordings that are passed twice: they count once."""
+"""Recordings that are passed twice, or that overlap: each sample counts once."""
 
 from __future__ import annotations
 
@@ -6,15 +6,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
+from exoid._typing import BoolArray
+from exoid.checks import overlaps
 from exoid.findings import Finding
-from exoid.signals import Cluster, Recordings
+from exoid.regression.rows import for_leg
+from exoid.signals import Cluster, Poses, Recording, Recordings
+from exoid.torques import TorqueModel
 
 from .group_rows import Data, Group
-from .recording_summary import RecordingSummary
+from .recording_summary import RecordingSummary, summarize
+
+FEWEST_SAMPLES = 10
+"""A recording of which fewer samples are left is left out."""
 
 
 class Once(NamedTuple):
-    """Groups of recordings without those that are passed twice.
+    """Groups of recordings without samples that are passed twice.
 
     Attributes:
         groups: The groups.
@@ -27,11 +36,17 @@ class Once(NamedTuple):
     findings: tuple[tuple[Finding, ...], ...]
 
 
-def counted_once(groups: Sequence[Group], summaries: Mapping[str, Sequence[RecordingSummary]]) -> Once:
-    """Leave out recordings that are passed twice, whether in memory or on disk and under whatever name.
+def counted_once(
+    groups: Sequence[Group], models: Mapping[str, TorqueModel], summaries: Mapping[str, Sequence[RecordingSummary]]
+) -> Once:
+    """Leave out samples that are passed twice in a group.
+
+    Copies of a recording are found in memory and on disk, under whatever name. Recordings in memory that overlap get a
+    mask: their shared samples count in the first one only.
 
     Args:
         groups: Groups of recordings; those on a cluster stay as they are.
+        models: Torque model of each group, by its name.
         summaries: Summaries of their recordings, by the name of the group.
 
     Returns:
@@ -39,21 +54,68 @@ def counted_once(groups: Sequence[Group], summaries: Mapping[str, Sequence[Recor
     """
     kept_groups, kept_summaries, findings = [], {}, []
     for group in groups:
-        of_group = list(summaries[group.name])
-        first: dict[tuple[object, ...], int] = {}
-        for place, summary in enumerate(of_group):
-            first.setdefault(_content(summary), place)
-        kept = sorted(first.values())
-        again = [k for k in range(len(of_group)) if k not in set(kept)]
-        if again and not isinstance(group.data, Cluster):
-            group = group._replace(data=_chosen(group.data, kept))  # noqa: PLW2901
-            of_group = [of_group[k] for k in kept]
-            findings.append(tuple(_finding(summaries[group.name][k].source, k) for k in again))
-        else:
-            findings.append(())
-        kept_groups.append(group)
+        data, of_group = group.data, list(summaries[group.name])
+        found: list[Finding] = []
+        if len(of_group) > 1 and not isinstance(data, Cluster):
+            data, of_group, found = _without_copies(data, of_group)
+            if not isinstance(data, Recordings):
+                data, of_group, overlapping = _without_overlaps(models[group.name], data, of_group)
+                found += overlapping
+        kept_groups.append(group if not found else group._replace(data=data))
         kept_summaries[group.name] = of_group
+        findings.append(tuple(found))
     return Once(tuple(kept_groups), kept_summaries, tuple(findings))
+
+
+class _Kept(NamedTuple):
+    """Recordings that count, their summaries, and findings about the others."""
+
+    data: Sequence[Recording | Poses]
+    summaries: list[RecordingSummary]
+    findings: list[Finding]
+
+
+def _without_copies(data: Sequence[Recording | Poses], summaries: Sequence[RecordingSummary]) -> _Kept:
+    """Leave out recordings that are passed twice."""
+    first: dict[tuple[object, ...], int] = {}
+    for place, summary in enumerate(summaries):
+        first.setdefault(_content(summary), place)
+    kept = sorted(first.values())
+    findings = [
+        _finding(1.0, f"{_name(summaries, k)} was passed twice: counted once", summaries[k].source)
+        for k in range(len(summaries))
+        if k not in set(kept)
+    ]
+    return _Kept(_chosen(data, kept) if findings else data, [summaries[k] for k in kept], findings)
+
+
+def _without_overlaps(
+    model: TorqueModel, data: Sequence[Recording | Poses], summaries: Sequence[RecordingSummary]
+) -> _Kept:
+    """Let samples that two recordings share count in the first one only."""
+    moving = [k for k, one in enumerate(data) if isinstance(one, Recording)]
+    recordings = [for_leg(model, one) for one in data if isinstance(one, Recording)]
+    masks: dict[int, BoolArray] = {}
+    findings: list[Finding] = []
+    for overlap in overlaps(recordings):
+        first, second = moving[overlap.first], moving[overlap.second]
+        before = recordings[overlap.second].mask
+        once = ~overlap.again if before is None else before & ~overlap.again
+        masks[second] = masks.get(second, once) & once
+        share = f"share {overlap.share:.0%} of their samples: counted once"
+        names = f"{_name(summaries, first)} and {_name(summaries, second)}"
+        findings.append(_finding(overlap.share, f"{names} {share}", summaries[second].source))
+    kept_data, kept = [], []
+    for k, (one, summary) in enumerate(zip(data, summaries, strict=True)):
+        if k not in masks:
+            kept_data.append(one)
+            kept.append(summary)
+        elif isinstance(one, Recording) and np.count_nonzero(masks[k]) >= FEWEST_SAMPLES:
+            rest = replace(one, mask=masks[k])
+            kept_data.append(rest)
+            power = summary.acceleration_power  # that of the angles of the whole recording
+            kept.append(summarize(model, rest, for_cutoff=False)._replace(acceleration_power=power))
+    return _Kept(kept_data if findings else data, kept, findings)
 
 
 def _content(summary: RecordingSummary) -> tuple[object, ...]:
@@ -63,7 +125,7 @@ def _content(summary: RecordingSummary) -> tuple[object, ...]:
     return (evidence.sha256, evidence.samples, evidence.segments, *(array.tobytes() for array in angles))
 
 
-def _chosen(data: Data, places: Sequence[int]) -> Data:
+def _chosen(data: Data, places: Sequence[int]) -> Sequence[Recording | Poses]:
     """Take some recordings; those on disk are not read."""
     assert not isinstance(data, Cluster)
     if isinstance(data, Recordings):
@@ -71,16 +133,10 @@ def _chosen(data: Data, places: Sequence[int]) -> Data:
     return [data[k] for k in places]
 
 
-def _finding(source: str, place: int) -> Finding:
-    """Say that a recording was passed twice."""
-    name = source or f"recording {place + 1}"
-    return Finding(
-        "repeated-data",
-        "",
-        1.0,
-        "1",
-        "warning",
-        f"{name} was passed twice: counted once",
-        "pass every sample once",
-        recording=source,
-    )
+def _name(summaries: Sequence[RecordingSummary], place: int) -> str:
+    return summaries[place].source or f"recording {place + 1}"
+
+
+def _finding(share: float, message: str, source: str) -> Finding:
+    """Say which samples were passed twice."""
+    return Finding("repeated-data", "", share, "1", "warning", message, "pass every sample once", recording=source)

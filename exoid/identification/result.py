@@ -11,6 +11,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.actuators import Actuators
 from exoid.checks import Checkup
 from exoid.estimate.data import Input
 from exoid.estimate.equality import own_equality
@@ -50,11 +51,25 @@ class Preliminaries(NamedTuple):
         findings: What was mended in each group; empty for nothing.
         delays: Delays that were taken out of the torques of each group [s], (n,) each; empty for none.
         cutoff_source: How the cut-off was chosen.
+        actuators: Drives of each group; empty where torques were measured.
     """
 
     findings: tuple[tuple[Finding, ...], ...] = ()
     delays: tuple[FloatArray, ...] = ()
     cutoff_source: str = ""
+    actuators: tuple[Actuators, ...] = ()
+
+    def beside_others(self, findings: Sequence[tuple[Finding, ...]]) -> Preliminaries:
+        """Add findings of each group.
+
+        Args:
+            findings: Findings of each group.
+
+        Returns:
+            All that was found before the fit.
+        """
+        before = self.findings or ((),) * len(findings)
+        return self._replace(findings=tuple((*old, *new) for old, new in zip(before, findings, strict=True)))
 
     def shifted(self, delays: Sequence[FloatArray], findings: Sequence[Sequence[Finding]]) -> Preliminaries:
         """Add delays that were taken out.
@@ -66,9 +81,7 @@ class Preliminaries(NamedTuple):
         Returns:
             All that was mended.
         """
-        before = self.findings or ((),) * len(findings)
-        both = zip(before, findings, strict=True)
-        return self._replace(findings=tuple((*old, *new) for old, new in both), delays=tuple(delays))
+        return self.beside_others([tuple(of_group) for of_group in findings])._replace(delays=tuple(delays))
 
     def beside(self, group: int, others: tuple[Finding, ...]) -> tuple[Finding, ...]:
         """Add what was mended in a group to other findings.
@@ -183,7 +196,8 @@ class Result:
         trends, names = self._trends_of(group), layout.names_of(group)
         bounded = [problem.names[k] for k in solution.bounded]
         alone = len(problem.groups) == 1
-        checkup = check_group(self.fitted, group, covariance) if self.check else Checkup()
+        actuators = self.before.actuators[group] if self.before.actuators else None
+        checkup = check_group(self.fitted, group, covariance, actuators) if self.check else Checkup()
         residual_rms = np.array(
             [rms_residual(of_joint, solution.values[every]) for of_joint in zip(*rows.by_kind, strict=True)]
         )
@@ -212,9 +226,10 @@ class Result:
             trends=trends,
             findings=self.before.beside(group, checkup.findings),
             ranges=checkup.ranges,
-            model_error=model_error(self.fitted, group, checkup.ranges, residual_rms, noise) if self.check else None,
+            model_error=model_error(self.fitted, group, checkup, residual_rms, noise) if self.check else None,
             cutoff_source=self.before.cutoff_source,
             torque_delays=self.before.delays[group] if self.before.delays else np.zeros(0),
+            actuators=actuators,
         )
 
     @cached_property

@@ -10,6 +10,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.nonlinear import NonlinearParameters
+from exoid.regression.fit import Fit
 from exoid.regression.least_squares import factorize, stack
 from exoid.torques import NonlinearSetting, TorqueModel, nonlinear_settings, with_settings
 from exoid.torques.linearised import linearise
@@ -58,7 +59,10 @@ STILL = 0.1
 """These have converged when nothing moves by more than this part of its standard deviation,"""
 
 ROUNDING = 1e-6
-"""and this part of itself, where there is no noise."""
+"""and this part of itself, where there is no noise; or when predictions have settled."""
+
+NOTICEABLE = 0.02
+"""After the last step, a warning is due if predictions still change by more than this part of the residual."""
 
 
 def search(task: Task, start: Start | None = None) -> Fitted:
@@ -128,6 +132,7 @@ class _Search:
         held = self._at_bounds()
         held.update(self._undetermined(held))
         unsettled: tuple[str, ...] = ()
+        change = np.inf
         for _ in range(POLISH):
             problem = self._problem(tuple(held))
             fit = fit_by(self.task.estimator, problem)
@@ -141,8 +146,15 @@ class _Search:
                 continue
             if (np.abs(moved) <= STILL * np.sqrt(np.diag(fit.solution.covariance)) + ROUNDING * np.abs(before)).all():
                 break
+            change = _change(problem, fit, moved)
+            if change <= SETTLED:
+                break
         else:
-            unsettled = (f"the fit has not settled in {POLISH} steps: start settings nearer, or leave some out",)
+            unsettled = (
+                ()
+                if change <= NOTICEABLE
+                else (f"the fit has not settled in {POLISH} steps: start settings nearer, or leave some out",)
+            )
         leg, names = self.leg, tuple(s.name for s in self.nonlinear)
         settled = with_settings(self.task.terms, leg.joint_names, leg.joint_labels, self.settings)
         rigid = self.values[: len(leg.parameter_names)]
@@ -269,6 +281,14 @@ class _Search:
         samples = max(sum(t.samples for t in self.r_factors) - len(self.values), 1.0)
         rows = np.linalg.norm(self.corner[:, -1]) / np.sqrt(samples)
         return np.asarray(rows * np.linalg.norm(inverse, axis=1))
+
+
+def _change(problem: Problem, fit: Fit, moved: FloatArray) -> float:
+    """How far predictions move with the parameters, as a part of the residual."""
+    table = stack(problem.r_factors, fit.weights).R
+    values = np.append(fit.solution.values, -1.0)
+    left = max(float(np.linalg.norm(table @ values)), TINY * float(np.linalg.norm(table[:, -1])))
+    return float(np.linalg.norm(table[:, :-1] @ moved)) / left if left > 0.0 else 0.0
 
 
 def _least_squares(A: FloatArray, b: FloatArray) -> FloatArray:

@@ -1,6 +1,6 @@
 """Lift: from base parameters to physically consistent links."""
 
-from .lift import PULL, Lift, lift
+from .lift import PULL, Lift, consistent_within, lift
 from .lumping import distribute_bodies
 from .masses import MASS_FACTOR, MassChange
 from .physical import MassBound, PhysicalCheck, check
@@ -13,6 +13,7 @@ __all__ = [
     "MassChange",
     "PhysicalCheck",
     "check",
+    "consistent_within",
     "distribute_bodies",
     "lift",
 ]

@@ -177,9 +177,7 @@ def lift(
     problem = Problem.around(prior, leg.reduction)
     _refuse_absurd_values(leg, target, problem)
     natural = _whitening(problem.K @ problem.K.T)
-    own = natural @ leg.reduction.parameters(prior)
-    scale = float(own @ natural @ target) / float(own @ own)
-    usual = HEAVIEST * max(1.0, scale)
+    usual = _usual_mass(natural @ leg.reduction.parameters(prior), natural @ target)
     heaviest = np.full(problem.links, usual if mass_factor is None else min(mass_factor, ABSURD))
     found, distance = reproduce(problem, target, natural, heaviest, bounded=mass_factor is not None), 0.0
     if found is not None and mass_factor is not None and (found.unit[::10] < 1.0 / mass_factor).any():
@@ -206,6 +204,41 @@ def lift(
         divergence=found.divergence,
         mass_limits=heaviest * prior[::10],
     )
+
+
+@_in_range()
+def consistent_within(leg: Leg, values: ArrayLike, covariance: ArrayLike, distance: float) -> bool:
+    """Say whether some physically consistent links have base parameters within a distance of the given ones.
+
+    This costs less than :func:`lift`, which looks for the nearest.
+
+    Args:
+        leg: The leg; its inertias are where the search begins.
+        values: Base parameters, (p,), in the order of ``leg.parameter_names``.
+        covariance: Covariance of the values, (p, p).
+        distance: The distance, in standard deviations.
+
+    Returns:
+        Whether there are such links.
+
+    Raises:
+        ExoidError: Values or covariance do not fit the leg, are not finite or absurd, or the covariance has a negative
+            eigenvalue.
+    """
+    target = checked_values(leg, values)
+    prior = make_consistent(dynamic_parameters(leg.model))
+    problem = Problem.around(prior, leg.reduction)
+    _refuse_absurd_values(leg, target, problem)
+    metric = _metric(_checked(leg, covariance, "covariance", 2), problem)
+    natural = _whitening(problem.K @ problem.K.T)
+    heaviest = _usual_mass(natural @ leg.reduction.parameters(prior), natural @ target)
+    found = approach(problem, target, metric, np.full(problem.links, heaviest), enough=distance)
+    return bool(np.linalg.norm(metric @ (target - problem.K @ found.unit)) <= distance)
+
+
+def _usual_mass(own: FloatArray, target: FloatArray) -> float:
+    """Bound of a link's mass over that in the URDF, from whitened values of the URDF and the target."""
+    return HEAVIEST * max(1.0, float(own @ target) / float(own @ own))
 
 
 def checked_values(leg: Leg, values: ArrayLike) -> FloatArray:

@@ -27,6 +27,9 @@ FEASIBLE_MU = 1e-7
 TIGHTEST = 1e-8
 """Smallest eigenvalue of P, relative to the prior, of a body that is not on the boundary of the consistent set."""
 
+LEAST_SHARE = 1e-10
+"""Smallest eigenvalue of P̃ of an infeasible estimate's body over its largest: thinner ones are lost to rounding."""
+
 GAP = 1e-5
 """Tolerance of the smallest χ² of an infeasible estimate, relative."""
 
@@ -184,7 +187,12 @@ def _exact(
 
 
 def approach(
-    problem: Problem, target: FloatArray, metric: FloatArray, heaviest: FloatArray, pull: float = 0.0
+    problem: Problem,
+    target: FloatArray,
+    metric: FloatArray,
+    heaviest: FloatArray,
+    pull: float = 0.0,
+    enough: float = 0.0,
 ) -> Bodies:
     """Find the bodies whose values are nearest to the target in a metric, or those of least χ²/2 + w D.
 
@@ -194,6 +202,7 @@ def approach(
         metric: Whitening matrix of the metric, (p, p).
         heaviest: Largest mass of each link over that of the prior, (n,), without a pull.
         pull: Weight w; at 0 the bodies are the nearest to within :data:`GAP`.
+        enough: Distance χ at which nearer bodies are not looked for.
 
     Returns:
         The bodies.
@@ -202,10 +211,20 @@ def approach(
     chi_squared = _chi_squared(problem, target, metric, U)
     mu = max(chi_squared, 10.0 * pull)
     while mu > pull if pull else (4 * problem.links + heaviest.sum()) * mu > max(GAP * chi_squared, NEGLIGIBLE):
+        if chi_squared <= enough**2:
+            break
         mu = max(mu / 10.0, pull)
         U = problem.minimise(U, Misfit(metric, target, mu, None if pull else heaviest))
         chi_squared = _chi_squared(problem, target, metric, U)
-    return Bodies(_unit(U), _divergence(U))
+    return Bodies(_thick(U), _divergence(U))
+
+
+def _thick(U: FloatArray) -> FloatArray:
+    """π̃ of the bodies U Uᵀ, (10 n,), of which those that are too thin get a share of the prior's inertia."""
+    P = U @ U.transpose(0, 2, 1)
+    eigenvalues = np.linalg.eigvalsh(P)
+    lacking = np.maximum(LEAST_SHARE * eigenvalues[:, -1] - eigenvalues[:, 0], 0.0)
+    return link_parameters(P + lacking[:, None, None] * np.eye(4))
 
 
 def _chi_squared(problem: Problem, target: FloatArray, metric: FloatArray, U: FloatArray) -> float:

@@ -25,6 +25,8 @@ from exoid.errors import ExoidError
 
 from .reduction import LINK_PARAMETERS, LINK_UNITS, RankDecision, Reduction
 from .rounding import ROUNDING, rounding_changes
+from .tree import Tree
+from .tree_regressor import BaseSamples, fill_tree_regressor
 
 THRESHOLD = 1e-9
 """Largest column of the regressor that counts as zero, over the largest one, and largest coefficient of a group."""
@@ -50,7 +52,7 @@ LONGEST_NAME = 4
 """Largest number of terms in a parameter's name; :attr:`Reduction.collect` has the whole sum."""
 
 
-def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0) -> Reduction:
+def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0, moving_base: bool = False) -> Reduction:
     """Find the base parameters of a model, each named as a sum such as ``Iyy_shank + 0.185*m_foot``.
 
     Columns are scaled to unit length times a preference, so that pivoting and names are the same on every machine.
@@ -60,6 +62,7 @@ def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0) -> Reduct
         model: Model of joints with one degree of freedom.
         labels: Name of the link behind each joint, for the parameter names, (n,).
         seed: Seed of the random motion.
+        moving_base: Whether the base moves too, which shows more parameters than a fixed one does.
 
     Returns:
         The reduction, with its :class:`RankDecision`.
@@ -67,8 +70,9 @@ def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0) -> Reduct
     Raises:
         ExoidError: The singular values show no clear gap, so that the rank is ambiguous.
     """
-    W = _random_regressor(model, seed=seed)
-    changes = rounding_changes(model, partial(_random_regressor, seed=seed), seed=seed)
+    regressor = partial(_random_regressor, seed=seed, moving_base=moving_base)
+    W = regressor(model)
+    changes = rounding_changes(model, regressor, seed=seed)
     scale = _column_scale(W, changes)
     nonzero = np.flatnonzero(np.linalg.norm(W, axis=0) > THRESHOLD * scale.max())
     unit = W[:, nonzero] / scale[nonzero]
@@ -94,7 +98,7 @@ def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0) -> Reduct
     return Reduction(names, tuple(LINK_UNITS[k % 10] for k in kept), weights, spread, rank)
 
 
-def _random_regressor(model: pin.Model, *, seed: int) -> FloatArray:
+def _random_regressor(model: pin.Model, *, seed: int, moving_base: bool) -> FloatArray:
     rng = np.random.default_rng(seed)
     samples = 15 * model.nv + 20
     low = np.maximum(_by_joint(model, model.lowerPositionLimit, -np.pi), -np.pi)
@@ -102,7 +106,14 @@ def _random_regressor(model: pin.Model, *, seed: int) -> FloatArray:
     low, high = np.where(low < high, low, -np.pi), np.where(low < high, high, np.pi)
     q = rng.uniform(low, high, (samples, model.nv))
     v, a = rng.uniform(-3, 3, (2, samples, model.nv))
-    return joint_torque_regressor(model, q, v, 3.0 * a).reshape(samples * model.nv, -1)
+    if not moving_base:
+        return joint_torque_regressor(model, q, v, 3.0 * a).reshape(samples * model.nv, -1)
+    velocity, acceleration = np.zeros((samples, 6)), rng.uniform(-9, 9, (samples, 6))
+    velocity[:, 3:] = rng.uniform(-3, 3, (samples, 3))
+    tree = Tree.from_model(model)
+    columns = np.zeros((10 * tree.bodies, tree.rows, samples))
+    fill_tree_regressor(tree, q, v, 3.0 * a, range(len(columns)), columns, BaseSamples(velocity, acceleration))
+    return columns.transpose(2, 1, 0).reshape(samples * model.nv, -1)
 
 
 def _by_joint(model: pin.Model, limits: FloatArray, continuous: float) -> FloatArray:

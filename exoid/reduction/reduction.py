@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
@@ -83,6 +85,16 @@ class Reduction:
             W, (N, n, p).
         """
         return regressor @ self.spread
+
+    @cached_property
+    def columns(self) -> NDArray[np.intp]:
+        """Columns of Pinocchio's regressor that the parameters need, in ascending order."""
+        return np.flatnonzero(self.spread.any(axis=1))
+
+    @cached_property
+    def selects(self) -> bool:
+        """Whether W is these columns as they are."""
+        return np.array_equal(self.spread[self.columns], np.eye(self.spread.shape[1]))
 
     def adjust(self, link_parameters: FloatArray, values: FloatArray) -> FloatArray:
         """Change link parameters so that they reduce to given values exactly: π + S (β − K π).

@@ -39,6 +39,9 @@ CANCELS = 3.0
 SPEED, ACCELERATION = 1.0, np.pi
 """Up to which joints move in a calm exercise, 0.5 Hz and ±18° [rad/s, rad/s²]."""
 
+ROOM, WARMING = 25.0, 20.0
+"""Temperature of a joint, and by how much it changes in use [°C, K]."""
+
 STATES = 1000
 """Of calm exercises are looked at."""
 
@@ -271,7 +274,8 @@ def parameter_scale(r_factors: Sequence[RFactor]) -> FloatArray:
     """
     norms = np.array([np.linalg.norm(r_factor.R, axis=0) for r_factor in r_factors])
     columns, torques = norms[:, :-1], norms[:, -1:]
-    sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=columns > 0.0).min(axis=0)
+    there = (columns > 0.0) & (torques > 0.0)  # a passive joint has no torque to explain
+    sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=there).min(axis=0)
     return np.where(np.isfinite(sizes), sizes, 0.0)
 
 
@@ -296,11 +300,13 @@ def reference_scale(
     rng = np.random.default_rng(0)
     q, v, a = rng.uniform(-1.0, 1.0, (3, STATES, len(lowest)))
     q = 0.5 * (lowest + highest) + 0.5 * (highest - lowest) * q
-    columns = np.abs(model.regressor(q, SPEED * v, ACCELERATION * a)).max(axis=0) / math.sqrt(3.0)
+    heat = ROOM + WARMING * rng.uniform(-1.0, 1.0, q.shape)
+    columns = np.abs(model.regressor(q, SPEED * v, ACCELERATION * a, temperature=heat)).max(axis=0) / math.sqrt(3.0)
     joints = len(columns)
     squares = np.array([[t.R[:, -1] @ t.R[:, -1], t.rows] for t in r_factors]).reshape(-1, joints, 2).sum(axis=0)
     torques = np.sqrt(squares[:, :1] / np.maximum(squares[:, 1:], 1.0))
-    sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=columns > 0.0).min(axis=0)
+    there = (columns > 0.0) & (torques > 0.0)
+    sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=there).min(axis=0)
     return np.where(np.isfinite(sizes), sizes, 0.0)
 
 

@@ -43,6 +43,11 @@ class MotionSamples(Protocol):
         """Accelerations [rad/s²], (N, n)."""
         ...
 
+    @property
+    def payload(self) -> FloatArray | None:
+        """Torque that payloads take [N·m], (N, n); None without payloads."""
+        ...
+
     def rows(self, rows: slice) -> Any:  # noqa: ANN401 - of the same kind
         """Some of the samples."""
         ...
@@ -76,15 +81,24 @@ class RegressorModel(Protocol):
         """Which parameters can act on which joint, (n, P)."""
         ...
 
-    def motion(self, q: Any, v: Any, a: Any, torso: Any = None) -> Any:  # noqa: ANN401 - arrays of any kind
-        """Gather what the columns of a whole recording depend on."""
+    def motion(
+        self,
+        q: Any,  # noqa: ANN401 - arrays of any kind
+        v: Any,  # noqa: ANN401
+        a: Any,  # noqa: ANN401
+        torso: Any = None,  # noqa: ANN401
+        payloads: Sequence[Any] = (),
+        computed: NDArray[np.bool_] | None = None,
+        temperature: Any = None,  # noqa: ANN401
+    ) -> Any:  # noqa: ANN401
+        """Gather what the columns of a recording depend on, the torque of its payloads, its drives and temperatures."""
         ...
 
     def columns(self, motion: Any) -> FloatArray:  # noqa: ANN401 - as :meth:`motion` returns it
         """Columns of all parameters, and of torque that is known, (P or more, n, N)."""
         ...
 
-    def regressor(self, q: Any, v: Any, a: Any, torso: Any = None) -> FloatArray:  # noqa: ANN401
+    def regressor(self, q: Any, v: Any, a: Any, torso: Any = None, temperature: Any = None) -> FloatArray:  # noqa: ANN401
         """Columns of all parameters, (N, n, P)."""
         ...
 

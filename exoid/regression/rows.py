@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.signals import ParallelFilter, Poses, Preparation, Recording
+from exoid.signals import ParallelFilter, Poses, Preparation, Recording, base_during
 from exoid.signals.filters import around_stops, without_reversals
 
 from .model import MotionSamples, RegressorModel
@@ -41,7 +41,7 @@ class Rows(NamedTuple):
     Attributes:
         time: [s], (N,).
         W: Regressor, (N, n, P).
-        tau: Measured torque [N·m], (N, n).
+        tau: Measured torque less that of payloads [N·m], (N, n).
         q: Angle [rad], (N, n).
         v: Velocity [rad/s], (N, n).
         usable: Mask of samples of each joint that may be fitted, (N, n).
@@ -49,6 +49,7 @@ class Rows(NamedTuple):
         independent_fraction: Share of the rows that carry independent noise; a low-pass leaves fewer.
         stands_for: Number of rows that each of these stands for; 1 unless decimated.
         reversals: What was taken out at the reversals of each joint; empty for nothing.
+        payload: Torque of payloads, filtered alike [N·m], (N, n); None without payloads.
     """
 
     time: FloatArray
@@ -61,6 +62,7 @@ class Rows(NamedTuple):
     independent_fraction: float
     stands_for: float = 1.0
     reversals: tuple[TakenOut, ...] = ()
+    payload: FloatArray | None = None
 
 
 class NoiseKind(NamedTuple):
@@ -105,7 +107,8 @@ class Prepared(NamedTuple):
     Attributes:
         time: [s], (N,).
         motion: Motion from which the columns are formed.
-        tau: Measured torque [N·m], (N, n), filtered unless by ``parallel``.
+        tau: Measured torque less that of payloads [N·m], (N, n), filtered unless by ``parallel``; zero at joints
+            without torque or payload.
         usable: Mask of samples of each joint that may be fitted, (N, n).
         rows: Samples that become rows, evenly spaced, from the first to the last that counts.
         inside: Mask of samples that count: not affected by the ends of the record, and in its segments, (N,).
@@ -157,15 +160,14 @@ def prepare(
     data = for_leg(model, data)
     if isinstance(data, Poses):
         still, count = np.zeros_like(data.q), len(data)
-        motion, usable = model.motion(data.q, still, still, data.torso), np.ones(data.q.shape, dtype=np.bool_)
-        return Prepared(np.arange(count, dtype=np.float64), motion, data.tau, usable, range(count), usable[:, 0])
+        motion = model.motion(data.q, still, still, data.torso, data.payloads)
+        tau, usable = _without_payload(data.tau, motion), np.ones(data.q.shape, dtype=np.bool_)
+        return Prepared(np.arange(count, dtype=np.float64), motion, tau, usable, range(count), usable[:, 0])
     recording = data.resampled()
     if recording.tau is None:
-        raise ExoidError(
-            "there is no torque in the recording",
-            where=source_of(recording),
-            remedy=f"record tau, in columns {', '.join('tau_' + n for n in recording.joint_names)}",
-        )
+        raise _without_torque(recording)
+    measured = recording.measured
+    tau = recording.tau if measured.all() else np.where(measured, recording.tau, 0.0)
     rate = recording.sample_rate
     q, v, a, valid = preparation.kinematics(recording)
     parallel, inside = preparation.parallel(rate), _inside(recording, valid)
@@ -173,17 +175,51 @@ def prepare(
     rows = range(int(counted[0]), int(counted[-1]) + 1)
     stride = 1 if parallel is None or every else parallel.stride
     slow = None if parallel is None or every else model.reversing(v)
+    computed = np.isin(recording.joint_names, recording.computed) if recording.computed else None
+    base = recording.torso if recording.base is None else base_during(recording, preparation)
+    try:
+        motion = model.motion(q, v, a, base, recording.payloads, computed, recording.temperature)
+    except ExoidError as error:
+        raise error if error.where else error.within(source_of(recording)) from None
     return Prepared(
         recording.time,
-        model.motion(q, v, a, recording.torso),
-        preparation.filter(recording.tau, rate) if parallel is None else recording.tau,
-        model.usable(v) & inside[:, None],
+        motion,
+        _without_payload(preparation.filter(tau, rate) if parallel is None else tau, motion),
+        model.usable(v) & inside[:, None] & measured,
         rows[(len(rows) - 1) % stride // 2 :: stride],
         inside,
         min(1.0, preparation.independent_fraction(rate) * stride),
         parallel,
-        None if parallel is None or slow is None else around_stops(slow, parallel) & inside[:, None],
+        None if parallel is None or slow is None else around_stops(slow, parallel) & inside[:, None] & measured,
     )
+
+
+def _without_payload(tau: FloatArray, motion: MotionSamples) -> FloatArray:
+    """Take the known torque of payloads away."""
+    return tau if motion.payload is None else tau - motion.payload
+
+
+def _without_torque(recording: Recording) -> ExoidError:
+    """Make the error about a recording without any torque, which may have currents or forces."""
+    where, joint = source_of(recording), recording.joint_names[0]
+    for quantity, prefix, name, unit in (
+        ("current", "i", "motor currents", "A"),
+        ("force", "f", "forces", "N"),
+        ("motor_torque", "tm", "motor torques", "N·m of the motor"),
+        ("motor_angle", "qm", "motor angles", "rad"),
+    ):
+        if getattr(recording, quantity) is not None:
+            scaled = f"or say N·m per {unit} where it is read"
+            return ExoidError(
+                f"the recording has {name} and no torque",
+                where=where,
+                remedy=f"describe the drive of each joint (actuators=, exoid.actuators), {scaled}: "
+                f"columns={{'tau_{joint}': exoid.signals.Column('{prefix}_{joint}', scale=0.118)}}",
+                command=f"describe the drive of each joint (--actuators drives.toml), {scaled}, e.g. --column "
+                f"tau_{joint}={prefix}_{joint}:0.118",
+            )
+    columns = ", ".join(f"tau_{name}" for name in recording.joint_names)
+    return ExoidError("there is no torque in the recording", where=where, remedy=f"record tau, in columns {columns}")
 
 
 def _inside(recording: Recording, valid: slice) -> NDArray[np.bool_]:
@@ -217,7 +253,9 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
         The rows.
     """
     around = slice(max(0, stretch[0] - prepared.reach), stretch[-1] + 1 + prepared.reach)
-    columns, tau = model.columns(prepared.motion.rows(around)), prepared.tau[around].T
+    motion = prepared.motion.rows(around)
+    columns, joints = model.columns(motion), motion.q.shape[1]
+    tau = prepared.tau[around].T if motion.payload is None else np.vstack([prepared.tau[around].T, motion.payload.T])
     inside = range(stretch[0] - around.start, stretch[-1] + 1 - around.start, stretch.step)
     taken: list[tuple[FloatArray, float]] = []
     if prepared.parallel is None:
@@ -225,7 +263,8 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
         columns, tau = columns[..., rows], tau[:, rows]
     else:
         columns, tau = _filtered(prepared.parallel, columns, tau, model.acting, prepared.inside[around], inside)
-        taken = _take_out_reversals(prepared, stretch, columns, tau)
+        taken = _take_out_reversals(prepared, stretch, columns, tau[:joints])
+    tau, payload = tau[:joints], tau[joints:].T if len(tau) > joints else None
     count = len(model.names)
     W, tau = columns[:count].transpose(2, 1, 0), tau.T
     if len(columns) > count:
@@ -236,7 +275,7 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
     reversals = tuple(
         TakenOut(np.column_stack([part[:count].T, part[-1] - part[count:-1].sum(axis=0)]), left) for part, left in taken
     )
-    return Rows(time, W, tau, q, v, usable, model.acting, fraction, reversals=reversals)
+    return Rows(time, W, tau, q, v, usable, model.acting, fraction, reversals=reversals, payload=payload)
 
 
 def _filtered(
@@ -247,20 +286,29 @@ def _filtered(
     inside: NDArray[np.bool_],
     rows: range,
 ) -> tuple[FloatArray, FloatArray]:
-    """Some rows of columns (P or more, n, N) and torques (n, N) behind the filter; what does not act stays zero."""
-    known = np.ones((len(columns) - acting.shape[1], len(tau)), dtype=np.bool_)
+    """Some rows of columns (P or more, n, N) and torques (K, N) behind the filter; what does not act stays zero."""
+    known = np.ones((len(columns) - acting.shape[1], columns.shape[1]), dtype=np.bool_)
     places = np.argwhere(np.vstack([acting.T, known]))
     distinct, twins = _distinct([*(columns[parameter, joint] for parameter, joint in places), *tau])
     distinct[:, ~inside] = 0.0
-    filtered = _surrounded(parallel, distinct, rows)
+    filtered = among_zeros(parallel, distinct, rows)
     out = np.zeros((*columns.shape[:2], len(rows)))
     for (parameter, joint), twin in zip(places, twins, strict=False):
         out[parameter, joint] = filtered[twin]
     return out, filtered[twins[len(places) :]]
 
 
-def _surrounded(parallel: ParallelFilter, signals: FloatArray, rows: range) -> FloatArray:
-    """Some rows of signals (K, N) behind the filter, with zeros before and after the signals, (K, R)."""
+def among_zeros(parallel: ParallelFilter, signals: FloatArray, rows: range) -> FloatArray:
+    """Filter signals that are zero before and after, as samples that do not count are.
+
+    Args:
+        parallel: The filter.
+        signals: Signals in any unit, (K, N).
+        rows: Requested samples, evenly spaced, R of them.
+
+    Returns:
+        Filtered signals at these samples, (K, R).
+    """
     before = max(0, parallel.reach - rows[0])
     after = max(0, rows[-1] + 1 + parallel.reach - signals.shape[1])
     padded = np.pad(signals, ((0, 0), (before, after))) if before or after else signals
@@ -288,11 +336,14 @@ def _take_out_reversals(
 def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
     """Signals that differ, and which of them each one is: filters are slow, and some parameters act on joints alike."""
     kept: list[FloatArray] = []
+    alike: dict[bytes, list[int]] = {}
     twins = []
     for signal in signals:
-        alike = (k for k, other in enumerate(kept) if other[0] == signal[0] and np.array_equal(other, signal))
-        twins.append(next(alike, len(kept)))
-        if twins[-1] == len(kept):
+        candidates = alike.setdefault(signal[:: 1 + len(signal) // 8].tobytes(), [])
+        twin = next((k for k in candidates if np.array_equal(kept[k], signal)), len(kept))
+        twins.append(twin)
+        if twin == len(kept):
+            candidates.append(twin)
             kept.append(signal)
     return np.array(kept), twins
 
@@ -330,10 +381,12 @@ def each_row(model: RegressorModel, prepared: Prepared) -> Iterator[Rows]:
         rows = form_rows(model, prepared, stretch)
         counted = prepared.inside[stretch.start : stretch.stop]
         if prepared.parallel is not None:
-            gain = np.where(counted, _surrounded(prepared.parallel, ones, stretch)[0], 1.0)
-            rows = rows._replace(W=rows.W / gain[:, None, None], tau=rows.tau / gain[:, None])
+            gain = np.where(counted, among_zeros(prepared.parallel, ones, stretch)[0], 1.0)
+            payload = None if rows.payload is None else rows.payload / gain[:, None]
+            rows = rows._replace(W=rows.W / gain[:, None, None], tau=rows.tau / gain[:, None], payload=payload)
         if not counted.all():
-            arrays = {name: getattr(rows, name)[counted] for name in ("time", "W", "tau", "q", "v", "usable")}
+            names = ("time", "W", "tau", "q", "v", "usable", *(() if rows.payload is None else ("payload",)))
+            arrays = {name: getattr(rows, name)[counted] for name in names}
             rows = rows._replace(**arrays)
         yield rows
 
@@ -360,7 +413,7 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
     step = decimation(rows.independent_fraction)
     if step == 1:
         return rows
-    first = (count - 1 - (max(1, round(count / step)) - 1) * step) // 2  # each stands for the rows around it
+    first = _first_kept(count, step)
     kept = slice((first - before) % step, None, step)
     return Rows(
         rows.time[kept],
@@ -374,6 +427,29 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
         count / len(range(first, count, step)),
         rows.reversals,
     )
+
+
+def decimated(prepared: Prepared) -> Prepared:
+    """Ask only for every m-th row of a recording, see :func:`decimate`, before any is formed.
+
+    Args:
+        prepared: The prepared recording.
+
+    Returns:
+        The same with fewer rows.
+    """
+    count, step = len(prepared.rows), decimation(prepared.independent_fraction)
+    if step == 1:
+        return prepared
+    first = _first_kept(count, step)
+    return prepared._replace(
+        rows=prepared.rows[first::step], independent_fraction=min(1.0, prepared.independent_fraction * step)
+    )
+
+
+def _first_kept(count: int, step: int) -> int:
+    """First of the rows that are kept: each stands for the rows around it."""
+    return (count - 1 - (max(1, round(count / step)) - 1) * step) // 2
 
 
 def chain(stretches: Sequence[Rows]) -> Rows:
@@ -395,8 +471,10 @@ def chain(stretches: Sequence[Rows]) -> Rows:
         )
         for parts in zip(*(rows.reversals for rows in stretches), strict=True)
     )
+    payloads = [rows.payload for rows in stretches if rows.payload is not None]
     return stretches[0]._replace(
         reversals=reversals,
+        payload=np.concatenate(payloads) if payloads else None,
         time=np.concatenate([rows.time for rows in stretches]),
         W=W,
         tau=np.concatenate([rows.tau for rows in stretches]),

@@ -1,8 +1,11 @@
 """Virtual rig: simulated legs with friction, actuators, sampled controllers and sensors, one or many at once."""
 
+from exoid.payload import Payload
+
 from .actuators import Actuator, DcMotor, Drive, HydraulicServo, IdealTorque
 from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
-from .payload import Payload, leg_with_payloads, plant_with_payloads, sandbags
+from .coupled_stepper import CoupledMotors, CoupledStepper
+from .payload import leg_with_payloads, plant_with_payloads, sandbags
 from .pinocchio_stepper import PinocchioStepper
 from .plant import Plant
 from .sensors import Sensors
@@ -13,6 +16,8 @@ from .stepper import PlanarStepper, Step, Stepper
 __all__ = [
     "Actuator",
     "Controller",
+    "CoupledMotors",
+    "CoupledStepper",
     "DcMotor",
     "Drive",
     "Energy",

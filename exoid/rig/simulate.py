@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.actuators import Actuators
+from exoid.actuators.part import DRIVE_CHANNELS
 from exoid.errors import ExoidError
 from exoid.signals import Recording
 from exoid.tables import DataTable, to_text, value_range
@@ -150,30 +152,48 @@ class Run:
         rate = 1.0 / (self.time[1] - self.time[0]) if len(self.time) > 1 else 0.0
         return f"{len(self.time)} samples at {rate:.4g} Hz, {self.time[-1]:.4g} s"
 
-    def recording(self, rig: int = 0, *, velocity: bool = False, joint_names: Sequence[str] | None = None) -> Recording:
+    def recording(
+        self,
+        rig: int = 0,
+        *,
+        velocity: bool = False,
+        joint_names: Sequence[str] | None = None,
+        actuators: Actuators | None = None,
+    ) -> Recording:
         """Return the readings of one rig as a log.
+
+        Drives measure what makes the torque readings at the true angles and velocities: their noise is that of the
+        torque sensor.
 
         Args:
             rig: Index of the rig.
             velocity: Whether the log contains the measured velocity.
             joint_names: Names of the joints; None for those of the plant's leg.
+            actuators: Drives whose currents, forces or motor angles are logged in place of the torques of their joints;
+                None for torques.
 
         Returns:
             Log of the rig with its torso tilt.
 
         Raises:
-            ExoidError: There is no such rig, or the run is too short for a recording.
+            ExoidError: There is no such rig, the run is too short for a recording, or a drive cannot make the torque.
         """
         if not -self.plant.count <= rig < self.plant.count:
             raise ExoidError(f"no rig {rig} among {self.plant.count}", remedy="count from 0")
-        return Recording(
+        names = self.plant.leg.joint_names
+        log = Recording(
             time=self.time,
             q=self.q_measured[..., rig],
             v=self.v_measured[..., rig] if velocity else None,
             tau=self.tau_measured[..., rig],
-            joint_names=tuple(joint_names or self.plant.leg.joint_names),
+            joint_names=tuple(joint_names or names),
             torso=TorsoMotion(pitch=float(self.plant.pitch[rig])) if self.plant.pitch[rig] else None,
         )
+        if actuators is None:
+            return log
+        true = replace(log, q=self.q[..., rig], v=self.v[..., rig], joint_names=names)
+        measured = actuators.readings(true)
+        return replace(log, tau=measured.tau, **{name: getattr(measured, name) for name in DRIVE_CHANNELS})
 
 
 def simulate(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import fields
 
 import numpy as np
@@ -20,6 +20,9 @@ LARGEST_ANGLE = 2.0 * np.pi
 """Largest angle of a leg's joint [rad]; larger values are almost always degrees."""
 LARGEST_VALUE = 1e9
 """Largest plausible angle, velocity, acceleration or torque of a leg, in SI units."""
+LARGEST_CURRENT = 500.0
+TEMPERATURES = (-60.0, 220.0)
+"""Largest plausible current of a leg's motor [A]; larger ones are in mA."""
 LARGEST_TIME = 1e11
 """Largest time stamp in seconds (3000 years); larger stamps are milli-, micro- or nanoseconds."""
 SHORTEST_INTERVAL = 1e-9
@@ -74,6 +77,115 @@ def as_mask(values: ArrayLike) -> BoolArray:
     mask = np.array(raw, dtype=np.bool_)
     mask.flags.writeable = False
     return mask
+
+
+def as_joints(names: Sequence[str], joints: tuple[str, ...], argument: str) -> tuple[str, ...]:
+    """Check that names are names of joints.
+
+    Args:
+        names: The names.
+        joints: Joints of the recording.
+        argument: Name of the argument, for messages.
+
+    Returns:
+        The names.
+
+    Raises:
+        ExoidError: It is a string, or a name is not among the joints.
+    """
+    if isinstance(names, str):
+        raise ExoidError(f"{argument} is the string {names!r}", remedy=f"pass {argument}=({names!r},)")
+    for name in names:
+        if name not in joints:
+            raise ExoidError(
+                f"{argument} names {name!r}, which is not in the recording",
+                remedy=f"its joints are {', '.join(map(str, joints))}",
+            )
+    return tuple(names)
+
+
+def with_zero_torque(
+    tau: FloatArray | None, passive: Sequence[str], joints: tuple[str, ...], shape: tuple[int, int]
+) -> FloatArray:
+    """Set the torque of passive joints to zero.
+
+    Args:
+        tau: Torques [N·m], (N, n); None without torques.
+        passive: Joints without an actuator.
+        joints: Names of the n columns.
+        shape: (N, n).
+
+    Returns:
+        Torques [N·m], (N, n), NaN where they were not measured.
+
+    Raises:
+        ExoidError: A passive joint has a torque that varies.
+    """
+    out = np.full(shape, np.nan) if tau is None else tau.copy()
+    for joint in passive:
+        if out.shape != shape:
+            break  # the check of shapes says so
+        column = out[:, joints.index(joint)]
+        if not np.isnan(column).all() and np.ptp(column) > 0.0:
+            raise ExoidError(
+                f"joint {joint} is declared passive, and its torque goes from {column.min():.4g} N·m to "
+                f"{column.max():.4g} N·m",
+                remedy=f"leave it out of passive if an actuator drives it, or drop tau_{joint} if that is noise",
+                command=f"leave it out of --passive if an actuator drives it; give --unmeasured {joint} too if the "
+                "column is noise",
+            )
+        column[:] = 0.0
+    out.flags.writeable = False
+    return out
+
+
+def refuse_milliamperes(current: FloatArray, columns: tuple[str, ...], where: SourceLocation) -> None:
+    """Refuse currents that are so large that they must be in another unit.
+
+    Args:
+        current: Currents [A], (N, k).
+        columns: Names of the k columns.
+        where: Location of the rows.
+
+    Raises:
+        ExoidError: Names row and column of the largest current.
+    """
+    if current.size and np.abs(current).max() > LARGEST_CURRENT:
+        row, column = np.unravel_index(int(np.abs(current).argmax()), current.shape)
+        name = columns[column]
+        raise ExoidError(
+            f"a current of {current[row, column]:.6g} A (limit {LARGEST_CURRENT:g} A) looks like mA",
+            where=where.cell(int(row), name),
+            remedy=f'pass columns={{"{name}": exoid.signals.Column(<header>, unit="mA")}} where the file is read, or '
+            "divide by 1000",
+            command=f"give its unit: --column {name}=HEADER:mA",
+        )
+
+
+def refuse_no_celsius(temperature: FloatArray, columns: tuple[str, ...], where: SourceLocation) -> None:
+    """Refuse temperatures that no drive has: kelvins, tenths of degrees, or the reading of a broken sensor.
+
+    Args:
+        temperature: Temperatures [°C], (N, k).
+        columns: Names of the k columns.
+        where: Location of the rows.
+
+    Raises:
+        ExoidError: Names row and column of the first such temperature.
+    """
+    lowest, highest = TEMPERATURES
+    wrong = (temperature < lowest) | (temperature > highest)
+    if wrong.any():
+        row, column = np.unravel_index(int(wrong.argmax()), wrong.shape)
+        name, value = columns[column], temperature[row, column]
+        looks = " looks like K" if 233.0 < value < 500.0 else " is not that of a drive"
+        raise ExoidError(
+            f"a temperature of {value:.6g} °C (limits {lowest:g} °C and {highest:g} °C){looks}",
+            where=where.cell(int(row), name),
+            remedy=f'pass columns={{"{name}": exoid.signals.Column(<header>, unit="K")}} or its scale where the file '
+            "is read, or leave out a broken sensor",
+            command=f"give its unit or scale: --column {name}=HEADER:K, or {name}=HEADER:0.1",
+        )
 
 
 def as_segments(segments: Iterable[tuple[float, float]]) -> FloatArray:
@@ -215,7 +327,8 @@ def refuse_time_disorder(time: FloatArray, where: SourceLocation) -> None:
         raise ExoidError(
             f"time reaches {np.abs(time).max():.6g} s, which looks like milli- or nanoseconds",
             where=where.row(int(np.abs(time).argmax())),
-            remedy="divide the stamps to get seconds",
+            remedy='pass columns={"time": exoid.signals.Column(<header>, unit="ms")} (or "us", "ns"), or divide them',
+            command="give their unit: --column time=HEADER:ms, or us, or ns",
         )
     wrong = time[1:] <= time[:-1]
     if wrong.any():
@@ -311,5 +424,5 @@ def refuse_moving_torso(torso: TorsoMotion | None) -> None:
     ):
         raise ExoidError(
             "the torso moves during the recording",
-            remedy="hold it still, or use TorsoMotion with Leg.regressor and Leg.inverse_dynamics",
+            remedy="record its motion by an IMU: Recording(base=BaseMotion.from_imu(...)), or hold it still",
         )

@@ -13,8 +13,11 @@ import numpy as np
 from exoid._typing import ArrayLike
 from exoid.errors import ExoidError
 
+from .base_motion import BASE_COLUMNS, BaseMotion
+from .formats import QUANTITIES
+from .log import FIELDS, PARTIAL
 from .recording import Recording
-from .recordings import RecordingFile, Recordings
+from .recordings import RecordingFile, Recordings, changed_item
 
 TIMEOUT = "10s"
 """Time for a scheduler to answer."""
@@ -81,7 +84,7 @@ class Cluster:
         Args:
             client: A ``distributed.Client``, or the address of a scheduler.
             array: Samples, (N, k), in chunks of many seconds, as the filters distort the ends of each.
-            columns: Names of the k columns as in a CSV file: "time", "q_hip", …, "tau_hip", ….
+            columns: Names of the k columns as in a CSV file: "time", "q_hip", …, "tau_hip", …, "i_hip", "f_hip", ….
 
         Returns:
             The recordings on the cluster.
@@ -103,6 +106,18 @@ class Cluster:
 
     def __repr__(self) -> str:
         return f"Cluster({len(self)} recordings)"
+
+    def changed(self, change: Callable[[Recording], Recording]) -> Cluster:
+        """Change each recording, those on disk when they are read.
+
+        Args:
+            change: Function of a recording.
+
+        Returns:
+            The changed recordings on the cluster.
+        """
+        submit = self.client.submit
+        return Cluster(self.client, tuple(submit(changed_item, change, f, pure=False) for f in self.futures))
 
     def keep(self, work: Callable[[Any], Any]) -> Cluster:
         """Apply a function to each recording, and keep the results on the workers.
@@ -187,8 +202,14 @@ def _recorded(part: ArrayLike, columns: tuple[str, ...]) -> Recording:
     table = dict(zip(columns, np.asarray(part, dtype=np.float64).T, strict=True))
     joints = tuple(name[2:] for name in columns if name.startswith("q_"))
     arrays: dict[str, Any] = {}
-    for quantity in ("q", "v", "a", "tau"):
+    nothing = np.full(len(table["time"]), np.nan)
+    for quantity in QUANTITIES:
         names = [f"{quantity}_{joint}" for joint in joints]
-        if all(name in table for name in names):
-            arrays[quantity] = np.column_stack([table[name] for name in names])
-    return Recording(table["time"], **arrays, joint_names=joints)
+        there = [name in table for name in names]
+        if any(there) if quantity in PARTIAL else all(there):
+            arrays[FIELDS.get(quantity, quantity)] = np.column_stack([table.get(name, nothing) for name in names])
+    base = [table[name] for name in BASE_COLUMNS if name in table]
+    if base and len(base) < len(BASE_COLUMNS):
+        raise ExoidError("some columns of the base are missing", remedy=f"give all of {', '.join(BASE_COLUMNS)}")
+    moving = BaseMotion(np.column_stack(base[:3]), np.column_stack(base[3:])) if base else None
+    return Recording(table["time"], **arrays, joint_names=joints, base=moving)

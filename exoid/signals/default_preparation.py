@@ -215,12 +215,14 @@ def choose_cutoff(recordings: Iterable[Recording | Poses]) -> float:
 
     The result is the smallest over the joints of the highest such f, between 1 and 8 Hz. If there is none for a joint,
     its f has the smallest noise ratio. For logs at 20 Hz or less that ask for a higher cut-off than their rate allows,
-    f is 0.2 of the rate. Ten times the noise density lowers f by 10^(1/5). For short recordings f is
-    raised until the ends of the filters leave half of the samples.
+    f is 0.2 of the rate. Ten times the noise density lowers f by 10^(1/5). For short recordings f is raised until the
+    ends of the filters leave half of the samples. A recording that contains accelerations counts with its length and
+    its rate only. Where the base moves, noise and signal of its angular acceleration, ω² times those of its angular
+    velocity about the axis that turns most, are added to those of each joint. The specific force counts by gravity, of
+    which the noise of a usual accelerometer is less than 0.02.
 
     Args:
-        recordings: Recordings to identify from, all of the same joints. Poses, and recordings that contain
-            accelerations, are ignored.
+        recordings: Recordings to identify from, all of the same joints. Poses are ignored.
 
     Returns:
         Cut-off frequency [Hz].
@@ -238,18 +240,33 @@ def acceleration_power(recording: Recording | Poses) -> AccelerationPower | None
         recording: The recording.
 
     Returns:
-        Powers below each cut-off; None for poses, and for a recording that contains accelerations.
+        Powers below each cut-off, zero for a recording that contains accelerations; None for poses.
 
     Raises:
         ExoidError: Time has a gap.
     """
-    if isinstance(recording, Poses) or recording.a is not None:
+    if isinstance(recording, Poses):
         return None
     even = recording.resampled()
+    if recording.a is not None:
+        nothing = np.zeros((len(CUTOFFS), len(recording.joint_names)))
+        return AccelerationPower(nothing, nothing, len(even), even.sample_rate)
     segments = np.array_split(even.q.T, -(-len(even) // SEGMENT), axis=1)
     powers = [_segment_power(segment, even.sample_rate) for segment in segments]
     noise, total = (np.sum(each, axis=0) for each in zip(*powers, strict=True))
+    if even.base is not None:
+        of_base = _base_power(even.base.angular_velocity.T, even.sample_rate)
+        noise, total = noise + of_base[0], total + of_base[1]
     return AccelerationPower(noise, total, len(even), even.sample_rate)
+
+
+def _base_power(omega: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
+    """Powers of noise and signal of the base's angular acceleration about the axis that turns most, (71, 1) each."""
+    segments = np.array_split(omega, -(-omega.shape[1] // SEGMENT), axis=1)
+    powers = [_segment_power(segment, rate, derivatives=1) for segment in segments]
+    noise, total = (np.sum(each, axis=0) for each in zip(*powers, strict=True))
+    most = int(np.argmax(total[-1]))
+    return noise[:, [most]], total[:, [most]]
 
 
 def cutoff_from(powers: Sequence[AccelerationPower]) -> float:
@@ -269,18 +286,25 @@ def cutoff_from(powers: Sequence[AccelerationPower]) -> float:
     last = len(CUTOFFS) - 1 - np.argmax(allowed[::-1], axis=0)
     lowest = int(np.where(allowed.any(axis=0), last, np.argmin(ratio, axis=0)).min())
     long_enough = (cutoff for cutoff in CUTOFFS[lowest:] if all(_is_long(each, cutoff) for each in powers))
-    return float(next(long_enough, _fallback(min(each.rate for each in powers))))
+    return float(next(long_enough, highest_cutoff(min(each.rate for each in powers))))
 
 
-def _fallback(rate: float) -> float:
-    """Highest cut-off; for logs below 20 Hz, that at which both filters have their usual ratio."""
+def highest_cutoff(rate: float) -> float:
+    """Choose the highest cut-off: 8 Hz; below 20 samples a second, that at which both filters have their usual ratio.
+
+    Args:
+        rate: Sampling rate [Hz].
+
+    Returns:
+        Cut-off frequency [Hz].
+    """
     if CUTOFFS[-1] < LARGEST_RATIO * rate:
         return float(CUTOFFS[-1])
     return LARGEST_RATIO / KINEMATICS_MULTIPLE * rate
 
 
-def _segment_power(q: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
-    """Powers of noise and of signal in a segment of a recording, (n, N)."""
+def _segment_power(q: FloatArray, rate: float, derivatives: int = 2) -> tuple[FloatArray, FloatArray]:
+    """Powers of noise and of signal in the derivative of a segment of a recording, (n, N)."""
     samples = q.shape[1]
     t = np.linspace(-1.0, 1.0, samples)
     detrended = np.ascontiguousarray(q)
@@ -292,7 +316,7 @@ def _segment_power(q: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
     noise = np.median(power[:, frequency >= UPPER_BAND * frequency[-1]], axis=1) / np.log(2.0)
     below = np.searchsorted(frequency, CUTOFFS, side="right") - 1
     slow = slice(0, below[-1] + 1)
-    weight = (2.0 * np.pi * frequency[slow]) ** 4
+    weight = (2.0 * np.pi * frequency[slow]) ** (2 * derivatives)
     total = np.cumsum(weight * power[:, slow], axis=1)[:, below]
     return np.multiply.outer(np.cumsum(weight)[below], noise), total.T
 

@@ -10,11 +10,30 @@ import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
+from exoid.payload import Payload, as_payloads
 
 from . import checks
-from .formats import QUANTITIES, Table
+from .base_log import POSE_COLUMNS, base_columns, matrix_headers
+from .base_motion import BASE_COLUMNS
+from .column import Column
+from .formats import QUANTITIES, Table, TextTable
 from .source import Source
 from .source_location import SourceLocation
+from .units import refuse_silent_unit
+
+FIELDS = {"i": "current", "f": "force", "tm": "motor_torque", "qm": "motor_angle", "temp": "temperature"}
+"""Field of a recording for each quantity whose name differs."""
+
+PARTIAL = ("tau", "i", "f", "tm", "qm", "temp")
+"""Quantities that need not be measured at all joints."""
+
+PARTIAL_PREFIXES = tuple(f"{quantity}_" for quantity in PARTIAL)
+
+OF_NO_JOINT = ("time", *BASE_COLUMNS, *POSE_COLUMNS)
+"""Columns that are of no joint."""
+
+KINEMATIC = ("q", "v", "a", "qm")
+"""Quantities that may be in degrees."""
 
 
 class Log(NamedTuple):
@@ -22,10 +41,12 @@ class Log(NamedTuple):
 
     Attributes:
         time: Time stamps [s], (N,), strictly increasing.
-        arrays: Arrays by quantity, (N, n) each: "q", and those of "v", "a" and "tau" that the file has.
+        arrays: Arrays by field of a recording, (N, n) each: "q", and those of "v", "a", "tau" and of the drives that
+            the file has. Columns of torque and drives are NaN throughout where the file has none for a joint.
         joint_names: Names of the n columns.
         source: File name and SHA-256.
         where: Location of the rows in the file.
+        base: Columns of the base in SI units, (N,) each; empty for a base that was not recorded.
     """
 
     time: FloatArray
@@ -33,16 +54,18 @@ class Log(NamedTuple):
     joint_names: tuple[str, ...]
     source: Source
     where: SourceLocation
+    base: Mapping[str, FloatArray]
 
 
 def read_log(
     table: Table,
     joint_names: Sequence[str] | None = None,
-    columns: Mapping[str, str] | None = None,
+    columns: Mapping[str, str | Column] | None = None,
     angle_unit: Literal["rad", "deg"] = "rad",
     largest_angle: float = checks.LARGEST_ANGLE,
+    unmeasured: Sequence[str] = (),
 ) -> Log:
-    """Take ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>`` from a table; see `Recording.from_file`.
+    """Take ``time, q_<joint>, v_, a_, tau_, i_, f_, tm_, qm_, temp_<joint>`` from a table; see `Recording.from_file`.
 
     Args:
         table: Columns of the file.
@@ -50,6 +73,7 @@ def read_log(
         columns: Header in the file of each exoid column whose name differs.
         angle_unit: Unit of angles in the file, for q, v and a.
         largest_angle: Limit of the angles [rad].
+        unmeasured: Joints whose torque column is not read.
 
     Returns:
         The checked log.
@@ -59,26 +83,68 @@ def read_log(
     """
     if angle_unit not in ("rad", "deg"):
         raise ExoidError(f"angle_unit is {angle_unit!r}", remedy='pass angle_unit="rad" or angle_unit="deg"')
-    headers = _own_names(table, dict(columns or {}))
+    given = {name: _column(name, column, table) for name, column in (columns or {}).items()}
+    headers = _own_names(table, {name: column.header for name, column in given.items()})
     joints = _joints(table, headers) if joint_names is None else _named(joint_names)
+    headers = {name: header for name, header in headers.items() if name not in _left_out(joints, unmeasured)}
     present = _present(table, headers, joints)
-    names = ("time", *(f"{quantity}_{joint}" for quantity in present for joint in joints))
+    of_base = base_columns(table, headers)
+    names = ("time", *(name for of_quantity in present.values() for name in of_quantity), *of_base)
     where = SourceLocation(table.file, table.lines, headers, table.row_name)
     checks.refuse_too_few(len(table), where)
-    numbers = table.numbers([headers[name] for name in names])
-    checks.refuse_not_finite(numbers, names, where)
+    numbers = _numbers(table, names, headers, given, angle_unit == "deg")
+    missing = np.array([name.startswith(PARTIAL_PREFIXES) for name in names]) & np.isnan(numbers).all(axis=0)
+    kept = tuple(name for name, is_missing in zip(names, missing, strict=True) if not is_missing)
+    checks.refuse_not_finite(numbers[:, ~missing], kept, where)
     time = numbers[:, 0]
     checks.refuse_time_disorder(time, where)
-    checks.refuse_absurd(numbers[:, 1:], names[1:], where)
-    blocks = np.split(numbers[:, 1:], len(present), axis=1)
+    checks.refuse_absurd(numbers[:, ~missing][:, 1:], kept[1:], where)
+    found = dict(zip(names, numbers.T, strict=True))
+    nothing = np.full(len(time), np.nan)
     arrays = {
-        quantity: np.deg2rad(block) if angle_unit == "deg" and quantity != "tau" else block
-        for quantity, block in zip(present, blocks, strict=True)
+        FIELDS.get(quantity, quantity): np.column_stack([found.get(f"{quantity}_{joint}", nothing) for joint in joints])
+        for quantity in present
     }
+    arrays = {field: values for field, values in arrays.items() if not np.isnan(values).all()}
     checks.refuse_degrees(arrays["q"], names[1 : 1 + len(joints)], largest_angle, where)
     if "v" in arrays:
         checks.refuse_velocity_in_other_unit(time, arrays["q"], arrays["v"], joints, where)
-    return Log(time, arrays, joints, table.source, where)
+    return Log(time, arrays, joints, table.source, where, {name: found[name] for name in of_base})
+
+
+def payloads_of(table: Table, given: Sequence[Payload] | None) -> tuple[Payload, ...]:
+    """Find the payloads that were on the leg: those that were given, or those that the file names.
+
+    Args:
+        table: Table of the file.
+        given: Payloads; None for those of the file.
+
+    Returns:
+        The payloads.
+
+    Raises:
+        ExoidError: The file names others than were given, or a line of it is no payload.
+    """
+    named = table.payloads if isinstance(table, TextTable) else ()
+    try:
+        found = tuple(Payload.from_text(text) for text in named)
+    except ExoidError as error:
+        if given is not None:  # a remark of the user's own, and the payloads
+            return as_payloads(given)
+        remedy = f"{error.remedy}; or pass payloads=, () for none"
+        command = f"{error.remedy}; or give --payload"
+        raise ExoidError(error.what, where=f"{table.file}, line '# payload:'", remedy=remedy, command=command) from None
+    if given is None:
+        return found
+    payloads = as_payloads(given)
+    if found and found != payloads:
+        raise ExoidError(
+            f"the file names other payloads ({', '.join(map(str, found))}) than were given",
+            where=table.file,
+            remedy="leave out payloads, or correct the line '# payload:' of the file",
+            command="leave out --payload, or correct the line '# payload:' of the file",
+        )
+    return payloads
 
 
 def read_mask(table: Table, column: str) -> BoolArray:
@@ -106,23 +172,25 @@ def read_mask(table: Table, column: str) -> BoolArray:
 def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
     """Map exoid's column names to headers of the file: by ``columns``, and by equal name for the others."""
     for name, header in columns.items():
-        if name != "time" and not (name.startswith(tuple(f"{quantity}_" for quantity in QUANTITIES))):
+        if name not in OF_NO_JOINT and not (name.startswith(tuple(f"{quantity}_" for quantity in QUANTITIES))):
             raise ExoidError(
-                f"columns names {name!r}, which is not an exoid column",
+                f"a header is given for {name!r}, which is not an exoid column",
                 where=table.file,
-                remedy="exoid columns are time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>",
+                remedy="exoid columns are time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>, i_<joint>, f_<joint>, "
+                f"tm_<joint>, qm_<joint>, temp_<joint>, {', '.join(BASE_COLUMNS)}",
             )
         if header not in table.header:
-            raise _missing(header, f"columns[{name!r}] asks for it", table)
+            raise _missing(header, f"to be read as {name}", table, name)
         rivals = [other for other, used in columns.items() if used == header]
-        if len(rivals) > 1:
+        if len(rivals) > 1 and not _may_share(rivals):
             raise ExoidError(
                 f"column {header!r} is to be read as {' and '.join(rivals)}",
                 where=table.file,
                 remedy="map each exoid column to a different header",
             )
-    taken = set(columns.values())
-    return {**{header: header for header in table.header if header and header not in taken}, **columns}
+    taken = {header for name, header in columns.items() if not _may_share((name, header))}
+    own = {header: header for header in table.header if header and header not in taken}
+    return {**matrix_headers(table.header), **own, **columns}
 
 
 def _joints(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
@@ -132,7 +200,7 @@ def _joints(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
         raise _missing("q_<joint>", "no joint angle", table)
     joints = _named([name[2:] for name in sorted(angles, key=lambda name: table.header.index(headers[name]))])
     for name, header in headers.items():
-        if name not in (header, "time") and name.partition("_")[2] not in joints:
+        if name not in (header, *OF_NO_JOINT) and name.partition("_")[2] not in joints:
             raise ExoidError(
                 f"columns names {name!r}, but no column gives the angle of that joint",
                 where=table.file,
@@ -152,33 +220,88 @@ def _named(joint_names: Sequence[str]) -> tuple[str, ...]:
     return names
 
 
-def _present(table: Table, headers: Mapping[str, str], joints: Sequence[str]) -> list[str]:
-    """List the quantities that the file has for these joints: q, and others that all joints have."""
+def _present(table: Table, headers: Mapping[str, str], joints: Sequence[str]) -> dict[str, list[str]]:
+    """Columns of each quantity that the file has for these joints: q, others of all joints, torques of some."""
     if "time" not in headers:
         raise _missing("time", "no time stamps", table)
-    present = []
+    present = {}
     for quantity in QUANTITIES:
-        absent = [f"{quantity}_{joint}" for joint in joints if f"{quantity}_{joint}" not in headers]
+        wanted = [f"{quantity}_{joint}" for joint in joints]
+        absent = [name for name in wanted if name not in headers]
         if quantity == "q" and absent:
             raise _missing(absent[0], "no angle for that joint", table)
-        if 0 < len(absent) < len(joints):
+        if quantity in PARTIAL:
+            if absent:
+                _refuse_nameless(quantity, absent, headers, table)
+        elif 0 < len(absent) < len(joints):
             raise _missing(absent[0], "other joints have one; joint_names selects joints", table)
-        if not absent:
-            present.append(quantity)
+        if len(absent) < len(joints):
+            present[quantity] = [name for name in wanted if name in headers]
     return present
 
 
-def _missing(column: str, why: str, table: Table) -> ExoidError:
-    """Make the error about a missing column, which names the closest and the existing ones."""
+def _refuse_nameless(quantity: str, absent: Sequence[str], headers: Mapping[str, str], table: Table) -> None:
+    """Refuse a column whose joint has no angle while a joint lacks that column: one of both names is misspelt."""
+    known = {name[2:] for name in headers if name.startswith("q_")}
+    for name in headers:
+        joint = name.removeprefix(f"{quantity}_")
+        if joint not in (name, *known) and get_close_matches(name, absent, n=1, cutoff=0.8):
+            raise _missing(absent[0], f"and no angle belongs to {name}", table)
+
+
+def _column(name: str, column: str | Column, table: Table) -> Column:
+    """Take a header as it is, or find the column that a text of the command line means."""
+    if isinstance(column, Column):
+        return column.among(table.header, name, table.file)
+    return Column(column)
+
+
+def _left_out(joints: Sequence[str], unmeasured: Sequence[str]) -> set[str]:
+    """Torque columns that are not read."""
+    if isinstance(unmeasured, str):
+        raise ExoidError(f"unmeasured is the string {unmeasured!r}", remedy=f"pass unmeasured=({unmeasured!r},)")
+    for joint in unmeasured:
+        if joint not in joints:
+            raise ExoidError(f"unmeasured names {joint!r}", remedy=f"joints of the log are {', '.join(joints)}")
+    return {f"tau_{joint}" for joint in unmeasured}
+
+
+def _numbers(
+    table: Table, names: Sequence[str], headers: Mapping[str, str], given: Mapping[str, Column], degrees: bool
+) -> FloatArray:
+    """Read columns, and convert them to SI units, (N, k)."""
+    numbers = table.numbers([headers[name] for name in names])
+    numbers = numbers if numbers.flags.writeable else numbers.copy()
+    for place, name in enumerate(names):
+        column = given.get(name) or Column(headers[name])
+        if column.is_plain and name in given:
+            refuse_silent_unit(column.header, name, table.file, degrees=degrees)
+        if not column.is_plain:
+            numbers[:, place] = column.read(name, numbers[:, place], table.file)
+        if degrees and column.unit is None and name.partition("_")[0] in KINEMATIC:
+            numbers[:, place] = np.deg2rad(numbers[:, place])
+    return numbers
+
+
+def _may_share(names: Sequence[str]) -> bool:
+    """Whether columns are current or force of a drive, and torque computed of it, or temperatures of one sensor."""
+    quantities, joints = zip(*(name.partition("_")[::2] for name in names), strict=True)
+    if set(quantities) == {"temp"}:
+        return True
+    same_joint = len(set(joints)) == 1 and len(set(quantities)) == len(names)
+    return same_joint and set(quantities) <= set(PARTIAL) - {"temp"}
+
+
+def _missing(column: str, why: str, table: Table, name: str | None = None) -> ExoidError:
+    """Make the error about a missing column, or the header given for one of exoid's name; names the closest ones."""
     close = get_close_matches(column, table.header, n=3, cutoff=0.4)
     nearest = f"; closest: {', '.join(close)}" if close else ""
-    name = column if not why.startswith("columns[") else why[len("columns['") : why.index("']")]
     exists = ", ".join(table.header[:20]) + (f", … ({len(table.header)} in all)" if len(table.header) > 20 else "")
     return ExoidError(
         f"no column {column!r} ({why}){nearest}; the file has: {exists}",
         where=table.file,
         remedy=f"rename it in the file or pass columns={{{column!r}: <header in the file>}}"
-        if not why.startswith("columns[")
+        if name is None
         else "pass columns={exoid's name: <header in the file>}",
-        command=f"rename it in the file or give its header: --column {name}=HEADER",
+        command=f"rename it in the file or give its header: --column {name or column}=HEADER",
     )

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.payload import Payload, as_payloads
 from exoid.torso import TorsoMotion
 
 from .source import Source
@@ -23,6 +24,7 @@ class Poses:
         joint_names: Names of the n columns.
         torso: Tilt of the torso; None if it is upright.
         source: File of the data; None for arrays made in memory.
+        payloads: Payloads that were on the leg.
 
     Raises:
         ExoidError: Shapes do not fit, or a value is not finite.
@@ -37,10 +39,12 @@ class Poses:
     joint_names: tuple[str, ...]
     torso: TorsoMotion | None = None
     source: Source | None = None
+    payloads: tuple[Payload, ...] = ()
 
     def __post_init__(self) -> None:
         """Check and freeze."""
         object.__setattr__(self, "joint_names", tuple(self.joint_names))
+        object.__setattr__(self, "payloads", as_payloads(self.payloads))
         for name in ("q", "tau"):
             try:
                 array = np.array(getattr(self, name), dtype=np.float64)
@@ -63,7 +67,8 @@ class Poses:
 
     def __repr__(self) -> str:
         """Write one line."""
-        return f"Poses({len(self)} poses; joints: {', '.join(self.joint_names)})"
+        payloads = f"; payloads: {', '.join(map(str, self.payloads))}" if self.payloads else ""
+        return f"Poses({len(self)} poses; joints: {', '.join(self.joint_names)}{payloads})"
 
     def take(self, rows: slice) -> Poses:
         """Select poses.
@@ -74,7 +79,7 @@ class Poses:
         Returns:
             These poses.
         """
-        return Poses(self.q[rows], self.tau[rows], self.joint_names, self.torso, self.source)
+        return replace(self, q=self.q[rows], tau=self.tau[rows])
 
     def select(self, joint_names: tuple[str, ...]) -> Poses:
         """Select joints.
@@ -94,7 +99,7 @@ class Poses:
                 f"no joint {', '.join(missing)} in poses of {', '.join(self.joint_names)}", remedy="rename it"
             )
         columns = [self.joint_names.index(name) for name in joint_names]
-        return Poses(self.q[:, columns], self.tau[:, columns], joint_names, self.torso, self.source)
+        return replace(self, q=self.q[:, columns], tau=self.tau[:, columns], joint_names=joint_names)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +119,8 @@ class Approaches:
 
     def __post_init__(self) -> None:
         """Check that both are the same poses of the same joints."""
+        if self.below.payloads != self.above.payloads:
+            raise ExoidError("poses from below and from above have different payloads", remedy="measure both with one")
         if self.below.joint_names != self.above.joint_names or len(self.below) != len(self.above):
             raise ExoidError(
                 f"{len(self.below)} poses of {', '.join(self.below.joint_names)} from below, {len(self.above)} of "
@@ -126,7 +133,7 @@ class Approaches:
         """Mean of both torques, in which static friction cancels if both are within its band."""
         below, above = self.below, self.above
         tau = 0.5 * (below.tau + above.tau)
-        return Poses(0.5 * (below.q + above.q), tau, below.joint_names, below.torso, below.source)
+        return replace(below, q=0.5 * (below.q + above.q), tau=tau)
 
     @property
     def band(self) -> FloatArray:

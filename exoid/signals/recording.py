@@ -12,18 +12,42 @@ import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
+from exoid.payload import Payload, as_payloads
 from exoid.tables import html_table
 from exoid.torso import TorsoMotion
 
 from . import checks, timebase
+from .base_checks import refuse_wrong_base
+from .base_log import read_base
+from .base_motion import BASE_COLUMNS, BaseMotion
+from .column import Column, as_text
 from .csv_writer import write_csv
-from .formats import ReadOptions, Table, open_table, read_text_table
-from .log import read_log, read_mask
+from .formats import BASE_POSITION, PAYLOAD, ReadOptions, Table, open_table, read_text_table
+from .log import payloads_of, read_log, read_mask
 from .source import Source
 from .source_location import SourceLocation
 
-UNITS = {"q": "rad", "v": "rad/s", "a": "rad/s²", "tau": "N·m"}
+UNITS = {
+    "q": "rad",
+    "v": "rad/s",
+    "a": "rad/s²",
+    "tau": "N·m",
+    "current": "A",
+    "force": "N",
+    "motor_torque": "N·m",
+    "motor_angle": "rad",
+    "temperature": "°C",
+}
 """Unit of each quantity of a joint."""
+
+OF_SOME_JOINTS = ("tau", "current", "force", "motor_torque", "motor_angle", "temperature")
+"""Quantities that need not be measured at all joints: their other columns are NaN throughout."""
+
+USUAL = ("q", "v", "a", "tau")
+"""Quantities that a table of a recording shows even if they were not recorded."""
+
+PREFIXES = {"current": "i", "force": "f", "motor_torque": "tm", "motor_angle": "qm", "temperature": "temp"}
+"""Beginning of the column names of each quantity whose name differs."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -38,7 +62,8 @@ class Recording:
         q: Joint angles [rad], (N, n).
         v: Joint velocities [rad/s], (N, n); None to derive them from ``q``.
         a: Joint accelerations [rad/s²], (N, n); None to derive them.
-        tau: Actuator torques [N·m], (N, n); None for a motion without torques.
+        tau: Actuator torques [N·m], (N, n); None for a motion without torques. The column of a joint whose torque was
+            not measured is NaN throughout: the joint takes part in the motion, and its torque gives no rows.
         joint_names: Names of the n columns.
         source: File of the data; None for arrays made in memory.
         mask: Samples that count, (N,): only these become rows of τ = W β; None if all do. The angles of the others
@@ -46,6 +71,19 @@ class Recording:
         torso: Tilt of the torso, the same at all samples; None if it is upright and still.
         largest_angle: Limit of the angles [rad], beyond which they count as degrees; ``math.inf`` for a joint that
             makes full turns.
+        current: Motor currents [A], (N, n); NaN throughout where a joint has none. None without currents.
+        force: Forces of linear actuators [N], (N, n); NaN throughout where a joint has none. None without forces.
+        motor_torque: Torques of motors that coupling gears connect to the joints [N·m], (N, n): motor k is in the
+            column of joint k of the coupling. None without.
+        motor_angle: Angles of motors behind series springs [rad], (N, n). None without.
+        temperature: Temperatures of the drives or joints [°C], (N, n); NaN throughout where a joint has no sensor. None
+            without temperatures. See :class:`exoid.torques.TemperatureFriction`.
+        passive: Joints without an actuator. Their torque is known to be zero, and gives rows.
+        computed: Joints whose torque was computed of what their drive measured, see :class:`exoid.actuators.Actuators`.
+        payloads: Weighed bodies that were strapped to the leg. Their torque is known, and is taken out of the measured
+            one.
+        base: Motion of the base, for a leg whose torso moves, such as that of a walking wearer; None if it stands
+            still. It excludes ``torso``.
 
     Raises:
         ExoidError: Shapes do not fit, values are missing, time does not increase, units look wrong, or there are too
@@ -68,6 +106,15 @@ class Recording:
     mask: BoolArray | None = None
     torso: TorsoMotion | None = None
     largest_angle: float = checks.LARGEST_ANGLE
+    current: FloatArray | None = None
+    force: FloatArray | None = None
+    motor_torque: FloatArray | None = None
+    motor_angle: FloatArray | None = None
+    temperature: FloatArray | None = None
+    passive: tuple[str, ...] = ()
+    payloads: tuple[Payload, ...] = ()
+    computed: tuple[str, ...] = ()
+    base: BaseMotion | None = None
 
     def __post_init__(self) -> None:
         self._freeze()
@@ -78,10 +125,22 @@ class Recording:
             names = repr(self.joint_names)
             raise ExoidError(f"joint_names is the string {names}", remedy=f"pass joint_names=({names},)")
         object.__setattr__(self, "joint_names", tuple(self.joint_names))
-        for name in ("time", "q", "v", "a", "tau"):
+        if self.payloads != ():
+            object.__setattr__(self, "payloads", as_payloads(self.payloads))
+        for name in ("time", *UNITS):
             values = getattr(self, name)
             if values is not None or name in ("time", "q"):
                 object.__setattr__(self, name, checks.as_numbers(values, name))
+        for name in OF_SOME_JOINTS:
+            values = getattr(self, name)
+            if values is not None and values.size and np.isnan(values).all():
+                object.__setattr__(self, name, None)
+        for name in ("passive", "computed"):
+            object.__setattr__(self, name, checks.as_joints(getattr(self, name), self.joint_names, name))
+        if self.passive:
+            shape = (self.time.size, len(self.joint_names))
+            tau = checks.with_zero_torque(self.tau, self.passive, self.joint_names, shape)
+            object.__setattr__(self, "tau", tau)
         if self.mask is not None:
             object.__setattr__(self, "mask", checks.as_mask(self.mask))
 
@@ -98,17 +157,40 @@ class Recording:
             checks.refuse_shape(self.mask, (samples,), "mask")
         checks.refuse_not_finite(self.time[:, np.newaxis], ("time",), where)
         for quantity, values in self._arrays().items():
-            columns = tuple(f"{quantity}_{name}" for name in names)
-            checks.refuse_not_finite(values, columns, where)
-            checks.refuse_absurd(values, columns, where)
+            there = ~_absent(values) if quantity in OF_SOME_JOINTS else np.ones(len(names), dtype=np.bool_)
+            columns = tuple(np.array([f"{PREFIXES.get(quantity, quantity)}_{name}" for name in names])[there].tolist())
+            checks.refuse_not_finite(values[:, there], columns, where)
+            checks.refuse_absurd(values[:, there], columns, where)
+            if quantity == "current":
+                checks.refuse_milliamperes(values[:, there], columns, where)
+            elif quantity == "temperature":
+                checks.refuse_no_celsius(values[:, there], columns, where)
         checks.refuse_time_disorder(self.time, where)
         checks.refuse_degrees(self.q, tuple(f"q_{name}" for name in names), self.largest_angle, where)
         checks.refuse_moving_torso(self.torso)
+        self._check_base()
         if self.v is not None:
             checks.refuse_velocity_in_other_unit(self.time, self.q, self.v, names, where)
 
+    def _check_base(self) -> None:
+        where = self.source.name if self.source else ""
+        if self.base is None:
+            return
+        if not isinstance(self.base, BaseMotion):
+            raise ExoidError(
+                f"base is of type {type(self.base).__name__}", where=where, remedy="pass BaseMotion.from_imu(...)"
+            )
+        if self.torso is not None:
+            raise ExoidError(
+                "the recording has a torso tilt and a base motion",
+                where=where,
+                remedy="leave out torso: the accelerometer measures the tilt",
+            )
+        checks.refuse_shape(self.base.columns, (len(self.time), len(BASE_COLUMNS)), "the base motion")
+        refuse_wrong_base(self.time, self.base, where)
+
     def _arrays(self) -> dict[str, FloatArray]:
-        arrays = {"q": self.q, "v": self.v, "a": self.a, "tau": self.tau}
+        arrays = {name: getattr(self, name) for name in UNITS}
         return {name: values for name, values in arrays.items() if values is not None}
 
     def _with(self, **changes: Any) -> Recording:  # noqa: ANN401 - fields of several types
@@ -123,12 +205,21 @@ class Recording:
         return len(self.time)
 
     def __repr__(self) -> str:
-        return f"Recording({self._size()}; joints: {', '.join(self.joint_names)}; {', '.join(self._arrays())})"
+        arrays = self._arrays()
+        named = ", ".join(name if name in USUAL else f"{name} [{UNITS[name]}]" for name in arrays)
+        without = [name for name, there in zip(self.joint_names, self.measured, strict=True) if not there]
+        unmeasured = f"; torque not measured: {', '.join(without)}" if without and self.tau is not None else ""
+        passive = f"; passive: {', '.join(self.passive)}" if self.passive else ""
+        payloads = f"; payloads: {', '.join(map(str, self.payloads))}" if self.payloads else ""
+        joints = ", ".join(self.joint_names)
+        rest = f"{unmeasured}{passive}{payloads}{'' if self.base is None else '; moving base'}"
+        return f"Recording({self._size()}; joints: {joints}; {named}{rest})"
 
     def _repr_html_(self) -> str:
         """Table for notebooks: smallest and largest value of each quantity, joint by joint."""
-        headers = ("joint", *(f"{quantity} [{unit}]" for quantity, unit in UNITS.items()))
-        columns = (self._ranges(getattr(self, quantity)) for quantity in UNITS)
+        shown = [quantity for quantity in UNITS if quantity in USUAL or getattr(self, quantity) is not None]
+        headers = ("joint", *(f"{quantity} [{UNITS[quantity]}]" for quantity in shown))
+        columns = (self._ranges(getattr(self, quantity)) for quantity in shown)
         name = self.source.name if self.source else "Recording"
         return html_table(headers, zip(self.joint_names, *columns, strict=True), f"{name}: {self._size()}")
 
@@ -136,12 +227,25 @@ class Recording:
         """Smallest and largest value of each joint."""
         if values is None:
             return ["not recorded"] * self.n_joints
-        return [f"{low:.3g} … {high:.3g}" for low, high in zip(values.min(axis=0), values.max(axis=0), strict=True)]
+        ranges = zip(values.min(axis=0), values.max(axis=0), strict=True)
+        return ["not measured" if np.isnan(low) else f"{low:.3g} … {high:.3g}" for low, high in ranges]
 
     @property
     def n_joints(self) -> int:
         """Number of joints, n."""
         return len(self.joint_names)
+
+    @property
+    def measured(self) -> BoolArray:
+        """Joints whose torque is known, because it was measured or the joint is passive, (n,)."""
+        return np.zeros(self.n_joints, dtype=np.bool_) if self.tau is None else ~_absent(self.tau)
+
+    @property
+    def driven(self) -> BoolArray:
+        """Joints whose torque was measured: known, and not by being passive, (n,)."""
+        return np.array(
+            [there and name not in self.passive for name, there in zip(self.joint_names, self.measured, strict=True)]
+        )
 
     @property
     def duration(self) -> float:
@@ -181,7 +285,9 @@ class Recording:
                 )
         chosen = [self.joint_names.index(name) for name in names]
         arrays = {quantity: values[:, chosen] for quantity, values in self._arrays().items()}
-        return self._with(joint_names=names, **arrays)
+        passive = tuple(name for name in self.passive if name in names)
+        computed = tuple(name for name in self.computed if name in names)
+        return self._with(joint_names=names, passive=passive, computed=computed, **arrays)
 
     def slice(self, start: int | None = None, stop: int | None = None) -> Recording:
         """Select consecutive samples, as ``x[start:stop]`` does.
@@ -198,7 +304,8 @@ class Recording:
         """
         arrays = {quantity: values[start:stop] for quantity, values in self._arrays().items()}
         mask = None if self.mask is None else self.mask[start:stop]
-        return self._with(time=self.time[start:stop], mask=mask, **arrays)
+        base = None if self.base is None else self.base.rows(slice(start, stop))
+        return self._with(time=self.time[start:stop], mask=mask, base=base, **arrays)
 
     def segments(self, segments: Iterable[tuple[float, float]]) -> Recording:
         """Let only samples in some segments count, such as the swing phases of a walk.
@@ -270,8 +377,8 @@ class Recording:
     def resampled(self, rate: float | None = None) -> Recording:
         """Resample onto uniform time stamps, starting at the first one.
 
-        Angles and velocities are interpolated by a cubic spline. Accelerations and torques, which friction makes jump,
-        are interpolated by a monotone cubic (PCHIP), which does not overshoot.
+        Angles and velocities are interpolated by a cubic spline. Accelerations, torques, currents and forces, which
+        friction makes jump, and temperatures are interpolated by a monotone cubic (PCHIP), which does not overshoot.
 
         Args:
             rate: New sampling rate [Hz], not below the present one, as a lower one would alias. None keeps the present
@@ -297,16 +404,20 @@ class Recording:
         time = self.time[rows]
         grid = timebase.even_grid(time, new)
         arrays = {
-            quantity: timebase.interpolate(time, values[rows], grid, smooth=quantity in ("q", "v"))
+            quantity: _interpolated(time, values[rows], grid, smooth=quantity in ("q", "v", "motor_angle"))
             for quantity, values in self._arrays().items()
         }
         mask = None if self.mask is None else timebase.interpolate_mask(self.time, self.mask, grid)
-        return self._with(time=grid, mask=mask, **arrays)
+        base = None if self.base is None else self.base.interpolated(time, grid, rows)
+        return self._with(time=grid, mask=mask, base=base, **arrays)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write columns ``time, q_<joint>, …``, which `from_csv` reads back exactly.
 
-        A mask becomes a column ``mask`` of 0 and 1, which ``from_csv(path, mask="mask")`` reads.
+        A mask becomes a column ``mask`` of 0 and 1, which ``from_csv(path, mask="mask")`` reads. What was not measured
+        has no column. The torque of a passive joint is a column of zeros, which ``from_csv(path, passive=...)`` reads.
+        Each payload becomes a line ``# payload: knee:3.0@0.0,0.0,-0.3`` above the header, which ``from_csv`` reads. So
+        does the position of the sensor of a base motion: ``# base position: 0.1,0.0,0.2``.
 
         Args:
             path: File to write; an existing one is replaced only when the new one is complete.
@@ -314,40 +425,60 @@ class Recording:
         Raises:
             ExoidError: The file cannot be written.
         """
-        arrays = self._arrays()
-        header = ["time", *(f"{quantity}_{name}" for quantity in arrays for name in self.joint_names)]
-        columns = [self.time, *arrays.values()]
+        header, columns = ["time"], [self.time]
+        for quantity, values in self._arrays().items():
+            there = np.flatnonzero(~_absent(values))
+            header += [f"{PREFIXES.get(quantity, quantity)}_{self.joint_names[joint]}" for joint in there]
+            columns.append(values[:, there])
+        comments = [f"{PAYLOAD} {payload}" for payload in self.payloads]
+        if self.base is not None:
+            header, columns = [*header, *BASE_COLUMNS], [*columns, self.base.columns]
+            comments.append(f"{BASE_POSITION} {','.join(map(repr, self.base.position.tolist()))}")
         if self.mask is not None:
             header, columns = [*header, "mask"], [*columns, self.mask.astype(np.float64)]
-        write_csv(path, header, np.column_stack(columns))
+        write_csv(path, header, np.column_stack(columns), comments)
 
     @classmethod
     def from_csv(
         cls,
         path: str | os.PathLike[str],
         joint_names: Sequence[str] | None = None,
-        columns: Mapping[str, str] | None = None,
+        columns: Mapping[str, str | Column] | None = None,
         *,
         angle_unit: Literal["rad", "deg"] = "rad",
         largest_angle: float = checks.LARGEST_ANGLE,
         resample: bool = True,
         mask: str | None = None,
+        names: Sequence[str] | None = None,
+        passive: Sequence[str] = (),
+        unmeasured: Sequence[str] = (),
+        payloads: Sequence[Payload] | None = None,
+        base_position: Sequence[float] | None = None,
     ) -> Recording:
-        """Read a CSV log with columns ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>``.
+        """Read a CSV log with columns ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>``, of drives and base.
 
         The file is UTF-8 text with one header line, separated by commas, semicolons or tabs. Lines that start with
-        ``#`` are skipped. Velocity, acceleration and torque may be absent, but each for all joints. Other columns are
-        ignored.
+        ``#`` are skipped. Velocity and acceleration may be absent, but each for all joints. Torque τ, and of drives
+        current ``i_`` [A], force ``f_`` [N], motor torque ``tm_`` [N·m], motor angle ``qm_`` [rad] and temperature
+        ``temp_`` [°C] may be absent for any joint. A base that moves has ``base_gyro_x…z`` [rad/s] and
+        ``base_acc_x…z`` [m/s²], see :class:`BaseMotion`. Other columns are ignored.
 
         Args:
             path: The file.
             joint_names: Joints to read, in order; None for those of the ``q_`` columns, in the file's order.
-            columns: Header in the file of each exoid column whose name differs, e.g.
-                ``{"time": "t", "q_hip": "pos1"}``.
-            angle_unit: Unit of angles in the file; "deg" applies to q, v and a.
+            columns: Header in the file of each exoid column whose name differs, or the header with scale, zero and
+                unit, e.g. ``{"time": "t", "tau_hip": Column("current", scale=0.118)}``.
+            angle_unit: Unit of angles in the file; "deg" applies to q, v and a that have no unit in ``columns``.
             largest_angle: Limit of the angles [rad], beyond which they count as degrees.
             resample: Whether to resample uneven time stamps, as `resampled` does.
             mask: Header of a column of 0 and 1; only samples with 1 count, see :attr:`mask`.
+            names: Names of the columns of a file without a header line, "" for one that is not read.
+            passive: Joints without an actuator, whose torque is zero, see :attr:`passive`.
+            unmeasured: Joints whose torque column is not read, such as that of a dead channel.
+            payloads: Payloads on the leg; None for those that lines ``# payload: …`` of the file name, see
+                :meth:`to_csv`.
+            base_position: Position of the sensor of ``base_gyro_x…z`` and ``base_acc_x…z`` in the axes of the root link
+                [m], (3,); None for that of the line ``# base position: …``, or else the origin of the root link.
 
         Returns:
             The recording.
@@ -355,15 +486,15 @@ class Recording:
         Raises:
             ExoidError: The file cannot be read, or its data fail a check. The error names file, line and column.
         """
-        table = read_text_table(path)
-        return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample, mask)
+        table, declared = read_text_table(path, names), (passive, unmeasured, payloads, base_position)
+        return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample, mask, *declared)
 
     @classmethod
     def from_file(
         cls,
         path: str | os.PathLike[str],
         joint_names: Sequence[str] | None = None,
-        columns: Mapping[str, str] | None = None,
+        columns: Mapping[str, str | Column] | None = None,
         *,
         angle_unit: Literal["rad", "deg"] = "rad",
         largest_angle: float = checks.LARGEST_ANGLE,
@@ -371,6 +502,11 @@ class Recording:
         topic: str | None = None,
         stamps: Literal["header", "received"] = "header",
         mask: str | None = None,
+        names: Sequence[str] | None = None,
+        passive: Sequence[str] = (),
+        unmeasured: Sequence[str] = (),
+        payloads: Sequence[Payload] | None = None,
+        base_position: Sequence[float] | None = None,
     ) -> Recording:
         """Read a log of any format: its first bytes say which, or an ending of :func:`register_format`.
 
@@ -394,6 +530,11 @@ class Recording:
             stamps: Time stamps of a bag: "header", when the joints were measured, or "received", when the message was
                 recorded.
             mask: See :meth:`from_csv`; not for bags, which have no such column.
+            names: See :meth:`from_csv`; only for text.
+            passive: See :meth:`from_csv`.
+            unmeasured: See :meth:`from_csv`.
+            payloads: See :meth:`from_csv`; only text names any.
+            base_position: See :meth:`from_csv`.
 
         Returns:
             The recording.
@@ -404,22 +545,29 @@ class Recording:
         Example:
             >>> Recording.from_file("walk.mcap", columns={"q_hip": "q_left_hip_joint"})  # doctest: +SKIP
         """
-        table = open_table(path, ReadOptions(joint_names, dict(columns or {}), topic, stamps))
-        return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample, mask)
+        headers = {name: as_text(column) for name, column in (columns or {}).items()}
+        table = open_table(path, ReadOptions(joint_names, headers, topic, stamps, names))
+        declared = (passive, unmeasured, payloads, base_position)
+        return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample, mask, *declared)
 
     @classmethod
     def _from_table(
         cls,
         table: Table,
         joint_names: Sequence[str] | None,
-        columns: Mapping[str, str] | None,
+        columns: Mapping[str, str | Column] | None,
         angle_unit: Literal["rad", "deg"],
         largest_angle: float,
         resample: bool,
         mask: str | None,
+        passive: Sequence[str],
+        unmeasured: Sequence[str],
+        payloads: Sequence[Payload] | None,
+        base_position: Sequence[float] | None,
     ) -> Recording:
         """Make a recording of a table."""
-        log = read_log(table, joint_names, columns, angle_unit, largest_angle)
+        log = read_log(table, joint_names, columns, angle_unit, largest_angle, unmeasured)
+        loads = payloads_of(table, payloads)
         if resample and not timebase.is_uniform(log.time):
             timebase.refuse_gaps(log.time, log.where)
         arrays: dict[str, Any] = dict(log.arrays)
@@ -430,5 +578,23 @@ class Recording:
             source=log.source,
             mask=None if mask is None else read_mask(table, mask),
             largest_angle=largest_angle,
+            passive=checks.as_joints(passive, log.joint_names, "passive"),
+            payloads=loads,
+            base=read_base(table, log.time, log.base, base_position),
         )
         return recording.resampled() if resample else recording
+
+
+def _absent(values: FloatArray) -> BoolArray:
+    """Columns that are NaN throughout, (n,)."""
+    return np.asarray(np.isnan(values).all(axis=0))
+
+
+def _interpolated(time: FloatArray, values: FloatArray, grid: FloatArray, *, smooth: bool) -> FloatArray:
+    """Interpolate the columns that were measured; the others stay NaN."""
+    there = ~_absent(values)
+    if there.all():
+        return timebase.interpolate(time, values, grid, smooth=smooth)
+    out = np.full((len(grid), len(there)), np.nan)
+    out[:, there] = timebase.interpolate(time, values[:, there], grid, smooth=smooth)
+    return out

@@ -11,8 +11,10 @@ from pathlib import Path
 from typing import Literal, NamedTuple, overload
 
 from exoid.errors import ExoidError
+from exoid.payload import Payload
 
 from . import checks
+from .column import Column
 from .formats import READERS
 from .poses import Poses
 from .recording import Recording
@@ -63,13 +65,18 @@ class Recordings(Sequence[Recording | Poses]):
     def from_folder(
         folder: str | os.PathLike[str],
         joint_names: Sequence[str] | None = None,
-        columns: Mapping[str, str] | None = None,
+        columns: Mapping[str, str | Column] | None = None,
         *,
         angle_unit: Literal["rad", "deg"] = "rad",
         largest_angle: float = checks.LARGEST_ANGLE,
         topic: str | None = None,
         stamps: Literal["header", "received"] = "header",
         mask: str | None = None,
+        names: Sequence[str] | None = None,
+        passive: Sequence[str] = (),
+        unmeasured: Sequence[str] = (),
+        payloads: Sequence[Payload] | None = None,
+        base_position: Sequence[float] | None = None,
     ) -> Recordings:
         """Find the logs in a folder, without its subfolders; ``part.10.csv`` comes after ``part.9.csv``.
 
@@ -82,6 +89,11 @@ class Recordings(Sequence[Recording | Poses]):
             topic: See :meth:`Recording.from_file`.
             stamps: See :meth:`Recording.from_file`.
             mask: See :meth:`Recording.from_file`.
+            names: See :meth:`Recording.from_file`.
+            passive: See :meth:`Recording.from_file`.
+            unmeasured: See :meth:`Recording.from_file`.
+            payloads: See :meth:`Recording.from_file`; those of every file.
+            base_position: See :meth:`Recording.from_file`; that in every file.
 
         Returns:
             The recordings; no file is read yet.
@@ -98,19 +110,29 @@ class Recordings(Sequence[Recording | Poses]):
             topic=topic,
             stamps=stamps,
             mask=mask,
+            names=names,
+            passive=passive,
+            unmeasured=unmeasured,
+            payloads=payloads,
+            base_position=base_position,
         )
 
     @staticmethod
     def from_files(
         paths: Iterable[str | os.PathLike[str]],
         joint_names: Sequence[str] | None = None,
-        columns: Mapping[str, str] | None = None,
+        columns: Mapping[str, str | Column] | None = None,
         *,
         angle_unit: Literal["rad", "deg"] = "rad",
         largest_angle: float = checks.LARGEST_ANGLE,
         topic: str | None = None,
         stamps: Literal["header", "received"] = "header",
         mask: str | None = None,
+        names: Sequence[str] | None = None,
+        passive: Sequence[str] = (),
+        unmeasured: Sequence[str] = (),
+        payloads: Sequence[Payload] | None = None,
+        base_position: Sequence[float] | None = None,
     ) -> Recordings:
         """Make a sequence of files.
 
@@ -123,6 +145,11 @@ class Recordings(Sequence[Recording | Poses]):
             topic: See :meth:`Recording.from_file`.
             stamps: See :meth:`Recording.from_file`.
             mask: See :meth:`Recording.from_file`.
+            names: See :meth:`Recording.from_file`.
+            passive: See :meth:`Recording.from_file`.
+            unmeasured: See :meth:`Recording.from_file`.
+            payloads: See :meth:`Recording.from_file`; those of every file.
+            base_position: See :meth:`Recording.from_file`; that in every file.
 
         Returns:
             The recordings; no file is read yet.
@@ -136,6 +163,11 @@ class Recordings(Sequence[Recording | Poses]):
             topic=topic,
             stamps=stamps,
             mask=mask,
+            names=names,
+            passive=passive,
+            unmeasured=unmeasured,
+            payloads=payloads,
+            base_position=base_position,
         )
         return Recordings(tuple(RecordingFile(Path(path), read) for path in paths))
 
@@ -149,6 +181,17 @@ class Recordings(Sequence[Recording | Poses]):
             The same recordings with that function.
         """
         return replace(self, watch=watch)
+
+    def changed(self, change: Callable[[Recording], Recording]) -> Recordings:
+        """Change each recording, those on disk when they are read.
+
+        Args:
+            change: Function of a recording, which pickle can send to other processes.
+
+        Returns:
+            The changed recordings; poses stay as they are.
+        """
+        return replace(self, items=tuple(changed_item(change, item) for item in self.items))
 
     def at_rest(self, index: int) -> bool:
         """Tell whether an item is poses, without reading it.
@@ -190,6 +233,29 @@ class Recordings(Sequence[Recording | Poses]):
         return f"Recordings({len(self)})"
 
 
+def changed_item(
+    change: Callable[[Recording], Recording], item: RecordingFile | Recording | Poses
+) -> RecordingFile | Recording | Poses:
+    """Change one recording, or let it be changed when its file is read.
+
+    Args:
+        change: Function of a recording.
+        item: File, recording or poses.
+
+    Returns:
+        The same kind of item; poses stay as they are.
+    """
+    if isinstance(item, RecordingFile):
+        return RecordingFile(item.path, partial(_read_and_change, item.read, change))
+    return change(item) if isinstance(item, Recording) else item
+
+
+def _read_and_change(
+    read: Callable[[Path], Recording], change: Callable[[Recording], Recording], path: Path
+) -> Recording:
+    return change(read(path))
+
+
 def logs_in(folder: str | os.PathLike[str]) -> list[Path]:
     """List the logs in a folder; numbers in their names are sorted by value.
 
@@ -205,8 +271,12 @@ def logs_in(folder: str | os.PathLike[str]) -> list[Path]:
     path = Path(folder)
     try:
         files = sorted(filter(_is_log, path.iterdir()), key=_natural)
-    except OSError as error:
-        raise ExoidError(f"no such folder ({error.strerror})", where=str(path), remedy="check the path") from None
+    except (FileNotFoundError, NotADirectoryError):
+        raise ExoidError("no such folder", where=str(path), remedy="check the path") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        remedy = "check the path and its rights"
+        raise ExoidError(f"the folder cannot be read ({reason})", where=str(path), remedy=remedy) from None
     if not files:
         known = ", ".join(f".{ending}" for ending in READERS)
         raise ExoidError("no logs in the folder", where=str(path), remedy=f"give them names that end in {known}")

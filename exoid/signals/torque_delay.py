@@ -19,14 +19,18 @@ def without_torque_delay(recording: Recording, delays: Mapping[int, float]) -> R
         delays: Time by which the torque of each joint is late [s], by its index.
 
     Returns:
-        The recording at even times with torques at t + delay; the first or last value fills the end.
+        The recording at even times with torques at t + delay; the first or last value fills the end. Torques that were
+        not measured remain so.
     """
     if recording.tau is None:
         return recording
     even = recording.resampled()
     assert even.tau is not None
     tau = even.tau.copy()
+    measured = even.measured
     for joint, delay in delays.items():
+        if not measured[joint]:
+            continue
         at = np.clip(even.time + delay, even.time[0], even.time[-1])
         tau[:, joint] = scipy.interpolate.CubicSpline(even.time, even.tau[:, joint])(at)
     return replace(even, tau=tau)

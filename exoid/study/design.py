@@ -27,6 +27,9 @@ from .tracking_task import TrackingTask
 
 SCHEMA = "exoid-study-1"
 
+MOST_REPLICATES = 10**7
+"""Largest number of replicates of each protocol and noise."""
+
 FOLLOWED = ("exactly", "by a rig")
 
 WITHOUT_MODEL = "pd"
@@ -62,8 +65,13 @@ class LegText(NamedTuple):
 
         Returns:
             Its description.
+
+        Raises:
+            ExoidError: The base of the leg moves.
         """
         about = leg.description
+        if leg.base != "fixed":
+            raise ExoidError("studies simulate legs on a fixed base", where=about.name, remedy='use base="fixed"')
         return cls(about.text, about.name, leg.joint_names, tuple(leg.locked.items()), leg.cumulative)
 
 
@@ -144,6 +152,8 @@ class Study:
             raise ExoidError(f"estimators {', '.join(self.estimators)}", remedy="name each once")
         if self.followed not in FOLLOWED:
             raise ExoidError(f"motions followed {self.followed!r}", remedy=f"use one of {', '.join(FOLLOWED)}")
+        if self.replicates > MOST_REPLICATES:
+            raise ExoidError(f"{self.replicates} replicates", remedy=f"ask for at most {MOST_REPLICATES:.0e}")
         if self.replicates < 2 or self.chunk < 1 or self.seed < 0 or not self.protocols or not self.noises:
             raise ExoidError(
                 f"{self.replicates} replicates in chunks of {self.chunk}, seed {self.seed}, "
@@ -285,7 +295,7 @@ def plausible_truth(
     known = dict(zip(model.leg.parameter_names, model.leg.parameters.tolist(), strict=True))
     for name in model.names[len(known) :]:
         symbol, _, joint = name.partition("_")
-        known[name] = share.get(symbol, 0.0) * joints[joint]
+        known[name] = share.get(symbol, 0.0) * joints.get(joint, 0.0)  # a coupling has no joint of its own
     return (
         tuple(known[name] for name in model.names)
         if not values

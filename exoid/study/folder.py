@@ -37,12 +37,12 @@ class Folder:
         self.path, self._study = path, study
         try:
             path.mkdir(parents=True, exist_ok=True)
+            found = [file for file in path.iterdir() if not file.name.startswith(".")]  # others may be writing
         except OSError as error:
             raise ExoidError(
                 f"is no folder for results ({error.strerror or error})", where=str(path), remedy="name a new folder"
             ) from None
         about = path / ABOUT
-        found = [file for file in path.iterdir() if not file.name.startswith(".")]  # others may be writing
         if about.exists():  # checked after the chunks, because it is written before them
             self._refuse_another(about)
         elif found:

@@ -1,12 +1,15 @@
 """Joint torques besides rigid-body dynamics (friction, springs, rotors, offsets), and the torque model of a leg."""
 
 from .catalog import DEFAULT_TERMS, TERMS, register_term, term_by_name, term_from_json, term_to_json
+from .coupled_term import CoupledTerm, JointsMotion
+from .couplings import Cable, CoordinateTerm, CouplingFriction, CouplingInertia, CouplingSpring
 from .internal_state import InternalState
 from .load_friction import LoadFriction
 from .model import Regrouped, TorqueModel
 from .nonlinear import NonlinearSetting, nonlinear_settings, with_settings
 from .presliding import Presliding
 from .stribeck import Stribeck
+from .temperature import TemperatureFriction
 from .term import JointMotion, Motion, NonlinearParameter, Term
 from .terms import Armature, Coulomb, DryFriction, Offset, Stiffness, Viscous
 
@@ -14,10 +17,17 @@ __all__ = [
     "DEFAULT_TERMS",
     "TERMS",
     "Armature",
+    "Cable",
+    "CoordinateTerm",
     "Coulomb",
+    "CoupledTerm",
+    "CouplingFriction",
+    "CouplingInertia",
+    "CouplingSpring",
     "DryFriction",
     "InternalState",
     "JointMotion",
+    "JointsMotion",
     "LoadFriction",
     "Motion",
     "NonlinearParameter",
@@ -27,6 +37,7 @@ __all__ = [
     "Regrouped",
     "Stiffness",
     "Stribeck",
+    "TemperatureFriction",
     "Term",
     "TorqueModel",
     "Viscous",

@@ -9,8 +9,10 @@ from exoid.errors import ExoidError
 from exoid.registry import Registry
 from exoid.settings import named_default, named_from_json, named_to_json, refuse_unwritable_class
 
+from .couplings import Cable, CouplingFriction, CouplingInertia, CouplingSpring
 from .load_friction import LoadFriction
 from .stribeck import Stribeck
+from .temperature import TemperatureFriction
 from .term import NonlinearParameter, Term
 from .terms import Armature, Coulomb, Offset, Stiffness, Viscous
 
@@ -83,11 +85,16 @@ def register_term(name: str, kind: Kind | None = None) -> Kind | Callable[[Kind]
 
 
 register_term("armature", Armature)
+register_term("cable", Cable)
 register_term("coulomb", Coulomb)
+register_term("coupling-friction", CouplingFriction)
+register_term("coupling-inertia", CouplingInertia)
+register_term("coupling-spring", CouplingSpring)
 register_term("load-friction", LoadFriction)
 register_term("offset", Offset)
 register_term("stiffness", Stiffness)
 register_term("stribeck", Stribeck)
+register_term("temperature-friction", TemperatureFriction)
 register_term("viscous", Viscous)
 
 

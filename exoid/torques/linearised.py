@@ -15,7 +15,7 @@ from exoid.leg import Leg
 
 from .model import Regrouped, TorqueModel, regroup
 from .nonlinear import NonlinearSetting, nonlinear_settings, with_settings
-from .term import JointTerm, LoadedMotion, Term, joint_terms
+from .term import LoadedMotion, Term, TermBlock, term_blocks
 
 STEP = 1e-4
 """Relative step of the differences by a setting."""
@@ -37,8 +37,8 @@ class Slope(NamedTuple):
 
     value: float
     step: float
-    above: tuple[JointTerm, ...]
-    below: tuple[JointTerm, ...]
+    above: tuple[TermBlock, ...]
+    below: tuple[TermBlock, ...]
     values: tuple[FloatArray, ...]
 
 
@@ -75,7 +75,7 @@ class Linearised(TorqueModel):
         """Which parameters and settings can act on which joint, (n, P + S)."""
         acting = super().acting
         for column, slope in enumerate(self.slopes.values(), start=len(self.point)):
-            acting[slope.above[0].joint, column] = True
+            acting[list(slope.above[0].joints), column] = True
         return acting
 
     @property
@@ -83,7 +83,7 @@ class Linearised(TorqueModel):
         return 1
 
     @property
-    def _stateful(self) -> tuple[JointTerm, ...]:
+    def _stateful(self) -> tuple[TermBlock, ...]:
         moved = (block for slope in self.slopes.values() for block in (*slope.above, *slope.below))
         return (*self.blocks, *moved)
 
@@ -96,27 +96,27 @@ class Linearised(TorqueModel):
         super()._fill_terms(motion, out)
         rest = out[-1]
         for row, slope in enumerate(self.slopes.values(), start=len(self.point)):
-            joint = slope.above[0].joint
+            joints = list(slope.above[0].joints)
             for above, below, values in zip(slope.above, slope.below, slope.values, strict=True):
                 difference = _torque(above, motion, values) - _torque(below, motion, values)
-                out[row, joint] += difference / (2.0 * slope.step)
-            rest[joint] -= slope.value * out[row, joint]
+                out[row, joints] += difference / (2.0 * slope.step)
+            rest[joints] -= slope.value * out[row, joints]
         loaded = [block for block in self.blocks if block.term.loaded]
         if loaded:
             by_load = np.zeros_like(motion.load)
             for block in loaded:
-                by_load[block.joint] += self._slope_by_load(block, motion)
-            rest -= by_load * motion.load
+                by_load[block.joints[0]] += self._slope_by_load(block, motion)
+            rest -= by_load * (motion.load - motion.payload)
             out[: len(self.leg.parameter_names)] *= 1.0 + by_load
 
-    def _slope_by_load(self, block: JointTerm, motion: LoadedMotion) -> FloatArray:
+    def _slope_by_load(self, block: TermBlock, motion: LoadedMotion) -> FloatArray:
         """∂τ/∂τ_rb of one term, (N,)."""
         values = np.array([self._values.get(name, 0.0) for name in block.names])
-        step = LOAD_STEP * float(np.abs(motion.load[block.joint]).max())
+        step = LOAD_STEP * float(np.abs(motion.load[block.joints[0]]).max())
         if step == 0.0:
             return np.zeros(motion.load.shape[1])
         above, below = (_torque(block, motion._replace(load=motion.load + each), values) for each in (step, -step))
-        return (above - below) / (2.0 * step)
+        return np.asarray((above - below)[0] / (2.0 * step))
 
 
 def linearise(
@@ -143,8 +143,8 @@ def linearise(
     """
     names, labels = leg.joint_names, leg.joint_labels
 
-    def blocks_at(settings: Mapping[str, float]) -> tuple[JointTerm, ...]:
-        return joint_terms(leg, with_settings(terms, names, labels, settings))
+    def blocks_at(settings: Mapping[str, float]) -> tuple[TermBlock, ...]:
+        return term_blocks(leg, with_settings(terms, names, labels, settings))
 
     rigid = values[: len(leg.parameter_names)]
     blocks = blocks_at(settings)
@@ -167,8 +167,6 @@ def linearise(
     return Linearised(leg, settled, rigid, regrouped, point=values, slopes=slopes, nonlinear=nonlinear)
 
 
-def _torque(block: JointTerm, motion: LoadedMotion, values: FloatArray) -> FloatArray:
-    """Torque of one term [N·m], (N,)."""
-    columns = np.zeros((len(values), motion.q.shape[1]))
-    block.term.fill(motion.at(block), columns)
-    return values @ columns
+def _torque(block: TermBlock, motion: LoadedMotion, values: FloatArray) -> FloatArray:
+    """Torque of one term at its m joints [N·m], (m, N)."""
+    return np.asarray(np.tensordot(values, block.columns(motion), axes=1))

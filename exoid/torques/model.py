@@ -13,20 +13,24 @@ from numpy.typing import NDArray
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.torso import TorsoMotion
+from exoid.payload import Payload
+from exoid.torso import MovingBase
 
 from .nonlinear import nonlinear_settings, with_settings
+from .payloads import payload_torque
 from .term import (
-    JointMotion,
-    JointTerm,
     LoadedMotion,
     Motion,
     Term,
+    TermBlock,
     fill_terms,
     internal_states,
-    joint_terms,
     load_motion,
+    needed_temperature,
+    random_base,
     random_motion,
+    random_temperature,
+    term_blocks,
 )
 
 BLOCK = 32768
@@ -143,9 +147,9 @@ class TorqueModel:
         return self.leg.joint_labels
 
     @cached_property
-    def blocks(self) -> tuple[JointTerm, ...]:
+    def blocks(self) -> tuple[TermBlock, ...]:
         """Terms joint by joint, in the order of the columns."""
-        return joint_terms(self.leg, self.terms)
+        return term_blocks(self.leg, self.terms)
 
     @property
     def every_name(self) -> tuple[str, ...]:
@@ -172,20 +176,27 @@ class TorqueModel:
         """Which parameters can act on which joint, (n, P); columns are zero elsewhere."""
         joints, rigid = len(self.leg.joint_names), self.leg.parameter_names
         acting = np.zeros((joints, len(self.names)), dtype=np.bool_)
-        acting[:, : len(rigid)] = self.leg.regressor(*random_motion(10, joints)).any(axis=0)
+        base = random_base(10) if self.leg.base == "moving" else None
+        q, v, a = random_motion(10, joints)
+        acting[:, : len(rigid)] = self.leg.regressor(q, v, a, base).any(axis=0)
         for block in self.blocks:
-            acting[block.joint, [self.names.index(name) for name in block.names if name in self.names]] = True
+            places = [self.names.index(name) for name in block.names if name in self.names]
+            acting[np.ix_(block.joints, places)] = True
         return acting
 
     @cached_property
     def nonnegative(self) -> NDArray[np.bool_]:
-        """Which parameters cannot be negative in nature: friction and rotor inertia, (P,)."""
+        """Which parameters cannot be negative in nature: friction and rotor inertia, (P,).
+
+        One that contains a share of minus another, such as friction of the motors of a coupling, can be.
+        """
         never = {
             name
             for block in self.blocks
             for symbol, name in zip(block.term.symbols, block.names, strict=True)
             if symbol in block.term.nonnegative
         }
+        never -= {name for one in self.regrouped for name, share in one.into.items() if share < 0.0}
         return np.array([name in never for name in self.names], dtype=np.bool_)
 
     @cached_property
@@ -220,13 +231,21 @@ class TorqueModel:
             return ()
         parameters = [*self.leg.parameter_names[3 * joint : 3 * joint + 3]]
         for block in self.blocks:
-            columns = np.zeros((len(block.names), 2))
-            block.term.fill(JointMotion(*np.zeros((5, 2))), columns)
-            if block.joint == joint:
+            if block.joints == (joint,):
+                still = np.zeros((len(self.joint_names), 2))
+                states = {(joint, state): still[0] for state in (block.term.internal_state,) if state is not None}
+                columns = block.columns(LoadedMotion(still, still, still, still, still, states, still))
                 parameters += [name for name, column in zip(block.names, columns, strict=True) if not column.any()]
         return tuple(name for name in parameters if name in self.names)
 
-    def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
+    def regressor(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        torso: MovingBase | None = None,
+        temperature: ArrayLike | None = None,
+    ) -> FloatArray:
         """Form the regressor W of all parameters: τ = W(q, v, a) β.
 
         Args:
@@ -234,16 +253,27 @@ class TorqueModel:
             v: Joint velocities [rad/s], (N, n).
             a: Joint accelerations [rad/s²], (N, n).
             torso: Motion of the torso; None if it is upright and still.
+            temperature: Temperatures [°C], (N, n), for terms that depend on them.
 
         Returns:
             W, (N, n, P), each column contiguous in memory.
 
         Raises:
-            ExoidError: Shapes do not fit, or the torso of a leg that is not a planar chain moves.
+            ExoidError: Shapes do not fit, the torso of a leg that is not a planar chain moves, or a term needs
+                temperatures.
         """
-        return self.columns(self.motion(q, v, a, torso)).transpose(2, 1, 0)
+        return self.columns(self.motion(q, v, a, torso, temperature=temperature)).transpose(2, 1, 0)
 
-    def motion(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: TorsoMotion | None = None) -> Motion:
+    def motion(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        a: ArrayLike,
+        torso: MovingBase | None = None,
+        payloads: Sequence[Payload] = (),
+        computed: NDArray[np.bool_] | None = None,
+        temperature: ArrayLike | None = None,
+    ) -> Motion:
         """Gather what the columns of a whole recording depend on, including internal states.
 
         Args:
@@ -251,15 +281,23 @@ class TorqueModel:
             v: Joint velocities [rad/s], (N, n).
             a: Joint accelerations [rad/s²], (N, n).
             torso: Motion of the torso; None if it is upright and still.
+            payloads: Payloads on the leg during the recording.
+            computed: Joints whose torque follows from the reading of their drive, (n,); None for none.
+            temperature: Temperatures [°C], (N, n), for terms that depend on them.
 
         Returns:
             The motion.
 
         Raises:
-            ExoidError: Shapes do not fit.
+            ExoidError: Shapes do not fit, the leg does not have a joint that a payload names, or the temperature of a
+                joint is missing.
         """
         q, v, a = self.leg.samples(q, v, a)
-        return Motion(q, v, a, torso, internal_states(self._stateful, q, v))
+        heat = needed_temperature(self.blocks, v, temperature, self.joint_names)
+        motion = Motion(q, v, a, torso, internal_states(self._stateful, q, v), computed=computed, temperature=heat)
+        if not payloads:
+            return motion
+        return motion._replace(payload=payload_torque(self.leg, payloads, motion))
 
     def columns(self, motion: Motion) -> FloatArray:
         """Form the columns of all parameters for a motion, or for some rows of one.
@@ -273,7 +311,7 @@ class TorqueModel:
         Raises:
             ExoidError: The torso of a leg that is not a planar chain moves.
         """
-        q, v, a, torso, _ = motion
+        q, v, a, torso, *_ = motion
         count = len(self.leg.parameter_names)
         out = np.zeros((len(self.names) + self._known_columns, *q.shape[::-1]))
         self.leg.fill_regressor(q, v, a, out[:count], torso)
@@ -312,7 +350,8 @@ class TorqueModel:
         """
         usable = np.ones(v.shape, dtype=np.bool_)
         for block in self.blocks:
-            usable[:, block.joint] &= block.term.usable(v[:, block.joint])
+            for joint in block.joints:
+                usable[:, joint] &= block.term.usable(_of_joints(v, block.joints))
         return usable
 
     def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
@@ -324,13 +363,13 @@ class TorqueModel:
         Returns:
             Whether a joint turns round, (N, n); None if no term asks for it.
         """
-        found = [(block.joint, block.term.reversing(v[:, block.joint])) for block in self.blocks]
+        found = [(block.joints, block.term.reversing(_of_joints(v, block.joints))) for block in self.blocks]
         if all(mask is None for _, mask in found):
             return None
         reversing = np.zeros(v.shape, dtype=np.bool_)
-        for joint, mask in found:
+        for joints, mask in found:
             if mask is not None:
-                reversing[:, joint] |= mask
+                reversing[:, list(joints)] |= mask[:, None]
         return reversing
 
     @cached_property
@@ -349,7 +388,7 @@ class TorqueModel:
         return 0
 
     @property
-    def _stateful(self) -> tuple[JointTerm, ...]:
+    def _stateful(self) -> tuple[TermBlock, ...]:
         """Terms at joints whose internal states are needed."""
         return self.blocks
 
@@ -358,8 +397,18 @@ class TorqueModel:
         fill_terms(self.blocks, motion, out[len(self.leg.parameter_names) :], self.names)
 
 
+def _of_joints(v: FloatArray, joints: tuple[int, ...]) -> FloatArray:
+    """Velocity of one joint, (N,), or velocities of those that a term couples, (N, m)."""
+    return v[:, joints[0]] if len(joints) == 1 else v[:, list(joints)]
+
+
 def regroup(
-    leg: Leg, blocks: Sequence[JointTerm], rigid: FloatArray | None = None, *, separate: Sequence[str] = ()
+    leg: Leg,
+    blocks: Sequence[TermBlock],
+    rigid: FloatArray | None = None,
+    *,
+    separate: Sequence[str] = (),
+    moving_base: bool = False,
 ) -> tuple[Regrouped, ...]:
     """Find parameters of terms that depend linearly on others for every motion, such as a rotor at the hip on J1.
 
@@ -371,6 +420,7 @@ def regroup(
         blocks: Terms at joints, in the order of their columns.
         rigid: Rigid-body parameters whose torque loads the joints, (p,); None for the leg's own.
         separate: Names of parameters that are not regrouped, as their values are known.
+        moving_base: Whether the base moves, as it does for a leg that was made for that.
 
     Returns:
         Parameters that are regrouped, in the order of their columns.
@@ -380,8 +430,10 @@ def regroup(
     loaded = {name for block in blocks if block.term.loaded for name in block.names}
     q, v, a = random_motion(10 * len(names), len(leg.joint_names))
     columns = np.zeros((len(names), *q.shape[::-1]))
-    leg.fill_regressor(q, v, a, columns[:count])
-    motion = Motion(q, v, a, None, internal_states(blocks, q, v))
+    base = random_base(len(q)) if moving_base or leg.base == "moving" else None
+    leg.fill_regressor(q, v, a, columns[:count], base)
+    heat = random_temperature(*q.shape)
+    motion = Motion(q, v, a, None, internal_states(blocks, q, v), temperature=heat)
     fill_terms(
         blocks, load_motion(blocks, motion, columns, leg.parameters if rigid is None else rigid), columns[count:], names
     )

@@ -12,10 +12,11 @@ from .term import NonlinearParameter, Term
 
 
 class NonlinearSetting(NamedTuple):
-    """Nonlinear setting at one joint.
+    """Nonlinear setting at one joint, or at the joints that a term couples.
 
     Attributes:
-        name: Symbol and joint, such as delta_knee. Terms of one joint share settings with the same symbol.
+        name: Symbol and joint, such as delta_knee or slack_hip_knee. Terms of one joint share settings with the same
+            symbol.
         unit: Unit of the setting.
         free: Start and bounds.
     """
@@ -44,8 +45,8 @@ def nonlinear_settings(
     found: dict[str, NonlinearSetting] = {}
     for term in terms:
         for _, symbol, unit, free in _free_settings(term):
-            for joint in term.joint_indices(names, labels):
-                setting = NonlinearSetting(f"{symbol}_{labels[joint]}", unit, free)
+            for joints in term.places(names, labels):
+                setting = NonlinearSetting(f"{symbol}_{term.label(joints, labels)}", unit, free)
                 if found.setdefault(setting.name, setting) != setting:
                     raise ExoidError(
                         f"{setting.name} is {found[setting.name].free} in one term and {free} in another",
@@ -59,7 +60,7 @@ def with_settings(
 ) -> tuple[Term, ...]:
     """Replace each :class:`NonlinearParameter` by a value.
 
-    A term that has nonlinear parameters becomes one term for each joint.
+    A term that has nonlinear parameters becomes one term for each joint, or for the joints that it couples.
 
     Args:
         terms: The terms.
@@ -79,9 +80,10 @@ def with_settings(
         if not settings:
             settled.append(term)
             continue
-        for joint in term.joint_indices(names, labels):
-            found = {field: values[f"{symbol}_{labels[joint]}"] for field, symbol, _, _ in settings}
-            settled.append(replace(term, joints=(names[joint],), **found))
+        for joints in term.places(names, labels):
+            label = term.label(joints, labels)
+            found = {field: values[f"{symbol}_{label}"] for field, symbol, _, _ in settings}
+            settled.append(replace(term, joints=tuple(names[joint] for joint in joints), **found))
     return tuple(settled)
 
 

@@ -10,6 +10,9 @@ from exoid._typing import FloatArray
 
 from .internal_state import InternalState
 
+AT_REST = 0.05
+"""Speed of the first sample, over the RMS velocity, up to which a recording begins at rest."""
+
 
 @dataclass(frozen=True)
 class Presliding(InternalState):
@@ -31,8 +34,9 @@ class Presliding(InternalState):
     def states(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Compute the state z at each sample.
 
-        It starts at sgn(v) of the first sample, as if the joint had slid in that direction (0 at rest). It does not
-        change between two samples of zero velocity, so that separate poses do not affect each other.
+        It starts at sgn(v) of the first sample, as if the joint had slid in that direction. At rest it starts at 0, as
+        friction may be of either sign: |v| is at most 5 % of its RMS, as noise of the angle is. It does not change
+        between two samples of zero velocity, so that separate poses do not affect each other.
 
         Args:
             q: Angle of the joint [rad], (N,), in time order.
@@ -45,7 +49,8 @@ class Presliding(InternalState):
             return np.zeros(0)
         step = np.diff(q, prepend=q[:1])
         step[1:][(v[1:] == 0.0) & (v[:-1] == 0.0)] = 0.0
-        return hysteresis(step, self.length, float(np.sign(v[0])))
+        slides = abs(v[0]) > AT_REST * np.sqrt(np.mean(v**2))
+        return hysteresis(step, self.length, float(np.sign(v[0])) if slides else 0.0)
 
 
 def hysteresis(step: FloatArray, length: float, start: float) -> FloatArray:

@@ -12,10 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid._typing import FloatArray
+from exoid._typing import ArrayLike, FloatArray
+from exoid.base_kinematics import BaseKinematics
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.torso import TorsoMotion
+from exoid.torso import MovingBase, TorsoMotion
 
 from .internal_state import InternalState
 
@@ -29,15 +30,21 @@ class Motion(NamedTuple):
         q: Joint angles [rad], (N, n).
         v: Joint velocities [rad/s], (N, n).
         a: Joint accelerations [rad/s²], (N, n).
-        torso: Motion of the torso; None if it is upright and still.
+        torso: Motion of the torso, or of the base; None if it is upright and still.
         states: Internal states by joint, (N,) each.
+        payload: Torque that payloads take [N·m], (N, n); None without payloads.
+        computed: Joints whose torque follows from the reading of their drive, (n,); None for none.
+        temperature: Temperatures [°C], (N, n), NaN at joints without one; None without temperatures.
     """
 
     q: FloatArray
     v: FloatArray
     a: FloatArray
-    torso: TorsoMotion | None = None
+    torso: MovingBase | None = None
     states: Mapping[tuple[int, InternalState], FloatArray] = MappingProxyType({})
+    payload: FloatArray | None = None
+    computed: NDArray[np.bool_] | None = None
+    temperature: FloatArray | None = None
 
     def rows(self, rows: slice) -> Motion:
         """Select consecutive rows without copying them.
@@ -50,7 +57,9 @@ class Motion(NamedTuple):
         """
         torso = None if self.torso is None else _torso_rows(self.torso, len(self.q), rows)
         states = {key: state[rows] for key, state in self.states.items()}
-        return Motion(self.q[rows], self.v[rows], self.a[rows], torso, states)
+        payload = None if self.payload is None else self.payload[rows]
+        heat = None if self.temperature is None else self.temperature[rows]
+        return Motion(self.q[rows], self.v[rows], self.a[rows], torso, states, payload, self.computed, heat)
 
     def __repr__(self) -> str:
         """Write the size in one line."""
@@ -67,6 +76,7 @@ class JointMotion(NamedTuple):
         a: Acceleration [rad/s²], (N,).
         load: Rigid-body torque of the model at this joint [N·m], (N,); never the measured torque.
         state: Internal state of the term, (N,); None for a term without one.
+        temperature: Temperature of the joint [°C], (N,); None without temperatures.
     """
 
     q: FloatArray
@@ -74,6 +84,7 @@ class JointMotion(NamedTuple):
     a: FloatArray
     load: FloatArray
     state: FloatArray | None = None
+    temperature: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -128,7 +139,9 @@ class Term(ABC):
     With this sign every dissipative friction and every restoring spring has positive parameters. Doc. 1, eq. (13), uses
     torques that act on the joint instead, so its B and C have the opposite sign.
 
-    A term has the same form at every joint it acts on, and separate parameters ``symbol_joint``.
+    A term has the same form at every joint it acts on, and separate parameters ``symbol_joint``. Settings that differ
+    from joint to joint are two terms of one type with other ``joints``. A torque that depends on the motion of several
+    joints, or acts on several, is a :class:`exoid.torques.CoupledTerm`.
 
     Attributes:
         joints: Names (or labels) of the joints it acts on; None for all.
@@ -178,6 +191,11 @@ class Term(ABC):
         return False
 
     @property
+    def needs_temperature(self) -> bool:
+        """Whether it depends on the temperature of its joint, so that every recording has to have that."""
+        return False
+
+    @property
     def internal_state(self) -> InternalState | None:
         """Internal state, which depends on the motion before a sample; None for a term without memory."""
         return None
@@ -205,7 +223,7 @@ class Term(ABC):
         """Select the samples from which the term can be identified.
 
         Args:
-            v: Velocity of the joint [rad/s], (N,).
+            v: Velocity of the joint [rad/s], (N,); of a coupled term those of its m joints, (N, m).
 
         Returns:
             Whether each sample is usable, (N,).
@@ -218,12 +236,49 @@ class Term(ABC):
         A fit behind the parallel filter takes any torque of the joint at these samples for unknown.
 
         Args:
-            v: Velocity of the joint over a recording [rad/s], (N,).
+            v: Velocity of the joint over a recording [rad/s], (N,); of a coupled term those of its m joints, (N, m).
 
         Returns:
             Whether each sample belongs to a reversal, (N,); None for none.
         """
         return None
+
+    def places(self, names: Sequence[str], labels: Sequence[str]) -> tuple[tuple[int, ...], ...]:
+        """Find where it acts in a leg: one set of parameters for each tuple of joints.
+
+        Args:
+            names: Joints of the leg, (n,).
+            labels: Joint names as they occur in parameter names, (n,).
+
+        Returns:
+            Indices of joints: each joint alone, unless the term is a :class:`exoid.torques.CoupledTerm`.
+
+        Raises:
+            ExoidError: A joint is missing.
+        """
+        return tuple((joint,) for joint in self.joint_indices(names, labels))
+
+    def label(self, joints: Sequence[int], labels: Sequence[str]) -> str:
+        """Name one set of parameters by its joints.
+
+        Args:
+            joints: Indices of the joints that the parameters act on.
+            labels: Labels of the joints of the leg, (n,).
+
+        Returns:
+            What follows the symbol in parameter names, such as "knee", or "hip_knee" for a coupled term.
+        """
+        return "_".join(labels[joint] for joint in joints)
+
+    def fill_block(self, motion: LoadedMotion, joints: tuple[int, ...], out: FloatArray) -> None:
+        """Write the columns of one set of parameters.
+
+        Args:
+            motion: Motion of all joints of the leg, N samples.
+            joints: Indices of the joints that the parameters act on, m of them.
+            out: Receives the columns, zeroed, (number of symbols, m, N).
+        """
+        self.fill(motion.at(joints[0], self.internal_state), out[:, 0])
 
     def joint_indices(self, names: Sequence[str], labels: Sequence[str]) -> tuple[int, ...]:
         """Find the joints it acts on among those of a leg.
@@ -250,18 +305,31 @@ class Term(ABC):
         return tuple(sorted({known[joint] for joint in self.joints}))
 
 
-class JointTerm(NamedTuple):
-    """One term at one joint.
+class TermBlock(NamedTuple):
+    """One term at one joint, or at the joints that it couples.
 
     Attributes:
         term: The term.
-        joint: Index of the joint.
-        names: Names of its parameters, ``symbol_joint``.
+        joints: Indices of the joints.
+        names: Names of its parameters, ``symbol_joint`` or ``symbol_joint1_joint2``.
     """
 
     term: Term
-    joint: int
+    joints: tuple[int, ...]
     names: tuple[str, ...]
+
+    def columns(self, motion: LoadedMotion) -> FloatArray:
+        """Form the columns of all its parameters.
+
+        Args:
+            motion: Motion of all joints of the leg, N samples.
+
+        Returns:
+            Torque per unit parameter at each of its m joints, (number of parameters, m, N).
+        """
+        out = np.zeros((len(self.names), len(self.joints), motion.q.shape[1]))
+        self.term.fill_block(motion, self.joints, out)
+        return out
 
 
 class LoadedMotion(NamedTuple):
@@ -271,24 +339,28 @@ class LoadedMotion(NamedTuple):
         q: Angles [rad].
         v: Velocities [rad/s].
         a: Accelerations [rad/s²].
-        load: Rigid-body torques [N·m].
+        load: Rigid-body torques, those of payloads included [N·m].
+        payload: Torques of payloads [N·m], part of ``load``.
         states: Internal states, (N,) each.
+        temperature: Temperatures [°C]; None without.
     """
 
     q: FloatArray
     v: FloatArray
     a: FloatArray
     load: FloatArray
+    payload: FloatArray
     states: Mapping[tuple[int, InternalState], FloatArray]
+    temperature: FloatArray | None = None
 
-    def at(self, block: JointTerm) -> JointMotion:
-        """Motion of the joint of a term, with the term's internal state."""
-        joint, state = block.joint, block.term.internal_state
+    def at(self, joint: int, state: InternalState | None) -> JointMotion:
+        """Motion of one joint, with the internal state of a term."""
         found = None if state is None else self.states[joint, state]
-        return JointMotion(self.q[joint], self.v[joint], self.a[joint], self.load[joint], found)
+        heat = None if self.temperature is None else self.temperature[joint]
+        return JointMotion(self.q[joint], self.v[joint], self.a[joint], self.load[joint], found, heat)
 
 
-def joint_terms(leg: Leg, terms: Iterable[Term]) -> tuple[JointTerm, ...]:
+def term_blocks(leg: Leg, terms: Iterable[Term]) -> tuple[TermBlock, ...]:
     """Put terms at the joints of a leg, in the order of their columns.
 
     Args:
@@ -296,21 +368,21 @@ def joint_terms(leg: Leg, terms: Iterable[Term]) -> tuple[JointTerm, ...]:
         terms: The terms.
 
     Returns:
-        Each term at each of its joints.
+        Each term at each of its joints, or at the joints that it couples.
 
     Raises:
         ExoidError: A term acts on a joint that the leg does not have.
     """
     names, labels = leg.joint_names, leg.joint_labels
     return tuple(
-        JointTerm(term, joint, tuple(f"{symbol}_{labels[joint]}" for symbol in term.symbols))
+        TermBlock(term, joints, tuple(f"{symbol}_{term.label(joints, labels)}" for symbol in term.symbols))
         for term in terms
-        for joint in term.joint_indices(names, labels)
+        for joints in term.places(names, labels)
     )
 
 
 def internal_states(
-    blocks: Iterable[JointTerm], q: FloatArray, v: FloatArray
+    blocks: Iterable[TermBlock], q: FloatArray, v: FloatArray
 ) -> dict[tuple[int, InternalState], FloatArray]:
     """Compute the internal states of terms over a whole recording.
 
@@ -322,11 +394,54 @@ def internal_states(
     Returns:
         Internal state of each joint that has one, (N,) each.
     """
-    needed = {(block.joint, block.term.internal_state) for block in blocks}
+    needed = {(block.joints[0], block.term.internal_state) for block in blocks}
     return {(j, state): state.states(q[:, j], v[:, j]) for j, state in needed if state is not None}
 
 
-def load_motion(blocks: Sequence[JointTerm], motion: Motion, columns: FloatArray, rigid: FloatArray) -> LoadedMotion:
+def needed_temperature(
+    blocks: Iterable[TermBlock], v: FloatArray, temperature: ArrayLike | None, joint_names: Sequence[str]
+) -> FloatArray | None:
+    """Check that the temperatures that terms depend on are there.
+
+    Friction at rest is zero whatever the temperature, so that poses need none.
+
+    Args:
+        blocks: Terms at joints.
+        v: Joint velocities [rad/s], (N, n).
+        temperature: Temperatures [°C], (N, n); NaN at joints without one. None without temperatures.
+        joint_names: Joints of the leg, (n,).
+
+    Returns:
+        Temperatures [°C], (N, n); None if no term depends on them.
+
+    Raises:
+        ExoidError: The temperature of a joint is missing or has another shape.
+    """
+    needing = [block for block in blocks if block.term.needs_temperature]
+    if not needing:
+        return None
+    if temperature is None and not v.any() and all(block.term.friction for block in needing):
+        return np.zeros_like(v)
+    try:
+        found = np.full(v.shape, np.nan) if temperature is None else np.asarray(temperature, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ExoidError(f"temperature is no array of numbers ({error})", remedy="pass °C, as many as of q") from None
+    if found.shape != v.shape:
+        raise ExoidError(f"temperature of shape {found.shape}", remedy=f"pass °C of shape {v.shape}, as of q")
+    for block in needing:
+        for joint in block.joints:
+            if not np.isfinite(found[:, joint]).all():
+                name = joint_names[joint]
+                raise ExoidError(
+                    f"{type(block.term).__name__} needs the temperature of {name}, which is missing",
+                    remedy=f"record it in a column temp_{name} [°C], pass temperature=, or let the term act on other "
+                    "joints (joints=)",
+                    command=f"record it in a column temp_{name} [°C], or map it: --column temp_{name}=HEADER",
+                )
+    return found
+
+
+def load_motion(blocks: Sequence[TermBlock], motion: Motion, columns: FloatArray, rigid: FloatArray) -> LoadedMotion:
     """Add rigid-body torques to a motion, if a term depends on them; they are zero otherwise.
 
     Args:
@@ -339,12 +454,14 @@ def load_motion(blocks: Sequence[JointTerm], motion: Motion, columns: FloatArray
         The motion with its loads.
     """
     load = np.broadcast_to(0.0, motion.q.shape[::-1])
+    payload = load if motion.payload is None else motion.payload.T
     if any(block.term.loaded for block in blocks):
-        load = np.tensordot(rigid, columns[: len(rigid)], axes=1)
-    return LoadedMotion(motion.q.T, motion.v.T, motion.a.T, load, motion.states)
+        load = np.tensordot(rigid, columns[: len(rigid)], axes=1) + payload
+    heat = None if motion.temperature is None else motion.temperature.T
+    return LoadedMotion(motion.q.T, motion.v.T, motion.a.T, load, payload, motion.states, heat)
 
 
-def fill_terms(blocks: Iterable[JointTerm], motion: LoadedMotion, out: FloatArray, names: Sequence[str]) -> None:
+def fill_terms(blocks: Iterable[TermBlock], motion: LoadedMotion, out: FloatArray, names: Sequence[str]) -> None:
     """Write the columns of terms one below the other.
 
     Args:
@@ -357,11 +474,11 @@ def fill_terms(blocks: Iterable[JointTerm], motion: LoadedMotion, out: FloatArra
     for block in blocks:
         kept = [k for k, name in enumerate(block.names) if name in names]
         rows = slice(row, row + len(kept))
-        whole = len(kept) == len(block.names)
-        columns = out[rows, block.joint] if whole else np.zeros((len(block.names), out.shape[2]))
-        block.term.fill(motion.at(block), columns)
-        if not whole:
-            out[rows, block.joint] = columns[kept]
+        first = block.joints[0]
+        if len(kept) == len(block.names) and len(block.joints) == 1:
+            block.term.fill_block(motion, block.joints, out[rows, first : first + 1])
+        elif kept:
+            out[rows, list(block.joints)] = block.columns(motion)[kept]
         row = rows.stop
 
 
@@ -379,8 +496,36 @@ def random_motion(samples: int, joints: int) -> FloatArray:
     return motion * [[[1.0]], [[2.0]], [[5.0]]]
 
 
-def _torso_rows(torso: TorsoMotion, count: int, rows: slice) -> TorsoMotion:
+def random_temperature(samples: int, joints: int) -> FloatArray:
+    """Draw independent temperatures about 25 °C, always the same.
+
+    Args:
+        samples: Number of samples, N.
+        joints: Number of joints, n.
+
+    Returns:
+        Temperatures [°C], (N, n).
+    """
+    return 25.0 + 20.0 * np.random.default_rng(2).standard_normal((samples, joints))
+
+
+def random_base(samples: int) -> BaseKinematics:
+    """Draw a motion of the base, always the same.
+
+    Args:
+        samples: Number of samples, N.
+
+    Returns:
+        Angular velocity, angular acceleration and specific force, independent and normal.
+    """
+    motion = np.random.default_rng(1).standard_normal((3, samples, 3))
+    return BaseKinematics(2.0 * motion[0], 5.0 * motion[1], 10.0 * motion[2])
+
+
+def _torso_rows(torso: MovingBase, count: int, rows: slice) -> MovingBase:
     """Rows of the entries that have one value a sample."""
+    if not isinstance(torso, TorsoMotion):
+        return torso.rows(rows)
     entries = {field.name: np.asarray(getattr(torso, field.name), dtype=np.float64) for field in fields(torso)}
     constant = {"hip_acceleration": 1}
     return TorsoMotion(

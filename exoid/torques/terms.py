@@ -19,6 +19,25 @@ SLOW = 0.05
 """Largest reversal speed over the RMS velocity: slow motion is no reversal."""
 
 
+def reversals(v: FloatArray, speed: float) -> NDArray[np.bool_] | None:
+    """Select samples slower than a speed, or at a change of sign.
+
+    Args:
+        v: Velocity over a recording [rad/s], (N,).
+        speed: The speed [rad/s], at most :data:`SLOW` of the RMS velocity; 0 for none.
+
+    Returns:
+        Whether each sample belongs to a reversal, (N,); None without a speed.
+    """
+    if speed == 0.0 or not v.any():
+        return None
+    slow = np.abs(v) <= min(speed, SLOW * float(np.sqrt(np.mean(v**2))))
+    turns = v[1:] * v[:-1] < 0.0
+    slow[1:] |= turns
+    slow[:-1] |= turns
+    return np.asarray(slow)
+
+
 @dataclass(frozen=True, kw_only=True)
 class DryFriction(Term):
     """Friction proportional to the direction z of motion: sgn(v), tanh(v / smoothing), or a presliding state.
@@ -115,13 +134,7 @@ class DryFriction(Term):
         Returns:
             Whether each sample belongs to a reversal, (N,); None without a reversal speed.
         """
-        if self.reversal_speed == 0.0 or not v.any():
-            return None
-        slow = np.abs(v) <= min(self.reversal_speed, SLOW * float(np.sqrt(np.mean(v**2))))
-        turns = v[1:] * v[:-1] < 0.0
-        slow[1:] |= turns
-        slow[:-1] |= turns
-        return slow
+        return reversals(v, self.reversal_speed)
 
 
 @dataclass(frozen=True, kw_only=True)

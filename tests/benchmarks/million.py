@@ -1,6 +1,7 @@
 """Identify a long recording and say how long it took and how much memory it needed beside the data.
 
 ``python tests/benchmarks/million.py 1000000`` prints JSON; run as a process of its own, so that the peak is its own.
+``python tests/benchmarks/million.py 1000000 default`` does so with the default terms, which take reversals out.
 """
 
 from __future__ import annotations
@@ -67,11 +68,11 @@ def memory(name: str) -> float:
     return int(line.split()[1]) / 1e3
 
 
-def main(samples: int) -> None:
+def main(samples: int, terms: tuple[exoid.Term, ...] | None) -> None:
     """Print what was measured."""
     leg = exoid.load_leg("bleex")
     short, _ = recording(leg, 20_000)
-    exoid.identify(leg, short, SMOOTH, check=False)  # whatever has to be imported
+    exoid.identify(leg, short, terms, check=False)  # whatever has to be imported
     log, truth = recording(leg, samples)
     out = np.full((LOOPED, len(leg.joint_names), 10 * len(leg.joint_names)), np.nan)
     before = memory("VmRSS")
@@ -79,7 +80,7 @@ def main(samples: int) -> None:
     loops, stored, seconds = [looped(leg, samples)], [], []
     for _ in range(2):
         start = time.process_time()
-        estimate = exoid.identify(leg, log, SMOOTH, check=False)
+        estimate = exoid.identify(leg, log, terms, check=False)
         seconds.append(time.process_time() - start)
         loops.append(looped(leg, samples))
         stored.append(looped(leg, samples, out))
@@ -99,4 +100,4 @@ def main(samples: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]))
+    main(int(sys.argv[1]), None if sys.argv[2:] == ["default"] else SMOOTH)

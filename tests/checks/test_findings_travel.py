@@ -77,6 +77,8 @@ def test_validation_shifts_torques_by_the_delay_of_the_training(tmp_path):
     assert (exoid.validate(exoid.identify(leg, bad), bad).nrmse > 1.2 * right).any()
     shifts = [finding for finding in validation.findings if finding.kind == "torque-delay"]
     assert [finding.value for finding in shifts] == mended.torque_delays.tolist()
+    assert validation.verdict == "predicts"
+    assert str(validation).rstrip().endswith("verdict: predicts")
     assert exoid.validate(exoid.identify(leg, log), log).findings == ()
 
 

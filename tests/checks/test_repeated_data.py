@@ -51,13 +51,46 @@ def test_parts_of_one_log_are_not_the_same():
 
 
 @pytest.mark.parametrize("overlap", [200, 1000])
-def test_halves_that_overlap_make_all_parameters_doubtful(overlap):
+def test_samples_of_halves_that_overlap_count_once(overlap):
+    """The result is that of the first half and of the rest of the log as a segment."""
     leg, log = clean()
     middle = len(log) // 2
-    halves = [log.slice(0, middle + overlap // 2), log.slice(middle - overlap // 2, len(log))]
-    found = exoid.identify(leg, halves)
+    first, second = log.slice(0, middle + overlap // 2), log.slice(middle - overlap // 2, len(log))
+    found = exoid.identify(leg, [first, second])
     finding = of_kind(found.findings, "repeated-data")
     assert finding.value == pytest.approx(overlap / (middle + overlap // 2), abs=0.01)
+    assert finding.message.endswith("of their samples: counted once")
+    rest = dataclasses.replace(second, mask=np.arange(len(second)) >= overlap)
+    once = exoid.identify(leg, [first, rest])
+    np.testing.assert_array_equal(found.values, once.values)
+    np.testing.assert_array_equal(found.covariance, once.covariance)
+    assert once.findings == ()
+    assert kinds(exoid.check(leg, [first, second])) == {"repeated-data"}
+    assert np.mean(found.std / exoid.identify(leg, log).std) > 0.97  # 0.87 if a third of the samples counted twice
+
+
+def test_a_part_of_another_recording_adds_nothing():
+    leg, log = clean()
+    whole = exoid.identify(leg, log)
+    found = exoid.identify(leg, [log, log.slice(500, 1500)])
+    np.testing.assert_array_equal(found.covariance, whole.covariance)
+    assert len(found.inputs) == 1
+
+
+def test_segments_of_one_log_that_do_not_overlap_are_not_the_same():
+    leg, log = clean()
+    half = log.time[len(log) // 2]
+    parts = [log.segments([(log.time[0], half)]), log.segments([(half, log.time[-1])])]
+    assert exoid.identify(leg, parts).findings == ()
+
+
+def test_recordings_on_disk_that_overlap_make_all_parameters_doubtful(tmp_path):
+    """They are not kept in memory to mask their samples."""
+    leg, log = clean()
+    log.slice(0, 1700).to_csv(tmp_path / "a.csv")
+    log.slice(1500, len(log)).to_csv(tmp_path / "b.csv")
+    found = exoid.identify(leg, Recordings.from_folder(tmp_path))
+    assert "count twice" in of_kind(found.findings, "repeated-data").message
     assert found.doubtful == set(found.names)
     assert "well" not in found.identifiability
 

@@ -14,7 +14,9 @@ import exoid
 from exoid.regression.rows_file import RowsFile
 from exoid.signals import Recording
 
-PYTHON = re.compile(r"columns=|angle_unit|topic=|stamps=|joint_names|largest_angle|np\.|math\.|pass |Recording\.")
+PYTHON = re.compile(
+    r"columns=|columns\[|angle_unit|topic=|stamps=|joint_names|largest_angle|np\.|math\.|pass |Recording\."
+)
 """Words that a user of the command line has no use for."""
 
 
@@ -64,6 +66,7 @@ def test_a_start_after_the_end_is_answered_with_the_times_of_the_log(refused):
     ("words", "remedy"),
     [
         (("log.csv", "--column", "q_hip=pos"), "--column q_hip=HEADER"),
+        (("log.csv", "--column", "hip=q_hip"), "exoid columns are time, q_<joint>"),
         (("other.csv",), "--column q_<joint>=HEADER"),
         (("untimed.csv",), "--column time=HEADER"),
         (("degrees.csv",), "give --degrees"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -88,6 +89,35 @@ def test_a_log_with_a_name_that_is_no_text_goes_through_all_of_it(tmp_path):
         assert b"Traceback" not in done.stderr
     stored = json.loads((tmp_path / "est.json").read_text(encoding="utf-8"))
     assert stored["inputs"][0]["name"] == "log\\xff.csv"
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("identify",), r"Missing argument '?LEG'?\. To fix it: see exoid identify --help"),
+        (("identify", "bleex"), r"Missing argument '?LOG\.\.\.'?\. To fix it: see exoid identify --help"),
+        (("idenify", "bleex"), r"No such command 'idenify'.*To fix it: see exoid --help"),
+        (("identify", "bleex", "log.csv", "--cutof", "3"), r"No such option:? '?--cutof'?.*see exoid identify --help"),
+        (
+            ("identify", "bleex", "log.csv", "--cutoff", "x"),
+            r"Invalid value for '--cutoff': [^.,]* a number\. To fix it",
+        ),
+        (("plan", "bleex", "--poses", "-1"), r"Invalid value for '--poses': .*\. To fix it"),
+        (("plan", "bleex", "--starts", "x"), r"Invalid value for '--starts': [^.,]* a whole number\. To fix it"),
+        (("identify", "bleex", "log.csv", "--cutoff"), r"Option '--cutoff' requires an argument"),
+    ],
+)
+def test_wrong_options_and_arguments_are_one_line(exoid_, words, line):
+    run = exoid_(*words)
+    assert (run.code, run.out, run.err.count("\n")) == (2, "", 1), run
+    assert re.match(f"exoid: {line}", run.err), run.err
+
+
+def test_without_a_verb_the_help_is_shown(exoid_):
+    run = exoid_()
+    assert run.code in (0, 2)
+    assert "Usage: exoid" in run.out + run.err
+    assert exoid_("--help").code == exoid_("identify", "--help").code == exoid_("--version").code == 0
 
 
 @pytest.mark.parametrize("verb", VERBS)

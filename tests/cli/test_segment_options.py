@@ -60,7 +60,7 @@ def test_one_file_has_the_segments_of_several_logs_and_of_the_test(exoid_, segme
     [
         (("walk.csv", "masked.csv", "--segments", "swings.csv"), ("which log they belong to", "a column log")),
         (("walk.csv", "--segments", "named.csv"), ("segments of masked.csv, which is not among the logs",)),
-        (("walk.csv", "--segments", "nowhere.csv"), ("nowhere.csv", "segments cannot be read")),
+        (("walk.csv", "--segments", "nowhere.csv"), ("nowhere.csv", "cannot be read (No such file or directory)")),
         (("walk.csv", "--segments", "walk.csv"), ("walk.csv, line 2", "without start and stop")),
         (("walk.csv", "--segments", "empty.csv"), ("empty.csv", "there are no segments")),
         (("walk.csv", "--segments", "late.csv"), ("no sample in the segment from 100 s to 101 s",)),

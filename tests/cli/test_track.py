@@ -55,6 +55,7 @@ def test_an_estimate_is_tracked_by_every_law(track, saved):
     assert data["laws"]["lqr"]["peak_deg"][0] < 0.1 * data["laws"]["pd"]["peak_deg"][0]
 
 
+@pytest.mark.slow
 def test_a_rig_may_differ_from_what_the_laws_know(track, saved):
     peak = {}
     for options in ((), ("--payload", 2), ("--friction", 3)):
@@ -77,6 +78,7 @@ def test_a_table_and_figures(track, saved, tmp_path):
     assert all((tmp_path / "new/figs" / name).read_bytes().startswith(b"%PDF") for name in files)
 
 
+@pytest.mark.slow
 def test_the_angles_of_a_log_may_be_followed(track, saved, tmp_path):
     """From its beginning to its end, or as one period of a motion that goes on and on."""
     time = np.arange(200) / 100.0
@@ -93,6 +95,7 @@ def test_the_angles_of_a_log_may_be_followed(track, saved, tmp_path):
     assert "leave out --period" in err
 
 
+@pytest.mark.slow
 def test_the_reference_of_a_log_is_the_log(track, saved, tmp_path, monkeypatch):
     """A motion that no six harmonics describe; the reference that the controllers get is compared with the log."""
     time = np.arange(1200) / 100.0
@@ -133,12 +136,14 @@ def test_joints_of_any_name_walk_once_their_roles_are_declared(track, saved, tmp
         assert words in err
 
 
+@pytest.mark.slow
 def test_bleex_walks_too(track):
     code, out, _ = track("bleex", "--period", 2)
     assert code == 0
     assert "ankle" in out
 
 
+@pytest.mark.slow
 def test_document_2s_comparison_is_printed(track, monkeypatch):
     """The replay itself is tested with the others; here a short one stands in."""
     short = partial(healthy_gait, period=2.0)

@@ -12,7 +12,7 @@ from planar_chains import assert_relative, random_motion
 import exoid
 from exoid import Armature, Coulomb, ExoidError, Offset, Stiffness
 from exoid.codegen import JointInC, c_source, register_c_form
-from exoid.torques import LoadFriction, Stribeck, Term, TorqueModel
+from exoid.torques import Cable, CouplingFriction, CouplingSpring, LoadFriction, Stribeck, Term, TorqueModel
 
 LEG = exoid.load_leg("bleex", inertias="identified")
 
@@ -102,6 +102,14 @@ OWN = {
     "stiffness with a parameter that is part of another": (Offset(), Counterweight()),
     "rotor": (GearedRotor(),),
     "two inertias at different joints": (GearedRotor(joints=("knee",)), Armature(joints=("ankle",))),
+    "couplings": (
+        CouplingSpring(joints=("knee", "hip"), ratios=(1.0, -0.6)),
+        Cable(joints=("hip", "ankle"), ratios=(-1.0, 0.7), slack=0.1),
+        CouplingFriction(joints=("hip", "knee", "ankle"), ratios=(1.0, 1.0, -0.3)),
+        Coulomb(),
+        Drag(),
+    ),
+    "sharp friction across joints": (CouplingFriction(joints=("hip", "knee"), ratios=(1.0, 1.0), smoothing=0.0),),
     "all": (Stiffness(degree=1), Drag(), Counterweight(), GearedRotor(), Stribeck()),
 }
 

@@ -101,6 +101,7 @@ def wide(leg, period):
     return Harmonics(centre[:, None], half[None, :, None], np.array(2.0 * np.pi / period), phase[None, :, None])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("leg", "motion", "ratio"),
     [

@@ -176,6 +176,7 @@ def test_the_table_names_every_run(regulations):
         regulations["× 9"]
 
 
+@pytest.mark.slow
 def test_a_smooth_sign_ends_the_cycle_only_where_it_is_smooth_enough():
     """Over 0.05 rad/s at 1.2 times the friction but not at 1.5 times; over 0.2 rad/s at both."""
     plant = cuhk_plant(end_stops=False)

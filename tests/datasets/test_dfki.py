@@ -90,8 +90,8 @@ def test_the_estimate_predicts_the_unseen_part(data, estimate):
     """Measured 0.0664 and 0.1473; 0.48 s from the ends, as far as they were left out before, 0.0650 and 0.1435."""
     found = exoid.validate(estimate, data.test)
     shoulder, elbow = found.nrmse
-    assert shoulder <= 0.067
-    assert elbow <= 0.149
+    assert shoulder <= 0.0667
+    assert elbow <= 0.1478
     inner = (found.time >= data.test.time[0] + 0.48) & (found.time <= data.test.time[-1] - 0.48)
     error = np.sqrt((found.residual[inner] ** 2).mean(axis=0)) / found.measured[inner].std(axis=0)
     assert error[0] <= 0.0653
@@ -100,14 +100,17 @@ def test_the_estimate_predicts_the_unseen_part(data, estimate):
 
 @pytest.mark.real_data
 def test_the_estimate_predicts_with_a_band_that_holds(data, estimate):
-    """Share inside the 95 % band 0.946 and 0.903; by parameters and noise alone 0.929 and 0.891, in a band as wide."""
+    """Share inside the 95 % band 0.950 and 0.950; by parameters and noise alone 0.929 and 0.891.
+
+    The band is 0.96 and 1.07 times as wide. The log begins at rest, where presliding begins undeflected.
+    """
     found = exoid.validate(estimate, data.test)
     bare = exoid.validate(dataclasses.replace(estimate, model_error=None), data.test)
     assert found.verdict == "predicts"
     assert found.coverage[0] > 0.94
-    assert found.coverage[1] > 0.90
+    assert found.coverage[1] > 0.94
     assert (found.coverage > bare.coverage).all()
-    assert (found.half_width.mean(axis=0) < 1.05 * bare.half_width.mean(axis=0)).all()
+    assert (found.half_width.mean(axis=0) < 1.08 * bare.half_width.mean(axis=0)).all()
 
 
 @pytest.mark.real_data

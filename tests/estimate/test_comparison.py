@@ -44,6 +44,7 @@ def test_a_heavier_shank_is_found_and_nothing_else(leg, heavier):
     assert "J2" in repr(comparison)
 
 
+@pytest.mark.slow
 def test_equal_legs_differ_as_rarely_as_they_should(leg):
     """60 pairs: each parameter in 5 %, any of them (Holm) and all together (Hotelling) in 5 % of the pairs."""
     pairs = [exoid.compare(estimate_of(leg, 2 * k), estimate_of(leg, 2 * k + 1)) for k in range(60)]
@@ -124,6 +125,7 @@ def test_the_error_of_a_prior_that_both_were_given_cancels(leg):
     assert "same prior of X3, J3" in " ".join(str(independent).split())
 
 
+@pytest.mark.slow
 def test_differences_scatter_as_stated_where_both_were_given_a_wrong_prior(leg):
     """The prior errs by three of its standard deviations, which moves both alike."""
     pairs = [
@@ -154,7 +156,11 @@ def test_how_far_parameters_follow_priors_is_kept_in_the_file(leg, tmp_path):
     np.testing.assert_array_equal(exoid.Estimate.load(tmp_path / "e.json").prior_gains, estimate.prior_gains)
 
 
-@pytest.mark.parametrize("estimators", [("wls", "gls"), ("ols", "huber"), ("wls", "wls")], ids="-".join)
+@pytest.mark.parametrize(
+    "estimators",
+    [("wls", "gls"), *(pytest.param(each, marks=pytest.mark.slow) for each in (("ols", "huber"), ("wls", "wls")))],
+    ids="-".join,
+)
 def test_two_estimators_of_one_recording_differ_by_no_more_than_the_sum_of_their_errors(leg, estimators):
     """p-values are upper bounds: of 20 recordings none is called different, and the note says why."""
     swing = Swing(leg, 50.0, 12.0, base=0.2)

@@ -9,9 +9,12 @@ import pytest
 from swings import Swing
 
 import exoid
-from exoid import Estimate
-from exoid.estimate.alternative_friction import COUNT, WithAlternatives
+from exoid import Armature, Coulomb, Estimate, Offset, Viscous
+from exoid.estimate.alternative_friction import COUNT, with_alternatives
 from exoid.torques import Presliding
+
+SMOOTH = (Coulomb(), Viscous(), Armature(), Offset())
+"""Terms without a reversal speed: friction is tanh(v / 0.02) throughout, and all rows count."""
 
 SLOW, FAST = 0.1, 0.2
 """First harmonic of the training and of a motion at twice the speed [Hz]."""
@@ -68,15 +71,25 @@ def estimates(leg):
     return {form: exoid.identify(leg, log(leg, form, SLOW, 1)) for form in forms}
 
 
-@pytest.mark.parametrize("form", ["stribeck", "presliding", "quadratic"])
-def test_at_twice_the_speed_the_band_still_contains_the_torque(leg, estimates, form):
+OTHER_FORMS = ("stribeck", "presliding", "quadratic")
+"""Forms of friction that the terms do not have."""
+
+
+@pytest.mark.parametrize("form", OTHER_FORMS)
+def test_at_twice_the_speed_the_band_still_contains_the_torque(leg, form):
     """Without the model error it does not: parameters and noise know nothing of another form of friction."""
-    estimate = estimates[form]
+    estimate = exoid.identify(leg, log(leg, form, SLOW, 1), SMOOTH)
     before, now = coverage(without(estimate), leg, form, FAST), coverage(estimate, leg, form, FAST)
     print(f"{form}: share inside the band {before.mean(axis=0).round(3)}, with model error {now.mean(axis=0).round(3)}")
-    assert before.min() < 0.9
+    assert before.min() < 0.85
     assert now.mean() > 0.9
-    assert now.min() > before.min() + 0.04
+    assert now.min() > before.min() + 0.05
+
+
+@pytest.mark.parametrize("form", OTHER_FORMS)
+def test_the_band_of_the_default_terms_contains_the_torque_at_twice_the_speed(leg, estimates, form):
+    """With the default terms presliding leaves little to the model error: reversals are taken out of the fit."""
+    assert coverage(estimates[form], leg, form, FAST).mean() > 0.9
 
 
 @pytest.mark.parametrize("form", ["coulomb", "quadratic", "stribeck", "presliding"])
@@ -108,7 +121,7 @@ def test_the_model_error_grows_beyond_the_training(leg, estimates):
 def test_alternatives_are_columns_of_each_joint_alone(leg, estimates):
     q, v, a = Swing(leg, seconds=5.0).motion
     estimate = estimates["coulomb"]
-    model = WithAlternatives(estimate.model, estimate.values, estimate.model_error.speed)
+    model = with_alternatives(estimate.model, estimate.values, estimate.model_error.speed)
     rows = model.regressor(q, v, a)
     count = len(estimate.values)
     np.testing.assert_array_equal(rows[..., :count], estimate.model.regressor(q, v, a))

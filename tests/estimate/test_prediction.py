@@ -65,6 +65,7 @@ def exact(leg):
     return known(leg, (Coulomb(), Viscous(), Armature()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("horizon", [0.1, 0.5, 10.0])
 def test_an_exact_model_predicts_the_true_motion(leg, exact, horizon):
     true = moved(leg)
@@ -75,6 +76,7 @@ def test_an_exact_model_predicts_the_true_motion(leg, exact, horizon):
     assert np.ptp(predicted.q[:, 0]) > 0.2
 
 
+@pytest.mark.slow
 def test_a_tilted_torso_is_part_of_the_prediction(leg, exact):
     pitch = 0.3
     true = moved(leg, leg.gravity_of_tilted_torso(pitch))

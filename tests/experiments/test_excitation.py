@@ -124,6 +124,7 @@ def test_a_plan_is_what_a_rig_is_commanded(plan):
     np.testing.assert_allclose(recording.tau, CUHK.inverse_dynamics(recording.q, recording.v, recording.a), atol=1e-10)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_plan(plan):
     again = plan_excitation(CUHK, limits=plan.limits, noise=0.3, duration=20.0, highest=0.7, starts=2)
     assert (again.motions[0].sine == plan.motions[0].sine).all()
@@ -153,6 +154,7 @@ def test_clearance_of_a_planar_leg_is_that_of_any_leg():
     np.testing.assert_allclose(FOOT.margin(general, q), FOOT.margin(BLEEX, q), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_tilting_the_torso_makes_hip_stiffness_known():
     """Doc. 1 proposes it: upright, X1 and the hip's spring are nearly collinear."""
     terms = (exoid.Stiffness(), exoid.Coulomb())

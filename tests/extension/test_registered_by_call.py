@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from springs import PROJECT, STIFFNESS, run, write_lab
+from swings import Swing
 
 import exoid
 from exoid import Coulomb, Estimate, ExoidError, Recording, Viscous
@@ -99,6 +100,7 @@ def estimate_of(*terms, **changes):
     return Estimate(**{**given, **changes})
 
 
+@pytest.mark.slow
 def test_a_script_that_calls_register_needs_no_installation(tmp_path, recording):
     write_lab(tmp_path / "log.lab", recording)
     run("-c", REGISTER + IDENTIFY, path=[PROJECT], cwd=tmp_path)
@@ -106,6 +108,40 @@ def test_a_script_that_calls_register_needs_no_installation(tmp_path, recording)
     assert (tmp_path / "again.json").read_bytes() == (tmp_path / "est.json").read_bytes()
     refused = run("-c", REFUSE, path=[PROJECT], cwd=tmp_path).stdout  # the package is there, but nobody said so
     assert "no term 'end-stop' (the file has it from the module exoid_springs.end_stop)" in refused
+
+
+class TestCoupledTerm:
+    """The biarticular spring of the package, which sees hip and knee and acts on both."""
+
+    def test_its_columns_are_the_gradient_of_its_energy(self, springs):
+        term = springs.Biarticular(joints=("hip", "knee"))
+        q = np.random.default_rng(0).uniform(-1.0, 1.0, (100, 2))
+        found = TorqueModel(LEG, (term,)).regressor(q, q, q)[:, :, -1]
+        for joint in range(2):
+            move = 1e-6 * np.eye(2)[joint]
+            slope = (term.potential(q + move) - term.potential(q - move)) / 2e-6
+            np.testing.assert_allclose(found[:, joint], slope, atol=1e-8)
+        assert (np.abs(found).max(axis=0) > 0.005).all()
+
+    def test_its_stiffness_is_found_saved_and_validated(self, springs, forgetful, tmp_path):
+        register_term("biarticular", springs.Biarticular)
+        term = springs.Biarticular(joints=("hip", "knee"))
+        model = TorqueModel(LEG, (term,))
+        logs = []
+        for seed in (1, 2):
+            swing = Swing(LEG, seed=seed)
+            tau = swing.torque + 900.0 * model.regressor(*swing.motion)[:, :, -1]
+            noise = np.random.default_rng(seed).normal(scale=0.02, size=tau.shape)
+            logs.append(swing.recording(tau=tau + noise, v=None, a=None))
+        found = exoid.identify(LEG, logs[0], (*FRICTION, term), check=False)
+        assert found.value("kb_hip_knee") == pytest.approx(900.0, rel=0.03)
+        assert abs(found.value("kb_hip_knee") - 900.0) < 4.0 * found.std[-1]
+        found.save(tmp_path / "est.json")
+        again = Estimate.load(tmp_path / "est.json")
+        assert again.model.terms[2] == term
+        assert (exoid.validate(again, logs[1]).nrmse < 0.05).all()
+        with pytest.raises(ExoidError, match=r"Biarticular .kb. has no form in C: it acts on several joints"):
+            again.to_c(tmp_path / "leg.c")
 
 
 class TestTerms:

@@ -42,6 +42,7 @@ def test_the_motion_is_one_that_the_arm_can_do(arm):
     assert (np.abs(arm.torque(q, v, a)) < limits.effort).all()
 
 
+@pytest.mark.slow
 def test_torque_of_a_motion_not_seen_is_predicted_to_the_noise(arm):
     noise = arm.noise_of(11)
     estimate = exoid.identify(arm.leg, arm.recording(TRAIN, arm.noise_of(10)))

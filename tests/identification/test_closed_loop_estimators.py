@@ -93,12 +93,14 @@ def sticking(control_rate=1000.0):
     return run.recording().slice(round(LEAD * RATE))
 
 
+@pytest.mark.slow
 def test_output_error_of_joints_that_stick_in_a_sampled_loop():
     loop = ClosedLoop(PD, REFERENCE, control_rate=1000.0, step=1e-3, lead=LEAD)
     estimate = identify(LEG, sticking(), (Coulomb(smoothing=0.0), Viscous()), OutputError(loop))
     assert relative(estimate).max() < 2e-3
 
 
+@pytest.mark.slow
 def test_a_hydraulic_servo_is_part_of_the_loop():
     servo = HydraulicServo()
     loop = ClosedLoop(Proportional(10.0), REFERENCE, servo, step=2.5e-3, lead=LEAD)
@@ -106,6 +108,7 @@ def test_a_hydraulic_servo_is_part_of_the_loop():
     assert relative(estimate).max() < 0.1
 
 
+@pytest.mark.slow
 def test_springs_offsets_and_poses_join_in():
     terms = (*TERMS, Stiffness(degree=1, joints=("knee",)), Offset(joints=("hip",)))
     model = TorqueModel(LEG, terms)
@@ -126,6 +129,7 @@ def test_friction_that_would_feed_energy_in_is_kept_at_zero(exact):
     assert friction[1] > 0.0
 
 
+@pytest.mark.slow
 def test_output_error_takes_what_is_known_and_believed(exact):
     data = noisy(exact, 1e-3, 0.1)
     free = identify(LEG, data, TERMS, OutputError(LOOP))

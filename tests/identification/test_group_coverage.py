@@ -82,13 +82,18 @@ def test_equal_parameters_are_rarely_said_to_differ_and_different_ones_nearly_al
     assert alarms < 0.05
 
 
+LEVELS = np.array([0.05, 0.25, 0.5, 0.75])
+SHARES = np.array([0.047, 0.214, 0.458, 0.715])
+"""Share of p-values below each level of 400 replicates; docs/identification.md says why some are smaller than it."""
+
+
 def test_p_values_of_equal_parameters_are_uniform_or_a_little_larger(sides, replicates):
-    """Variances of a jackknife of few blocks are a little too large, so that differences are called too rarely."""
+    """Within two standard errors of the measured shares; parameters of one replicate are correlated."""
     names, truth = replicates[0].own, {side: session.truth for side, session in sides.items()}
     equal = [k for k, name in enumerate(names) if truth["left"][name] == truth["right"][name]]
     p = np.array([t.compare("left", "right").p_values[equal] for t in replicates])
-    shares = [float(np.mean(p < level)) for level in (0.05, 0.25, 0.5, 0.75)]
-    print("share of p below 0.05, 0.25, 0.5, 0.75:", np.round(shares, 3))
-    uniform = np.array([0.05, 0.25, 0.5, 0.75])
-    assert (shares < uniform + 0.05).all()
-    assert (shares > uniform - 0.08).all()
+    of_each = (p[..., None] < LEVELS).mean(axis=1)
+    shares, errors = of_each.mean(axis=0), of_each.std(axis=0, ddof=1) / np.sqrt(len(p))
+    print("share of p below 0.05, 0.25, 0.5, 0.75:", shares.round(3), "standard errors", errors.round(3))
+    assert (shares < LEVELS + 2.0 * errors).all()
+    assert (np.abs(shares - SHARES) < 2.0 * errors).all()

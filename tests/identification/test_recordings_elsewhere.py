@@ -67,16 +67,25 @@ def assert_same(found, expected, *, inputs=True):
         assert found.inputs == expected.inputs
 
 
-@pytest.mark.parametrize("estimator", ["wls", "ols", "gls", "huber"])
-@pytest.mark.parametrize("kept", [2**26, 0], ids=["kept in memory", "kept in files"])
+SLOW = [pytest.mark.slow]
+
+
+@pytest.mark.parametrize(
+    ("kept", "estimator"),
+    [
+        pytest.param(kept, estimator, id=f"{where}-{estimator}", marks=marks)
+        for kept, where in ((2**26, "kept in memory"), (0, "kept in files"))
+        for estimator, marks in (("wls", []), ("ols", SLOW), ("gls", SLOW), ("huber", SLOW))
+    ],
+)
 def test_a_folder_gives_the_estimate_of_its_logs_in_memory(folder, in_memory, estimator, kept, monkeypatch):
     monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", kept)
     found = identify(SWING.leg, Recordings.from_folder(folder), TERMS, estimator)
     assert_same(found, identify(SWING.leg, in_memory, TERMS, estimator))
 
 
-@pytest.mark.parametrize(("check", "times"), [(False, 2), (True, 4)])
-def test_every_log_is_read_twice_and_twice_more_for_checks_and_none_of_them_is_kept(folder, check, times):
+@pytest.mark.parametrize(("check", "times"), [(False, 2), (True, 3)])
+def test_every_log_is_read_twice_and_once_more_for_checks_and_none_of_them_is_kept(folder, check, times):
     read = []
     stored = Recordings.from_folder(folder).watched(lambda path: read.append(path.name))
     identify(SWING.leg, stored, check=check)
@@ -117,7 +126,8 @@ def test_a_damaged_log_is_named(folder, tmp_path):
         identify(SWING.leg, Recordings.from_folder(tmp_path))
 
 
-@pytest.mark.parametrize("estimator", ["wls", pytest.param("ols", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("estimator", ["wls", "ols"])
 def test_a_cluster_that_reads_files_gives_the_estimate_of_memory(client, folder, in_memory, estimator):
     found = exoid.identify(SWING.leg, Cluster.of_files(client, Recordings.from_folder(folder)), TERMS, estimator)
     assert_same(found, identify(SWING.leg, in_memory, TERMS, estimator))
@@ -132,6 +142,7 @@ def test_workers_that_are_threads_of_this_process_do_not_wait_for_it(folder, in_
     assert_same(found, identify(SWING.leg, in_memory, TERMS))
 
 
+@pytest.mark.slow
 def test_a_bag_and_an_array_of_dask_give_the_estimate_of_memory(client, in_memory):
     dask_bag, dask_array = pytest.importorskip("dask.bag"), pytest.importorskip("dask.array")
     expected = identify(SWING.leg, in_memory)
@@ -178,6 +189,7 @@ def test_free_settings_are_found_on_a_cluster_too(client, in_memory):
     np.testing.assert_allclose(found.nonlinear.values, expected.nonlinear.values, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_rows_never_leave_the_workers(client, in_memory, monkeypatch):
     """What comes back is a few kilobytes for each recording and pass, whatever the number of samples."""
     sizes = []
@@ -196,6 +208,7 @@ def test_rows_never_leave_the_workers(client, in_memory, monkeypatch):
     assert max(sizes) < 50_000 < rows
 
 
+@pytest.mark.slow
 def test_estimators_that_want_recordings_here_say_so(client, folder):
     cluster = Cluster.of_files(client, Recordings.from_folder(folder))
     for estimator in ("huber", "gls", "ml"):
@@ -203,6 +216,7 @@ def test_estimators_that_want_recordings_here_say_so(client, folder):
             identify(SWING.leg, cluster, estimator=estimator)
 
 
+@pytest.mark.slow
 def test_errors_on_a_worker_come_back_as_they_are(client, folder):
     with pytest.raises(ExoidError, match="too few"):
         identify(SWING.leg, Cluster.of_files(client, Recordings.from_folder(folder)), cutoff=0.05)
@@ -217,6 +231,7 @@ def test_nobody_at_the_address_is_one_line(folder, monkeypatch):
         Cluster.of_files("tcp://127.0.0.1:9", Recordings.from_folder(folder))
 
 
+@pytest.mark.slow
 def test_rows_without_a_filter_are_made_again_rather_than_written(folder, in_memory, monkeypatch):
     monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", 0)
     expected = identify(SWING.leg, in_memory, preparation=FiniteDifference())

@@ -12,7 +12,7 @@ from semidefinite import nearest_to_estimate, nearest_to_prior, nearest_with_pul
 import exoid
 from exoid import ExoidError, Leg
 from exoid.description import describe
-from exoid.lift import Lift, lift
+from exoid.lift import Lift, consistent_within, lift
 from exoid.lift.pseudo_inertia import (
     congruence,
     link_parameters,
@@ -132,7 +132,7 @@ def test_the_covariance_does_not_matter_where_the_estimate_is_feasible(bleex):
 # ---------------------------------------------------------------------------------------- infeasible
 
 
-@pytest.mark.parametrize("robot", ["bleex", "cuhk", "ur5"])
+@pytest.mark.parametrize("robot", ["bleex", "cuhk", pytest.param("ur5", marks=pytest.mark.slow)])
 def test_infeasible_estimates_lift_to_the_optimum_of_the_semidefinite_program(robot, arm):
     leg = arm if robot == "ur5" else exoid.load_leg(robot)
     rng = np.random.default_rng(4)
@@ -153,7 +153,9 @@ def test_infeasible_estimates_lift_to_the_optimum_of_the_semidefinite_program(ro
     assert infeasible >= 3
 
 
-@pytest.mark.parametrize("pull", [0.1, 1.0, 30.0])
+@pytest.mark.parametrize(
+    "pull", [pytest.param(0.1, marks=pytest.mark.slow), 1.0, pytest.param(30.0, marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("robot", ["bleex", "ur5"])
 def test_a_pull_finds_the_optimum_of_the_semidefinite_program(robot, pull, arm):
     leg = arm if robot == "ur5" else exoid.load_leg(robot)
@@ -235,7 +237,8 @@ def test_parameters_that_are_known_exactly_do_not_move(bleex):
     assert abs(lifted.moved["X1"]) < 1e-6
 
 
-@pytest.mark.parametrize("part", [0, *(pytest.param(part, marks=pytest.mark.slow) for part in range(1, 10))])
+@pytest.mark.slow
+@pytest.mark.parametrize("part", range(10))
 def test_a_thousand_noisy_estimates_lift_to_consistent_links(bleex, part):
     rng = np.random.default_rng(100 + part)
     feasible = 0
@@ -251,6 +254,7 @@ def test_a_thousand_noisy_estimates_lift_to_consistent_links(bleex, part):
     assert 20 < feasible < 80
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.01, 0.3, 3.0])
 def test_noisy_estimates_of_an_arm_lift_to_consistent_links(arm, share):
     rng = np.random.default_rng(5)
@@ -388,3 +392,13 @@ def test_any_mass_may_be_allowed(bleex):
     infeasible = bleex.parameters.copy()
     infeasible[-1] *= -1.0
     assert_possible(lift(poor, infeasible, np.diag((0.1 * np.abs(infeasible)) ** 2), pull=1.0, mass_factor=np.inf))
+
+
+@pytest.mark.parametrize("errors", [0.0, 0.3, 3.0])
+def test_consistent_within_a_distance_is_what_the_nearest_lift_says(arm, errors):
+    rng = np.random.default_rng(3)
+    values, covariance = noisy(arm, rng, 0.02)
+    values = arm.parameters + errors * (values - arm.parameters)
+    distance = lift(arm, values, covariance).distance
+    assert consistent_within(arm, values, covariance, 1.05 * distance + 1e-6)
+    assert distance == 0.0 or not consistent_within(arm, values, covariance, 0.95 * distance)

@@ -114,6 +114,7 @@ def test_an_editable_install_works_from_a_foreign_folder(source, tmp_path):
     assert Path(run(python, "-c", CHECK, cwd=tmp_path)) == (source / "exoid").resolve()
 
 
+@pytest.mark.slow
 def test_the_source_tree_works_without_installation(source, tmp_path):
     package = run(sys.executable, "-c", CHECK, cwd=tmp_path, PYTHONPATH=str(source))
     assert Path(package) == (source / "exoid").resolve()

@@ -1,4 +1,4 @@
-"""How many cases each property is tried on: 800 in all, or as many as ``EXOID_PROPERTY_CASES`` says."""
+"""How many cases each property is tried on: 480 in all, or as many as ``EXOID_PROPERTY_CASES`` says."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, settings
 
 from exoid import ExoidError
 
-TOTAL = int(os.environ.get("EXOID_PROPERTY_CASES", "800"))
+TOTAL = int(os.environ.get("EXOID_PROPERTY_CASES", "480"))
 
 DONE: Counter[str] = Counter()
 """Cases that ran, by test."""

@@ -11,7 +11,7 @@ import pytest
 
 SCRIPT = Path(__file__).parents[2] / "scripts" / "mutate_files.py"
 
-FILES = 20_000 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 60
+FILES = 20_000 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 25
 
 
 @pytest.mark.slow

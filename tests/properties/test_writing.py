@@ -80,7 +80,7 @@ def assert_whole(folder, estimate):
         assert json.loads((folder / "new.exoid.json").read_text(encoding="utf-8"))["schema"]
 
 
-@pytest.mark.parametrize("what", ["save", "export", "csv"])
+@pytest.mark.parametrize("what", ["save", *(pytest.param(each, marks=pytest.mark.slow) for each in ("export", "csv"))])
 def test_a_writer_that_is_killed_leaves_nothing_half_written(folder, estimate, what):
     rng = np.random.default_rng(KILLS)
     for _ in range(KILLS // 3):
@@ -96,6 +96,7 @@ def test_a_writer_that_is_killed_leaves_nothing_half_written(folder, estimate, w
     assert all(path.name.startswith(".") for path in leftovers)
 
 
+@pytest.mark.slow
 def test_two_writers_in_one_folder_do_not_harm_each_other(folder, estimate):
     processes = [writer(folder, "save", "csv", "export") for _ in range(2)]
     begun = time.monotonic()

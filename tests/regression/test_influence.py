@@ -82,6 +82,7 @@ def test_a_share_is_the_part_of_the_variance_that_a_recordings_noise_makes(leg):
     np.testing.assert_allclose(share, scatter / np.sum(scatter, axis=0), atol=0.1)
 
 
+@pytest.mark.slow
 def test_changes_scatter_as_expected(leg):
     """Of recordings of one leg, 80 times."""
     rng = np.random.default_rng(1)

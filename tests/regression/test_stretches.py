@@ -42,9 +42,18 @@ def short_stretches(monkeypatch):
     return shorten
 
 
-@pytest.mark.parametrize("preparation", [ZeroPhase(), FiniteDifference(), MovingAverage()], ids=lambda p: p.name)
-@pytest.mark.parametrize("estimator", ["wls", "huber", "gls"])
-@pytest.mark.parametrize("terms", [TERMS, WITH_GAPS], ids=["whole", "with gaps"])
+SLOW = [pytest.mark.slow]
+
+
+@pytest.mark.parametrize(
+    ("terms", "estimator", "preparation"),
+    [
+        pytest.param(terms, estimator, preparation, id=f"{name}-{estimator}-{preparation.name}", marks=marks)
+        for terms, name in ((TERMS, "whole"), (WITH_GAPS, "with gaps"))
+        for estimator in ("wls", "huber", "gls")
+        for preparation, marks in ((ZeroPhase(), []), (FiniteDifference(), SLOW), (MovingAverage(), SLOW))
+    ],
+)
 def test_the_estimate_is_that_of_all_rows_at_once(short_stretches, estimator, terms, preparation):
     logs = [recording(), recording(1).slice(0, 2500)]
     whole = identify(SWING.leg, logs, terms, estimator, preparation=preparation)
@@ -100,6 +109,21 @@ def test_thinned_rows_are_the_same_ones_in_stretches(short_stretches):
     np.testing.assert_array_equal(np.concatenate([b.rows.time for b in blocks]), whole.rows.time)
     np.testing.assert_allclose(np.concatenate([b.rows.W for b in blocks]), whole.rows.W, rtol=0, atol=1e-11)
     assert {b.rows.stands_for for b in blocks} == {whole.rows.stands_for}
+
+
+@pytest.mark.parametrize("cutoff", [2.0, 6.0])
+def test_rows_that_are_not_asked_for_change_no_other(cutoff):
+    model = TorqueModel(SWING.leg, TERMS)
+    prepared = rows_module.prepare(model, recording(), ZeroPhase(cutoff))
+    (stretch,) = prepared.stretches()
+    kept = rows_module.decimate(rows_module.form_rows(model, prepared, stretch), 0, len(prepared.rows))
+    fewer = rows_module.decimated(prepared)
+    (stretch,) = fewer.stretches()
+    asked = rows_module.form_rows(model, fewer, stretch)
+    assert len(asked.time) < len(prepared.rows)
+    np.testing.assert_array_equal(asked.time, kept.time)
+    np.testing.assert_allclose(asked.W, kept.W, atol=1e-11)
+    assert asked.independent_fraction == kept.independent_fraction
 
 
 def test_validation_goes_in_stretches_too(short_stretches):

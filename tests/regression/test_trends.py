@@ -25,6 +25,7 @@ def coloured(swing, seed, std=0.5):
     return std * lfilter([0.6], [1.0, -0.8], noise, axis=0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preparation", [PLAIN, ZeroPhase()], ids=lambda p: p.name)
 @pytest.mark.parametrize("estimator", ["wls", "gls"])
 @pytest.mark.parametrize("terms", [TERMS, (*TERMS, Offset())], ids=["", "offset"])
@@ -42,6 +43,7 @@ def test_noise_is_called_a_dependence_as_seldom_as_it_should(swing, estimator, p
     assert p_values.min() > 1e-4
 
 
+@pytest.mark.slow
 def test_what_the_mean_is_believed_to_vary_by_is_what_it_varies_by(swing):
     """Over repetitions, the standard deviation given is that found, also though parameters were fitted."""
     means, stds = [], []

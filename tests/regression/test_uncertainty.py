@@ -147,13 +147,14 @@ def replicates(swing, count, std, **options):
     return [identify(swing.leg, swing.with_noise(rng, std), TERMS, **options) for _ in range(count)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("preparation", "estimator", "noise"),
     [
         (PLAIN, "wls", NOISE),
         pytest.param(PLAIN, "ols", 0.2, marks=pytest.mark.slow),
         pytest.param(ZeroPhase(), "wls", NOISE, marks=pytest.mark.slow),
-        (ZeroPhase(), "ols", 0.2),
+        pytest.param(ZeroPhase(), "ols", 0.2, marks=pytest.mark.slow),
     ],
     ids=["plain-wls", "plain-ols", "zero-phase-wls", "zero-phase-ols"],
 )
@@ -174,6 +175,7 @@ def test_intervals_contain_the_truth_as_often_as_they_say(preparation, estimator
     assert (scatter < 1.2).all()
 
 
+@pytest.mark.slow
 def test_intervals_that_count_filtered_samples_as_independent_must_be_too_narrow():
     """Without the noise bandwidth of the filter, 95 % intervals contain the truth far less often."""
 
@@ -187,6 +189,7 @@ def test_intervals_that_count_filtered_samples_as_independent_must_be_too_narrow
     assert np.mean(inside) < 0.75
 
 
+@pytest.mark.slow
 def test_weighting_beats_ordinary_least_squares_where_joints_differ_in_noise():
     """Hip torque errs ten times as much as the others'; parameters of knee and ankle gain by it."""
     swing = Swing(exoid.load_leg("bleex"), seconds=10.0, base=0.2)

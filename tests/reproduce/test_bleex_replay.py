@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+pytestmark = pytest.mark.slow
+
 PARAMETERS = ("X1", "Y1", "J1", "X2", "Y2", "J2", "X3", "Y3", "J3")
 STIFFNESS = [f"b{power}_{joint}" for joint in ("hip", "knee", "ankle") for power in (2, 1, 0)]
 FRICTION = [f"c0_{joint}" for joint in ("hip", "knee", "ankle")]

@@ -30,6 +30,7 @@ def test_the_same_seed_gives_the_same_bytes(command, tmp_path):
     assert json.dumps(again, indent=1) + "\n" == out
 
 
+@pytest.mark.slow
 def test_tables_are_printed_and_a_report_is_written_beside_them(command, tmp_path):
     code, out, _ = command("cuhk", "--seed", 1, "--report", "cuhk.html")
     assert code == 0

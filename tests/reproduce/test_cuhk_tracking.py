@@ -15,8 +15,11 @@ from exoid.control import gravity_friction_pd
 from exoid.errors import ExoidError
 from exoid.reproduce.cuhk_tracking import GAINS, table_iii_model, tracking_plant
 
+pytestmark = pytest.mark.slow
+
 ROTORS = (0.8, 0.0)
-MORE_SEEDS = range(1, 11 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 2)
+FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
+MORE_SEEDS = range(1, 11 if FULL else 2)
 
 
 @pytest.fixture(scope="session")
@@ -112,8 +115,7 @@ def test_the_figures_are_as_promised(tracking):
     json.dumps(data, allow_nan=False)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("rotor", ROTORS)
+@pytest.mark.parametrize("rotor", ROTORS if FULL else ROTORS[:1])
 @pytest.mark.parametrize("seed", MORE_SEEDS)
 def test_other_seeds_show_the_same(seed, rotor):
     data = reproduce.cuhk_tracking_json(reproduce.reproduce_cuhk_tracking(seed, rotor, wrong=True))

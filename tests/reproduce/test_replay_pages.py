@@ -3,6 +3,8 @@
 import pytest
 from html_pages import check
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize(("document", "pictures"), [("bleex", 5), ("cuhk", 2)])
 def test_the_page_is_valid_and_has_every_figure(document, pictures, request):

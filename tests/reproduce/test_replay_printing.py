@@ -6,6 +6,7 @@ import pytest
 from exoid.reproduce.sequential import SequentialEstimate
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("replay", ["bleex", "cuhk"])
 def test_a_replay_represents_itself_in_one_line_without_arrays(replay, request):
     for text in request.getfixturevalue(replay)["repr"]:
@@ -14,6 +15,7 @@ def test_a_replay_represents_itself_in_one_line_without_arrays(replay, request):
         assert len(text) < 500
 
 
+@pytest.mark.slow
 def test_a_replay_of_document_1_names_its_torque_errors(bleex):
     whole, *sides, data = bleex["repr"]
     for name, text in zip(("left", "right"), sides, strict=True):
@@ -23,11 +25,13 @@ def test_a_replay_of_document_1_names_its_torque_errors(bleex):
     assert data == "Measurements(192 poses upright, 200 tilted, 15 swings)"
 
 
+@pytest.mark.slow
 def test_a_replay_of_document_2_names_its_torque_errors(cuhk):
     errors = "/".join(f"{100.0 * error:.1f}" for error in cuhk["json"]["nrmse"]["multisine"])
     assert f"multisine {errors} %" in cuhk["repr"][0]
 
 
+@pytest.mark.slow
 def test_a_comparison_of_laws_names_their_peak_errors(tracking):
     assert "array" not in tracking["repr"][0]
     for name, law in tracking["json"]["laws"].items():

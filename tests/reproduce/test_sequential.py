@@ -91,6 +91,7 @@ def noisy_bleex():
     return [bleex_all(model, (sets, noisy(measured), noisy(few))) for _ in range(150)]
 
 
+@pytest.mark.slow
 def test_what_document_1_steps_claim_agrees_with_the_scatter(noisy_bleex):
     """Including what each inherits from the steps before, and how errors go together."""
     assert_honest(noisy_bleex)
@@ -99,12 +100,14 @@ def test_what_document_1_steps_claim_agrees_with_the_scatter(noisy_bleex):
     np.testing.assert_allclose(actual, claimed, atol=0.35)
 
 
+@pytest.mark.slow
 def test_estimates_are_unbiased_by_noise(noisy_bleex):
     values = np.array([estimate.values for estimate in noisy_bleex])
     truth = np.array([bleex_truth("left")[name] for name in noisy_bleex[0].names])
     assert (np.abs(values.mean(axis=0) - truth) < 4.0 * values.std(axis=0) / np.sqrt(len(values))).all()
 
 
+@pytest.mark.slow
 def test_a_step_that_forgot_the_earlier_ones_would_claim_too_little(noisy_bleex):
     """Must fail: J2 stands on X2, Y2 and the knee's stiffness, and most of its uncertainty is theirs."""
     estimate = noisy_bleex[0]
@@ -140,6 +143,7 @@ def test_the_moving_average_biases_what_moves_but_not_what_stands(cuhk_leg):
     assert known["d_hip"] > truth["d_hip"] + 0.2
 
 
+@pytest.mark.slow
 def test_what_document_2_steps_claim_agrees_with_the_scatter(cuhk_leg):
     """Noise that the moving average has passed is not white, which the claim has to know.
 

@@ -8,6 +8,7 @@ import pytest
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "rig.md"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not PAGE.is_file(), reason="needs the source tree")
 def test_the_page_prints_what_it_shows(capsys):
     text = PAGE.read_text(encoding="utf-8")

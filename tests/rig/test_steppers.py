@@ -23,8 +23,10 @@ def final_state(plant, dt, duration):
     return np.concatenate([rig.q, rig.v]), rested
 
 
-@pytest.mark.parametrize("end_stops", [True, False])
-@pytest.mark.parametrize("pitch", [0.0, 0.3])
+@pytest.mark.parametrize(
+    ("end_stops", "pitch"),
+    [(True, 0.3), (False, 0.0), *(pytest.param(*case, marks=pytest.mark.slow) for case in ((True, 0.0), (False, 0.3)))],
+)
 def test_both_steppers_agree(end_stops, pitch):
     plant = Plant.build(BLEEX, EVERYTHING, pitch=pitch, end_stops=end_stops)
     rigs = [stepper(plant, POSE, zeros(plant), 5e-4) for stepper in (PlanarStepper, PinocchioStepper)]
@@ -70,6 +72,7 @@ def test_without_friction_half_the_step_has_a_quarter_of_the_error(values):
     assert errors[1] < 1e-3
 
 
+@pytest.mark.slow
 def test_with_stick_and_slip_half_the_step_has_half_the_error_or_less():
     """Root mean square over rigs that stop, rest and turn at other times each."""
     B = 16
@@ -196,6 +199,7 @@ def test_mujoco_swings_alike_without_friction():
     assert np.ptp(ours, axis=0).min() > 0.5
 
 
+@pytest.mark.slow
 def test_mujoco_agrees_on_stick_slip_better_the_stiffer_its_friction():
     """MuJoCo's friction is viscous below a speed of about c · solref / 2M, ours is not: they differ in proportion."""
     plant = Plant.build(BLEEX, {**SMOOTH, **FRICTION}, end_stops=False)

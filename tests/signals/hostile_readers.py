@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from exoid.errors import ExoidError
-from exoid.signals.formats.child import Content
+from exoid.reader_process import Content
 
 
 def echo(file, **arguments):
@@ -45,3 +45,10 @@ def fill_memory(file):
 def hang(file):
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     time.sleep(1000.0)
+
+
+def keep_much(file):
+    """Take 200 MB, and keep them."""
+    kept = np.ones(25 * 2**20)
+    time.sleep(1000.0)
+    return Content({"kept": kept})

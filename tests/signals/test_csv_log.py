@@ -261,7 +261,7 @@ def test_a_missing_time_or_angle_column_is_refused_with_the_closest_and_with_wha
 
 def test_a_header_asked_for_by_the_mapping_must_exist(log):
     message = refused(log([HEADER, *ROWS]), r"no column 'q_hipp'", columns={"q_hip": "q_hipp"})
-    assert "columns['q_hip'] asks for it" in message
+    assert "to be read as q_hip" in message
     assert "closest: q_hip" in message
 
 
@@ -271,7 +271,7 @@ def test_a_wide_file_is_not_listed_in_full(log):
     assert "signal30" not in message
 
 
-@pytest.mark.parametrize("quantity", ["v", "a", "tau"])
+@pytest.mark.parametrize("quantity", ["v", "a"])
 def test_a_quantity_given_for_some_joints_only_is_refused(log, quantity):
     lines = [f"time,q_hip,q_knee,{quantity}_hip", *(f"{0.01 * k},0.1,0.1,0.1" for k in range(12))]
     refused(log(lines), rf"no column '{quantity}_knee' \(other joints have one")

@@ -87,10 +87,21 @@ def test_noise_alone_gives_a_number_all_the_same():
     assert 1.0 <= choose_cutoff([log(1e-2, amplitude=0.0)]) <= 8.0
 
 
+def test_recorded_accelerations_beside_a_noisy_log_leave_its_cutoff():
+    noisy = log(1e-3)
+    recorded = dataclasses.replace(log(), a=np.zeros_like(noisy.q))
+    assert choose_cutoff([noisy, recorded]) == choose_cutoff([noisy]) < 8.0
+
+
+@pytest.mark.parametrize("recorded", [False, True])
 @pytest.mark.parametrize("rate", [5.0, 10.0, 20.0])
-def test_a_slow_log_is_accepted_with_a_lower_cutoff(tmp_path, rate):
+def test_a_slow_log_is_accepted_with_a_lower_cutoff(tmp_path, rate, recorded):
+    """Also if it contains accelerations, whose noise is that of their sensor."""
     leg = write_urdf(tmp_path / "one.urdf")
     log = one_joint.swing(leg, seconds=120.0, rate=rate)
+    if recorded:
+        motion = ZeroPhase(cutoff=0.2 * rate).kinematics(log)
+        log = dataclasses.replace(log, v=motion.v, a=motion.a)
     assert choose_cutoff([log]) == pytest.approx(0.2 * rate)
     estimate = exoid.identify(leg, log)
     np.testing.assert_allclose([estimate["X1"].value, estimate["J1"].value], leg.parameters[[0, 2]], rtol=0.02)

@@ -19,8 +19,8 @@ from log_writers import WRITERS, messages, write_bag, write_bag1
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from exoid import ExoidError, Recording
-from exoid.signals.formats import bounds, child
-from exoid.signals.formats.child import read_in_child
+from exoid.reader_process import bounds, child, read_in_child
+from exoid.signals.formats.bounds import MOST_COLUMNS
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 linux = pytest.mark.skipif(sys.platform != "linux", reason="only Linux bounds the memory of a process")
@@ -88,6 +88,33 @@ def test_a_reader_that_fills_the_memory_is_stopped():
     assert read_in_child(hostile_readers.echo, "good").facts["file"] == "good"
 
 
+@pytest.mark.slow
+@posix
+def test_where_the_system_bounds_no_memory_the_caller_looks_at_it(monkeypatch):
+    """As on macOS, which accepts RLIMIT_AS and ignores it."""
+    monkeypatch.setattr(child, "WATCHED", True)
+    assert read_in_child(hostile_readers.echo, "good").facts["file"] == "good"
+    monkeypatch.setattr(child, "MOST_KEPT", 2**27 - child.READER_MEMORY - bounds.most_memory(0))
+    with pytest.raises(ExoidError, match=r"log\.bad: too large for the memory"):
+        read_in_child(hostile_readers.keep_much, "log.bad")
+
+
+@linux
+@pytest.mark.parametrize("platform", ["linux", "freebsd14"])
+def test_the_system_bounds_the_memory_beyond_the_present_one(platform):
+    """In a process of its own; other systems than Linux bound addresses."""
+    code = (
+        "import sys, numpy; from exoid.reader_process.memory import limited_memory; sys.platform = sys.argv[1]\n"
+        "with limited_memory(2**27):\n"
+        "    numpy.ones(2**20)\n"
+        "    try: numpy.ones(2**25)\n"
+        "    except MemoryError: print('refused')\n"
+        "print(numpy.ones(2**25).size)"
+    )
+    done = subprocess.run([sys.executable, "-c", code, platform], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["refused", str(2**25)]
+
+
 def test_a_reader_that_hangs_is_killed(monkeypatch):
     monkeypatch.setattr(child, "most_seconds", lambda size: 0.5)
     with pytest.raises(ExoidError, match=r"log.bad: its reader has not ended within 0 s|within 1 s"):
@@ -118,7 +145,7 @@ def test_a_fork_of_the_caller_has_a_child_of_its_own():
 def test_the_child_ends_with_its_caller(tmp_path):
     WRITERS["log.mat"](tmp_path / "log.mat", swing())
     code = (
-        "import sys, exoid, os; from exoid.signals.formats import child;"
+        "import sys, exoid, os; from exoid.reader_process import child;"
         "exoid.Recording.from_file(sys.argv[1]); print(child._CHILDREN[0]._process.pid); sys.stdout.flush();"
         "os.kill(os.getpid(), 9) if sys.argv[2] == 'killed' else None"
     )
@@ -219,12 +246,12 @@ def test_measurements_compress_far_less_than_the_limit(tmp_path):
 
 @pytest.mark.parametrize("kind", ["csv", "parquet", "npz"])
 def test_more_columns_than_any_robot_has_are_refused(kind, tmp_path):
-    names = ["time", *(f"q_{k}" for k in range(bounds.MOST_COLUMNS))]
+    names = ["time", *(f"q_{k}" for k in range(MOST_COLUMNS))]
     path = tmp_path / f"log.{kind}"
     if kind == "csv":
         path.write_text(",".join(names) + "\n" + ("," * (len(names) - 1) + "\n") * 12)
     elif kind == "npz":
-        np.savez(path, time=np.arange(12.0), q=np.zeros((12, bounds.MOST_COLUMNS)))
+        np.savez(path, time=np.arange(12.0), q=np.zeros((12, MOST_COLUMNS)))
     else:
         polars.DataFrame({name: [0.0] for name in names}).write_parquet(path)
     refused(path, "10001 columns, more than 10000")

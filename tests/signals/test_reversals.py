@@ -55,6 +55,15 @@ def test_the_share_of_noise_that_is_left_is_that_of_filtered_white_noise():
     assert (left**2).sum() == pytest.approx(share * (noise**2).sum(), rel=0.01)
 
 
+@pytest.mark.parametrize("step", range(1, FILTER.stride + 1))
+def test_the_share_is_the_same_at_every_spacing_of_the_rows(step):
+    unknown = reversals(*((start, start + 30) for start in range(600, SAMPLES, 400)))
+    rows = range(ROWS.start, ROWS.stop, step)
+    noise = FILTER(np.random.default_rng(5).normal(size=(50, SAMPLES)), rows)
+    left, _, share = without_reversals(noise, unknown, rows, FILTER)
+    assert (left**2).sum() == pytest.approx(share * (noise**2).sum(), rel=0.02)
+
+
 def test_no_reversal_changes_nothing():
     signal = FILTER(np.random.default_rng(3).normal(size=(1, SAMPLES)), ROWS)
     same, taken, share = without_reversals(signal, reversals(), ROWS, FILTER)

@@ -72,6 +72,7 @@ def test_controllers_use_the_truth_and_each_estimate_but_pd_nothing():
     assert study(course=None).tracking_cases == ()
 
 
+@pytest.mark.slow
 def test_pd_and_a_controller_with_the_true_parameters_do_the_same_as_in_the_closed_loop(result):
     """The rig by itself is stepped by Pinocchio and has other noise, which PD hardly feels."""
     asked = study().course
@@ -85,6 +86,7 @@ def test_pd_and_a_controller_with_the_true_parameters_do_the_same_as_in_the_clos
         np.testing.assert_allclose(found.rms_torque.mean, alone.rms_torque, rtol=0.01)
 
 
+@pytest.mark.slow
 def test_figures_are_those_of_the_runs(result):
     """From the chunks by hand; the excess is of one replicate over the same with the truth."""
     tracking = np.concatenate([run_chunk(study(), number).tracking for number in range(2)], axis=1)
@@ -101,6 +103,7 @@ def test_figures_are_those_of_the_runs(result):
     assert figures(result, "pd", "nothing").excess_deg is None
 
 
+@pytest.mark.slow
 def test_knowing_the_leg_helps_and_knowing_it_badly_helps_less(result):
     """PD alone is worst; estimates track less well than the truth, the more so the more noise."""
     pairs = ("pd", "nothing"), ("pd_feedforward", "truth"), ("pd_feedforward", "wls")
@@ -128,6 +131,7 @@ def _exact():
     return time, *states, MODEL.regressor(*states) @ np.array(TRUTH)
 
 
+@pytest.mark.slow
 def test_a_study_that_was_stopped_goes_on_to_the_same_bits(result, tmp_path):
     def dying(what, numbers):
         yield next(iter(run_serially(what, numbers)))
@@ -151,6 +155,7 @@ def test_processes_and_dask_workers_give_the_same_bits(result):
         assert same(run_study(study(), None, dask_cluster(cluster.scheduler_address)), result)
 
 
+@pytest.mark.slow
 def test_a_law_that_diverges_is_counted_and_leaves_the_others_alone():
     """PD far too stiff for its rate; LQR has gains of its own."""
     wild = TrackingTask.of(("pd", "lqr"), GAIT, PERIOD, KNOWN, kp=(1e7,), kd=(1e6,))
@@ -224,6 +229,7 @@ def quick(monkeypatch):
     monkeypatch.setattr("exoid.cli.study.PERIOD", 4.0)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("quick")
 def test_the_command_prints_laws_as_a_table_or_json(exoid_):
     options = ["--replicates", "2", "--duration", "12", "--protocols", "document", "--noise", "0.3"]
@@ -247,6 +253,7 @@ def test_the_command_prints_laws_as_a_table_or_json(exoid_):
         assert words in err
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("quick")
 def test_a_leg_that_has_no_gait_follows_a_plan(exoid_, tmp_path):
     """Joints of another name: the error says which option helps."""

@@ -116,6 +116,7 @@ def test_the_size_of_pieces_changes_nothing_where_motions_are_followed_exactly(r
     np.testing.assert_array_equal(other.combinations[0].std, result.combinations[0].std)
 
 
+@pytest.mark.slow
 def test_no_parameter_beats_the_bound_and_stated_deviations_are_the_true_ones():
     """Behind a filter that lets most through."""
     few = 300 if FULL else 40
@@ -154,6 +155,7 @@ def nearly_efficient(distance):
     return mean and abs(spread - 1.0) < 4.0 / np.sqrt(2.0 * len(distance))
 
 
+@pytest.mark.slow
 def test_weighted_least_squares_nearly_reaches_the_bound_in_all_parameters_together():
     """Under white noise, joints alike or not; not so without weights, or with half of the data."""
     assert nearly_efficient(distances(("wls",), STD)[0])
@@ -164,6 +166,7 @@ def test_weighted_least_squares_nearly_reaches_the_bound_in_all_parameters_toget
     assert not nearly_efficient(half)
 
 
+@pytest.mark.slow
 def test_a_study_on_rigs_shows_what_the_model_leaves_out():
     """Stiction and a sharp sign are not in the model: friction is biased, inertia hardly."""
     rigged = run_study(study(followed="by a rig", replicates=4, chunk=4))
@@ -174,6 +177,7 @@ def test_a_study_on_rigs_shows_what_the_model_leaves_out():
     assert same(rigged, run_study(study(followed="by a rig", replicates=4, chunk=4)))
 
 
+@pytest.mark.slow
 def test_two_processes_give_the_same_bits(result):
     assert same(run_study(study(), workers=processes(2)), result)
 
@@ -326,6 +330,7 @@ def test_nobody_at_the_address_of_a_scheduler_is_one_line(monkeypatch):
     [
         ({"estimators": ("best",)}, "no estimator best"),
         ({"replicates": 1}, "at least two replicates"),
+        ({"replicates": 10**12}, "1000000000000 replicates.*at most"),
         ({"truth": (1.0,)}, "1 true parameters"),
         ({"noises": (Noise("n", (0.1,)),)}, "noise of 1 joints"),
         ({"followed": "somehow"}, "motions followed 'somehow'"),

@@ -54,7 +54,7 @@ def columns(term, **motion):
 
 def recurrence(q, v, length):
     """Dahl's hysteresis sample by sample, as it is written."""
-    z = [float(np.sign(v[0]))]
+    z = [float(np.sign(v[0])) if abs(v[0]) > 0.05 * np.sqrt(np.mean(v**2)) else 0.0]
     for k in range(1, len(q)):
         step = 0.0 if v[k] == v[k - 1] == 0.0 else q[k] - q[k - 1]
         s = np.sign(step)
@@ -83,6 +83,7 @@ def test_presliding_depends_on_the_way_and_not_on_its_speed(seed, length):
     """Gone at another pace, with pauses and with points in between, the state at the same points is the same."""
     rng = np.random.default_rng(seed)
     q, v = wander(seed, still=0.0)
+    v[0] = np.sign(v[0]) * np.abs(v).max()  # both begin as they slide
     fine = np.interp(np.arange(4 * len(q) - 3) / 4.0, np.arange(len(q)), q)
     pauses = rng.integers(1, 4, len(fine))
     slow, arrival = np.repeat(fine, pauses), (np.cumsum(pauses) - pauses)[::4]
@@ -103,6 +104,17 @@ def test_a_single_sample_is_sliding_the_way_it_moves_and_poses_remember_nothing(
     np.testing.assert_array_equal(memory.states(np.array([0.3]), np.array([-2.0])), [-1.0])
     np.testing.assert_array_equal(memory.states(np.array([0.3, 0.9, -0.4]), np.zeros(3)), np.zeros(3))
     assert memory.states(np.zeros(0), np.zeros(0)).shape == (0,)
+
+
+def test_a_recording_that_begins_at_rest_begins_undeflected_whatever_its_noise():
+    """Friction at rest may be of either sign; the sign of the first velocity is that of noise."""
+    q = np.concatenate([np.zeros(100), np.linspace(0.0, 1.0, 400)])
+    v = np.gradient(q) + 1e-6 * np.random.default_rng(0).choice([-1.0, 1.0], len(q))
+    z = Presliding(1e-3).states(q, v)
+    np.testing.assert_array_equal(z[:100], 0.0)
+    assert z[-1] > 0.999
+    v[0] = -1.0
+    np.testing.assert_array_equal(Presliding(1e-3).states(q, v)[:100], -1.0)
 
 
 @given(seeds)

@@ -11,6 +11,7 @@ from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Stiffness, Viscous
 from exoid.torques import (
     DEFAULT_TERMS,
     TERMS,
+    CoupledTerm,
     JointMotion,
     Term,
     TorqueModel,
@@ -174,6 +175,10 @@ def test_a_term_survives_a_round_trip_through_json(term):
 
 def test_every_term_has_a_name_and_the_defaults_are_among_them():
     for name, kind in TERMS.items():
+        if issubclass(kind, CoupledTerm):  # has no joints by default
+            with pytest.raises(ExoidError, match=r"cannot be made without settings .*ratios"):
+                term_by_name(name)
+            continue
         assert term_by_name(name) == kind()
         assert term_to_json(kind())["term"] == name
     assert {type(term) for term in DEFAULT_TERMS} <= set(TERMS.values())

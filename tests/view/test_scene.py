@@ -306,6 +306,7 @@ def test_the_page_is_the_scene_with_meshcats_viewer_and_its_licence():
     assert page == drawn.html()
 
 
+@pytest.mark.slow
 def test_a_minute_of_replay_stays_below_a_megabyte():
     leg = exoid.load_leg("bleex")
     recording = motion(leg, np.arange(6000) / 100.0)

@@ -13,6 +13,7 @@ from drawings import meshes, objects, places
 import exoid
 from exoid import Leg
 from exoid.description import describe
+from exoid.reader_process import Content
 from exoid.view import scene
 from exoid.view.scenes.meshes import find_mesh, load_mesh
 
@@ -258,6 +259,15 @@ def test_meshes_without_finite_size_become_a_note(value, scale, tmp_path):
     (note,) = drawn.notes
     assert "bad.ply" in note
     assert json.dumps(drawn.to_json(), allow_nan=False)
+
+
+@pytest.mark.parametrize("index", [-1, 3, 2**31])
+def test_triangles_of_vertices_that_do_not_exist_are_refused(index, monkeypatch, tmp_path):
+    """Found by mutated PLY files, whose indices the reader does not check."""
+    arrays = {"vertices": np.eye(3), "triangles": np.array([[0, 1, 2], [0, 1, index]])}
+    monkeypatch.setattr("exoid.view.scenes.meshes.read_in_child", lambda *_, **__: Content(arrays))
+    with pytest.raises(ValueError, match="triangles of vertices that do not exist"):
+        load_mesh(tmp_path / "a.ply", np.ones(3))
 
 
 @pytest.mark.parametrize("content", [None, "this is not a mesh"])

@@ -111,7 +111,7 @@ def lyapunov(run: Tracking, plant: Plant, kp: ArrayLike, kd: ArrayLike) -> Lyapu
         raise ExoidError("the torso of the plant is tilted", remedy="use an upright torso, for which V is defined")
     model, stiffness, damping = ControlModel.of(plant), gains(kp, "kp"), gains(kd, "kd")
     q, v, error = run.q, run.v, run.error
-    M = model.leg.mass_matrix(q) + np.diag(model.armature)
+    M = model.leg.mass_matrix(q) + model.rotors(q)
     value = 0.5 * np.einsum("ki,kij,kj->k", v, M, v) + 0.5 * (stiffness * error**2).sum(axis=1)
     torque = run.tau.copy()
     torque[0] = torque[min(1, len(torque) - 1)]  # none was held before the first sample

@@ -157,7 +157,7 @@ def check_properties(source: ModelSource, *, poses: int = 500, seed: int | np.ra
 
 
 def _mass_matrix(model: ControlModel, q: FloatArray) -> FloatArray:
-    return np.asarray(model.leg.mass_matrix(q) + np.diag(model.armature))
+    return np.asarray(model.leg.mass_matrix(q) + model.rotors(q))
 
 
 def _mass_rate(model: ControlModel, q: FloatArray, v: FloatArray) -> FloatArray:

@@ -14,7 +14,7 @@ from exoid._typing import FloatArray
 from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.least_squares import INVOLVED, UNDETERMINED
 from exoid.regression.rows import for_leg
-from exoid.signals import Poses, Preparation, Recording, ZeroPhase
+from exoid.signals import Poses, Preparation, Recording, ZeroPhase, base_during, choose_cutoff
 from exoid.signals.filters import around_stops, without_reversals
 from exoid.torques import TorqueModel
 
@@ -161,9 +161,11 @@ def information_of(
     Raises:
         ExoidError: A joint is missing, or a motion is too short for the filter.
     """
-    preparation, count = preparation or ZeroPhase(), len(model.names)
+    items, count = list(data), len(model.names)
+    if preparation is None:
+        preparation = ZeroPhase(choose_cutoff([for_leg(model, one) for one in items if isinstance(one, Recording)]))
     R, score_covariance, duration = np.zeros((0, count)), np.zeros((count, count)), 0.0
-    for item in data:
+    for item in items:
         if isinstance(item, Recording):
             duration += item.duration
         for W, filtered in _rows(model, item, noise, preparation):
@@ -219,7 +221,8 @@ def _rows(
         q, v, a, valid = preparation.kinematics(block)
         inside = np.zeros(len(q), dtype=np.bool_)
         inside[valid] = True
-        W = preparation.filter_columns(model.regressor(q, v, a, block.torso) * inside[:, None, None], rate)
+        base = base_during(block, preparation)
+        W = preparation.filter_columns(model.regressor(q, v, a, base) * inside[:, None, None], rate)
         use = model.usable(v) & inside[:, None]
         parallel, slow = preparation.parallel(rate), model.reversing(v)
         if parallel is not None and slow is not None:

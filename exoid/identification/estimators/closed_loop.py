@@ -138,9 +138,9 @@ def as_plant(
             if name not in rows:
                 continue
             if symbol in SPRINGS.get(kind, {}):
-                stiffness[SPRINGS[kind][symbol], block.joint] += rows[name]
+                stiffness[SPRINGS[kind][symbol], block.joints[0]] += rows[name]
             elif DISSIPATIVE.get(kind) == symbol:
-                arrays[symbol][block.joint] += np.maximum(rows[name], 0.0)
+                arrays[symbol][block.joints[0]] += np.maximum(rows[name], 0.0)
             else:
                 raise ExoidError(f"no rig has the parameter {name}", remedy="use terms that can be simulated, or wls")
     pitch = 0.0 if recording.torso is None else float(np.asarray(recording.torso.pitch).flat[0])

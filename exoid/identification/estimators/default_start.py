@@ -33,13 +33,13 @@ def refuse_other_friction(model: TorqueModel, estimator: str) -> None:
         estimator: Name of the estimator.
 
     Raises:
-        ExoidError: A term remembers, depends on load, or has settings that are to be found.
+        ExoidError: A term remembers, depends on load or temperature, or has settings that are to be found.
     """
     plain = type(model) is TorqueModel and not any(
-        term.loaded or term.internal_state is not None for term in model.terms
+        term.loaded or term.internal_state is not None or term.needs_temperature for term in model.terms
     )
     if not plain:
         raise ExoidError(
-            f"{estimator} takes no friction that remembers, depends on load or has free settings",
+            f"{estimator} takes no friction that remembers, depends on load or temperature, or has free settings",
             remedy="use wls or huber, or give the settings numbers",
         )

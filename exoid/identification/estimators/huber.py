@@ -60,7 +60,8 @@ def _scales(problem: RowProblem, values: FloatArray) -> FloatArray:
     sizes: list[list[FloatArray]] = [[] for _ in problem.r_factors]
     for index, columns, table, _ in _tables(problem):
         sizes[index].append(np.abs(table[-1] - values[columns] @ table[:-1]))
-    return np.array([MAD_TO_STD * np.median(np.concatenate(size)) for size in sizes])
+    every = [np.concatenate(size) for size in sizes]
+    return np.array([MAD_TO_STD * np.median(size) if len(size) else 0.0 for size in every])
 
 
 def _reweighted(problem: RowProblem, values: FloatArray, scales: FloatArray) -> list[RFactor]:

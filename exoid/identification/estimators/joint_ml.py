@@ -15,7 +15,7 @@ from exoid.identification.problem import Problem
 from exoid.regression.fit import Fit
 from exoid.regression.residuals import Point, fit_noise
 from exoid.regression.rows import for_leg, make_rows
-from exoid.signals import Poses, Recording, ZeroPhase
+from exoid.signals import Poses, Recording, ZeroPhase, base_during
 from exoid.torques import Term, TorqueModel
 from exoid.torques.terms import DryFriction
 
@@ -93,9 +93,11 @@ class JointML:
             The fit.
 
         Raises:
-            ExoidError: A term has memory or depends on load, knots are too close, or there are several groups.
+            ExoidError: A term has memory or depends on load, knots are too close, a recording has a payload, or there
+                are several groups.
         """
         refuse_other_friction(problem.model, "ml")
+        problem.refuse_payloads("ml")
         first = wls(problem)
         model = smooth(problem.model)
         preparation = default_preparation(problem)
@@ -141,7 +143,9 @@ def _moving(model: TorqueModel, recording: Recording, preparation: ZeroPhase) ->
     usable = model.usable(v).astype(np.float64)
     if recording.mask is not None:
         usable *= recording.mask[:, None]
-    return Moving(recording.time, recording.q, np.asarray(recording.tau), usable, q, recording.torso)
+    return Moving(
+        recording.time, recording.q, np.asarray(recording.tau), usable, q, base_during(recording, preparation)
+    )
 
 
 def _still(problem: Problem, poses: Poses) -> Still:

@@ -9,7 +9,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.torques import Motion, TorqueModel
-from exoid.torso import TorsoMotion
+from exoid.torso import MovingBase
 
 from .bordered import BorderedRows, ReducedSystem, eliminate
 from .linearised_rows import LinearisedRows, linearised_block
@@ -43,7 +43,7 @@ class Moving(NamedTuple):
     tau: FloatArray
     usable: FloatArray
     smooth: FloatArray
-    torso: TorsoMotion | None
+    torso: MovingBase | None
 
 
 class Still(NamedTuple):

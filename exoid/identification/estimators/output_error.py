@@ -76,7 +76,8 @@ class OutputError:
             The fit.
 
         Raises:
-            ExoidError: No loop was given, it cannot be simulated, or there are several groups.
+            ExoidError: No loop was given, it cannot be simulated, a recording has a payload, or there are several
+                groups.
         """
         problem.refuse_several_groups()
         if self.loop is None:
@@ -85,6 +86,8 @@ class OutputError:
                 remedy=f"pass estimator={NEEDS_LOOP}, or use ml, which needs neither",
             )
         refuse_other_friction(problem.model, "output error")
+        problem.refuse_payloads("output error")
+        problem.refuse_moving_base("output error")
         first = wls(problem)
         matching = _Matching(self.loop, problem)
         values = as_possible(problem.model, default_start(problem))

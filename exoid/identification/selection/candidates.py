@@ -23,12 +23,14 @@ class Candidate:
         terms: Terms of the torque model.
         estimator: Name of the estimator.
         preparation: From recordings to rows.
+        zero: Names of coefficients of the terms that are held at zero.
     """
 
     name: str
     terms: tuple[Term, ...]
     estimator: str = "wls"
     preparation: Preparation = field(default_factory=ZeroPhase)
+    zero: tuple[str, ...] = ()
 
 
 def friction_candidates(cutoff: float = 8.0) -> tuple[Candidate, ...]:

@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.fitting import Start, Task
 from exoid.identification.identify import fit_model
-from exoid.regression.rows import make_rows
+from exoid.regression.rows import for_leg, make_rows
 from exoid.signals import Preparation, Recording, Smoothed, ZeroPhase
 
 GAP = 0.1
@@ -106,6 +106,22 @@ class Errors(NamedTuple):
         return np.asarray(np.sqrt(self.squares / self.rows))
 
     @property
+    def measured(self) -> BoolArray:
+        """Joints with a torque other than zero, (n,)."""
+        return np.asarray(self.torque_squares > 0.0)
+
+    def ratio(self, whole: Errors) -> FloatArray:
+        """RMS residual over the spread of the torque; not a number for joints whose torque was not measured.
+
+        Args:
+            whole: Errors on the rows that give the spread.
+
+        Returns:
+            NRMSE of each joint, (n,).
+        """
+        return np.where(whole.measured, self.rms / whole.spread, np.nan)
+
+    @property
     def spread(self) -> FloatArray:
         """Standard deviation of the measured torque [N·m], (n,)."""
         return np.asarray(np.sqrt(np.maximum(self.torque_squares / self.rows - (self.torque / self.rows) ** 2, TINY)))
@@ -133,7 +149,8 @@ def held_out(task: Task, recordings: Sequence[Recording], split: Split, start: S
     for index, recording in enumerate(recordings):
         rows = make_rows(fitted.models[0], recording, evaluation(preparation, cutoff, recording.sample_rate))
         tested = split.tested(index, rows.time)
-        residual, torque = (rows.tau - rows.W @ fitted.values)[tested], rows.tau[tested]
+        there = for_leg(fitted.models[0], recording).driven
+        residual, torque = ((rows.tau - rows.W @ fitted.values) * there)[tested], rows.tau[tested]
         errors.append(Errors((residual**2).sum(axis=0), torque.sum(axis=0), (torque**2).sum(axis=0), len(residual)))
     if not any(of_one.rows for of_one in errors):
         raise ExoidError("no tested row is left between the ends that filters spoil", remedy="record longer")

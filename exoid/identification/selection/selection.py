@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -14,50 +14,34 @@ from exoid.errors import ExoidError
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.validation import Validation, validate
 from exoid.identification.estimators import find_estimator
-from exoid.identification.fitting import Start, Task
+from exoid.identification.fitting import Fitted, Start, Task
 from exoid.identification.group_rows import Group
-from exoid.identification.identify import fit_model, identify
-from exoid.identification.recording_summary import refuse_dead_torques, refuse_still_joints, summarize
+from exoid.identification.identify import fit_model
+from exoid.identification.recording_summary import (
+    refuse_dead_torques,
+    refuse_still_joints,
+    summarize,
+    unmeasured_joints,
+)
+from exoid.identification.unmeasured import terms_where_measured
 from exoid.leg import Leg
+from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording
+from exoid.signals.default_preparation import highest_cutoff
 from exoid.signals.preparation_names import preparation_to_json
-from exoid.tables import make_table, to_text
-from exoid.torques import TorqueModel, term_to_json
+from exoid.tables import DataTable, make_table, to_text
+from exoid.torques import Term, TorqueModel, term_to_json
 
-from .candidates import Candidate, estimator_candidates, filter_candidates, friction_candidates
+from .by_joint import JointFriction, fit_candidate, select_by_joint
+from .candidates import Candidate, estimator_candidates, filter_candidates
 from .cross_validation import Errors, Split, blocked_folds, evaluation, fast_blocks, held_out
+from .scores import Score, best_of, least, standard_error
 
 FOLDS = 5
 """Stretches of each recording that are predicted in turn."""
 
 TRANSFERS = 1.15
 """An extrapolation error beyond this multiple of the best candidate's is warned of."""
-
-
-class Score(NamedTuple):
-    """How a candidate did.
-
-    Attributes:
-        candidate: Candidate model.
-        numbers: Number of parameters that it fits, nonlinear ones too.
-        nrmse: NRMSE of each joint over all folds, (n,).
-        folds: NRMSE averaged over the joints, of each fold, relative to the torque of the whole, (K,).
-        extrapolation: NRMSE of the fastest seconds predicted from the slower ones, (n,); not a number where these do
-            not suffice.
-        failure: Why it could not be fitted; empty if it could.
-    """
-
-    candidate: Candidate
-    numbers: int
-    nrmse: FloatArray
-    folds: FloatArray
-    extrapolation: FloatArray
-    failure: str = ""
-
-    @property
-    def mean(self) -> float:
-        """Mean NRMSE over joints and folds, by which candidates are compared."""
-        return float(self.folds.mean())
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,6 +55,8 @@ class Selection:
         chosen: Index of the one that was chosen.
         cutoff: Cut-off frequency of the filter behind which torques were compared [Hz].
         folds: Number of folds.
+        joints: Friction model of each joint, (n,); none where whole candidates were given to choose from.
+        estimate: The fit of the recordings that confirmed the choice; None where candidates were given.
     """
 
     leg: Leg
@@ -79,6 +65,8 @@ class Selection:
     chosen: int
     cutoff: float
     folds: int
+    joints: tuple[JointFriction, ...] = ()
+    estimate: Estimate | None = None
 
     @property
     def candidate(self) -> Candidate:
@@ -88,9 +76,9 @@ class Selection:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What speaks against the choice."""
-        mine = float(self.scores[self.chosen].extrapolation.mean())
-        best = min(self.scores, key=lambda score: float(np.nan_to_num(score.extrapolation.mean(), nan=np.inf)))
-        least = float(best.extrapolation.mean())
+        mine = self.scores[self.chosen].fast
+        best = min(self.scores, key=lambda score: float(np.nan_to_num(score.fast, nan=np.inf)))
+        least = best.fast
         if np.isnan(mine):
             return ("the slower seconds do not suffice to predict the faster ones: record longer, at several speeds",)
         if mine <= TRANSFERS * least:
@@ -109,8 +97,7 @@ class Selection:
         Returns:
             The estimate.
         """
-        chosen = self.candidate
-        return identify(self.leg, recordings, chosen.terms, chosen.estimator, preparation=chosen.preparation)
+        return fit_candidate(self.leg, recordings, self.candidate, nonnegative=not self.joints)
 
     def validate(self, estimate: Estimate, recording: Recording) -> Validation:
         """Validate behind the filter at :attr:`cutoff`, whatever filter was chosen for the fit.
@@ -139,6 +126,8 @@ class Selection:
             "terms": [term_to_json(term) for term in self.candidate.terms],
             "estimator": self.candidate.estimator,
             "preparation": preparation_to_json(self.candidate.preparation),
+            "zero": list(self.candidate.zero),
+            "joints": [joint.to_json() for joint in self.joints],
             "warnings": list(self.warnings),
             "candidates": [
                 {
@@ -160,13 +149,19 @@ class Selection:
     def __str__(self) -> str:
         """Print as a table."""
         headers = ("candidate", "fits", *self.leg.joint_labels, "mean", "± to best", "fast")
-        best = _best(self.scores)
+        best = least(self.scores)
         rows = [_row(k == self.chosen, score, self.scores[best]) for k, score in enumerate(self.scores)]
         title = (
             f"NRMSE of rows not fitted: {self.folds} blocked folds, torques behind {self.cutoff:g} Hz; "
             "fast: mean for the fastest 30 % of seconds, predicted from the others"
         )
+        joints = [(joint.joint, joint.text) for joint in self.joints]
+        friction: tuple[DataTable | str, ...] = (
+            "Friction that the recordings determine and that dissipates at every speed:",
+            make_table(("joint", "friction"), joints),
+        )
         return to_text(
+            *(friction if joints else ()),
             title,
             make_table(headers, rows),
             f"* chosen: {self.candidate.name}, which fits the fewest numbers of those whose mean is within one "
@@ -182,11 +177,19 @@ def select_terms(
     candidates: Sequence[Candidate] | None = None,
     *,
     folds: int = FOLDS,
-    cutoff: float = 8.0,
+    cutoff: float | None = None,
     tune: bool = True,
+    beside: Sequence[Term] = (),
     progress: Callable[[float], None] | None = None,
 ) -> Selection:
     """Compare ways to identify by how well they predict stretches of the recordings that they were not fitted to.
+
+    By default the friction of each joint is chosen by itself (docs/friction.md): which coefficients it has, presliding
+    length and Stribeck velocity. All coefficients are positive, so that friction dissipates at every speed and under
+    every load, and are determined by the recordings. The error of a joint's friction counts twice: in stretches of time
+    that were not fitted, and in samples faster than all that were fitted.
+
+    With candidates, these are compared as they are, with friction and rotor inertias bounded by zero.
 
     Each recording is cut into as many stretches as there are folds; each is predicted from the others. Rows within
     0.1 s of those tested are not fitted. Hidden states run through the whole recording: they depend on angles alone.
@@ -197,42 +200,64 @@ def select_terms(
     Args:
         leg: The leg.
         recordings: One or several. Nothing else is looked at.
-        candidates: Candidates to compare; None for :func:`exoid.identification.selection.friction_candidates`.
+        candidates: Candidates to compare; None to choose the friction of each joint.
         folds: Number of folds, at least 3.
-        cutoff: Cut-off frequency of the filter behind which torques are compared, and of the default candidates [Hz].
+        cutoff: Cut-off frequency of the filter behind which torques are compared, and of the default candidates [Hz];
+            None for 8 Hz, and a fifth of the sampling rate of logs below 20 Hz.
         tune: Whether to go on to filters and estimators.
+        beside: Terms that every model has besides the friction and rotors that are chosen, such as a spring over two
+            joints. Candidates get them too.
         progress: Called with the share done.
 
     Returns:
         The scores of all candidates, and the choice.
 
     Raises:
-        ExoidError: There are no candidates, too few folds, a joint stands still or its torque is dead, or none of the
-            candidates can be fitted.
+        ExoidError: There are no candidates, too few folds, a joint stands still, its torque is dead or was not
+            measured, or none of the candidates can be fitted.
 
     Example:
         >>> est = select_terms(leg, recording).identify(recording)  # doctest: +SKIP
     """
     several = [recordings] if isinstance(recordings, Recording) else list(recordings)
-    candidates = friction_candidates(cutoff) if candidates is None else tuple(candidates)
-    if folds < 3 or not several or not candidates:
+    if folds < 3 or not several or (candidates is not None and not candidates):
+        count = "default" if candidates is None else str(len(candidates))
         raise ExoidError(
-            f"{len(candidates)} candidates, {len(several)} recordings, {folds} folds",
+            f"{count} candidates, {len(several)} recordings, {folds} folds",
             remedy="pass candidates (or None for the default ones), recordings, and at least 3 folds",
         )
     if not all(isinstance(recording, Recording) for recording in several):
         raise ExoidError("poses cannot be cut into stretches of time", remedy="pass recordings only")
-    model = TorqueModel(leg, ())
+    if cutoff is None:
+        cutoff = highest_cutoff(min(recording.sample_rate for recording in several))
+    beside = tuple(beside)
+    model = TorqueModel.at_start(leg, beside)
     summaries = [summarize(model, recording, for_cutoff=False) for recording in several]
     refuse_still_joints(model, summaries)
     refuse_dead_torques(model, summaries)
-    bench = _Bench(leg, several, folds, cutoff)
+    missing = unmeasured_joints(leg.joint_labels, [summaries])
+    if candidates is None:
+        if missing:
+            raise ExoidError(
+                f"the friction of {', '.join(missing)} cannot be chosen: that torque was not measured",
+                remedy="lock these joints in the leg, or pass candidates",
+                command="name the joints that were measured by --joints",
+            )
+        report = progress or (lambda share: None)
+        found = select_by_joint(leg, several, folds=folds, cutoff=cutoff, tune=tune, progress=report, beside=beside)
+        return Selection(leg, leg.joint_names, found.scores, found.chosen, cutoff, folds, found.joints, found.estimate)
+    candidates = [replace(candidate, terms=(*candidate.terms, *beside)) for candidate in candidates]
+    if missing:
+        candidates = [
+            replace(candidate, terms=terms_where_measured(candidate.terms, leg, missing)) for candidate in candidates
+        ]
+    bench = _Bench(leg, several, folds, cutoff, missing)
     scores = bench.scores(candidates, _part(progress, 0.0, 0.6 if tune else 1.0))
-    chosen = _choose(scores)
+    chosen = best_of(scores)
     rounds = ((0.6, 0.85, partial(filter_candidates, cutoff=cutoff)), (0.85, 1.0, estimator_candidates))
     for first, last, more in rounds if tune else ():
         later = bench.scores(more(scores[chosen].candidate), _part(progress, first, last))
-        choice = _choose((scores[chosen], *later))
+        choice = best_of((scores[chosen], *later))
         chosen = chosen if choice == 0 else len(scores) + choice - 1
         scores = (*scores, *later)
     return Selection(leg, leg.joint_names, scores, chosen, cutoff, folds)
@@ -245,6 +270,7 @@ class _Bench(NamedTuple):
     recordings: list[Recording]
     folds: int
     cutoff: float
+    unmeasured: tuple[str, ...] = ()
 
     def scores(self, candidates: Sequence[Candidate], progress: Callable[[float], None] | None) -> tuple[Score, ...]:
         """Try candidates one by one."""
@@ -256,57 +282,59 @@ class _Bench(NamedTuple):
                 progress((index + 1) / len(candidates))
         return tuple(found)
 
+    @property
+    def _without_rows(self) -> tuple[str, ...]:
+        """Names of the unmeasured joints, which are known by their labels."""
+        leg = self.leg
+        return tuple(
+            name for name, label in zip(leg.joint_names, leg.joint_labels, strict=True) if label in self.unmeasured
+        )
+
     def _score(self, candidate: Candidate, splits: Sequence[Split], fast: Split) -> Score:
         """Fit to all rows first: fits to most of them begin there, which changes where they end by nothing."""
         nothing = np.full(len(self.leg.joint_names), np.nan)
-        group = Group("", self.leg, self.recordings, candidate.preparation)
+        group = Group("", self.leg, self.recordings, candidate.preparation, self._without_rows)
         estimator = find_estimator(candidate.estimator)
+        known = PriorKnowledge.of(dict.fromkeys(candidate.zero, 0.0), None, nonnegative=True)
         try:
-            task = Task((group,), (TorqueModel.at_start(self.leg, candidate.terms),), candidate.terms, estimator)
+            model = TorqueModel.at_start(self.leg, candidate.terms, known.known_names)
+            task = Task((group,), (model,), candidate.terms, estimator, prior_knowledge=known)
             whole = fit_model(task)
             start = Start.at(whole)
             each = [held_out(task, self.recordings, split, start, self.cutoff) for split in splits]
         except ExoidError as error:
-            return Score(candidate, 0, nothing, np.full(len(splits), np.nan), nothing, error.what)
+            return Score.failed(candidate, len(nothing), len(splits), error.what)
+        if drives := _driving(whole):
+            return Score.failed(candidate, len(nothing), len(splits), drives)
         try:
             quick = held_out(task, self.recordings, fast, start, self.cutoff)
-            extrapolation = quick.rms / quick.spread
+            extrapolation = quick.ratio(quick)
         except ExoidError:
             extrapolation = nothing
         return Score(candidate, len(whole.values) + len(whole.nonlinear), *_summary(each), extrapolation)
 
 
+def _driving(fitted: Fitted) -> str:
+    """Say where Stribeck friction would drive its joint at low speed; empty if nowhere."""
+    values = dict(zip(fitted.models[0].names, fitted.values.tolist(), strict=True))
+    for name, value in values.items():
+        rest = values.get(f"c0{name[2:]}", 0.0)
+        if name.startswith("cs_") and (value + rest < 0.0 or rest < 0.0):
+            return f"{name} = {value:.3g} N·m beside c0 = {rest:.3g} N·m would drive the joint"
+    return ""
+
+
 def _summary(each: Sequence[Errors]) -> tuple[FloatArray, FloatArray]:
     """NRMSE of each joint over all folds, and of each fold, all over the spread of the torque in the whole."""
     whole = Errors.total(each)
-    return whole.rms / whole.spread, np.array([np.mean(errors.rms / whole.spread) for errors in each])
-
-
-def _best(scores: Sequence[Score]) -> int:
-    """Index of the smallest mean error."""
-    means = np.array([np.inf if score.failure else score.mean for score in scores])
-    if not np.isfinite(means).any():
-        raise ExoidError(f"no candidate can be fitted: {scores[0].failure}", remedy="record longer and richer motions")
-    return int(np.argmin(means))
-
-
-def _choose(scores: Sequence[Score]) -> int:
-    """The one with the fewest numbers among those within one standard error of the best."""
-    best = scores[_best(scores)]
-    within = [k for k, s in enumerate(scores) if not s.failure and s.mean - best.mean <= _error(s, best)]
-    return min(within, key=lambda k: (scores[k].numbers, k))
-
-
-def _error(score: Score, best: Score) -> float:
-    """Standard error of the difference of two candidates, fold by fold."""
-    return float(np.std(score.folds - best.folds, ddof=1) / np.sqrt(len(best.folds)))
+    return whole.ratio(whole), np.array([np.mean(errors.ratio(whole)[whole.measured]) for errors in each])
 
 
 def _row(chosen: bool, score: Score, best: Score) -> tuple[str, ...]:
     name = f"* {score.candidate.name}" if chosen else f"  {score.candidate.name}"
     if score.failure:
         return (name, "failed", *("",) * (len(score.nrmse) + 3))
-    figures = (*score.nrmse, score.mean, _error(score, best), float(score.extrapolation.mean()))
+    figures = (*score.nrmse, score.mean, standard_error(score, best), score.fast)
     return (name, str(score.numbers), *("" if np.isnan(figure) else f"{figure:.4f}" for figure in figures))
 
 

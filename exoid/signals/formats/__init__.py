@@ -2,16 +2,19 @@
 
 from .by_ending import READERS, register_format
 from .kinds import open_table
-from .table import QUANTITIES, ArrayTable, ReadOptions, Table
-from .text import TextTable, read_text_table
+from .table import QUANTITIES, ArrayTable, ReadOptions, Table, header_in
+from .text import BASE_POSITION, PAYLOAD, TextTable, read_text_table
 
 __all__ = [
+    "BASE_POSITION",
+    "PAYLOAD",
     "QUANTITIES",
     "READERS",
     "ArrayTable",
     "ReadOptions",
     "Table",
     "TextTable",
+    "header_in",
     "open_table",
     "read_text_table",
     "register_format",

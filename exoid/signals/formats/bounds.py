@@ -1,93 +1,14 @@
-"""Bounds of log files: what a reader may need in memory and time, given the size of the file."""
+"""Bounds of logs: columns and blank lines."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 from exoid.errors import ExoidError
 
 MOST_COLUMNS = 10_000
 """Largest number of columns of a log; humanoids have some hundreds."""
 
-MOST_MEMORY = 2**27
-"""Size of numbers in memory from which on the expansion of a file is checked [bytes]."""
-
-MOST_EXPANSION = 50
-"""Largest ratio of size in memory to size on disk. Measurements contain noise: few compress by more than 10."""
-
-READER_MEMORY = 2**29
-"""Memory that a reader needs beside the content of the file [bytes]."""
-
-READER_SECONDS = 15.0
-"""Time that a reader needs beside the content of the file [s]."""
-
-SLOWEST = 2e5
-"""Lowest rate at which a file is read [bytes/s]; bags take longest."""
-
 MOST_BLANK_LINES = 1_000_000
 """Largest number of blank lines and comments beyond one for each line with data."""
-
-
-def size_on_disk(path: Path) -> int:
-    """Find the size of a file, or of the files in a folder.
-
-    Args:
-        path: The file or folder.
-
-    Returns:
-        Size [bytes].
-
-    Raises:
-        OSError: It cannot be read.
-    """
-    files = path.iterdir() if path.is_dir() else (path,)
-    return sum(file.stat().st_size for file in files if file.is_file())
-
-
-def most_memory(size: int) -> int:
-    """Largest plausible size of a file's numbers in memory.
-
-    Args:
-        size: Size on disk [bytes].
-
-    Returns:
-        Size in memory [bytes].
-    """
-    return max(MOST_MEMORY, MOST_EXPANSION * size)
-
-
-def most_seconds(size: int) -> float:
-    """Longest time that reading a file may take.
-
-    Args:
-        size: Size on disk [bytes].
-
-    Returns:
-        Time [s].
-    """
-    return READER_SECONDS + size / SLOWEST
-
-
-def refuse_expansion(memory: int, path: Path, file: str) -> None:
-    """Refuse a file whose content is far larger than the file, which may be made to fill the memory.
-
-    Args:
-        memory: Size in memory [bytes].
-        path: The file, or a folder of files.
-        file: Path as the caller gave it, for messages.
-
-    Raises:
-        ExoidError: Names both sizes.
-    """
-    if memory <= MOST_MEMORY:
-        return
-    size = size_on_disk(path)
-    if memory > most_memory(size):
-        raise ExoidError(
-            f"{size} bytes would become {memory / 1e6:.0f} MB in memory, which is not plausible for measurements",
-            where=file,
-            remedy="check where the file comes from; write it without compression if it is valid",
-        )
 
 
 def refuse_columns(count: int, file: str) -> None:

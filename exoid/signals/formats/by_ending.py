@@ -6,13 +6,14 @@ from collections.abc import Callable
 from typing import TypeVar, overload
 
 from exoid.errors import ExoidError
+from exoid.reader_process.reading import reading
 from exoid.registry import Registry
 
 from .mat import read_mat
 from .npz import read_npz
 from .parquet import read_parquet
 from .rosbag import read_rosbag
-from .table import ReadOptions, Table, reading
+from .table import ReadOptions, Table
 from .text import TextTable, read_text_table
 
 Reader = Callable[[str, ReadOptions], Table]
@@ -80,7 +81,7 @@ def register_format(ending: str, reader: AnyReader | None = None) -> AnyReader |
 
 def _read_text(file: str, options: ReadOptions) -> TextTable:
     """Read text; its columns are chosen later."""
-    return read_text_table(file)
+    return read_text_table(file, options.names)
 
 
 register_format("bag", read_rosbag)

@@ -28,6 +28,8 @@ LONGEST_MARK = max(map(len, MARKS))
 
 BAGS = ("bag", "db3", "mcap")
 
+TEXTS = ("csv", "tsv", "txt")
+
 TEXT = "csv"
 """Kind of any other file; the text reader reports files that cannot be read."""
 
@@ -55,6 +57,9 @@ def open_table(path: str | os.PathLike[str], options: ReadOptions | None = None)
     if kind not in BAGS and (options.topic is not None or options.stamps != "header"):
         what, command = "topic and stamps apply to bags only", "leave out --topic and --received"
         raise ExoidError(what, where=file, remedy="leave them out", command=command)
+    if kind not in TEXTS and options.names is not None:
+        what, command = "names are those of a text file without a header line", "leave out --names"
+        raise ExoidError(what, where=file, remedy="leave them out: this file names its columns", command=command)
     if options.stamps not in ("header", "received"):
         raise ExoidError(f"stamps is {options.stamps!r}", remedy='pass stamps="header" or stamps="received"')
     if kind in REFUSED:

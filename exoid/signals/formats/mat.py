@@ -13,12 +13,12 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid.errors import ExoidError
+from exoid.reader_process import Content, read_in_child, refuse_expansion
+from exoid.reader_process.reading import reading
 from exoid.signals.source import Source
 
-from .bounds import refuse_expansion
-from .child import Content, read_in_child
 from .mat_elements import expanded_size, readable_variables
-from .table import ArrayTable, ReadOptions, reading, to_columns
+from .table import ArrayTable, ReadOptions, to_columns
 
 REMEDY = "save it from MATLAB with save(file, 'time', 'q', 'tau', 'joint_names', '-v7')"
 

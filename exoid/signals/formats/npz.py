@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from exoid.reader_process import refuse_expansion
+from exoid.reader_process.reading import reading
 from exoid.signals.source import Source
 
-from .bounds import refuse_columns, refuse_expansion
-from .table import ArrayTable, ReadOptions, reading, to_columns
+from .bounds import refuse_columns
+from .table import ArrayTable, ReadOptions, to_columns
 
 REMEDY = "write it with np.savez(path, time=..., q=..., tau=..., joint_names=[...]), all arrays of numbers or text"
 

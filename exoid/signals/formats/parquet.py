@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.reader_process import Content, read_in_child, refuse_expansion
+from exoid.reader_process.reading import reading
 from exoid.signals.source import Source
 
-from .bounds import refuse_columns, refuse_expansion
-from .child import Content, read_in_child
-from .table import ReadOptions, as_column, needs, reading
+from .bounds import refuse_columns
+from .table import ReadOptions, as_column, needs
 
 REMEDY = "check that the writer closed it; write it again"
 

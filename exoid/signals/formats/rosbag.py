@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.reader_process import Content, most_memory, read_in_child, refuse_expansion, size_on_disk
+from exoid.reader_process.reading import reading
 from exoid.signals.source import Source
 
-from .bounds import most_memory, refuse_expansion, size_on_disk
-from .child import Content, read_in_child
-from .table import ArrayTable, ReadOptions, needs, reading
+from .table import ArrayTable, ReadOptions, header_in, needs
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 
@@ -155,7 +155,8 @@ def _common_joints(messages: list[_Message], file: str, options: ReadOptions) ->
             )
         return messages[0].joints, messages
     every = dict.fromkeys(joint for joints in layouts for joint in joints)
-    asked = {options.columns.get(f"q_{joint}", f"q_{joint}")[2:] for joint in options.joint_names}
+    headers = [f"q_{joint}" for joint in every]
+    asked = {header_in(headers, options.columns.get(f"q_{joint}", f"q_{joint}"))[2:] for joint in options.joint_names}
     joints = tuple(joint for joint in every if joint in asked) or tuple(every)
     kept = [message for message in messages if not set(joints).isdisjoint(message.joints)]
     for message in kept:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, Protocol, runtime_checkable
@@ -14,12 +13,20 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.reader_process import refuse_expansion
 from exoid.signals.source import Source
 
-from .bounds import refuse_columns, refuse_expansion
+from .bounds import refuse_columns
 
-QUANTITIES = ("q", "v", "a", "tau")
-"""Prefixes of column names: ``q_<joint>`` [rad], ``v_`` [rad/s], ``a_`` [rad/s²], ``tau_`` [N·m]."""
+QUANTITIES = ("q", "v", "a", "tau", "i", "f", "tm", "qm", "temp")
+"""Prefixes of column names: ``q_<joint>`` [rad], ``v_`` [rad/s], ``a_`` [rad/s²], ``tau_`` [N·m],
+``i_`` [A], ``f_`` [N], of motors ``tm_`` [N·m] and ``qm_`` [rad], and ``temp_`` [°C]."""
+
+MATRICES = {"current": "i", "force": "f", "motor_torque": "tm", "motor_angle": "qm", "temperature": "temp"}
+"""Prefix of the columns of matrices with other names; any other has that of :data:`QUANTITIES`."""
+
+OF_DRIVES = ("i", "f", "tm", "qm", "temp", *MATRICES)
+"""Matrices that are of other things than joints where their width does not fit, such as forces of a force plate."""
 
 
 @dataclass(frozen=True)
@@ -28,15 +35,18 @@ class ReadOptions:
 
     Attributes:
         joint_names: Joints to read; None for those in the file.
-        columns: Name in the file of each exoid column whose name differs.
+        columns: Name in the file of each exoid column whose name differs; it may be followed by a scale, a zero and a
+            unit, behind colons (:func:`header_in`).
         topic: Topic of a bag; None for the only one of joint states.
         stamps: Time stamps of a bag: "header", or "received" when the message was recorded.
+        names: Names of the columns of a text file without a header line; None where it has one.
     """
 
     joint_names: Sequence[str] | None = None
     columns: Mapping[str, str] = field(default_factory=dict)
     topic: str | None = None
     stamps: Literal["header", "received"] = "header"
+    names: Sequence[str] | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Describe the options by name, as values of JSON.
@@ -50,7 +60,24 @@ class ReadOptions:
             "columns": dict(self.columns),
             "topic": self.topic,
             "stamps": self.stamps,
+            "names": None if self.names is None else list(self.names),
         }
+
+
+def header_in(headers: Collection[str], text: str) -> str:
+    """Find the header at the beginning of ``HEADER:SCALE:ZERO:UNIT``; headers may contain colons themselves.
+
+    Args:
+        headers: Headers of the file.
+        text: Header, and perhaps more.
+
+    Returns:
+        The longest beginning of the text, up to a colon or its end, that is a header; all of it if there is none.
+    """
+    beginning = text
+    while beginning not in headers and ":" in beginning:
+        beginning = beginning.rpartition(":")[0]
+    return beginning if beginning in headers else text
 
 
 @runtime_checkable
@@ -184,7 +211,7 @@ def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, options: ReadOptio
     Raises:
         ExoidError: There is no time, or joint names do not fit the matrices.
     """
-    time = options.columns.get("time", "time")
+    time = header_in(arrays, options.columns.get("time", "time"))
     if time not in arrays:
         exists = ", ".join(f"{name} {values.shape}" for name, values in list(arrays.items())[:20]) or "nothing"
         raise ExoidError(
@@ -200,6 +227,9 @@ def to_columns(arrays: Mapping[str, NDArray[Any]], file: str, options: ReadOptio
         raise ExoidError(f"{time} is empty", where=file, remedy="check that the logger closed the file")
     refuse_columns(sum(math.prod(values.shape) // samples for values in arrays.values()), file)
     named = _joint_names(arrays, file)
+    for name, prefix in MATRICES.items():
+        if {name, prefix} <= arrays.keys() and arrays[name].ndim == arrays[prefix].ndim == 2:
+            raise ExoidError(f"both {name} and {prefix} are there", where=file, remedy="write one of them")
     columns: dict[str, NDArray[Any]] = {time: arrays[time].reshape(-1)}
     for name, values in arrays.items():
         matrix = None if name in (time, "joint_names") else _samples_first(values, samples)
@@ -234,8 +264,8 @@ def _labels(
     name: str, width: int, named: Sequence[str] | None, asked: Sequence[str] | None, file: str
 ) -> Sequence[str]:
     """Names of the columns of one array."""
-    if name in QUANTITIES:
-        if named is not None and len(named) != width:
+    if name in QUANTITIES or name in MATRICES:
+        if named is not None and len(named) != width and name not in OF_DRIVES:
             raise ExoidError(
                 f"{name} has {width} columns, but joint_names has {len(named)}: {', '.join(named[:20])}",
                 where=file,
@@ -243,31 +273,8 @@ def _labels(
             )
         joints = named if named is not None else asked
         if joints is not None and not isinstance(joints, str) and len(joints) == width:
-            return [f"{name}_{joint}" for joint in joints]
+            return [f"{MATRICES.get(name, name)}_{joint}" for joint in joints]
     return [name] if width == 1 else [f"{name}[{k}]" for k in range(width)]
-
-
-@contextmanager
-def reading(file: str, kind: str, remedy: str) -> Iterator[None]:
-    """Turn any exception that a library raises on a damaged file into one line.
-
-    Args:
-        file: Path as the caller gave it, for messages.
-        kind: Kind of file, with its article.
-        remedy: Remedy for the message.
-
-    Raises:
-        ExoidError: An exception was raised inside.
-    """
-    try:
-        yield
-    except (ExoidError, KeyboardInterrupt, SystemExit, GeneratorExit):
-        raise
-    except MemoryError:
-        raise ExoidError(f"too large for the memory, or a damaged {kind}", where=file, remedy=remedy) from None
-    except BaseException as problem:  # panics of polars are not of class Exception
-        what = " ".join(str(problem).split())[:200] or type(problem).__name__
-        raise ExoidError(f"cannot be read as {kind}: {what}", where=file, remedy=remedy) from None
 
 
 def needs(package: str, kind: str, file: str) -> ExoidError:

@@ -21,6 +21,12 @@ from .bounds import MOST_BLANK_LINES, refuse_columns
 
 DELIMITERS = (",", ";", "\t")
 
+PAYLOAD = "# payload:"
+"""Beginning of a line that names a payload, such as ``# payload: knee:3.0@0,0,-0.3``."""
+
+BASE_POSITION = "# base position:"
+"""Beginning of a line that gives the position of the sensor on the base [m], ``# base position: 0.1,0,0.2``."""
+
 BLOCK = 2**20
 """Least number of characters that are split into lines at once."""
 
@@ -36,6 +42,8 @@ class TextTable:
         rows: Data lines, N of them.
         lines: Line number of each data line, from 1, (N,).
         delimiter: Delimiter, one of ``DELIMITERS``.
+        payloads: Text of each payload that a line ``# payload: …`` above the data names.
+        base_positions: Text of each line ``# base position: …``.
     """
 
     file: str
@@ -44,6 +52,8 @@ class TextTable:
     rows: Sequence[str]
     lines: NDArray[np.int64]
     delimiter: str
+    payloads: tuple[str, ...] = ()
+    base_positions: tuple[str, ...] = ()
 
     @property
     def row_name(self) -> str:
@@ -54,7 +64,7 @@ class TextTable:
         return len(self.rows)
 
     def numbers(self, columns: Sequence[str]) -> FloatArray:
-        """Parse columns; other columns may hold text.
+        """Parse columns; other columns may hold text. A column without any entry is NaN throughout.
 
         Args:
             columns: Names of k columns.
@@ -67,16 +77,35 @@ class TextTable:
         """
         self._refuse_ragged()
         places = [self.header.index(column) for column in columns]
-        quote = '"' if any('"' in row for row in self.rows) else None
         try:
-            table = np.loadtxt(
-                self.rows, delimiter=self.delimiter, usecols=places, ndmin=2, comments=None, quotechar=quote
-            )
+            return self._parsed(places)
         except ValueError as problem:
-            raise self._bad_cell(places, problem) from None
+            filled = [place for place in places if place not in self._empty(places)]
+            if not filled or len(filled) == len(places):
+                raise self._bad_cell(places, problem) from None
+        out = np.full((len(self.rows), len(places)), np.nan)
+        try:
+            out[:, [place in filled for place in places]] = self._parsed(filled)
+        except ValueError as problem:
+            raise self._bad_cell(filled, problem) from None
+        return out
+
+    def _parsed(self, places: Sequence[int]) -> FloatArray:
+        quote = '"' if any('"' in row for row in self.rows) else None
+        table = np.loadtxt(self.rows, delimiter=self.delimiter, usecols=places, ndmin=2, comments=None, quotechar=quote)
         if len(table) != len(self.rows):
             raise ExoidError("a quotation mark opens and does not close", where=self.file, remedy="remove the quotes")
         return np.asarray(table, dtype=np.float64)
+
+    def _empty(self, places: Sequence[int]) -> set[int]:
+        """Columns without any entry."""
+        left = set(places)
+        for line, row in zip(self.lines, self.rows, strict=True):
+            if not left:
+                break
+            cells = _cells(row, self.delimiter, f"{self.file}, line {line}")
+            left = {place for place in left if place >= len(cells) or not cells[place]}
+        return left
 
     def _refuse_ragged(self) -> None:
         for line, row in zip(self.lines, self.rows, strict=True):
@@ -106,14 +135,15 @@ class TextTable:
         return ExoidError(f"unreadable: {problem}", where=self.file, remedy="write plain decimal numbers")
 
 
-def read_text_table(path: str | os.PathLike[str]) -> TextTable:
-    """Read a UTF-8 text file with a header line, delimited by comma, semicolon or tab.
+def read_text_table(path: str | os.PathLike[str], names: Sequence[str] | None = None) -> TextTable:
+    """Read a UTF-8 text file with a header line, delimited by comma, semicolon or tab; numbers alone also by spaces.
 
     Blank lines and lines that start with ``#`` are skipped. A byte-order mark and any line ending are accepted. If the
     first line has only numbers, the ``#`` line before it with the same number of cells is the header.
 
     Args:
         path: The file.
+        names: Names of the columns of a file without a header line, "" for one that is not read; None where it has one.
 
     Returns:
         The table.
@@ -130,14 +160,22 @@ def read_text_table(path: str | os.PathLike[str]) -> TextTable:
         raise ExoidError("no lines with data", where=file, remedy="a log has a header line, then one line per sample")
     number, first = content[0]
     delimiter = max(DELIMITERS, key=lambda mark: len(_cells(first, mark, f"{file}, line {number}")))
+    if delimiter not in first and all(map(_is_number, first.split())):
+        content, comments = _with_commas(content), [line if "," in line else _commas(line) for line in comments]
+        first, delimiter = content[0][1], ","
     header = _cells(first, delimiter, f"{file}, line {number}")
-    if all(map(_is_number, header)):
+    if names is not None:
+        header = _given_names(names, header, f"{file}, line {number}")
+    elif all(map(_is_number, header)):
         header = _cells(comments[-1].lstrip("# \t"), delimiter, file) if comments else []
         if len(header) != first.count(delimiter) + 1:
             raise ExoidError(
                 "no header line: the first line holds only numbers",
                 where=f"{file}, line {number}",
-                remedy="put a line of column names first: time, q_<joint>, tau_<joint>",
+                remedy='pass names=("time", "q_<joint>", "tau_<joint>", ...), "" for columns that are not read, or put '
+                "a line of column names first",
+                command="give the names of its columns: --names time,q_<joint>,tau_<joint>, nothing between two commas "
+                "for a column that is not read",
             )
     else:
         content = content[1:]
@@ -147,7 +185,47 @@ def read_text_table(path: str | os.PathLike[str]) -> TextTable:
             raise ExoidError(f"{count} columns are headed {name!r}", where=file, remedy="rename or drop one")
     rows = [(number, line) for number, line in content if line.strip(f'{delimiter}" \t')]
     lines = np.array([number for number, _ in rows], dtype=np.int64)
-    return TextTable(file, source, tuple(header), [line for _, line in rows], lines, delimiter)
+    data_line = rows[0][0] if rows else number
+    said = [_said(text, word, data_line) for word in (PAYLOAD, BASE_POSITION)]
+    return TextTable(file, source, tuple(header), [line for _, line in rows], lines, delimiter, *said)
+
+
+def _said(text: str, word: str, data_line: int) -> tuple[str, ...]:
+    """Take what lines before the data say behind a word."""
+    if word not in text:
+        return ()
+    above = (line.strip() for line in text.split("\n", data_line)[: data_line - 1])
+    return tuple(line.removeprefix(word).strip() for line in above if line.startswith(word))
+
+
+def _with_commas(content: list[tuple[int, str]]) -> list[tuple[int, str]]:
+    """Separate cells by commas where they were separated by spaces."""
+    return [(number, _commas(line)) for number, line in content]
+
+
+def _commas(line: str) -> str:
+    return ",".join(line.lstrip("# \t").split())
+
+
+def _given_names(names: Sequence[str], first: Sequence[str], where: str) -> list[str]:
+    """Check names of columns against the first line of a file without a header line."""
+    if isinstance(names, str):
+        raise ExoidError(f"names is the string {names!r}", remedy=f"pass names={tuple(names.split(','))!r}")
+    if not all(_is_number(cell) or not cell for cell in first):
+        raise ExoidError(
+            f"names are given, but the file has a header line: {', '.join(first[:20])}",
+            where=where,
+            remedy="leave out names, and map its headers by columns",
+            command="leave out --names, and map its headers by --column",
+        )
+    if len(names) != len(first):
+        raise ExoidError(
+            f"{len(names)} names for {len(first)} columns",
+            where=where,
+            remedy='name every column, "" where it is not read',
+            command="name every column, with nothing between two commas where it is not read",
+        )
+    return [str(name).strip() for name in names]
 
 
 def _split_lines(text: str, file: str) -> tuple[list[tuple[int, str]], list[str]]:
@@ -163,7 +241,7 @@ def _split_lines(text: str, file: str) -> tuple[list[tuple[int, str]], list[str]
                 continue
             if not plain.startswith("#"):
                 content.append((number, line))
-            elif not content:
+            elif not content and not plain.startswith(PAYLOAD):
                 comments = [line]
         if number - len(content) > MOST_BLANK_LINES + len(content):
             raise ExoidError(
@@ -186,6 +264,7 @@ def _blocks(text: str) -> Iterator[tuple[int, int]]:
 def _read_bytes(path: Path, file: str) -> bytes:
     try:
         if path.is_dir():
+            os.stat(os.path.join(path, "."))  # noqa: PTH116, PTH118 - an error if the folder cannot be read
             raise ExoidError("is a directory, not a file", where=file, remedy="name the CSV file in it")
         if path.exists() and not path.is_file():
             raise ExoidError("is not a regular file", where=file, remedy="copy the log into a file first")
@@ -193,9 +272,9 @@ def _read_bytes(path: Path, file: str) -> bytes:
     except FileNotFoundError:
         raise ExoidError("no such file", where=file, remedy=f"check the path; looked in {path.parent}") from None
     except (OSError, ValueError) as problem:
-        raise ExoidError(
-            f"cannot be read: {problem}", where=repr(file), remedy="check the path and its rights"
-        ) from None
+        reason = getattr(problem, "strerror", None) or str(problem)
+        where = file if file.isprintable() else repr(file)
+        raise ExoidError(f"cannot be read ({reason})", where=where, remedy="check the path and its rights") from None
 
 
 def _decode(data: bytes, file: str) -> str:

@@ -26,6 +26,10 @@ NOTE = (
 """Text above the list of experiments."""
 
 
+DEAF = 1e6
+"""Noise of a joint whose torque was not measured, over the largest residual."""
+
+
 def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[Text]:
     """Name poorly identified parameters, the parameters that they correlate with, and what to record.
 
@@ -62,13 +66,15 @@ def advice(estimate: Estimate, recordings: Sequence[Recording]) -> Iterator[Text
 def _experiments(estimate: Estimate, recordings: Sequence[Recording], poor: Container[str]) -> Iterator[str]:
     """Assess simple experiments, with noise as large and as correlated as the residuals; none if that fails."""
     seconds = sum(recording.duration for recording in recordings)
-    counts = [noise.effective_samples for noise in estimate.noise if np.isfinite(noise.effective_samples)]
+    heard = [noise.effective_samples for noise in estimate.noise if noise.samples]
+    counts = [count for count in heard if np.isfinite(count)]
+    deaf = DEAF * float(estimate.residual_rms.max())  # a joint whose torque was not measured tells nothing
     try:
         assessment = assess(
             estimate.model.leg,
             recordings,
             estimate.model.terms,
-            noise=estimate.residual_rms,
+            noise=np.where(estimate.trained, estimate.residual_rms, deaf),
             noise_bandwidth=min(counts) / seconds / 2.0 if counts else np.inf,
             values=dict(zip(estimate.names, estimate.values.tolist(), strict=True)),
             preparation=estimate.preparation,

@@ -109,6 +109,7 @@ def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:
 
 def _inputs_and_settings(estimate: Estimate) -> Iterator[Block]:
     yield text.input_table(estimate)
+    yield from text.drive_blocks(estimate)
     yield from text.influence_blocks(estimate)
     yield text.settings(estimate)
 

@@ -9,7 +9,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate, Validation, validate
 from exoid.regression.rows import for_leg
-from exoid.signals import Recording
+from exoid.signals import Recording, base_during
 
 
 class RecordingPrediction(NamedTuple):
@@ -60,11 +60,15 @@ def predict_recording(estimate: Estimate, recording: Recording) -> RecordingPred
     Raises:
         ExoidError: The recording lacks torque or a joint of the leg.
     """
+    if estimate.actuators is not None:
+        recording = estimate.actuators.torque(recording)
     recording = for_leg(estimate.model, recording).resampled()
     validation = validate(estimate, recording)
     q, v, a, inner = estimate.preparation.kinematics(recording)
     valid = np.zeros(len(recording), dtype=np.bool_)
     valid[inner] = True if recording.mask is None else recording.mask[inner]
-    friction = estimate.model.friction_torque(estimate.model.motion(q, v, a, recording.torso), estimate.values)
+    base = base_during(recording, estimate.preparation)
+    motion = estimate.model.motion(q, v, a, base, recording.payloads, temperature=recording.temperature)
+    friction = estimate.model.friction_torque(motion, estimate.values)
     filtered = estimate.preparation.filter_columns(friction, recording.sample_rate)[valid]
     return RecordingPrediction(recording, q[valid], v[valid], validation, filtered)

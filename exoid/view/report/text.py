@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from exoid.actuators import describe_actuators
 from exoid.estimate import Estimate
 from exoid.estimate.text import HEADERS, assumptions, influences, parameter_rows
 from exoid.estimate.verdict import verdict_line
@@ -59,8 +60,12 @@ def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[s
     lines = [f"{len(grades)} parameters: {counts}."]
     for prediction in tested:
         nrmse = prediction.validation.nrmse
-        joints = ", ".join(f"{joint} {100 * e:.1f} %" for joint, e in zip(estimate.joint_names, nrmse, strict=True))
-        quality = "predicts well" if (nrmse <= GOOD_NRMSE).all() else "does not predict every joint well"
+        known = np.isfinite(nrmse)
+        joints = ", ".join(
+            f"{joint} {100 * e:.1f} %" if there else f"{joint} not measured"
+            for joint, e, there in zip(estimate.joint_names, nrmse, known, strict=True)
+        )
+        quality = "predicts well" if (nrmse[known] <= GOOD_NRMSE).all() else "does not predict every joint well"
         lines.append(
             f"On the held-out recording {prediction.validation.source} the estimate {quality} (RMS error over the "
             f"standard deviation of the torque: {joints})."
@@ -93,7 +98,19 @@ def parameter_table(estimate: Estimate, other_values: Mapping[str, Mapping[str, 
 def error_table(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> DataTable:
     """Table of prediction errors, and of the coverage of the prediction band."""
     rows = [
-        (p.validation.source, joint, f"{rmse:.4g}", f"{100 * nrmse:.2f}", f"{r2:.4f}", f"{100 * coverage:.1f}")
+        (
+            p.validation.source,
+            joint,
+            *(
+                "–" if np.isnan(value) else text
+                for value, text in (
+                    (rmse, f"{rmse:.4g}"),
+                    (nrmse, f"{100 * nrmse:.2f}"),
+                    (r2, f"{r2:.4f}"),
+                    (coverage, f"{100 * coverage:.1f}"),
+                )
+            ),
+        )
         for p in predictions
         for joint, rmse, nrmse, r2, coverage in zip(
             estimate.model.leg.joint_labels,
@@ -161,8 +178,20 @@ def influence_blocks(estimate: Estimate) -> Iterator[Block]:
 
 def input_table(estimate: Estimate) -> DataTable:
     """Table of the recordings of the fit."""
-    rows = [(i.name, f"{i.samples}", f"{i.sample_rate:.4g}", i.sha256) for i in estimate.inputs]
-    return DataTable("Recordings", ("name", "samples", "rate [Hz]", "sha256"), rows)
+    rows: list[tuple[str, ...]] = [(i.label, f"{i.samples}", f"{i.sample_rate:.4g}", i.sha256) for i in estimate.inputs]
+    headers: tuple[str, ...] = ("name", "samples", "rate [Hz]", "sha256")
+    if any(i.moving_base for i in estimate.inputs):
+        headers = (*headers, "base")
+        bases = ("moves" if i.moving_base else "at rest" for i in estimate.inputs)
+        rows = [(*row, base) for row, base in zip(rows, bases, strict=True)]
+    return DataTable("Recordings", headers, rows)
+
+
+def drive_blocks(estimate: Estimate) -> Iterator[Text]:
+    """Describe the drives of which torques were computed."""
+    if estimate.actuators is not None:
+        lines = describe_actuators(estimate.actuators)
+        yield Text(["Torques were computed of what these drives measured.", *lines])
 
 
 def settings(estimate: Estimate) -> Text:

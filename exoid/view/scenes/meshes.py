@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.signals.formats.child import Content, read_in_child
+from exoid.reader_process import Content, read_in_child
 
 IndexArray = NDArray[np.int64]
 
@@ -132,6 +132,8 @@ def load_mesh(path: Path, scale: FloatArray) -> Mesh:
         raise ValueError(f"scale {' '.join(f'{each:g}' for each in scale)}")
     arrays = read_in_child(mesh_arrays, str(path.resolve()), scale=scale.tolist()).arrays
     vertices, triangles = arrays["vertices"], arrays["triangles"]
+    if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(vertices):
+        raise ValueError(f"triangles of vertices that do not exist: {triangles.max()} of {len(vertices)}")
     if not len(triangles) or not np.isfinite(vertices).all() or np.abs(vertices).max() > LARGEST_MESH:
         raise ValueError(f"no triangles, or vertices beyond {LARGEST_MESH:.0e} m")
     if not np.ptp(vertices, axis=0).max() > 0.0:

@@ -80,7 +80,8 @@ class Replay:
 
     def torques(self, leg: Leg) -> FloatArray | None:
         """Recorded torques of a leg's joints [N·m], (F, n), or None."""
-        return None if self.recording.tau is None else self._at_frames(self.recording, leg, "tau")
+        found = None if self.recording.tau is None else self._at_frames(self.recording, leg, "tau")
+        return None if found is None else np.nan_to_num(found)  # no arrow where torque was not measured
 
     def _at_frames(self, recording: Recording, leg: Leg, quantity: str) -> FloatArray | None:
         """Interpolate a quantity of a leg at the frames; None if the recording has none of its joints."""

@@ -30,7 +30,6 @@ DEFAULT_PORT = 7000
 HEARTBEAT = 5.0
 """Time after which a closed browser is noticed [s]."""
 
-
 PATIENCE = 10.0
 """Time after which a connection that sends no request, or takes no data, is closed [s]."""
 
@@ -58,14 +57,21 @@ class SceneServer:
         port: Port that it listens on.
     """
 
-    def __init__(self, scene: PosableScene, port: int | None = None) -> None:
-        """Start listening."""
+    def __init__(self, scene: PosableScene, port: int | None = None, patience: float = PATIENCE) -> None:
+        """Start listening.
+
+        Args:
+            scene: The scene.
+            port: Port to listen on; 0 for any that is free, None for the default port or, if that is taken, any.
+            patience: Time after which a connection that sends no request, or takes no data, is closed [s].
+        """
         self._scene = scene
         self._listeners: set[queue.Queue[str | None]] = set()
         self._latest: dict[tuple[object, ...], Command] = {}
         self._lock = threading.Lock()
         self._server = _bind(port)
         self._server.scene_server = self
+        self._server.patience = patience
         self.port = int(self._server.server_address[1])
         self.url = f"http://{LOOPBACK}:{self.port}/"
         self._thread = threading.Thread(target=self._server.serve_forever, args=(0.1,), name="exoid view", daemon=True)
@@ -154,8 +160,10 @@ class _Server(ThreadingHTTPServer):
 
     daemon_threads = True
     block_on_close = False
+    request_queue_size = MOST_CONNECTIONS  # beyond the queue, clients try again after seconds
     allow_reuse_address = os.name == "posix"  # on Windows it would let another program take the port
     scene_server: SceneServer
+    patience: float
 
     def __init__(self, address: tuple[str, int], handler: type[BaseHTTPRequestHandler]) -> None:
         self._free = threading.BoundedSemaphore(MOST_CONNECTIONS)
@@ -185,9 +193,13 @@ class _Handler(BaseHTTPRequestHandler):
     """Answers "/" with the page, and "/events" with commands as server-sent events."""
 
     server: _Server
-    timeout = PATIENCE
     server_version = "exoid"
     sys_version = ""
+
+    def setup(self) -> None:
+        """Take the patience of the server as the timeout of the connection."""
+        super().setup()
+        self.connection.settimeout(self.server.patience)
 
     def do_GET(self) -> None:
         """Answer a request."""

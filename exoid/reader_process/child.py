@@ -25,9 +25,14 @@ from numpy.typing import NDArray
 from exoid.errors import ExoidError
 
 from .bounds import READER_MEMORY, most_memory, most_seconds, size_on_disk
+from .memory import MOST_KEPT
+from .watch import Watch
 
-START = "import sys; sys.path[:] = sys.argv[1:]; from exoid.signals.formats.child_main import serve; serve()"
+START = "import sys; sys.path[:] = sys.argv[2:]; from exoid.reader_process.child_main import serve; serve(sys.argv[1])"
 """Program of the child. It has the import path of the caller, but neither its script nor its modules."""
+
+WATCHED = os.name == "posix" and sys.platform != "linux"
+"""Whether the caller looks at the memory of the child; Linux bounds it."""
 
 THREADS = "4"
 """Number of threads of polars, each of which needs memory; the variable of the same name in the environment rules."""
@@ -76,19 +81,23 @@ def read_in_child(reader: Callable[..., Content], file: str, **arguments: Any) -
         "memory": READER_MEMORY + most_memory(size),
     }
     with _LOCK:
-        return _child().ask(request, file, most_seconds(size))
+        return _child(reader.__module__).ask(request, file, most_seconds(size))
 
 
 class Child:
     """The child process, with the ends of its pipes."""
 
-    def __init__(self) -> None:
-        """Start it."""
+    def __init__(self, module: str) -> None:
+        """Start it.
+
+        Args:
+            module: Module that it imports at once: that of the first reader.
+        """
         from multiprocessing import spawn  # noqa: PLC0415 - few callers read such files
 
         try:
             self._process = subprocess.Popen(
-                [os.fsdecode(spawn.get_executable()), "-c", START, *sys.path],
+                [os.fsdecode(spawn.get_executable()), "-c", START, module, *sys.path],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
@@ -104,7 +113,7 @@ class Child:
         self._replies = cast("BufferedReader", self._process.stdout)
         self.owner = os.getpid()
         self.usable = False
-        with self._ended_after(SECONDS_TO_START):
+        with Watch(self._process, SECONDS_TO_START):
             self.usable = bool(self._replies.readline())
 
     def ask(self, request: Mapping[str, Any], file: str, seconds: float) -> Content:
@@ -124,8 +133,8 @@ class Child:
         whole, self.usable = self.usable, False  # until the reply has been read to its end
         reply: Mapping[str, Any] = {}
         arrays: dict[str, NDArray[Any]] = {}
-        timer = self._ended_after(seconds)
-        with timer:
+        watch = Watch(self._process, seconds, MOST_KEPT + int(request["memory"]) if WATCHED else None)
+        with watch:
             try:
                 self._requests.write(json.dumps(request, default=str).encode() + b"\n")
                 self._requests.flush()
@@ -138,8 +147,8 @@ class Child:
             except BaseException:
                 self.end()
                 raise
-        if not whole:
-            raise self._death(file, seconds, late=timer.has_ended)
+        if watch.killed or not whole:
+            raise self._death(file, seconds, watch.killed)
         self.usable = bool(reply["stays"])
         if "error" in reply:
             what, where, remedy, command = reply["error"]
@@ -164,11 +173,13 @@ class Child:
             raise ValueError("the reply ends early")
         return np.frombuffer(data, kind).reshape(shape)
 
-    def _death(self, file: str, seconds: float, *, late: bool) -> ExoidError:
+    def _death(self, file: str, seconds: float, killed: str | None) -> ExoidError:
         """Say how the process died."""
         self.end()
         code = self._process.returncode
-        if late:
+        if killed == "memory":
+            return ExoidError("too large for the memory, or damaged", where=file, remedy="check that it is complete")
+        if killed == "time":
             what = f"its reader has not ended within {seconds:.0f} s"
         else:
             known = -code in set(signal.Signals) if code < 0 else False
@@ -179,52 +190,18 @@ class Child:
             remedy="check where it comes from; write the log again, or as CSV",
         )
 
-    def _ended_after(self, seconds: float) -> _Timer:
-        return _Timer(self._process, seconds)
-
-
-class _Timer:
-    """Context that kills a process which takes too long.
-
-    Attributes:
-        has_ended: Whether it did.
-    """
-
-    def __init__(self, process: subprocess.Popen[bytes], seconds: float) -> None:
-        """Set the time.
-
-        Args:
-            process: The process.
-            seconds: Time after which it is killed [s].
-        """
-        self.has_ended = False
-        self._process = process
-        self._timer = threading.Timer(seconds, self._kill)
-        self._timer.daemon = True
-
-    def _kill(self) -> None:
-        self.has_ended = True
-        self._process.kill()
-
-    def __enter__(self) -> _Timer:
-        self._timer.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._timer.cancel()
-
 
 _LOCK = threading.Lock()
 _CHILDREN: list[Child] = []
 """The child process that this process has started; none or one."""
 
 
-def _child() -> Child:
-    """Find the child process, or start one."""
+def _child(module: str) -> Child:
+    """Find the child process, or start one that imports a module."""
     if _CHILDREN and not (_CHILDREN[0].usable and _CHILDREN[0].owner == os.getpid()):
         _end()
     if not _CHILDREN:
-        _CHILDREN.append(Child())
+        _CHILDREN.append(Child(module))
     return _CHILDREN[0]
 
 

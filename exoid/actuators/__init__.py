@@ -1,0 +1,36 @@
+"""Drives: from measured currents, cylinder forces and motor angles to joint torque, and back to commands."""
+
+from .actuators import Actuators
+from .arm_table import MomentArmTable
+from .attachments import Attachment, Attachments, MountedAttachments
+from .coupling import Coupling
+from .drive import Drive
+from .drive_data import actuators_from_data, actuators_to_data, describe_actuators
+from .file import read_actuators, write_actuators
+from .linear import LinearActuator, MomentArm
+from .motor import Motor
+from .motor_terms import motor_terms
+from .series_elastic import SeriesElastic
+from .transmission import Transmission, read_transmissions
+
+__all__ = [
+    "Actuators",
+    "Attachment",
+    "Attachments",
+    "Coupling",
+    "Drive",
+    "LinearActuator",
+    "MomentArm",
+    "MomentArmTable",
+    "Motor",
+    "MountedAttachments",
+    "SeriesElastic",
+    "Transmission",
+    "actuators_from_data",
+    "actuators_to_data",
+    "describe_actuators",
+    "motor_terms",
+    "read_actuators",
+    "read_transmissions",
+    "write_actuators",
+]

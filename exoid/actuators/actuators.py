@@ -1,0 +1,341 @@
+"""Actuators: the drives of a leg's joints, which turn recordings of currents and forces into recordings of torque."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+from exoid.signals import Cluster, Poses, Recording, Recordings, central_difference, smooth_motion
+from exoid.signals.recording import PREFIXES
+
+from .coupling import Coupling
+from .drive import Drive
+from .part import DIRECTION_CUTOFF, DIRECTION_SHARE, DRIVE_CHANNELS, Part
+from .places import within
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Actuators:
+    """Drives of a leg's joints, in the order of the joints.
+
+    Make them with :meth:`of`. Joints without a drive keep the torque that was measured. A measured torque is never
+    replaced: a drive gives the torque of joints that have none.
+
+    Attributes:
+        joint_names: Joints of the leg, (n,).
+        joint_labels: Joint names as they occur in parameter names, (n,).
+        drives: Drive of each joint that has one of its own, by the joint's name.
+        couplings: Couplings of several joints, by the names that they were given.
+
+    Example:
+        >>> from exoid.actuators import Motor
+        >>> leg = exoid.load_leg("cuhk")
+        >>> actuators = Actuators.of(leg, {"hip": Motor(0.07, ratio=50.0), "knee": Motor(0.05, ratio=50.0)})
+        >>> actuators.command([[35.0, -5.0]], [[0.0, 0.0]], [[0.0, 0.0]])
+        array([[10., -2.]])
+    """
+
+    joint_names: tuple[str, ...]
+    joint_labels: tuple[str, ...]
+    drives: Mapping[str, Drive]
+    couplings: Mapping[str, Coupling] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, leg: Leg, drives: Mapping[str, Drive | Coupling] | Actuators) -> Actuators:
+        """Mount drives on a leg; drives of joints of its robot that it does not move are left out.
+
+        Args:
+            leg: The leg.
+            drives: Drive of each joint, by its name (or label: "hip" for "left_hip"), and couplings by any name; or
+                actuators of the same joints.
+
+        Returns:
+            The actuators.
+
+        Raises:
+            ExoidError: A joint is not the leg's or occurs twice, or a drive does not fit its joint.
+        """
+        if isinstance(drives, Actuators):
+            if drives.joint_names != leg.joint_names:
+                raise ExoidError(
+                    f"actuators of {', '.join(drives.joint_names)} for a leg of {', '.join(leg.joint_names)}",
+                    remedy="describe the drives of this leg",
+                )
+            return drives
+        names = {**dict(zip(leg.joint_labels, leg.joint_names, strict=True)), **{n: n for n in leg.joint_names}}
+        mounted: dict[str, Drive] = {}
+        couplings: dict[str, Coupling] = {}
+        for given, drive in _of_leg(_checked(drives), leg).items():
+            if isinstance(drive, Coupling):
+                couplings[given] = drive.on(leg)
+                continue
+            if given not in names:
+                raise ExoidError(
+                    f"a drive of {given!r}, which the leg does not have",
+                    remedy=f"its joints are {', '.join(leg.joint_names)}",
+                )
+            joint = names[given]
+            if joint in mounted:
+                raise ExoidError(f"two drives of {joint}", remedy="describe each joint once")
+            with within(joint):
+                mounted[joint] = drive.on(leg, joint)
+        coupled = [joint for coupling in couplings.values() for joint in coupling.joints]
+        twice = [joint for joint in leg.joint_names if coupled.count(joint) + (joint in mounted) > 1]
+        if twice:
+            raise ExoidError(f"two drives of {', '.join(twice)}", remedy="describe each joint once")
+        ordered = {joint: mounted[joint] for joint in leg.joint_names if joint in mounted}
+        return cls(leg.joint_names, leg.joint_labels, MappingProxyType(ordered), MappingProxyType(couplings))
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle the mappings as dicts, for the workers of a cluster."""
+        return _rebuilt, (self.joint_names, self.joint_labels, dict(self.drives), dict(self.couplings))
+
+    def __repr__(self) -> str:
+        """Write one line."""
+        parts = [f"{name}: {drive!r}" for name, drive in (*self.drives.items(), *self.couplings.items())]
+        return f"Actuators({', '.join(parts)})"
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Unit of each joint's command, (n,); N·m for a joint without a drive."""
+        units = {joint: drive.unit for joint, drive in self.drives.items()}
+        units |= {joint: coupling.unit for coupling in self.couplings.values() for joint in coupling.joints}
+        return tuple(units.get(name, "N·m") for name in self.joint_names)
+
+    def torque(self, recording: Recording) -> Recording:
+        """Compute the torque of the joints whose drives were measured.
+
+        A torque that was measured, or is known to be zero at a passive joint, stays as it is. A joint whose drive was
+        not recorded stays without torque, and gives no rows.
+
+        Args:
+            recording: Recording with currents, forces, motor torques or motor angles of some joints.
+
+        Returns:
+            The recording with these torques; the same one if there is nothing to compute.
+
+        Raises:
+            ExoidError: Nothing was recorded of any drive and there is no torque either, another quantity was recorded
+                than a drive needs, or readings cannot be those of the drive.
+        """
+        columns = self._columns(recording)
+        wanted = [one for one in self._parts() if one.is_wanted(recording, columns)]
+        if not wanted:
+            return recording
+        found = [one for one in wanted if one.readings(recording, columns) is not None]
+        if not found:
+            if recording.tau is None:
+                raise _nothing_recorded(recording, wanted, columns)
+            return recording
+        recording, joints = recording.resampled(), list(recording.computed)
+        velocity = self._velocity(recording, found)
+        tau = np.full((len(recording), recording.n_joints), np.nan) if recording.tau is None else recording.tau.copy()
+        for one in found:
+            places, reading = [columns[joint] for joint in one.joints], one.readings(recording, columns)
+            assert reading is not None
+            with within(_source(recording)), within(one.name):
+                motion = recording.q[:, places], velocity[:, places]
+                torque = one.torque(reading, *motion, recording.sample_rate)
+                torque = torque * one.temperature_factor(recording, columns)
+            new = ~recording.measured[places]  # of a coupling, some joints may have a sensor
+            tau[:, np.array(places)[new]] = torque[:, new]
+            joints += [recording.joint_names[place] for place in np.array(places)[new]]
+        return replace(recording, tau=tau, computed=tuple(dict.fromkeys(joints)))
+
+    def torques(self, data: Sequence[Recording | Poses] | Cluster) -> Sequence[Recording | Poses] | Cluster:
+        """Compute the torques of many recordings; those on disk or on a cluster stay there.
+
+        Args:
+            data: Recordings, and poses, which have torques already.
+
+        Returns:
+            The same recordings with torques.
+
+        Raises:
+            ExoidError: See :meth:`torque`.
+        """
+        if isinstance(data, Recordings | Cluster):
+            return data.changed(self.torque)
+        return [self.torque(item) if isinstance(item, Recording) else item for item in data]
+
+    def command(self, torque: ArrayLike, q: ArrayLike, v: ArrayLike) -> FloatArray:
+        """Compute the commands of all drives that make torques at the joints.
+
+        Args:
+            torque: Requested torques [N·m], (N, n).
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+
+        Returns:
+            Commands in :attr:`units`, (N, n): amperes, newtons or motor angles; the torque itself at joints without a
+            drive.
+
+        Raises:
+            ExoidError: Shapes do not fit, or a drive cannot make a torque.
+        """
+        return self._each(Part.command, torque, q, v)
+
+    def torque_of(self, command: ArrayLike, q: ArrayLike, v: ArrayLike) -> FloatArray:
+        """Compute the torques at the joints of readings or commands of all drives, the inverse of :meth:`command`.
+
+        Args:
+            command: Readings or commands in :attr:`units`, (N, n).
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+
+        Returns:
+            Torques [N·m], (N, n).
+
+        Raises:
+            ExoidError: Shapes do not fit, or readings cannot be those of a drive.
+        """
+        return self._each(Part.torque, command, q, v)
+
+    def readings(self, recording: Recording) -> Recording:
+        """Compute what the drives would have measured, in place of the torques: the inverse of :meth:`torque`.
+
+        Args:
+            recording: Recording with the torques of all driven joints, such as one of the virtual rig.
+
+        Returns:
+            The recording with currents, forces, motor torques or motor angles, and without the torques of these joints.
+
+        Raises:
+            ExoidError: A torque is missing, or a drive cannot make it.
+        """
+        columns = self._columns(recording)
+        recording = recording.resampled()
+        parts = self._parts()
+        without = [joint for one in parts for joint in one.joints if joint not in columns]
+        without = without or [joint for one in parts for joint in one.joints if not recording.measured[columns[joint]]]
+        if without or recording.tau is None:
+            raise ExoidError(
+                f"no torque of {', '.join(without)} in the recording",
+                where=_source(recording),
+                remedy="give a recording with the torques of all joints that have a drive",
+            )
+        velocity, tau = self._velocity(recording, parts), recording.tau.copy()
+        given = {one.channel: getattr(recording, one.channel) for one in parts}
+        nothing = np.full(tau.shape, np.nan)
+        channels: dict[str, Any] = {
+            name: nothing.copy() if values is None else values.copy() for name, values in given.items()
+        }
+        for one in parts:
+            places = [columns[joint] for joint in one.joints]
+            with within(one.name):
+                torque = tau[:, places] / one.temperature_factor(recording, columns)
+                channels[one.channel][:, places] = one.command(torque, recording.q[:, places], velocity[:, places])
+            tau[:, places] = np.nan
+        return replace(recording, tau=tau, computed=(), **channels)
+
+    def _parts(self) -> list[Part]:
+        """Drives of one joint, and couplings, alike."""
+        singles = [Part(joint, (joint,), drive) for joint, drive in self.drives.items()]
+        return [*singles, *(Part(name, coupling.joints, coupling) for name, coupling in self.couplings.items())]
+
+    def _each(
+        self, work: Callable[[Part, FloatArray, FloatArray, FloatArray], FloatArray], *given: ArrayLike
+    ) -> FloatArray:
+        """Let each drive turn its columns of the first array into others."""
+        try:
+            arrays = [np.atleast_2d(np.asarray(x, dtype=np.float64)) for x in given]
+        except (TypeError, ValueError) as error:
+            raise ExoidError(f"not an array of numbers ({error})", remedy="pass (N, n) arrays") from None
+        if not all(np.isfinite(x).all() for x in arrays):
+            raise ExoidError("torques, commands or motion of drives are not finite", remedy="pass finite numbers")
+        if any(x.shape != arrays[0].shape or x.shape[-1] != len(self.joint_names) for x in arrays):
+            shapes = ", ".join(str(x.shape) for x in arrays)
+            raise ExoidError(f"arrays of shapes {shapes}", remedy=f"pass (N, {len(self.joint_names)}) each")
+        out = arrays[0].copy()
+        for one in self._parts():
+            places = [self.joint_names.index(joint) for joint in one.joints]
+            with within(one.name):
+                _refuse_temperature(one)
+                out[:, places] = work(one, *(x[:, places] for x in arrays))
+        return out
+
+    def _columns(self, recording: Recording) -> dict[str, int]:
+        """Column of each joint of the leg in a recording, which may name joints with or without their side."""
+        places = {name: k for k, name in enumerate(recording.joint_names)}
+        by_name = set(self.joint_names) <= set(places)
+        used = self.joint_names if by_name else self.joint_labels
+        return {joint: places[n] for joint, n in zip(self.joint_names, used, strict=True) if n in places}
+
+    def _velocity(self, recording: Recording, parts: Sequence[Part]) -> FloatArray:
+        """Velocity of the joints [rad/s], (N, n); zero if no drive needs it."""
+        if recording.v is not None or not any(one.drive.needs_velocity for one in parts):
+            return np.zeros_like(recording.q) if recording.v is None else recording.v
+        rate = recording.sample_rate
+        smooth = smooth_motion(recording.q, rate, min(DIRECTION_CUTOFF, DIRECTION_SHARE * rate))
+        return central_difference(smooth, rate, 4)
+
+
+def _source(recording: Recording) -> str:
+    return recording.source.name if recording.source else ""
+
+
+def _nothing_recorded(recording: Recording, parts: Sequence[Part], columns: Mapping[str, int]) -> ExoidError:
+    """Make the error about a recording that has neither torque nor what the drives need."""
+    needed = [
+        f"{PREFIXES[one.channel]}_{recording.joint_names[columns[joint]]}" for one in parts for joint in one.joints
+    ]
+    units = dict.fromkeys(f"{PREFIXES[one.channel]}_ in {one.drive.unit}" for one in parts)
+    others = [quantity for quantity in DRIVE_CHANNELS if getattr(recording, quantity) is not None]
+    has = f", but {' and '.join(others)}" if others else ""
+    return ExoidError(
+        f"the recording has no torque, and not what its drives turn into torque{has}",
+        where=_source(recording),
+        remedy=f"record {', '.join(needed)} ({', '.join(units)}), or map columns of the log to them",
+        command=f"record {', '.join(needed)} ({', '.join(units)}), or map them, e.g. --column {needed[0]}=HEADER",
+    )
+
+
+def _refuse_temperature(part: Part) -> None:
+    """Refuse a torque constant that depends on temperature where no temperature is known."""
+    if part.needs_temperature:
+        raise ExoidError(
+            "the torque constant of the motor depends on temperature, which is not known here",
+            remedy="take that of one temperature: motor.at_temperature(40.0)",
+        )
+
+
+def _checked(drives: object) -> Mapping[str, Drive | Coupling]:
+    """Check that drives are given by the names of joints."""
+    if not isinstance(drives, Mapping) or not drives:
+        raise ExoidError(f"actuators are {drives!r}", remedy='give a drive for each joint: {"left_hip": Motor(...)}')
+    for joint, drive in drives.items():
+        if not isinstance(joint, str) or not callable(getattr(drive, "on", None)):
+            raise ExoidError(
+                f"actuators have {drive!r} at {joint!r}",
+                remedy='give a drive for the name of each joint: {"left_hip": exoid.actuators.Motor(...)}',
+            )
+    return drives
+
+
+def _of_leg(drives: Mapping[str, Drive | Coupling], leg: Leg) -> dict[str, Drive | Coupling]:
+    """Leave out drives of joints that the URDF has and the leg does not move."""
+    others = {*leg.description.child_links} - {*leg.joint_names, *leg.joint_labels}
+    found = {
+        name: drive
+        for name, drive in drives.items()
+        if not (set(drive.joints) <= others if isinstance(drive, Coupling) else name in others)
+    }
+    if not found:
+        raise ExoidError(
+            f"drives of {', '.join(drives)}, and none of {', '.join(leg.joint_names)}",
+            remedy="describe the drives of the joints of the leg",
+        )
+    return found
+
+
+def _rebuilt(
+    names: tuple[str, ...], labels: tuple[str, ...], drives: dict[str, Drive], couplings: dict[str, Coupling]
+) -> Actuators:
+    return Actuators(names, labels, MappingProxyType(drives), MappingProxyType(couplings))

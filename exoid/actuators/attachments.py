@@ -1,0 +1,232 @@
+"""Attachment points of a linear actuator on two links: its length and its moment arm."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+
+from .drive import is_number
+
+FARTHEST = 3.0
+"""Largest coordinate of an attachment point [m]; larger ones are in mm."""
+
+SHORTEST = 1e-3
+"""Shortest length of an actuator, and smallest of its largest moment arms [m]."""
+
+TURNED = np.linspace(-math.pi, math.pi, 361)
+"""Angles at which the length is looked at [rad]."""
+
+
+class Attachment(NamedTuple):
+    """Point of a link.
+
+    Attributes:
+        link: Name of the link, or its label: "thigh" for "left_thigh".
+        point: Coordinates in the frame of the link in the URDF [m], (3,).
+    """
+
+    link: str
+    point: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Attachments:
+    """Two attachment points, on links that one joint separates.
+
+    Either may be above the joint. See :class:`MountedAttachments` for length and moment arm.
+
+    Attributes:
+        first: One attachment point: name of the link and coordinates [m].
+        second: The other.
+
+    Raises:
+        ExoidError: A point is not three coordinates in metres.
+
+    Example:
+        >>> leg = exoid.load_leg("cuhk")
+        >>> knee = Attachments(("thigh", (0.05, 0.0, -0.10)), ("shank", (0.05, 0.0, -0.06))).on(leg, "left_knee")
+        >>> print(f"{knee.length(np.array([0.5]))[0]:.3f} m, {knee.arm(np.array([0.5]))[0]:.3f} m")
+        0.395 m, 0.022 m
+    """
+
+    first: Attachment
+    second: Attachment
+
+    def __post_init__(self) -> None:
+        """Check names and coordinates."""
+        for name in ("first", "second"):
+            object.__setattr__(self, name, _attachment(getattr(self, name)))
+
+    def on(self, leg: Leg, joint: str) -> MountedAttachments:
+        """Find the geometry of both points around a joint.
+
+        Args:
+            leg: The leg.
+            joint: Name of the joint.
+
+        Returns:
+            Length and moment arm as functions of the joint's angle.
+
+        Raises:
+            ExoidError: A link does not exist, the joint is not the one between both links, or the points give no
+                moment arm.
+        """
+        model = leg.model
+        moving = model.getJointId(joint)
+        places = [_place(leg, attachment) for attachment in (self.first, self.second)]
+        joints = [frame.parentJoint for frame in places]
+        if sorted(joints) != [model.parents[moving], moving]:
+            between = _between(model, *joints)
+            named = ", ".join(str(model.names[k]) for k in between) or "no joint"
+            raise ExoidError(
+                f"{self.first.link} and {self.second.link} are separated by {named}, and the actuator is at {joint}",
+                remedy="attach it to the links above and below that one joint; an actuator across several joints is "
+                "none of exoid's",
+            )
+        points = [
+            frame.placement.act(np.array(attachment.point))
+            for frame, attachment in zip(places, (self.first, self.second), strict=True)
+        ]
+        above, below = points if joints[1] == moving else points[::-1]
+        above = model.jointPlacements[moving].actInv(above)
+        return MountedAttachments(self, *_squared_length(model, moving, above, below)).checked(joint)
+
+
+class MountedAttachments(NamedTuple):
+    """Length l(q) and moment arm r(q) = dl/dq between two points around one joint.
+
+    With a the point above the joint and b the one below, both in the joint's frame, and u the axis of a turning joint,
+    l² = |R(u, q) b − a|² = c₀ + c₁ cos q + c₂ sin q, where c₀ = |a|² + |b|² − 2 (a·u)(b·u),
+    c₁ = −2 (a·b − (a·u)(b·u)), c₂ = −2 a·(u × b), and r = (c₂ cos q − c₁ sin q) / 2l. For a sliding joint,
+    l² = c₀ + c₁ q + c₂ q² with c₂ = 1, and r = (c₁ + 2 c₂ q) / 2l.
+
+    Attributes:
+        attachments: Attachment points.
+        c0: Coefficient c₀ [m²].
+        c1: Coefficient c₁ [m²], or [m] for a sliding joint.
+        c2: Coefficient c₂ [m²], or 1 for a sliding joint.
+        turns: Whether the joint turns.
+    """
+
+    attachments: Attachments
+    c0: float
+    c1: float
+    c2: float
+    turns: bool
+
+    def length(self, q: FloatArray) -> FloatArray:
+        """Compute the length.
+
+        Args:
+            q: Joint angles [rad], (N,).
+
+        Returns:
+            Lengths l [m], (N,).
+        """
+        cos, sin = (np.cos(q), np.sin(q)) if self.turns else (q, q * q)
+        return np.asarray(np.sqrt(np.maximum(self.c0 + self.c1 * cos + self.c2 * sin, 0.0)))
+
+    def arm(self, q: FloatArray) -> FloatArray:
+        """Compute the moment arm r = dl/dq.
+
+        Args:
+            q: Joint angles [rad], (N,).
+
+        Returns:
+            Moment arms [m], (N,).
+        """
+        slope = self.c2 * np.cos(q) - self.c1 * np.sin(q) if self.turns else self.c1 + 2.0 * self.c2 * q
+        return np.asarray(0.5 * slope / np.maximum(self.length(q), SHORTEST))
+
+    def on(self, leg: Leg, joint: str) -> MountedAttachments:
+        """Mount the same points on another leg.
+
+        Args:
+            leg: The leg.
+            joint: Name of the joint.
+
+        Returns:
+            The geometry there.
+
+        Raises:
+            ExoidError: See :meth:`Attachments.on`.
+        """
+        return self.attachments.on(leg, joint)
+
+    def checked(self, joint: str) -> MountedAttachments:
+        """Refuse points of which the actuator has no length or no moment arm.
+
+        Args:
+            joint: Name of the joint.
+
+        Returns:
+            The same geometry.
+
+        Raises:
+            ExoidError: The points meet, or the moment arm is zero throughout.
+        """
+        if self.length(TURNED).min() < SHORTEST:
+            raise ExoidError(f"the attachment points at {joint} meet at some angle", remedy="check their coordinates")
+        if np.abs(self.arm(TURNED)).max() < SHORTEST:
+            raise ExoidError(
+                f"the attachment points give no moment arm about {joint}: one of them is on its axis",
+                remedy="check their coordinates, which are in the frames of the links",
+            )
+        return self
+
+
+def _attachment(given: object) -> Attachment:
+    """Make an attachment of a link's name and three coordinates."""
+    if isinstance(given, tuple | list) and len(given) == 2:
+        link, point = given
+        numbers = point.tolist() if isinstance(point, np.ndarray) else point
+        if isinstance(link, str) and isinstance(numbers, Sequence) and len(numbers) == 3:
+            if all(is_number(x) and abs(x) <= FARTHEST for x in numbers):
+                return Attachment(link, (float(numbers[0]), float(numbers[1]), float(numbers[2])))
+            raise ExoidError(
+                f"attachment point {list(numbers)} on {link}",
+                remedy=f"give x, y, z in m in the frame of the link, each at most {FARTHEST:g} m",
+            )
+    raise ExoidError(f"an attachment is {given!r}", remedy='give link and point [m]: ("thigh", (0.05, 0.0, -0.1))')
+
+
+def _place(leg: Leg, attachment: Attachment) -> pin.Frame:
+    """Frame of the link of an attachment, which may be named without its side."""
+    bodies = [frame for frame in leg.model.frames if frame.type == pin.FrameType.BODY]
+    names = [frame.name for frame in bodies]
+    sides = dict(zip(leg.link_labels, leg.link_names, strict=True))
+    name = attachment.link if attachment.link in names else sides.get(attachment.link, attachment.link)
+    if name not in names:
+        raise ExoidError(f"no link {attachment.link!r} for an attachment point", remedy=f"links are {', '.join(names)}")
+    return bodies[names.index(name)]
+
+
+def _between(model: pin.Model, one: int, other: int) -> list[int]:
+    """Joints between two links that hang on joints, outwards."""
+    above, below = set(model.supports[one]), set(model.supports[other])
+    return sorted(above ^ below)
+
+
+def _squared_length(
+    model: pin.Model, joint: int, above: FloatArray, below: FloatArray
+) -> tuple[float, float, float, bool]:
+    """Coefficients of l², and whether the joint turns."""
+    data = model.joints[joint].createData()
+    model.joints[joint].calc(data, pin.neutral(model), np.zeros(model.nv))
+    motion = np.asarray(data.S).ravel()
+    slide, turn = motion[:3], motion[3:]
+    if turn.any():
+        along = float(above @ turn) * float(below @ turn)
+        c0 = float(above @ above + below @ below) - 2.0 * along
+        return c0, -2.0 * (float(above @ below) - along), -2.0 * float(above @ np.cross(turn, below)), True
+    apart = below - above
+    return float(apart @ apart), 2.0 * float(apart @ slide), 1.0, False

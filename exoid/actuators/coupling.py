@@ -1,0 +1,179 @@
+"""Coupling: motors that a differential, a belt or a parallel mechanism connects to several joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+
+from .drive import is_number
+from .motor import Motor
+
+SINGULAR = 1e-9
+"""A matrix whose smallest singular value is below this part of the largest cannot be inverted."""
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """As many motors as joints, coupled by a constant matrix: q = A θ_m, and so τ_m = Aᵀ τ.
+
+    By virtual work τ_mᵀ θ̇_m = τᵀ q̇. Motor k is logged in the column of joint k: its torque as ``tm_<joint k>``, or its
+    current as ``i_<joint k>`` if ``motors`` describes the motors. Ratios of gears belong into A, or into the motors,
+    once.
+
+    Friction and rotors of the motors act on several joints, as the terms of :func:`exoid.actuators.motor_terms`.
+    ``identify`` adds them where the caller gives no terms.
+
+    Attributes:
+        joints: Names of the joints, (k,).
+        matrix: A, with a row for each joint and a column for each motor, (k, k).
+        motors: Motors whose currents are logged; empty if their torques are.
+
+    Raises:
+        ExoidError: The matrix is not square, singular or not finite, there are other numbers of motors, or one of them
+            depends on temperature.
+
+    Example:
+        >>> wrist = Coupling(("roll", "pitch"), ((0.5, 0.5), (0.5, -0.5)))  # a differential
+        >>> wrist.torque(np.array([[3.0, 1.0]]), np.zeros((1, 2)), np.zeros((1, 2)))
+        array([[4., 2.]])
+    """
+
+    joints: tuple[str, ...]
+    matrix: tuple[tuple[float, ...], ...]
+    motors: tuple[Motor, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check joints, matrix and motors."""
+        if isinstance(self.joints, str) or not all(isinstance(name, str) for name in self.joints):
+            raise ExoidError(f"joints of a coupling are {self.joints!r}", remedy='name each: ("roll", "pitch")')
+        joints, matrix = tuple(self.joints), _rows(self.matrix)
+        count = len(joints)
+        if count < 2 or len(set(joints)) != count:
+            raise ExoidError(f"a coupling of {', '.join(joints) or 'no joint'}", remedy="name two or more joints, once")
+        if len(matrix) != count or any(len(row) != count for row in matrix):
+            raise ExoidError(
+                f"the matrix of a coupling of {count} joints has {len(matrix)} rows of "
+                f"{', '.join(str(len(row)) for row in matrix) or 'nothing'}",
+                remedy="give a row for each joint and a column for each motor: q = A θ_m",
+            )
+        sizes = np.linalg.svd(np.array(matrix), compute_uv=False)
+        if not sizes[-1] > SINGULAR * sizes[0]:
+            raise ExoidError(
+                f"the matrix of the coupling of {', '.join(joints)} is singular",
+                remedy="motors must move the joints independently: check its rows",
+            )
+        motors = tuple(self.motors)
+        if len(motors) not in (0, count) or not all(isinstance(motor, Motor) for motor in motors):
+            raise ExoidError(f"{len(motors)} motors of a coupling of {count} joints", remedy="describe each, or none")
+        if any(motor.temperature_coefficient is not None for motor in motors):
+            raise ExoidError(
+                "a motor of a coupling has a temperature_coefficient",
+                remedy="take the torque constant of one temperature: motor.at_temperature(40.0)",
+            )
+        for name, value in (("joints", joints), ("matrix", matrix), ("motors", motors)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def channel(self) -> str:
+        """Quantity of a recording that it turns into torque: "current", or "motor_torque" without motors."""
+        return "current" if self.motors else "motor_torque"
+
+    @property
+    def unit(self) -> str:
+        """Unit of its readings and commands."""
+        return "A" if self.motors else "N·m"
+
+    @property
+    def needs_velocity(self) -> bool:
+        """Whether torque depends on the direction of motion."""
+        return any(motor.needs_velocity for motor in self.motors)
+
+    @cached_property
+    def inverse(self) -> FloatArray:
+        """A⁻¹, with a row for each motor: θ_m = A⁻¹ q, (k, k)."""
+        return np.linalg.inv(np.array(self.matrix))
+
+    @property
+    def ratio(self) -> float:
+        """Speed of the motors over that of the joints: root mean square of the lengths of the rows of A⁻¹."""
+        return float(np.sqrt(np.mean((self.inverse**2).sum(axis=1))))
+
+    def on(self, leg: Leg) -> Coupling:
+        """Mount the coupling on a leg.
+
+        Args:
+            leg: The leg.
+
+        Returns:
+            The coupling with the names of the leg's joints.
+
+        Raises:
+            ExoidError: A joint is not the leg's.
+        """
+        names = {**dict(zip(leg.joint_labels, leg.joint_names, strict=True)), **{n: n for n in leg.joint_names}}
+        missing = [name for name in self.joints if name not in names]
+        if missing:
+            raise ExoidError(
+                f"a coupling of {', '.join(missing)}, which the leg does not have",
+                remedy=f"its joints are {', '.join(leg.joint_names)}",
+            )
+        return replace(self, joints=tuple(names[name] for name in self.joints))
+
+    def torque(self, reading: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Compute the torques at the joints, τ = A⁻ᵀ τ_m.
+
+        Args:
+            reading: Torques [N·m] or currents [A] of the motors, (N, k).
+            q: Joint angles [rad], (N, k).
+            v: Joint velocities [rad/s], (N, k).
+
+        Returns:
+            Torques [N·m], (N, k).
+
+        Raises:
+            ExoidError: A motor refuses its currents.
+        """
+        if self.motors:
+            angle, speed = q @ self.inverse.T, v @ self.inverse.T
+            each = [motor.torque(reading[:, k], angle[:, k], speed[:, k]) for k, motor in enumerate(self.motors)]
+            reading = np.column_stack(each)
+        return np.asarray(reading @ self.inverse)
+
+    def command(self, torque: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Compute the commands of the motors, τ_m = Aᵀ τ, as torques or as currents.
+
+        Args:
+            torque: Requested torques [N·m], (N, k).
+            q: Joint angles [rad], (N, k).
+            v: Joint velocities [rad/s], (N, k).
+
+        Returns:
+            Motor torques [N·m] or currents [A], (N, k).
+
+        Raises:
+            ExoidError: The torque constant of a motor is not known.
+        """
+        of_motors = torque @ np.array(self.matrix)
+        if not self.motors:
+            return np.asarray(of_motors)
+        angle, speed = q @ self.inverse.T, v @ self.inverse.T
+        each = [motor.command(of_motors[:, k], angle[:, k], speed[:, k]) for k, motor in enumerate(self.motors)]
+        return np.column_stack(each)
+
+
+def _rows(matrix: Sequence[Sequence[float]]) -> tuple[tuple[float, ...], ...]:
+    """Make numbers of the rows of a matrix."""
+    try:
+        rows = [list(row) for row in np.asarray(matrix).tolist()]
+    except (TypeError, ValueError):
+        raise ExoidError(f"the matrix of a coupling is {matrix!r}", remedy="give rows of numbers") from None
+    if not all(is_number(value) for row in rows for value in row):
+        raise ExoidError("the matrix of a coupling has entries that are no finite numbers", remedy="give numbers")
+    return tuple(tuple(float(value) for value in row) for row in rows)

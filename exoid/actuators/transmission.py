@@ -1,0 +1,96 @@
+"""Gear ratios of ``<transmission>`` in a URDF."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from lxml import etree
+
+from exoid.description import Description
+from exoid.errors import ExoidError
+
+from .motor import Motor
+
+
+class Transmission(NamedTuple):
+    """Gear between one motor and one joint, as a URDF describes it.
+
+    Attributes:
+        joint: Name of the joint.
+        ratio: Motor angle per joint angle, ``<mechanicalReduction>``; None where it is not written.
+        efficiency: Efficiency of the gear, ``<efficiency>``; None where it is not written.
+    """
+
+    joint: str
+    ratio: float | None = None
+    efficiency: float | None = None
+
+    def motor(self, torque_constant: float | None) -> Motor:
+        """Make the motor of the transmission.
+
+        Args:
+            torque_constant: Torque constant [N·m/A]; None if it is not known.
+
+        Returns:
+            The motor, with ratio and efficiency of the URDF.
+
+        Raises:
+            ExoidError: A number is impossible.
+        """
+        ratio = 1.0 if self.ratio is None else self.ratio
+        return Motor(torque_constant, ratio=ratio, efficiency=1.0 if self.efficiency is None else self.efficiency)
+
+
+def read_transmissions(description: Description) -> dict[str, Transmission]:
+    """Read the transmissions of one joint in a URDF; those of several joints, such as differentials, are left out.
+
+    Args:
+        description: The URDF.
+
+    Returns:
+        Transmission of each joint that has one, by its name.
+
+    Raises:
+        ExoidError: A transmission has a joint that the URDF lacks, a joint has two transmissions, or there is no
+            number where one belongs; names the transmission.
+
+    Example:
+        >>> read_transmissions(exoid.load_leg("cuhk").description)
+        {}
+    """
+    root = description.parse()
+    found: dict[str, Transmission] = {}
+    for each in _simple(root, description):
+        if each.joint in found:
+            raise ExoidError(
+                f"two transmissions of joint {each.joint!r}", where=description.name, remedy="describe it once"
+            )
+        found[each.joint] = each
+    return found
+
+
+def _simple(root: etree._Element, description: Description) -> Iterator[Transmission]:
+    """Transmissions of one joint."""
+    for element in root.iterchildren("transmission"):
+        name = element.get("name", "")
+        where = f"{description.name}, transmission {name!r}"
+        joints = [str(child.get("name", "")) for child in element.iterchildren("joint")]
+        if len(joints) != 1:
+            continue
+        if joints[0] not in description.child_links:
+            raise ExoidError(f"no joint {joints[0]!r}", where=where, remedy="name a joint of the URDF")
+        ratio, efficiency = (_number(element, tag, where) for tag in ("mechanicalReduction", "efficiency"))
+        yield Transmission(joints[0], ratio, efficiency)
+
+
+def _number(element: etree._Element, tag: str, where: str) -> float | None:
+    """Number of the only element of a name; None where there is none."""
+    texts = [str(child.text or "") for child in element.iter(tag)]
+    if not texts:
+        return None
+    try:
+        (text,) = set(texts)  # older files repeat it at joint and actuator
+        return float(text)
+    except ValueError:
+        raise ExoidError(f"{tag} is {', '.join(texts)}", where=where, remedy="write one number") from None

@@ -1,0 +1,145 @@
+"""R factors of the rows of each joint with the torques of all joints, which fits of other readings of a log share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.regression.rows import form_rows, prepare
+from exoid.signals import Poses, Recording
+from exoid.torques import TorqueModel
+
+from .evidence import r_factor
+from .sample import Checked
+
+ROUNDS = 3
+"""Weights of the joints and residuals are computed in turn so often."""
+
+TINY = 1e-12
+
+
+class TorqueFit(NamedTuple):
+    """Fit of a reading of a log.
+
+    Attributes:
+        misfit: Mean logarithm of residual over torque of the joints.
+        shares: Shares of each other's torque in two joints whose torques are mixed; empty where none are.
+    """
+
+    misfit: float
+    shares: tuple[float, ...] = ()
+
+
+class TorqueFactors(NamedTuple):
+    """R factors of the rows of each joint with the torques of all joints, [W τ₁ … τₙ].
+
+    Attributes:
+        of_joints: R factor of each joint, (M, P + n).
+    """
+
+    of_joints: list[FloatArray]
+
+    @classmethod
+    def of(cls, checked: Checked, data: Iterable[Recording | Poses]) -> TorqueFactors:
+        """Form the rows of recordings.
+
+        Args:
+            checked: Torque model and preparation.
+            data: Recordings and poses.
+
+        Returns:
+            The R factors.
+        """
+        model = checked.model
+        joints = len(model.joint_names)
+        tables: list[list[FloatArray]] = [[] for _ in range(joints)]
+        for one in data:
+            prepared = prepare(model, one, checked.preparation)
+            prepared = prepared._replace(reversals=None)  # torques may be another joint's, with other reversals
+            for stretch in prepared.stretches():
+                rows = form_rows(model, prepared, stretch)
+                for j in range(joints):
+                    tables[j].append(np.column_stack([rows.W[:, j], rows.tau])[rows.usable[:, j]])
+        stacked = [np.vstack(of_joint) for of_joint in tables]
+        return cls([r_factor(of_joint) for of_joint in stacked])
+
+    @property
+    def driven(self) -> list[bool]:
+        """Joints with a torque other than zero: not those that are passive, or whose torque was not measured."""
+        joints = len(self.of_joints)
+        return [bool(R[:, R.shape[1] - joints + j].any()) for j, R in enumerate(self.of_joints)]
+
+    def fit(
+        self,
+        checked: Checked,
+        order: Sequence[int] = (),
+        factors: Sequence[float] = (),
+        mixed: tuple[int, int] | None = None,
+    ) -> TorqueFit:
+        """Fit the torques, read otherwise.
+
+        Args:
+            checked: Torque model, and which parameters are known.
+            order: Index of the logged torque of each joint, (n,); empty for its own.
+            factors: Factor of each logged torque, (n,); empty for 1.
+            mixed: Two joints each of which has an unknown share of the other's logged torque; None for none.
+
+        Returns:
+            The fit.
+        """
+        model, fixed = checked.model, checked.fixed
+        order, factors = order or range(len(self.of_joints)), factors or (1.0,) * len(self.of_joints)
+        count, free = len(model.names), ~np.isfinite(checked.fixed)
+        known = np.where(free, 0.0, fixed)
+        rows = []
+        each = zip(self.of_joints, order, factors, self.driven, strict=True)
+        for joint, (R, source, factor, is_driven) in enumerate(each):
+            if not is_driven:
+                continue
+            W = R[:, :count][:, free]
+            if mixed is not None:
+                W = np.column_stack([W, *(-R[:, count + k] * (j == joint) for j, k in (mixed, mixed[::-1]))])
+            rows.append((W, factor * R[:, count + source] - R[:, :count] @ known))
+        level = np.maximum(np.array([np.linalg.norm(t) for _, t in rows]), TINY)
+        lower = np.where(never_negative(model)[free], 0.0, -np.inf)
+        lower = lower if mixed is None else np.append(lower, (-np.inf, -np.inf))
+        weights = 1.0 / level
+        for _ in range(ROUNDS):
+            A = np.vstack([w * W for w, (W, _) in zip(weights, rows, strict=True)])
+            b = np.concatenate([w * t for w, (_, t) in zip(weights, rows, strict=True)])
+            x = _bounded(A, b, lower)
+            left = np.array([np.linalg.norm(t - W @ x) for W, t in rows])
+            weights = 1.0 / np.maximum(left, 1e-6 * level)
+        misfit = float(np.mean(np.log(np.maximum(left, 1e-6 * level) / level)))
+        return TorqueFit(misfit, () if mixed is None else (float(x[-2]), float(x[-1])))
+
+
+def _bounded(A: FloatArray, b: FloatArray, lower: FloatArray) -> FloatArray:
+    """Least squares with some values not below zero, columns scaled to unit length."""
+    scale = np.linalg.norm(A, axis=0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    x, *_ = np.linalg.lstsq(A / scale, b, rcond=1e-9)
+    if (x < lower).any():
+        R = r_factor(np.column_stack([A / scale, b]))
+        x = scipy.optimize.lsq_linear(R[:, :-1], R[:, -1], (lower, np.inf), method="bvls", tol=1e-8).x
+    return np.asarray(x / scale)
+
+
+def never_negative(model: TorqueModel) -> NDArray[np.bool_]:
+    """Find the parameters that cannot be negative: friction, rotor inertia and J of planar segments.
+
+    Args:
+        model: Torque model.
+
+    Returns:
+        Mask, (P,).
+    """
+    planar = model.leg.chain is not None
+    rigid = set(model.leg.parameter_names) if planar else set()
+    inertia = [name in rigid and name[0] == "J" for name in model.names]
+    return np.asarray(model.nonnegative | np.array(inertia))

@@ -1,0 +1,120 @@
+"""Commands of drives as expressions in C: from torques at the joints to currents, forces or motor angles."""
+
+from __future__ import annotations
+
+from exoid.actuators import Actuators, Coupling, Drive, LinearActuator, Motor, MountedAttachments, SeriesElastic
+from exoid.actuators.attachments import SHORTEST
+from exoid.actuators.motor import SLOW
+from exoid.errors import ExoidError
+
+from .dialect import Dialect
+
+
+def commands_in_c(actuators: Actuators, dialect: Dialect) -> list[str]:
+    """Write the command of each joint as an expression in q[j], v[j] and tau[j].
+
+    Args:
+        actuators: Drives of the joints.
+        dialect: Precision.
+
+    Returns:
+        Expressions, n of them: the torque itself at joints without a drive.
+
+    Raises:
+        ExoidError: A drive has no form in C, a torque constant is not known or depends on temperature, or a number
+            cannot be written.
+    """
+    names = actuators.joint_names
+    commands = [f"tau[{joint}]" for joint in range(len(names))]
+    for name, drive in actuators.drives.items():
+        joint = names.index(name)
+        commands[joint] = _command(drive, f"tau[{joint}]", f"q[{joint}]", f"v[{joint}]", dialect)
+    for coupling in actuators.couplings.values():
+        places = [names.index(name) for name in coupling.joints]
+        for k, place in enumerate(places):
+            torque = _sum([(row[k], f"tau[{j}]") for row, j in zip(coupling.matrix, places, strict=True)], dialect)
+            commands[place] = _of_motor(coupling, k, torque, places, dialect)
+    return commands
+
+
+def with_form_in_c(actuators: Actuators | None) -> tuple[Actuators | None, tuple[str, ...]]:
+    """Leave out drives without a form in C.
+
+    Args:
+        actuators: Drives; None for none.
+
+    Returns:
+        The drives, or None with a warning that says why.
+    """
+    if actuators is None:
+        return None, ()
+    try:
+        commands_in_c(actuators, Dialect())
+    except ExoidError as error:
+        return None, (f"no function for commands of the drives: {error.what}",)
+    return actuators, ()
+
+
+def _of_motor(coupling: Coupling, k: int, torque: str, places: list[int], dialect: Dialect) -> str:
+    """Command of one motor of a coupling."""
+    if not coupling.motors:
+        return torque
+    speed = _sum([(x, f"v[{j}]") for x, j in zip(coupling.inverse[k].tolist(), places, strict=True)], dialect)
+    return _command(coupling.motors[k], f"({torque})", "0", f"({speed})", dialect)
+
+
+def _sum(parts: list[tuple[float, str]], dialect: Dialect) -> str:
+    return " + ".join(f"{dialect.number(share)} * {name}" for share, name in parts)
+
+
+def _command(drive: Drive, tau: str, q: str, v: str, dialect: Dialect) -> str:
+    number = dialect.number
+    if isinstance(drive, Motor):
+        if drive.torque_constant is None:
+            raise ExoidError("the torque constant of a motor is not known", remedy="give torque_constant in N·m/A")
+        if drive.temperature_coefficient is not None:
+            raise ExoidError(
+                "the torque constant of a motor depends on temperature, which C does not know",
+                remedy="take that of one temperature: motor.at_temperature(40.0)",
+            )
+        current = f"{tau} / {number(drive.ratio * drive.torque_constant)}"
+        if drive.needs_velocity:
+            driving, driven = drive.gear_factors
+            mean, half = number(0.5 * (driving + driven)), number(0.5 * (driving - driven))
+            zero, one = number(0.0), number(1.0)
+            sign = f"({tau} > {zero} ? {one} : {tau} < {zero} ? -{one} : {zero})"
+            current += f" / ({mean} + {half} * {dialect.function('tanh')}({sign} * {v} / {number(SLOW)}))"
+        return _limited(current, drive.max_current, dialect)
+    if isinstance(drive, SeriesElastic):
+        return f"{number(drive.ratio)} * ({q} + {tau} / {number(drive.stiffness)})"
+    if isinstance(drive, LinearActuator) and isinstance(drive.moment_arm, MountedAttachments):
+        gain = "" if drive.known_gain == 1.0 else f"{number(drive.known_gain)} * "
+        return _limited(f"{tau} / ({gain}{_arm(drive.moment_arm, q, dialect)})", drive.max_force, dialect)
+    raise ExoidError(
+        f"{type(drive).__name__} with a table of moment arms has no form in C"
+        if isinstance(drive, LinearActuator)
+        else f"{type(drive).__name__} has no form in C",
+        remedy="describe the actuator by its attachment points, or turn torques into commands in your own code",
+    )
+
+
+def _arm(arm: MountedAttachments, q: str, dialect: Dialect) -> str:
+    """Moment arm, at least a millimetre."""
+    c0, c1, c2 = (dialect.number(value) for value in (arm.c0, arm.c1, arm.c2))
+    root, cos, sin = (dialect.function(name) for name in ("sqrt", "cos", "sin"))
+    if arm.turns:
+        slope = f"{c2} * {cos}({q}) - {c1} * {sin}({q})"
+        square = f"{c0} + {c1} * {cos}({q}) + {c2} * {sin}({q})"
+    else:
+        slope, square = f"{c1} + {dialect.number(2.0)} * {c2} * {q}", f"{c0} + ({c1} + {c2} * {q}) * {q}"
+    exact = f"{dialect.number(0.5)} * ({slope}) / {root}({square})"
+    largest, fabs = dialect.function("fmax"), dialect.function("fabs")
+    return f"{dialect.function('copysign')}({largest}({fabs}({exact}), {dialect.number(SHORTEST)}), {exact})"
+
+
+def _limited(command: str, limit: float | None, dialect: Dialect) -> str:
+    """Limit a command to both sides."""
+    if limit is None:
+        return command
+    low, high = dialect.function("fmin"), dialect.function("fmax")
+    return f"{high}(-{dialect.number(limit)}, {low}({dialect.number(limit)}, {command}))"

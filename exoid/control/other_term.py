@@ -1,0 +1,78 @@
+"""Terms of a controller's model that have no closed form there."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.torques import Term
+from exoid.torques.term import LoadedMotion, TermBlock, random_motion
+
+SLIDING = 0.02
+"""Velocity over which a contact with memory changes its sign in a controller [rad/s]."""
+
+
+class OtherTerm(NamedTuple):
+    """A term at one joint, or at the joints that it couples, for which this package has no closed form.
+
+    Attributes:
+        term: The term.
+        joints: Indices of its joints, m of them.
+        values: Values of the term's parameters.
+        inertial: Whether its torque depends on accelerations.
+    """
+
+    term: Term
+    joints: tuple[int, ...]
+    values: FloatArray
+    inertial: bool = False
+
+    @classmethod
+    def of(cls, term: Term, joints: tuple[int, ...], values: FloatArray, n: int) -> OtherTerm:
+        """Make it, and find out whether it depends on accelerations.
+
+        Args:
+            term: The term.
+            joints: Indices of its joints.
+            values: Values of its parameters.
+            n: Number of joints of the leg.
+
+        Returns:
+            The term.
+
+        Raises:
+            ExoidError: The term depends on temperature.
+        """
+        if term.needs_temperature:
+            raise ExoidError(
+                f"{type(term).__name__} ({', '.join(term.symbols)}) depends on temperature, which a "
+                "controller does not measure",
+                remedy="identify without it from recordings at the temperature of use",
+            )
+        other = cls(term, joints, values)
+        q, v, a = random_motion(10, n).transpose(0, 2, 1)
+        load = np.zeros_like(q)
+        return other._replace(inertial=not np.array_equal(other.torque(q, v, a, load), other.torque(q, v, load, load)))
+
+    def torque(self, q: FloatArray, v: FloatArray, a: FloatArray, load: FloatArray) -> FloatArray:
+        """Compute the torque of the term.
+
+        The distance since the last reversal is unknown, so presliding contacts count as sliding.
+
+        Args:
+            q: Angles of all joints of the leg [rad], (n, N).
+            v: Velocities [rad/s], (n, N).
+            a: Accelerations [rad/s²], (n, N).
+            load: Gravity torques [N·m], (n, N).
+
+        Returns:
+            Torques at the joints of the term [N·m], (m, N).
+        """
+        state = self.term.internal_state
+        states = {} if state is None else {(self.joints[0], state): np.tanh(v[self.joints[0]] / SLIDING)}
+        motion = LoadedMotion(q, v, a, load, np.zeros_like(load), states)
+        columns = TermBlock(self.term, self.joints, self.term.symbols).columns(motion)
+        return np.asarray(np.tensordot(self.values, columns, axes=1))

@@ -1,0 +1,265 @@
+"""Unknown constants of drives, such as torque constants, found beside the parameters of the leg."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.actuators import Actuators
+from exoid.actuators.constants import DriveConstant, recompute, unknown_constants, with_constants
+from exoid.errors import ExoidError
+from exoid.estimate.nonlinear import NonlinearParameters
+from exoid.payload import Payload
+from exoid.regression.fit import Fit
+from exoid.regression.parameters import PriorKnowledge
+from exoid.signals import Cluster, Recording, Recordings
+
+from .drive_model import about
+from .estimators import fit_by
+from .fitting import Fitted, Task
+from .group_rows import Data
+from .problem import Problem
+from .recording_summary import RecordingSummary
+
+ROUNDS = 30
+"""Linearisations at most."""
+
+STRIDE = 5.0
+"""In one of them a constant changes by this factor at most."""
+
+STILL = 0.02
+"""The search has converged when no constant moves by more than this part of its standard deviation,"""
+
+ROUNDING = 1e-7
+"""and this part of itself, where there is no noise."""
+
+UNDETERMINED = 0.3
+"""A constant whose standard deviation is larger than this part of it is refused."""
+
+BACKWARDS = 3
+"""So often in a row the sign of a constant must be wrong to be refused."""
+
+ADVICE = (
+    "record the motion once more with a weighed payload on the last segment, Recording(payloads=...), record the "
+    "torque of a joint by a sensor, or say what is known in N·m (known=, torque_constant of a motor)"
+)
+COMMAND = (
+    "record the motion once more with a weighed payload on the last segment, --payload LOG=SEGMENT:KG@X,Y,Z, record "
+    "the torque of a joint by a sensor, or say what is known in N·m (--known, torque_constant of a motor)"
+)
+
+
+class _Point(NamedTuple):
+    """Where the equations are linearised: parameters β (P,), and the constants by name."""
+
+    values: FloatArray
+    constants: dict[str, float]
+
+
+def search_constants(task: Task, actuators: Actuators) -> Fitted:
+    """Find unknown constants of drives beside the parameters of a leg.
+
+    Each round solves τ(i, κ₀) − τ_payload = W β − s δ, see :class:`exoid.identification.drive_model.DriveModel`, and
+    goes on from κ = κ₀ / (1 − δ / κ₀). For one joint this is exact from any κ₀, as the equation is linear in 1 / κ.
+
+    Args:
+        task: Task with one group, whose recordings have torques of the constants' start values.
+        actuators: Drives, constants of which are not known.
+
+    Returns:
+        The fit; constants are nonlinear parameters.
+
+    Raises:
+        ExoidError: Constants are not determined by the recordings, or readings have the wrong sign: names them.
+    """
+    (group,), (model,) = task.groups, task.models
+    constants = unknown_constants(actuators)
+    names = tuple(each.name for each in constants)
+    first = Problem.of(task.groups, task.models, task.own, task.prior_knowledge, task.keep)
+    first.refuse_empty_joints()
+    start = {each.name: each.constant.start for each in constants}
+    point, held, backwards = _Point(fit_by(task.estimator, first).solution.values, start), dict[str, str](), 0
+    for _ in range(ROUNDS):
+        free = tuple(each for each in constants if each.name not in held)
+        found = with_constants(actuators, point.constants)
+        groups = (group._replace(data=_recomputed(group.data, found)),)
+        models = (about(model, point.values, found, free),)
+        problem = Problem.of(groups, models, task.own, task.prior_knowledge, task.keep)
+        fit = _fit(task, problem, names)
+        step = _Step.of(fit, point, free)
+        if step.is_small and not step.at_bounds:
+            break
+        backwards = backwards + 1 if step.backwards else 0
+        if backwards == BACKWARDS:
+            raise _wrong_sign(step.backwards)
+        if step.is_small:
+            held.update(step.at_bounds)
+        point = step.take()
+    _refuse_undetermined(step)
+    settled = step.is_small and not step.at_bounds
+    unsettled = () if settled else (f"{', '.join(names)} have not settled in {ROUNDS} rounds",)
+    nonlinear = NonlinearParameters(
+        names,
+        tuple(each.constant.unit for each in constants),
+        np.array([point.constants[name] for name in names]),
+        np.zeros((len(names),) * 2),
+        tuple(held),
+    )
+    values = fit.solution.values[: len(point.values)]
+    return Fitted((model,), values, nonlinear, problem, fit, (*fit.warnings, *held.values(), *unsettled))
+
+
+def with_found(actuators: Actuators, fitted: Fitted) -> Actuators:
+    """Give drives the constants that were found.
+
+    Args:
+        actuators: Drives, constants of which were not known.
+        fitted: The fit.
+
+    Returns:
+        The drives with all constants.
+    """
+    found = fitted.nonlinear
+    return with_constants(actuators, dict(zip(found.names, found.values.tolist(), strict=True)))
+
+
+def refuse_unknown_scale(
+    actuators: Actuators, summaries: Sequence[RecordingSummary], knowledge: PriorKnowledge
+) -> None:
+    """Refuse recordings without a drive's readings, or in which nothing is known in N·m.
+
+    In the latter, a larger constant only makes the leg heavier.
+
+    Known are a payload that has a mass, a torque that was measured or computed with a known torque constant, and a
+    parameter that is known or has a prior, unless its value is zero.
+
+    Args:
+        actuators: Drives, constants of which are not known.
+        summaries: Summaries of the recordings.
+        knowledge: Known parameters and priors.
+
+    Raises:
+        ExoidError: Names the constants, and what to record.
+    """
+    constants = unknown_constants(actuators)
+    scales = [each for each in constants if each.constant.is_scale]
+    free = np.isin(np.arange(len(actuators.joint_names)), [each.joint for each in scales])
+    torques = [one.torques for one in summaries if one.torques is not None]
+    unused = [each for each in constants if not any(of_one.computed[each.joint] for of_one in torques)]
+    if unused:
+        joints = ", ".join(dict.fromkeys(actuators.joint_names[each.joint] for each in unused))
+        raise ExoidError(
+            f"{', '.join(each.name for each in unused)}: no torque of {joints} is computed from its drive, as it was "
+            "measured in all recordings, or the drive in none",
+            remedy="give the drive its constants, leave it out, or read some recordings without that torque "
+            "(unmeasured=)",
+            command="give the drive its constants, leave it out, or read the logs without that torque (--unmeasured)",
+        )
+    measured = any((of_one.measured & ~of_one.passive & ~(of_one.computed & free)).any() for of_one in torques)
+    weighed = any(Payload.from_text(text).mass > 0.0 for one in summaries for text in one.evidence.payloads)
+    values = [*knowledge.known.values(), *(value for value, _ in knowledge.prior.values.values())]
+    if not (measured or weighed or any(values)):
+        raise ExoidError(
+            f"nothing is known in N·m, so that {', '.join(each.name for each in scales)} cannot be found: a leg twice "
+            "as heavy with motors twice as strong has the same currents",
+            remedy=ADVICE,
+            command=COMMAND,
+        )
+
+
+class _Step(NamedTuple):
+    """Solution of a round: where it was linearised, parameters β (P,), changes δ of constants and their errors (K,)."""
+
+    point: _Point
+    constants: tuple[DriveConstant, ...]
+    values: FloatArray
+    moved: FloatArray
+    std: FloatArray
+
+    @classmethod
+    def of(cls, fit: Fit, point: _Point, constants: tuple[DriveConstant, ...]) -> _Step:
+        """Take a solution apart."""
+        count, std = len(point.values), np.sqrt(np.diag(fit.solution.covariance))
+        return cls(point, constants, fit.solution.values[:count], fit.solution.values[count:], std[count:])
+
+    @property
+    def sizes(self) -> FloatArray:
+        """Constants at which the equations were linearised, (K,)."""
+        return np.array([self.point.constants[each.name] for each in self.constants])
+
+    @property
+    def is_small(self) -> bool:
+        """Whether constants have settled; one at a bound may want to go beyond."""
+        still = np.abs(self.moved) <= STILL * self.std + ROUNDING * self.sizes
+        pairs = zip(self.constants, still, strict=True)
+        return all(is_still or each.name in self.at_bounds for each, is_still in pairs)
+
+    @property
+    def at_bounds(self) -> dict[str, str]:
+        """Constants at a bound that would go beyond it, and what to say of them."""
+        found = {}
+        for each, size, moved in zip(self.constants, self.sizes.tolist(), self.moved.tolist(), strict=True):
+            beyond = {"lower": size <= each.constant.lower and moved < 0.0}
+            beyond["upper"] = size >= each.constant.upper and moved > 0.0
+            for side, is_beyond in beyond.items():
+                if is_beyond:
+                    where = f"{size:g} {each.constant.unit}".removesuffix(" 1")
+                    found[each.name] = f"{each.name} is at its {side} bound, {where}, and held there"
+        return found
+
+    @property
+    def backwards(self) -> tuple[str, ...]:
+        """Constants whose sign would change."""
+        pairs = zip(self.constants, 1.0 - self.moved / self.sizes, strict=True)
+        return tuple(each.name for each, inverse in pairs if inverse <= 0.0)
+
+    def take(self) -> _Point:
+        """Go on to constants within their bounds."""
+        found = dict(self.point.constants)
+        ratios = 1.0 / np.clip(1.0 - self.moved / self.sizes, 1.0 / STRIDE, STRIDE)
+        for each, ratio in zip(self.constants, ratios.tolist(), strict=True):
+            found[each.name] = min(max(found[each.name] * ratio, each.constant.lower), each.constant.upper)
+        scales = [ratio for each, ratio in zip(self.constants, ratios, strict=True) if each.constant.is_scale]
+        scale = float(np.exp(np.mean(np.log(scales)))) if scales else 1.0
+        return _Point(self.point.values + scale * (self.values - self.point.values), found)
+
+
+def _recomputed(data: Data, actuators: Actuators) -> Data:
+    """Compute torques with other constants; recordings on disk stay there."""
+    if isinstance(data, Cluster | Recordings):
+        return data.changed(partial(recompute, actuators))
+    return [recompute(actuators, each) if isinstance(each, Recording) else each for each in data]
+
+
+def _fit(task: Task, problem: Problem, names: Sequence[str]) -> Fit:
+    """Solve a round; errors about constants say what to record."""
+    try:
+        return fit_by(task.estimator, problem)
+    except ExoidError as error:
+        if not any(name in error.what for name in names):
+            raise
+        raise ExoidError(error.what, where=error.where, remedy=ADVICE, command=COMMAND) from error
+
+
+def _wrong_sign(names: Sequence[str]) -> ExoidError:
+    """Make the error about constants that would be negative."""
+    return ExoidError(
+        f"{', '.join(names)} would be negative: current and torque have opposite signs, or a payload was not there",
+        remedy="give the motor a negative ratio, or the column a negative scale, and check the payloads",
+        command="give the column a negative scale, e.g. --column i_hip=HEADER:-1, and check --payload",
+    )
+
+
+def _refuse_undetermined(step: _Step) -> None:
+    """Refuse constants that the recordings hardly determine."""
+    for each, value, std in zip(step.constants, step.sizes, step.std, strict=True):
+        if std > UNDETERMINED * value:
+            raise ExoidError(
+                f"{each.name} = {value:.3g} ± {std:.2g} {each.constant.unit} is not determined by the recordings",
+                remedy=f"use a heavier payload or longer recordings: {ADVICE}",
+                command=f"use a heavier payload or longer recordings: {COMMAND}",
+            )

@@ -1,0 +1,202 @@
+"""Normal equations of the rows, from which every candidate of every joint follows by small linear algebra."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+
+from .design import Design
+
+RIDGE = 1e-10
+"""Added to the diagonal, relatively, where columns are dependent."""
+
+TINY = 1e-300
+"""Smallest number to divide by."""
+
+Active = Sequence[NDArray[np.intp]]
+"""Indices of the friction columns of each joint that are fitted."""
+
+
+class NormalEquations(NamedTuple):
+    """Weighted sums of products of columns and torques, over some rows.
+
+    Attributes:
+        base: Base columns with each other, (p, p).
+        mixed: Base columns with friction columns of each joint, n of (p, K).
+        friction: Friction columns of each joint with each other, n of (K, K).
+        base_torque: Base columns with the torque, (p,).
+        friction_torque: Friction columns of each joint with its torque, n of (K,).
+    """
+
+    base: FloatArray
+    mixed: tuple[FloatArray, ...]
+    friction: tuple[FloatArray, ...]
+    base_torque: FloatArray
+    friction_torque: tuple[FloatArray, ...]
+
+    @classmethod
+    def of(cls, design: Design, weights: FloatArray) -> NormalEquations:
+        """Sum over rows.
+
+        Args:
+            design: The rows.
+            weights: Weight of each squared residual, zero for rows that are left out, (n, N).
+
+        Returns:
+            The normal equations.
+        """
+        weighted = [base * w[:, None] for base, w in zip(design.base, weights, strict=True)]
+        loaded = [F * w[:, None] for F, w in zip(design.friction, weights, strict=True)]
+        return cls(
+            np.sum([a.T @ b for a, b in zip(weighted, design.base, strict=True)], axis=0),
+            tuple(a.T @ F for a, F in zip(weighted, design.friction, strict=True)),
+            tuple(a.T @ F for a, F in zip(loaded, design.friction, strict=True)),
+            np.sum([a.T @ t for a, t in zip(weighted, design.tau, strict=True)], axis=0),
+            tuple(a.T @ t for a, t in zip(loaded, design.tau, strict=True)),
+        )
+
+    def solve(self, active: Active) -> tuple[FloatArray, list[FloatArray]]:
+        """Solve for base parameters and the friction coefficients of all joints.
+
+        Args:
+            active: Indices of the friction columns of each joint.
+
+        Returns:
+            Base parameters, (p,), and coefficients of each joint, n of (k,).
+        """
+        table, right = self._bordered(active)
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(table), TINY))
+        solution = scale * scipy.linalg.cho_solve(_factor(table, scale), scale * right)
+        count = len(self.base_torque)
+        ends = np.cumsum([count, *(len(k) for k in active)])
+        return solution[:count], [solution[a:b] for a, b in itertools.pairwise(ends)]
+
+    def project(self, joint: int, active: Active) -> JointEquations:
+        """Eliminate the base parameters and the friction of all other joints.
+
+        Args:
+            joint: Index of the joint.
+            active: Indices of the friction columns of each joint.
+
+        Returns:
+            Normal equations of the joint's friction alone.
+        """
+        others = [k if j != joint else k[:0] for j, k in enumerate(active)]
+        table, right = self._bordered(others)
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(table), TINY))
+        L = _factor(table, scale)[0]
+        beside = np.zeros((len(table), len(self.friction[joint])))
+        beside[: len(self.base)] = self.mixed[joint]
+        V = scipy.linalg.solve_triangular(L, scale[:, None] * beside, lower=True)
+        u = scipy.linalg.solve_triangular(L, scale * right, lower=True)
+        M = self.friction[joint] - V.T @ V
+        diagonal = np.diag(self.friction[joint])
+        return JointEquations(
+            M + np.diag(RIDGE * diagonal + TINY),
+            self.friction_torque[joint] - V.T @ u,
+            scale * scipy.linalg.solve_triangular(L, u, lower=True, trans="T"),
+            scale[:, None] * scipy.linalg.solve_triangular(L, V, lower=True, trans="T"),
+        )
+
+    def _bordered(self, active: Active) -> tuple[FloatArray, FloatArray]:
+        """Matrix and right-hand side of base parameters and active friction columns."""
+        count = len(self.base)
+        ends = np.cumsum([count, *(len(k) for k in active)])
+        table, right = np.zeros((ends[-1], ends[-1])), np.zeros(ends[-1])
+        table[:count, :count], right[:count] = self.base, self.base_torque
+        for joint, columns in enumerate(active):
+            rows = slice(ends[joint], ends[joint + 1])
+            table[:count, rows] = self.mixed[joint][:, columns]
+            table[rows, :count] = table[:count, rows].T
+            table[rows, rows] = self.friction[joint][np.ix_(columns, columns)]
+            right[rows] = self.friction_torque[joint][columns]
+        return table, right
+
+
+class JointEquations(NamedTuple):
+    """Normal equations M c = r of the friction coefficients c of one joint; the other parameters are x − X c.
+
+    Attributes:
+        M: (K, K).
+        r: (K,).
+        x: Base parameters and friction coefficients of the other joints without friction of this one, (Q,).
+        X: By how much the coefficients lower them, (Q, K).
+    """
+
+    M: FloatArray
+    r: FloatArray
+    x: FloatArray
+    X: FloatArray
+
+    def residuals(self, design: Design, joint: int, active: Active) -> tuple[FloatArray, FloatArray]:
+        """Form residuals r − c G, as a function of the coefficients c.
+
+        Args:
+            design: Rows, of these or of other samples.
+            joint: Index of the joint.
+            active: Indices of the friction columns of each joint, those of this joint aside.
+
+        Returns:
+            r, (n, N), and G, (K, n, N) [N·m].
+        """
+        count = design.base.shape[2]
+        left, columns = design.tau - design.base @ self.x[:count], -(design.base @ self.X[:count])
+        columns[joint] += design.friction[joint]
+        first = count
+        for other, used in enumerate(active):
+            if other == joint:
+                continue
+            last = first + len(used)
+            F = design.friction[other][:, used]
+            left[other] -= F @ self.x[first:last]
+            columns[other] -= F @ self.X[first:last]
+            first = last
+        return left, np.ascontiguousarray(np.moveaxis(columns, 2, 0))
+
+    def solve(self, sets: NDArray[np.intp]) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Solve for several sets of columns at once.
+
+        Args:
+            sets: Indices of columns, (S, k).
+
+        Returns:
+            Coefficients, (S, k), their variances for weighted residuals of size one, (S, k), and by how much each set
+            lowers the sum of squares, (S,).
+        """
+        if sets.shape[1] == 0:
+            return np.zeros(sets.shape), np.zeros(sets.shape), np.zeros(len(sets))
+        inverse = np.linalg.inv(self.M[sets[:, :, None], sets[:, None, :]])
+        right = self.r[sets]
+        coefficients = np.einsum("sij,sj->si", inverse, right)
+        return coefficients, np.einsum("sii->si", inverse), np.einsum("si,si->s", coefficients, right)
+
+
+def residuals(design: Design, active: Active, base: FloatArray, friction: Sequence[FloatArray]) -> FloatArray:
+    """Torque that a solution leaves unexplained.
+
+    Args:
+        design: The rows.
+        active: Indices of the friction columns of each joint.
+        base: Base parameters, (p,).
+        friction: Coefficients of each joint, n of (k,).
+
+    Returns:
+        Residual [N·m], (n, N).
+    """
+    left = design.tau - design.base @ base
+    for joint, (columns, values) in enumerate(zip(active, friction, strict=True)):
+        left[joint] -= design.friction[joint][:, columns] @ values
+    return np.asarray(left)
+
+
+def _factor(table: FloatArray, scale: FloatArray) -> tuple[FloatArray, bool]:
+    """Cholesky factor of the matrix with a unit diagonal."""
+    scaled = table * scale * scale[:, None] + RIDGE * np.eye(len(table))
+    return np.asarray(np.linalg.cholesky(scaled), dtype=np.float64), True

@@ -1,0 +1,371 @@
+"""Friction models chosen joint by joint, with the rigid bodies shared."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.identification.group_rows import Keep
+from exoid.leg import Leg
+from exoid.signals import Preparation, Recording
+from exoid.torques import Term
+
+from .cross_validation import Split, blocked_folds
+from .design import Design, base_model, form_design
+from .normal_equations import Active, NormalEquations, residuals
+from .patterns import PLAIN, VELOCITIES, Column, Grid, Pattern, patterns
+
+SURE = 0.3
+"""A coefficient whose standard deviation exceeds this part of it is not determined."""
+
+QUANTILE = 0.6
+"""Share of the rows, the slowest of a joint, from which the others are predicted."""
+
+BLOCKS = 20
+"""Blocks of consecutive rows, by which the standard error of a difference is estimated: residuals are correlated."""
+
+STANDARD_ERRORS = 1.0
+"""A squared error that exceeds the least by no more than so many standard errors of the difference is as good."""
+
+SWEEPS = 4
+"""Sweeps over all joints at most, after those in which all joints have an offset."""
+
+SETTLED = 0.05
+"""They end when no joint's predicted torque changes by more than this part of its residual."""
+
+Item = TypeVar("Item")
+Columns = tuple[Column, ...]
+Candidate = tuple[Pattern, Columns, FloatArray]
+"""Pattern, its columns at the best settings, and the share of each row in the held-out error, (N,)."""
+
+
+class Fold(NamedTuple):
+    """Rows to fit and rows to test.
+
+    Attributes:
+        fitted: Mask, (N,).
+        tested: Mask, (N,).
+    """
+
+    fitted: NDArray[np.bool_]
+    tested: NDArray[np.bool_]
+
+
+def fold_of(split: Split, design: Design) -> Fold:
+    """Apply a split of recordings in time to rows.
+
+    Args:
+        split: Stretches that are tested.
+        design: The rows.
+
+    Returns:
+        The fold.
+    """
+    fitted, tested = np.zeros((2, len(design.time)), dtype=np.bool_)
+    for index in np.unique(design.recording):
+        mine = np.flatnonzero(design.recording == index)
+        fitted[mine] = split.fitted(int(index), design.time[mine])
+        tested[mine] = split.tested(int(index), design.time[mine])
+    return Fold(fitted, tested)
+
+
+def fast_fold(speed: FloatArray, quantile: float = QUANTILE) -> Fold:
+    """Test rows that are faster than all that are fitted.
+
+    Args:
+        speed: Speed of each row, (N,).
+        quantile: Share of the rows that are fitted.
+
+    Returns:
+        The fold.
+    """
+    slow = speed <= np.quantile(speed, quantile)
+    return Fold(slow, ~slow)
+
+
+@dataclass(frozen=True)
+class Search:
+    """What is searched for friction models, joint by joint.
+
+    Attributes:
+        leg: The leg.
+        recordings: The recordings.
+        preparation: Filter and differentiation.
+        folds: Number of folds in time.
+        keep: Function that selects rows; None for all.
+        progress: Called with the share done; None for no one.
+        offset_sweeps: Number of first sweeps in which all joints have an offset: what it is worth shows when the load
+            of friction is right.
+        beside: Terms that every model has besides rigid bodies, armatures and friction.
+    """
+
+    leg: Leg
+    recordings: Sequence[Recording]
+    preparation: Preparation
+    folds: int
+    keep: Keep | None = None
+    progress: Callable[[float], None] | None = None
+    offset_sweeps: int = 0
+    beside: tuple[Term, ...] = ()
+
+    def design(self, library: Sequence[Columns], rigid: FloatArray | None) -> Design:
+        """Form the rows, see :func:`~exoid.identification.selection.design.form_design`."""
+        preparations = [self.preparation] * len(self.recordings)
+        model = base_model(self.leg, self.beside)
+        return form_design(model, self.recordings, preparations, library, rigid, self.keep)
+
+    def start(self) -> Choice:
+        """Plain friction at every joint, and the rigid bodies that go with it."""
+        plain = (PLAIN,) * len(self.leg.joint_names)
+        design = self.design(plain, None)
+        return Choice.of(design, plain, Choice.of(design, plain, np.ones(len(plain))).sigma)
+
+
+class Choice(NamedTuple):
+    """Friction columns of each joint, and the fit with them.
+
+    Attributes:
+        columns: Friction columns of each joint, n of them.
+        base: Parameters of rigid bodies and armatures, (p,).
+        friction: Coefficients of each joint, n of them.
+        left: Residuals [N·m], (n, N).
+        sigma: Standard deviation of each joint's residual [N·m], (n,).
+    """
+
+    columns: tuple[Columns, ...]
+    base: FloatArray
+    friction: list[FloatArray]
+    left: FloatArray
+    sigma: FloatArray
+
+    @classmethod
+    def of(cls, design: Design, columns: tuple[Columns, ...], sigma: FloatArray) -> Choice:
+        """Fit these columns.
+
+        Args:
+            design: The rows.
+            columns: Friction columns of each joint, n of them.
+            sigma: Standard deviation by which each joint's rows are weighed [N·m], (n,).
+
+        Returns:
+            The fit.
+        """
+        whole = _normal(design, np.ones(len(design.time), dtype=np.bool_), sigma)
+        active = _active(design, columns)
+        base, friction = whole.solve(active)
+        left = residuals(design, active, base, friction)
+        floor = 1e-9 * np.sqrt(np.mean(design.tau**2))
+        return cls(columns, base, friction, left, np.maximum(np.sqrt(np.mean(left**2, axis=1)), floor))
+
+
+class Tables(NamedTuple):
+    """Columns of all settings under the load of some rigid bodies, and normal equations of all folds.
+
+    Attributes:
+        design: The rows.
+        grids: Settings that are tried at each joint, n of them.
+        folds: Folds in time, then that of the fast rows of each joint.
+        equations: Normal equations of each fold.
+        whole: Those of all rows.
+    """
+
+    design: Design
+    grids: tuple[Grid, ...]
+    folds: tuple[Fold, ...]
+    equations: tuple[NormalEquations, ...]
+    whole: NormalEquations
+
+    @classmethod
+    def of(cls, search: Search, grids: tuple[Grid, ...], choice: Choice) -> Tables:
+        """Form them.
+
+        Args:
+            search: What is searched.
+            grids: Settings that are tried at each joint, n of them.
+            choice: Choice so far, whose columns are among them, and whose rigid bodies load the joints.
+
+        Returns:
+            The tables.
+        """
+        library = [
+            tuple(dict.fromkeys((*grid.columns, *chosen))) for grid, chosen in zip(grids, choice.columns, strict=True)
+        ]
+        design = search.design(library, choice.base[: len(search.leg.parameter_names)])
+        in_time = [fold_of(split, design) for split in blocked_folds(search.recordings, search.folds)]
+        folds = (*in_time, *(fast_fold(np.abs(speed)) for speed in design.v.T))
+        equations = tuple(_normal(design, fold.fitted, choice.sigma) for fold in folds)
+        whole = _normal(design, np.ones(len(design.time), dtype=np.bool_), choice.sigma)
+        return cls(design, grids, folds, equations, whole)
+
+
+class Found(NamedTuple):
+    """End of a search.
+
+    Attributes:
+        search: What was searched.
+        tables: Tables of the last sweep.
+        choice: Friction of each joint.
+        banned: Symbols that each joint must not have, n of them.
+    """
+
+    search: Search
+    tables: Tables
+    choice: Choice
+    banned: tuple[frozenset[str], ...]
+
+    def without(self, joint: int, symbol: str) -> Found:
+        """Choose again for a joint, without a coefficient.
+
+        Args:
+            joint: Index of the joint.
+            symbol: Symbol of the coefficient.
+
+        Returns:
+            The search with this choice.
+        """
+        banned = _replaced(self.banned, joint, self.banned[joint] | {symbol})
+        columns = choose(self.tables, joint, self.choice.columns, self.choice.sigma, banned[joint])
+        choice = Choice.of(self.tables.design, _replaced(self.choice.columns, joint, columns), self.choice.sigma)
+        return self._replace(choice=choice, banned=banned)
+
+
+def search_joint_by_joint(search: Search) -> Found:
+    """Sweep over the joints until predictions settle.
+
+    Args:
+        search: What is searched.
+
+    Returns:
+        The friction of each joint, and the fit with it.
+    """
+    choice, before = search.start(), None
+    joints, sweeps = len(choice.columns), search.offset_sweeps + SWEEPS
+    grids = (Grid(),) * joints
+    for sweep in range(sweeps):
+        if sweep > 0:
+            grids = tuple(Grid().about(columns, sweep) for columns in choice.columns)
+        tables, chosen = Tables.of(search, grids, choice), choice.columns
+        for joint in range(joints):
+            columns = choose(tables, joint, chosen, choice.sigma, with_offset=sweep < search.offset_sweeps)
+            chosen = _replaced(chosen, joint, columns)
+            if search.progress is not None:
+                search.progress((sweep * joints + joint + 1) / (sweeps * joints))
+        choice = Choice.of(tables.design, chosen, choice.sigma)
+        explained = tables.design.tau - choice.left
+        if before is not None and sweep > search.offset_sweeps and _moved(explained - before, choice) <= SETTLED:
+            break
+        before = explained
+    return Found(search, tables, choice, (frozenset(),) * joints)
+
+
+def choose(
+    tables: Tables,
+    joint: int,
+    chosen: tuple[Columns, ...],
+    sigma: FloatArray,
+    banned: frozenset[str] = frozenset(),
+    *,
+    with_offset: bool = False,
+) -> Columns:
+    """Choose the friction of one joint: fewest numbers within one standard error of the least error.
+
+    Args:
+        tables: Columns and normal equations.
+        joint: Index of the joint.
+        chosen: Friction columns of all joints; those of the others stay.
+        sigma: Standard deviation of each joint's residual [N·m], (n,).
+        banned: Symbols that the joint must not have.
+        with_offset: Whether it must have an offset.
+
+    Returns:
+        Friction columns of the joint.
+    """
+    design, active = tables.design, _active(tables.design, chosen)
+    whole = tables.whole.project(joint, active)
+    in_time = len(tables.folds) - len(chosen)
+    folds = [*range(in_time), in_time + joint]
+    projected = [tables.equations[k].project(joint, active) for k in folds]
+    tested = [int(tables.folds[k].tested.sum()) for k in folds]
+    weights = [*np.full(in_time, 1.0 / sum(tested[:-1])), 1.0 / tested[-1]]  # mean in time plus mean of fast rows
+    rows = [_rows(design, tables.folds[k].tested) for k in folds]
+    held_out = [each.residuals(of_fold, joint, active) for each, of_fold in zip(projected, rows, strict=True)]
+    candidates: list[Candidate] = []
+    gains: dict[Pattern, float] = {}
+    for pattern in patterns():
+        if banned & set(pattern.symbols) or (with_offset and "offset" not in pattern.symbols):
+            continue
+        settings = tables.grids[joint].settings(pattern)
+        sets = np.array([design.indices(joint, columns) for columns in settings])
+        solved = whole.solve(sets)
+        best = _best(pattern, design.independent_fraction, *solved)
+        if best is None or any(column.velocity == VELOCITIES[0] for column in settings[best]):
+            continue
+        gain = float(solved[2][best])
+        if any(other >= gain for simpler, other in gains.items() if simpler.within(pattern)):
+            continue  # a bound would be active: the best positive coefficients are those of the simpler model
+        gains[pattern] = gain
+        loss = np.zeros(len(design.time))
+        for k, equations, weight, (left, G) in zip(folds, projected, weights, held_out, strict=True):
+            c, _, lower = equations.solve(sets)
+            good = pattern.dissipative(c)
+            index = int(np.argmax(np.where(good, lower, -np.inf))) if good.any() else best
+            error = (left - np.tensordot(c[index], G[sets[index]], 1)) / sigma[:, None]
+            loss[tables.folds[k].tested] += weight * np.sum(error**2, axis=0)
+        candidates.append((pattern, settings[best], loss))
+    return _fewest(candidates)
+
+
+def _best(
+    pattern: Pattern, independent_fraction: float, c: FloatArray, variance: FloatArray, gain: FloatArray
+) -> int | None:
+    """Index of the best setting whose coefficients are positive and determined; None if there is none."""
+    limit = (SURE * c) ** 2 * independent_fraction
+    sure = (variance <= limit) | np.array([symbol == "offset" for symbol in pattern.symbols], dtype=np.bool_)
+    good = pattern.dissipative(c) & sure.all(axis=1)
+    return int(np.argmax(np.where(good, gain, -np.inf))) if good.any() else None
+
+
+def _normal(design: Design, rows: NDArray[np.bool_], sigma: FloatArray) -> NormalEquations:
+    return NormalEquations.of(design, rows / sigma[:, None] ** 2)
+
+
+def _active(design: Design, chosen: Sequence[Columns]) -> Active:
+    """Indices of the chosen columns of each joint."""
+    return [design.indices(joint, columns) for joint, columns in enumerate(chosen)]
+
+
+def _moved(change: FloatArray, choice: Choice) -> float:
+    """Largest change of a joint's predicted torque (n, N), as a part of its residual."""
+    return float((np.sqrt(np.mean(change**2, axis=1)) / choice.sigma).max())
+
+
+def _replaced(items: tuple[Item, ...], index: int, item: Item) -> tuple[Item, ...]:
+    return (*items[:index], item, *items[index + 1 :])
+
+
+def _rows(design: Design, rows: NDArray[np.bool_]) -> Design:
+    """Some rows."""
+    return design._replace(
+        tau=design.tau[:, rows], base=design.base[:, rows], friction=tuple(F[rows] for F in design.friction)
+    )
+
+
+def _fewest(candidates: Sequence[Candidate]) -> Columns:
+    """Columns with the fewest numbers among those within one standard error of the best."""
+    errors = [float(loss.sum()) for _, _, loss in candidates]
+    best = int(np.argmin(errors))
+    for k in sorted(range(len(candidates)), key=lambda k: (candidates[k][0].complexity, errors[k])):
+        if errors[k] - errors[best] <= STANDARD_ERRORS * _standard_error(candidates[k][2] - candidates[best][2]):
+            return candidates[k][1]
+    return candidates[best][1]
+
+
+def _standard_error(difference: FloatArray) -> float:
+    """Standard error of the sum of a difference of errors over rows, (N,), block by block."""
+    sums = [float(block.sum()) for block in np.array_split(difference, min(BLOCKS, len(difference)))]
+    return float(np.sqrt(len(sums)) * np.std(sums, ddof=1)) if len(sums) > 1 else 0.0

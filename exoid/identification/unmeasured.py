@@ -1,0 +1,138 @@
+"""Joints that move and whose torque was not measured: they give no rows, and terms act on the others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from exoid.errors import ExoidError
+from exoid.findings import Finding
+from exoid.leg import Leg
+from exoid.regression.parameters import PriorKnowledge
+from exoid.torques import CoupledTerm, Term
+
+from .estimators import Estimator, name_of
+from .group_rows import Group
+from .recording_summary import RecordingSummary, unmeasured_joints
+
+
+def terms_where_measured(
+    terms: Sequence[Term], leg: Leg, unmeasured: Sequence[str], known: Sequence[str] = ()
+) -> tuple[Term, ...]:
+    """Let terms of all joints act only on joints whose torque was measured, or whose parameters are known.
+
+    Friction of a joint leaves no trace in the torques of other joints.
+
+    Args:
+        terms: Terms besides rigid-body dynamics.
+        leg: The leg.
+        unmeasured: Labels of the joints without torque in any recording.
+        known: Names of parameters that are known or have a prior.
+
+    Returns:
+        The terms, without those that are left no joint.
+
+    Raises:
+        ExoidError: A term names an unmeasured joint, and its parameters there are not known.
+    """
+    kept = []
+    for term in terms:
+        if isinstance(term, CoupledTerm):
+            kept.append(_coupled_where_measured(term, leg, unmeasured, known))
+            continue
+        told = {joint for joint in unmeasured if {f"{symbol}_{joint}" for symbol in term.symbols} <= set(known)}
+        without = [joint for joint in unmeasured if joint not in told]
+        if term.joints is None:
+            joints = tuple(joint for joint in leg.joint_labels if joint not in without)
+            kept += [replace(term, joints=joints)] if joints else []
+            continue
+        named = {leg.joint_labels[k] for k in term.joint_indices(leg.joint_names, leg.joint_labels)}
+        wrong = [joint for joint in without if joint in named]
+        if wrong:
+            names = [f"{symbol}_{joint}" for joint in wrong for symbol in term.symbols]
+            raise ExoidError(
+                f"{', '.join(names)} left no trace: the torque of {', '.join(wrong)} was not measured",
+                remedy=f"leave {', '.join(wrong)} out of the joints of {type(term).__name__}, or say what is known of "
+                "these parameters (known=)",
+            )
+        kept.append(term)
+    return tuple(kept)
+
+
+def _coupled_where_measured(term: CoupledTerm, leg: Leg, unmeasured: Sequence[str], known: Sequence[str]) -> Term:
+    """Refuse a coupling none of whose joints has a torque; one joint with torque shows its parameters."""
+    (places,) = term.places(leg.joint_names, leg.joint_labels)
+    labels = [leg.joint_labels[place] for place in places]
+    names = [f"{symbol}_{'_'.join(labels)}" for symbol in term.symbols]
+    if set(labels) <= set(unmeasured) and not set(names) <= set(known):
+        raise ExoidError(
+            f"{', '.join(names)} left no trace: the torque of {', '.join(labels)} was not measured",
+            remedy=f"leave {type(term).__name__} out, or say what is known of these parameters (known=)",
+        )
+    return term
+
+
+def only_measured(
+    estimator: Estimator,
+    terms: Sequence[Term],
+    groups: Sequence[Group],
+    summaries: Mapping[str, Sequence[RecordingSummary]],
+    knowledge: PriorKnowledge,
+) -> tuple[tuple[Term, ...], tuple[tuple[Finding, ...], ...]]:
+    """Let terms act where torque was measured in some recording of some group, and say where it was not.
+
+    Args:
+        estimator: The estimator.
+        terms: Terms besides rigid-body dynamics.
+        groups: Groups of recordings, whose legs are of one design.
+        summaries: Summaries of their recordings, by the name of the group.
+        knowledge: What is known of parameters.
+
+    Returns:
+        The terms, and the findings of each group.
+
+    Raises:
+        ExoidError: The estimator fits the torque of all joints, or a term names an unmeasured joint.
+    """
+    if getattr(estimator, "fits_samples", False):
+        raise ExoidError(
+            f"{name_of(estimator)} fits the torque of every joint, and that of some was not measured",
+            remedy="use wls, huber, gls or ols",
+        )
+    leg = groups[0].leg
+    missing = unmeasured_joints(leg.joint_labels, summaries.values())
+    kept = terms_where_measured(terms, leg, missing, (*knowledge.known_names, *knowledge.prior.values))
+    names = [group.leg.joint_names for group in groups]
+    return kept, tuple(unmeasured_findings(names, summaries.values()))
+
+
+def unmeasured_findings(
+    joint_names: Sequence[Sequence[str]], groups: Iterable[Sequence[RecordingSummary]]
+) -> Iterator[tuple[Finding, ...]]:
+    """Say of each group which joints have no torque.
+
+    Args:
+        joint_names: Joints of the leg of each group, (n,).
+        groups: Summaries of the recordings of each group.
+
+    Yields:
+        One finding for each joint of a group without torque in some recording.
+    """
+    for names, summaries in zip(joint_names, groups, strict=True):
+        nowhere = unmeasured_joints(names, [summaries])
+        found = []
+        for place, joint in enumerate(names):
+            torques = [one.torques for one in summaries if one.torques is not None]
+            without = sum(not of_one.measured[place] for of_one in torques)
+            if not without:
+                continue
+            everywhere = joint in nowhere
+            message = (
+                f"the torque of {joint} was not measured: it moves without rows, and its friction is not identified"
+                if everywhere
+                else f"the torque of {joint} was not measured in {without} of {len(torques)} recordings, which have no "
+                "rows of it"
+            )
+            remedy = "record it, or declare the joint passive if it has no actuator (passive=, --passive)"
+            found.append(Finding("unmeasured-torque", joint, without / len(torques), "1", "info", message, remedy))
+        yield tuple(found)

@@ -1,0 +1,299 @@
+r"""Columns of Pinocchio's regressor for any tree of joints, batched over samples.
+
+All vectors of a body are in the axes of its joint frame. Let s = (u, w) be the motion vector that a unit rate of joint
+k gives to the frame of body j: linear u and angular w. Let ω and α be the angular velocity and acceleration of the
+body, and a the acceleration of its frame's origin less gravity. With the parameters (m, mc, I) of body j alone, the
+torque of each joint k that carries it is
+
+    τ_k = u · [m a + α × mc + ω × (ω × mc)] + w · [mc × a + I α + ω × I ω]
+
+(Khalil and Dombre 2002, ch. 9; Featherstone 2008, ch. 5). Velocity, acceleration and every s go from body to body by
+one matrix product and one rotation. The interpreter works once for each body and block, and not for each sample.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+
+from .tree import BASE_ROWS, Tree, TreeJoint
+
+BLOCK = 4096
+"""Samples computed at once: enough that the interpreter costs little, few enough for the processor's cache,"""
+
+BLOCK_BYTES = 2**25
+"""and fewer where the motion of all bodies would take more memory than this."""
+
+VELOCITY, ACCELERATION, AXES = 0, 1, 2
+"""Places among the motion vectors of a body; behind them are the axes of the joints that carry it."""
+
+CYCLIC = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+"""Axes x, y, z and the two that follow each."""
+
+INERTIAS = {4: (0, 0), 5: (0, 1), 6: (1, 1), 7: (2, 0), 8: (1, 2), 9: (2, 2)}
+"""Axes of Ixx, Ixy, Iyy, Ixz, Iyz, Izz by their place among a body's ten parameters, in cyclic order."""
+
+
+class BaseSamples(NamedTuple):
+    """Motion of the base at N samples, in its own axes.
+
+    Attributes:
+        velocity: Spatial velocity, linear [m/s] before angular [rad/s], (N, 6).
+        acceleration: Spatial acceleration less gravity, linear [m/s²] before angular [rad/s²], (N, 6). Where the linear
+            velocity is zero, its linear part is the specific force that an accelerometer at the origin measures.
+    """
+
+    velocity: FloatArray
+    acceleration: FloatArray
+
+
+def fill_tree_regressor(
+    tree: Tree,
+    q: FloatArray,
+    v: FloatArray,
+    a: FloatArray,
+    columns: Sequence[int] | NDArray[np.intp],
+    out: FloatArray,
+    base: BaseSamples | None = None,
+) -> None:
+    """Write columns of Pinocchio's regressor for every sample.
+
+    Args:
+        tree: The geometry.
+        q: Positions of the joints [rad or m], (N, n), without that of a floating base.
+        v: Velocities of the joints [rad/s or m/s], (N, n).
+        a: Accelerations of the joints [rad/s² or m/s²], (N, n).
+        columns: Columns of the regressor in ascending order, of ten for each body; p of them.
+        out: Receives the columns, zeroed, (p, rows, N): samples last, so that each column is contiguous.
+        base: Motion of the base; None if it stands upright and still.
+    """
+    layouts = [_Layout.of(tree, body, columns) for body in range(tree.bodies)]
+    vectors = sum(AXES + len(joint.carriers) for joint in tree.joints)
+    block = max(1, min(BLOCK, BLOCK_BYTES // (8 * 6 * max(vectors, 1)), len(q)))
+    work = _Workspace.allocate(tree, block)  # once, as fresh memory costs more time than the arithmetic
+    for start in range(0, len(q), block):
+        rows = slice(start, start + block)
+        if len(q) - start < block:
+            work = _Workspace.allocate(tree, len(q) - start)
+        _set_base(work.base, tree, None if base is None else BaseSamples(*(x[rows] for x in base)))
+        if tree.floating:
+            _fill_body(work.base, layouts[0], work, out[..., rows])
+        for j, (joint, motion) in enumerate(zip(tree.joints, work.bodies, strict=True)):
+            parent = work.base if joint.parent < 0 else work.bodies[joint.parent]
+            _carry(joint, parent, motion, joint.sign * q[rows, j], work)
+            _add_rates(joint, motion, joint.sign * v[rows, j], joint.sign * a[rows, j])
+            _fill_body(motion, layouts[j + tree.floating], work, out[..., rows])
+
+
+class _Run(NamedTuple):
+    """Consecutive joints that carry a body.
+
+    Attributes:
+        vectors: Places of their axes among the motion vectors of the body.
+        rows: Their rows in the output.
+        linear: Whether their axes have no angular part.
+    """
+
+    vectors: slice
+    rows: slice
+    linear: bool
+
+
+class _Layout(NamedTuple):
+    """Requested columns of one body, and the rows in which they are not zero.
+
+    Attributes:
+        mass: Place of the mass in the output, zero or one columns.
+        moments: Places of the first moments.
+        inertias: Places of the inertias.
+        moment_axes: Axes of the first moments.
+        inertia_axes: Pairs of axes of the inertias.
+        own: Rows whose axis is one of the body's own: row, component of the wrench, sign.
+        runs: The other rows.
+    """
+
+    mass: slice
+    moments: slice
+    inertias: slice
+    moment_axes: tuple[int, ...]
+    inertia_axes: tuple[tuple[int, int], ...]
+    own: tuple[tuple[int, int, float], ...]
+    runs: tuple[_Run, ...]
+
+    @classmethod
+    def of(cls, tree: Tree, body: int, columns: Sequence[int] | NDArray[np.intp]) -> _Layout:
+        """Lay out the columns of a body."""
+        asked = [int(k) - 10 * body for k in columns if int(k) // 10 == body]
+        first = sum(int(k) // 10 < body for k in columns)
+        moments = tuple(k - 1 for k in asked if 1 <= k <= 3)
+        inertias = tuple(INERTIAS[k] for k in asked if k > 3)
+        ends = np.cumsum([first, asked.count(0), len(moments), len(inertias)]).tolist()
+        mass, moment, inertia = (slice(start, stop) for start, stop in pairwise(ends))
+        if body < tree.floating:
+            return cls(mass, moment, inertia, moments, inertias, tuple((row, row, 1.0) for row in range(BASE_ROWS)), ())
+        joint = tree.joints[body - tree.floating]
+        straight = joint.after is None
+        own = ((joint.carriers[-1], int(np.flatnonzero(joint.own_axis)[0]), joint.sign),) if straight else ()
+        others = joint.carriers[:-1] if straight else joint.carriers
+        return cls(mass, moment, inertia, moments, inertias, own, tuple(_runs(others, floating=tree.floating)))
+
+
+def _runs(carriers: tuple[int, ...], *, floating: bool) -> Iterator[_Run]:
+    """Cut rows into runs of consecutive ones; a floating base first has three without angular part."""
+    linear = 3 if floating else 0
+    breaks = [k for k in range(1, len(carriers)) if k == linear or carriers[k] != carriers[k - 1] + 1]
+    for first, stop in zip([0, *breaks], [*breaks, len(carriers)], strict=True):
+        rows = slice(carriers[first], carriers[first] + stop - first) if stop > first else slice(0)
+        yield _Run(slice(AXES + first, AXES + stop), rows, stop <= linear)
+
+
+class _Workspace(NamedTuple):
+    """Memory for one block of B samples.
+
+    Attributes:
+        base: Motion vectors of the base: velocity, acceleration and, if it floats, its axes, (6, 2 or 8, B).
+        bodies: Motion vectors of each body: velocity, acceleration, axes of its K carriers; (6, 2 + K, B) each.
+        scratch: Temporary values, (2, 2 + K, B) for the largest K.
+        products: Products ω_i ω_j, (3, 3, B).
+        moment: Wrench of each requested first moment of size one, (6, 3, B).
+        inertia: Torque of each requested inertia of size one, (3, 6, B).
+        turn: Cosine and sine of the joint's angle, and two temporary values, (4, B).
+    """
+
+    base: FloatArray
+    bodies: tuple[FloatArray, ...]
+    scratch: FloatArray
+    products: FloatArray
+    moment: FloatArray
+    inertia: FloatArray
+    turn: FloatArray
+
+    @classmethod
+    def allocate(cls, tree: Tree, block: int) -> _Workspace:
+        """Allocate the memory, and set the axes of a floating base."""
+        base = np.zeros((6, AXES + BASE_ROWS * tree.floating, block))
+        base[:, AXES:] = np.eye(6)[:, : base.shape[1] - AXES, None]
+        bodies = tuple(np.empty((6, AXES + len(joint.carriers), block)) for joint in tree.joints)
+        most = max((motion.shape[1] for motion in bodies), default=AXES)
+        shapes = (2, most), (3, 3), (6, 3), (3, 6), (4,)
+        return cls(base, bodies, *(np.empty((*shape, block)) for shape in shapes))
+
+
+def _set_base(motion: FloatArray, tree: Tree, base: BaseSamples | None) -> None:
+    """Set velocity and acceleration of the base."""
+    if base is not None:
+        motion[:, VELOCITY], motion[:, ACCELERATION] = base.velocity.T, base.acceleration.T
+    else:
+        motion[:, :AXES] = 0.0
+        motion[:3, ACCELERATION] = -tree.gravity[:, None]
+
+
+def _carry(joint: TreeJoint, parent: FloatArray, motion: FloatArray, q: FloatArray, work: _Workspace) -> None:
+    """Carry the motion vectors of the parent over to a body, at positions q times the sign of the axis, (B,)."""
+    count = parent.shape[1]
+    np.matmul(joint.into, parent.reshape(6, -1), out=motion.reshape(6, -1)[:, : parent[0].size])
+    motion[:, -1] = joint.own_axis[:, None]
+    _, j, k = CYCLIC[joint.axis]
+    linear, angular = motion[:3, :count], motion[3:, :count]
+    if not joint.turns:
+        linear[j] += angular[k] * q
+        linear[k] -= angular[j] * q
+        return
+    cosine, sine = _direct(q, work.turn)
+    to_first, to_second = work.scratch[:, :count]
+    for first, second in ((linear[j], linear[k]), (angular[j], angular[k])):
+        np.multiply(second, sine, out=to_first)
+        np.multiply(first, sine, out=to_second)
+        np.multiply(first, cosine, out=first)
+        np.multiply(second, cosine, out=second)
+        np.add(first, to_first, out=first)
+        np.subtract(second, to_second, out=second)
+
+
+def _direct(angle: FloatArray, turn: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Cosine and sine from t = tan(φ/2): 2/(1 + t²) − 1 and 2t/(1 + t²); a third of the time of cos and sin."""
+    cosine, sine, t, double = turn
+    np.tan(np.multiply(angle, 0.5, out=t), out=t)
+    np.multiply(t, t, out=double)
+    np.add(double, 1.0, out=double)
+    np.divide(2.0, double, out=double)
+    return np.subtract(double, 1.0, out=cosine), np.multiply(double, t, out=sine)
+
+
+def _add_rates(joint: TreeJoint, motion: FloatArray, v: FloatArray, a: FloatArray) -> None:
+    """Add the joint's own velocity S v and acceleration S a + ν × S v, and turn an oblique axis back."""
+    i, j, k = CYCLIC[joint.axis]
+    parts = motion.reshape(2, 3, *motion.shape[1:])
+    own = parts[int(joint.turns), i]
+    own[VELOCITY] += v
+    own[ACCELERATION] += a
+    for target, source in ((0, 0), (1, 1)) if joint.turns else ((0, 1),):
+        parts[target, j, ACCELERATION] += parts[source, k, VELOCITY] * v
+        parts[target, k, ACCELERATION] -= parts[source, j, VELOCITY] * v
+    if joint.after is not None:
+        motion.reshape(6, -1)[:] = joint.after @ motion.reshape(6, -1)
+
+
+def _fill_body(motion: FloatArray, layout: _Layout, work: _Workspace, out: FloatArray) -> None:
+    """Write the columns of a body: s · wrench in the row of each joint that carries it."""
+    force, moment, inertia = _wrenches(motion, layout, work)
+    for row, component, sign in layout.own:
+        np.multiply(moment[component], sign, out=out[layout.moments, row])
+        if component < 3:
+            np.multiply(force[component], sign, out=out[layout.mass, row])
+        else:
+            np.multiply(inertia[component - 3], sign, out=out[layout.inertias, row])
+    for run in layout.runs:
+        s = motion[:, run.vectors]
+        parts = slice(3) if run.linear else slice(6)
+        if len(layout.moment_axes):
+            np.einsum("ckb,cib->ikb", s[parts], moment[parts], out=out[layout.moments, run.rows])
+        if layout.mass.stop > layout.mass.start:
+            np.einsum("ckb,cb->kb", s[:3], force, out=out[layout.mass.start, run.rows])
+        if len(layout.inertia_axes) and not run.linear:
+            np.einsum("ckb,cib->ikb", s[3:], inertia, out=out[layout.inertias, run.rows])
+
+
+def _wrenches(motion: FloatArray, layout: _Layout, work: _Workspace) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Force of a unit mass (3, B), wrenches of unit first moments (6, k, B), torques of unit inertias (3, k, B)."""
+    (linear, omega), acceleration = motion[:, VELOCITY].reshape(2, 3, -1), motion[:, ACCELERATION]
+    squares = np.multiply(omega[:, None], omega, out=work.products)
+    force, alpha = acceleration[:3].copy(), acceleration[3:]
+    for i, j, k in CYCLIC:
+        force[i] += omega[j] * linear[k] - omega[k] * linear[j]
+    moment, inertia = work.moment[:, : len(layout.moment_axes)], work.inertia[:, : len(layout.inertia_axes)]
+    for place, axis in enumerate(layout.moment_axes):
+        _moment_wrench(axis, force, alpha, squares, moment[:, place])
+    for place, axes in enumerate(layout.inertia_axes):
+        _inertia_torque(axes, alpha, squares, inertia[:, place])
+    return force, moment, inertia
+
+
+def _moment_wrench(axis: int, force: FloatArray, alpha: FloatArray, squares: FloatArray, wrench: FloatArray) -> None:
+    """Force α × e + ω × (ω × e) and torque e × a of a first moment along e, (6, B)."""
+    i, j, k = CYCLIC[axis]
+    np.negative(np.add(squares[j, j], squares[k, k], out=wrench[i]), out=wrench[i])
+    np.add(squares[i, j], alpha[k], out=wrench[j])
+    np.subtract(squares[i, k], alpha[j], out=wrench[k])
+    wrench[3 + i] = 0.0
+    np.negative(force[k], out=wrench[3 + j])
+    wrench[3 + k] = force[j]
+
+
+def _inertia_torque(axes: tuple[int, int], alpha: FloatArray, squares: FloatArray, torque: FloatArray) -> None:
+    """Torque I α + ω × I ω of an inertia I = e_i e_iᵀ, or e_i e_jᵀ + e_j e_iᵀ with j behind i, (3, B)."""
+    i, j, k = CYCLIC[axes[0]]
+    if axes[0] == axes[1]:
+        torque[i] = alpha[i]
+        torque[j] = squares[k, i]
+        np.negative(squares[j, i], out=torque[k])
+    else:
+        np.subtract(alpha[j], squares[k, i], out=torque[i])
+        np.add(alpha[i], squares[k, j], out=torque[j])
+        np.subtract(squares[i, i], squares[j, j], out=torque[k])

@@ -1,0 +1,121 @@
+"""Base motion among the columns of a log."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
+from .base_motion import BASE_COLUMNS, BaseMotion
+from .formats import Table, TextTable
+
+POSE_COLUMNS = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
+"""Columns of a pose: position [m] and quaternion of the root link in the laboratory, whose z axis points up."""
+
+ORIGIN = (0.0, 0.0, 0.0)
+
+
+def base_columns(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
+    """Find the columns of the base: those of an IMU, or else those of a pose.
+
+    Matrices of three columns, ``base_gyro`` and ``base_acc``, count as well.
+
+    Args:
+        table: Columns of the file.
+        headers: Header of each exoid column.
+
+    Returns:
+        Names of the exoid columns; empty for a base that was not recorded.
+
+    Raises:
+        ExoidError: Some columns of a sensor are there, and others are not.
+    """
+    for names in (BASE_COLUMNS, POSE_COLUMNS):
+        absent = [name for name in names if name not in headers]
+        if not absent:
+            return names
+        if len(absent) < len(names):
+            raise ExoidError(
+                f"the motion of the base lacks {', '.join(absent)}",
+                where=table.file,
+                remedy=f"give all of {', '.join(names)}, or none",
+                command=f"give their headers: --column {absent[0]}=HEADER",
+            )
+    return ()
+
+
+def matrix_headers(header: Sequence[str]) -> dict[str, str]:
+    """Name the columns of matrices ``base_gyro`` and ``base_acc`` of (samples, 3).
+
+    Args:
+        header: Column names of the file.
+
+    Returns:
+        Header of each exoid column.
+    """
+    names = {f"base_{kind}_{axis}": f"base_{kind}[{k}]" for kind in ("gyro", "acc") for k, axis in enumerate("xyz")}
+    return {name: column for name, column in names.items() if column in header}
+
+
+def read_base(
+    table: Table, time: FloatArray, columns: Mapping[str, FloatArray], position: Sequence[float] | None
+) -> BaseMotion | None:
+    """Make the base motion of a log.
+
+    Args:
+        table: Table of the file, a line of which may give the position of the sensor.
+        time: Time stamps [s], (N,).
+        columns: Columns of the base in SI units, (N,) each; empty for none.
+        position: Position of the sensor [m], (3,); None for that of the file, or else the origin of the root link.
+
+    Returns:
+        The motion; None for a base that was not recorded.
+
+    Raises:
+        ExoidError: The file gives another position than the caller, there is no base, or the motion is refused.
+    """
+    said = _said_position(table)
+    if not columns:
+        if position is not None:
+            raise ExoidError(
+                "a position of the base's sensor, and no motion of the base",
+                where=table.file,
+                remedy=f"give columns {', '.join(BASE_COLUMNS)}, or leave out base_position",
+                command=f"give headers of {', '.join(BASE_COLUMNS)} to --column, or leave out --base-position",
+            )
+        return None
+    if position is not None and said is not None and tuple(position) != said:
+        raise ExoidError(
+            f"the file puts the base's sensor at {said} m, and not at {tuple(position)} m",
+            where=table.file,
+            remedy="leave out base_position, or correct the line '# base position:' of the file",
+            command="leave out --base-position, or correct the line '# base position:' of the file",
+        )
+    place = position if position is not None else said or ORIGIN
+    values = np.column_stack(list(columns.values()))
+    try:
+        if tuple(columns) == BASE_COLUMNS:
+            return BaseMotion.from_imu(values[:, :3], values[:, 3:], position=place)
+        return BaseMotion.from_pose(values[:, :3], values[:, 3:], time, at=place)
+    except ExoidError as error:
+        raise error.within(table.file) from error
+
+
+def _said_position(table: Table) -> tuple[float, ...] | None:
+    """Position that a line of a text file gives."""
+    texts = table.base_positions if isinstance(table, TextTable) else ()
+    if not texts:
+        return None
+    try:
+        (text,) = texts
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise ExoidError(
+            f"{' and '.join(texts)} is no position of the base's sensor",
+            where=f"{table.file}, line of a base position",
+            remedy="write one line '# base position: x,y,z' in m",
+        ) from None
+    return x, y, z

@@ -1,0 +1,209 @@
+"""Base motion: what an inertial measurement unit on the root link measures during a recording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from exoid._typing import ArrayLike, BoolArray, FloatArray
+from exoid.errors import ExoidError
+
+from . import checks, timebase
+from .base_pose import STANDARD_CUTOFF, motion_of_pose
+from .source_location import SourceLocation
+
+BASE_COLUMNS = ("base_gyro_x", "base_gyro_y", "base_gyro_z", "base_acc_x", "base_acc_y", "base_acc_z")
+"""Columns of a log: angular velocity [rad/s] and specific force [m/s²] in the axes of the base."""
+
+FARTHEST = 5.0
+"""Largest distance of the sensor from the origin of the root link [m]; larger ones are in another unit."""
+
+ORTHONORMAL = 1e-3
+"""Largest error of a mounting rotation that counts as rounding."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BaseMotion:
+    """Angular velocity and specific force of the base at the samples of a recording.
+
+    The base is the root link of the URDF, and all vectors are in its axes, whose z axis points up when it stands
+    upright. Torques of the joints depend on the base only through ω, ω̇ and f = Rᵀ(p̈ − g): its orientation, position
+    and heading need not be known. An inertial measurement unit (IMU) at r measures ω and f(r); elsewhere
+
+        f(h) = f(r) + ω̇ × (h − r) + ω × (ω × (h − r)).
+
+    Angles and torques of the recording pass filters, and so does this motion: ω̇ is derived from the smoothed ω.
+
+    Attributes:
+        angular_velocity: ω [rad/s], (N, 3).
+        specific_force: f, what an accelerometer reads [m/s²], (N, 3): (0, 0, 9.81) at rest.
+        position: Position r of the sensor in the axes of the root link [m], (3,).
+
+    Raises:
+        ExoidError: Shapes do not fit, a number is missing, or the position is not in m.
+
+    Example:
+        >>> BaseMotion(np.zeros((100, 3)), np.tile([0.0, 0.0, 9.81], (100, 1)))
+        BaseMotion(100 samples, sensor at (0, 0, 0) m)
+    """
+
+    angular_velocity: FloatArray
+    specific_force: FloatArray
+    position: FloatArray = (0.0, 0.0, 0.0)  # type: ignore[assignment]  # an array once it is made
+
+    def __post_init__(self) -> None:
+        """Copy and check."""
+        for name in ("angular_velocity", "specific_force", "position"):
+            object.__setattr__(self, name, checks.as_numbers(getattr(self, name), f"{name} of the base"))
+        samples = len(np.atleast_1d(self.angular_velocity))
+        checks.refuse_shape(self.angular_velocity, (samples, 3), "angular_velocity of the base")
+        checks.refuse_shape(self.specific_force, (samples, 3), "specific_force of the base")
+        checks.refuse_shape(self.position, (3,), "position of the sensor on the base")
+        checks.refuse_not_finite(self.columns, BASE_COLUMNS, SourceLocation())
+        checks.refuse_absurd(self.columns, BASE_COLUMNS, SourceLocation())
+        if not (np.abs(self.position) <= FARTHEST).all():
+            raise ExoidError(
+                f"the sensor of the base is at {_point(self.position)} m of the root link",
+                remedy=f"give its position in m, at most {FARTHEST:g} m from the origin of the root link",
+            )
+
+    @classmethod
+    def from_imu(
+        cls,
+        gyro: ArrayLike,
+        specific_force: ArrayLike,
+        *,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        rotation: ArrayLike | None = None,
+    ) -> BaseMotion:
+        """Turn the readings of an IMU into the axes of the base.
+
+        Args:
+            gyro: Angular velocity in the axes of the sensor [rad/s], (N, 3).
+            specific_force: Reading of the accelerometer in the axes of the sensor [m/s²], (N, 3).
+            position: Position of the sensor in the axes of the root link [m], (3,).
+            rotation: Mounting: axes of the sensor as columns, in the axes of the root link, (3, 3); None if they are
+                parallel.
+
+        Returns:
+            The motion of the base.
+
+        Raises:
+            ExoidError: Shapes do not fit, a number is missing, or the mounting is no rotation.
+        """
+        readings = [checks.as_numbers(gyro, "gyro"), checks.as_numbers(specific_force, "specific_force")]
+        for name, reading in zip(("gyro", "specific_force"), readings, strict=True):
+            checks.refuse_shape(reading, (len(np.atleast_1d(readings[0])), 3), name)
+        if rotation is not None:
+            mounting = _mounting(rotation)
+            readings = [reading @ mounting.T for reading in readings]
+        return cls(readings[0], readings[1], checks.as_numbers(position, "position"))
+
+    @classmethod
+    def from_pose(
+        cls,
+        position: ArrayLike,
+        quaternion: ArrayLike,
+        time: ArrayLike,
+        *,
+        cutoff: float = STANDARD_CUTOFF,
+        at: ArrayLike = (0.0, 0.0, 0.0),
+        rotation: ArrayLike | None = None,
+        up: ArrayLike = (0.0, 0.0, 1.0),
+    ) -> BaseMotion:
+        """Derive the motion of the base from poses, such as those of motion capture.
+
+        Orientation R and position p pass the same smoothing differentiator (Savitzky and Golay, degree 5), and
+        f = Rᵀ(p̈ − g). An error of the vertical is an error of gravity: 10 mrad are 0.1 m/s².
+
+        Args:
+            position: Position of the tracked body in the laboratory [m], (N, 3).
+            quaternion: Its orientation (x, y, z, w): laboratory from body, (N, 4), of norm 1.
+            time: Time stamps [s], (N,), evenly spaced.
+            cutoff: −3 dB frequency of the differentiator [Hz].
+            at: Position of the tracked point in the axes of the root link [m], (3,).
+            rotation: Axes of the tracked body as columns, in the axes of the root link, (3, 3); None if parallel.
+            up: Direction against gravity in the laboratory, (3,); some systems have y up.
+
+        Returns:
+            The motion of the base.
+
+        Raises:
+            ExoidError: Shapes do not fit, a number is missing, a quaternion is not of norm 1, the pose jumps, time is
+                not even, or the cut-off does not fit the rate.
+        """
+        stamps, points = checks.as_numbers(time, "time"), checks.as_numbers(position, "position of the base")
+        turns, vertical = checks.as_numbers(quaternion, "quaternion"), checks.as_numbers(up, "up")
+        gyro, force = motion_of_pose(stamps, points, turns, cutoff, vertical)
+        return cls.from_imu(gyro, force, position=at, rotation=rotation)
+
+    @property
+    def columns(self) -> FloatArray:
+        """Columns in the order of :data:`BASE_COLUMNS`, (N, 6)."""
+        return np.hstack([self.angular_velocity, self.specific_force])
+
+    def rows(self, rows: slice | BoolArray) -> BaseMotion:
+        """Select samples.
+
+        Args:
+            rows: The samples.
+
+        Returns:
+            Their motion.
+        """
+        return BaseMotion(self.angular_velocity[rows], self.specific_force[rows], self.position)
+
+    def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> BaseMotion:
+        """Interpolate at other time stamps: ω by a cubic spline, f by a monotone cubic, as impacts make it jump.
+
+        Args:
+            time: Time stamps of the samples that are used [s], (K,).
+            grid: New time stamps [s], (M,).
+            rows: Samples that are used, K of them.
+
+        Returns:
+            The motion at the new time stamps.
+        """
+        return BaseMotion(
+            timebase.interpolate(time, self.angular_velocity[rows], grid, smooth=True),
+            timebase.interpolate(time, self.specific_force[rows], grid, smooth=False),
+            self.position,
+        )
+
+    def averaged(self, size: int) -> BaseMotion:
+        """Average neighbouring samples.
+
+        Args:
+            size: Number of samples that become one.
+
+        Returns:
+            The shorter motion; samples that do not fill a group are left out.
+        """
+        count = len(self) // size * size
+        means = self.columns[:count].reshape(-1, size, 6).mean(axis=1)
+        return BaseMotion(means[:, :3], means[:, 3:], self.position)
+
+    def __len__(self) -> int:
+        return len(self.angular_velocity)
+
+    def __repr__(self) -> str:
+        return f"BaseMotion({len(self)} samples, sensor at {_point(self.position)} m)"
+
+
+def _point(position: FloatArray) -> str:
+    return f"({', '.join(f'{x:.4g}' for x in position.tolist())})"
+
+
+def _mounting(rotation: ArrayLike) -> FloatArray:
+    """Check a rotation matrix."""
+    matrix = checks.as_numbers(rotation, "rotation")
+    checks.refuse_shape(matrix, (3, 3), "rotation")
+    error = np.abs(matrix @ matrix.T - np.eye(3)).max()
+    if not error <= ORTHONORMAL or np.linalg.det(matrix) < 0.0:
+        raise ExoidError(
+            "the mounting of the sensor is not a rotation"
+            + ("; its axes are left-handed" if error <= ORTHONORMAL else ""),
+            remedy="pass a (3, 3) matrix whose columns are the sensor's x, y, z in the axes of the root link",
+        )
+    return matrix

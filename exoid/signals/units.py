@@ -1,0 +1,194 @@
+"""Units that columns of logs may have, and their factors to SI."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+
+from exoid.errors import ExoidError
+
+_ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "°": math.pi / 180.0, "rev": 2.0 * math.pi}
+_TORQUES = {"N·m": 1.0, "mN·m": 1e-3, "N·mm": 1e-3, "N·cm": 1e-2, "kN·m": 1e3}
+
+UNITS: Mapping[str, Mapping[str, float]] = {
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0},
+    "q": _ANGLES,
+    "v": {**{f"{unit}/s": size for unit, size in _ANGLES.items()}, "rpm": math.pi / 30.0},
+    "a": {f"{unit}/s²": size for unit, size in _ANGLES.items()},
+    "tau": _TORQUES,
+    "i": {"A": 1.0, "mA": 1e-3},
+    "f": {"N": 1.0, "mN": 1e-3, "kN": 1e3},
+    "tm": _TORQUES,
+    "qm": _ANGLES,
+    "temp": {"°C": 1.0, "K": 1.0, "°F": 5.0 / 9.0},
+    "base_gyro": {f"{unit}/s": size for unit, size in _ANGLES.items()},
+    "base_acc": {"m/s²": 1.0, "mm/s²": 1e-3, "g": 9.80665, "mg": 9.80665e-3},
+    "base_q": {},
+    "base": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
+}
+"""Factor to SI of each unit, by the quantity of a column: "time", or the part of its name before ``_<joint>``."""
+
+ZEROS: Mapping[str, float] = {"K": 273.15, "degF": 32.0}
+"""Reading of each unit at zero SI, where that is not zero, by :func:`spelled` unit. Temperatures are in °C."""
+
+OF_BASE = ("base_gyro", "base_acc", "base_q", "base")
+"""Quantities of the base by the beginning of a column's name, the longer ones first."""
+
+MEANINGS = {
+    "time": "time",
+    "q": "angle",
+    "v": "velocity",
+    "a": "acceleration",
+    "tau": "torque",
+    "i": "current",
+    "f": "force",
+    "tm": "motor torque",
+    "qm": "motor angle",
+    "temp": "temperature",
+    "base_gyro": "angular velocity of the base",
+    "base_acc": "specific force of the base",
+    "base_q": "a quaternion, which has none",
+    "base": "position of the base",
+}
+"""Word for each quantity."""
+
+BRACKETED = re.compile(r"[\[(]([^\])]+)[\])]\s*$")
+"""Unit at the end of a header, such as ``hip torque [N·mm]``."""
+
+CURRENT = re.compile(r"(?<![a-z])(current|curr|cur|amps?|amperes?)(?![a-z])", re.IGNORECASE)
+"""Words for a motor current in a header."""
+
+
+def spelled(unit: str) -> str:
+    """Write a unit without the signs that people write differently: ``N.m``, ``Nm`` and ``N·m`` are one.
+
+    Args:
+        unit: Unit.
+
+    Returns:
+        Its letters, ``/`` and exponent.
+    """
+    plain = unit.replace("²", "2").replace("μ", "µ").replace("µ", "u").replace("°", "deg")
+    return re.sub(r"[\s·⋅.*^]", "", plain).replace("Ampere", "A")
+
+
+def factor_of(unit: str, quantity: str) -> float | None:
+    """Find the factor of a unit to SI.
+
+    Args:
+        unit: Unit, in any usual spelling.
+        quantity: Key of :data:`UNITS`.
+
+    Returns:
+        The factor; None if it is no unit of the quantity.
+    """
+    known = {spelled(name): size for name, size in UNITS[quantity].items()}
+    return known.get(spelled(unit))
+
+
+def zero_of(unit: str) -> float:
+    """Find the reading that stands for zero SI (0 °C of a temperature): 273.15 of kelvins.
+
+    Args:
+        unit: Unit, in any usual spelling.
+
+    Returns:
+        The reading, in the unit.
+    """
+    return ZEROS.get(spelled(unit), 0.0)
+
+
+def is_unit(text: str) -> bool:
+    """Tell whether a text is a unit of any quantity.
+
+    Args:
+        text: The text.
+
+    Returns:
+        Whether it is.
+    """
+    return any(factor_of(text, quantity) is not None for quantity in UNITS)
+
+
+def quantity_of(name: str) -> str:
+    """Find the quantity of an exoid column.
+
+    Args:
+        name: Name of the column, such as ``tau_hip``.
+
+    Returns:
+        Key of :data:`UNITS`.
+    """
+    if name.startswith("base_"):
+        return next(quantity for quantity in OF_BASE if name.startswith(quantity))
+    return name if name == "time" else name.partition("_")[0]
+
+
+def refuse_other_unit(unit: str, name: str, where: str) -> float:
+    """Find the factor of a column's unit, or refuse a unit that does not belong to its quantity.
+
+    Args:
+        unit: Unit.
+        name: Name of the exoid column, such as ``tau_hip``.
+        where: Place, for messages.
+
+    Returns:
+        The factor to SI.
+
+    Raises:
+        ExoidError: It is a unit of something else, or none.
+    """
+    quantity = quantity_of(name)
+    factor = factor_of(unit, quantity)
+    if factor is not None:
+        return factor
+    remedy = f"units of {MEANINGS[quantity]} are {', '.join(UNITS[quantity])}"
+    command = remedy
+    if quantity in ("tau", "f", "tm") and factor_of(unit, "i") is not None:
+        joint, scale = name.partition("_")[2], "0.118"
+        aim = "N" if quantity == "f" else "N·m"
+        remedy = f'read it as current, columns={{"i_{joint}": ...}}, or give the scale in {aim} per A'
+        command = f"read it as current (i_{joint}=HEADER:{unit}), or give {aim} per A: {name}=HEADER:{scale}"
+    raise ExoidError(
+        f"{unit!r} is not a unit of {MEANINGS[quantity]} ({name})", where=where, remedy=remedy, command=command
+    )
+
+
+def refuse_silent_unit(header: str, name: str, where: str, *, degrees: bool) -> None:
+    """Refuse a header that names a unit which the column is not read in, or a current that is read as torque.
+
+    Args:
+        header: Header in the file.
+        name: Name of the exoid column it is read as, without scale or unit.
+        where: Place, for messages.
+        degrees: Whether angles in the file are degrees.
+
+    Raises:
+        ExoidError: The header says otherwise.
+    """
+    quantity = quantity_of(name)
+    written = BRACKETED.search(header)
+    unit = written.group(1).strip() if written is not None else ""
+    if unit and is_unit(unit):
+        factor = factor_of(unit, quantity)
+        in_degrees = quantity in ("q", "v", "a", "qm") and degrees
+        expected = math.pi / 180.0 if in_degrees else 1.0
+        if factor is None or not math.isclose(factor, expected) or zero_of(unit):
+            si = next(iter(UNITS[quantity]), "1") if not in_degrees else "degrees"
+            raise ExoidError(
+                f"column {header!r} says {unit}, and would be read as {name} in {si}",
+                where=where,
+                remedy=f'say its unit or its scale: columns={{"{name}": exoid.signals.Column({header!r}, unit=...)}}',
+                command=f"say its unit or its scale: --column '{name}={header}:UNIT' or ':SCALE'",
+            )
+    elif quantity in ("tau", "f", "tm") and CURRENT.search(header):
+        aim = "N" if quantity == "f" else "N·m"
+        joint = name.partition("_")[2]
+        raise ExoidError(
+            f"column {header!r} is to be {name} [{aim}], and its name says that it is a current",
+            where=where,
+            remedy=f'give Column({header!r}, scale=...) in {aim} per A, map it to "i_{joint}", or say unit="{aim}"',
+            command=f"give {aim} per A ({name}={header}:0.118), map it to i_{joint}, or say its unit "
+            f"({name}={header}:{aim})",
+        )

@@ -1,0 +1,231 @@
+"""Couplings: springs, cables, friction and rotors along a coordinate that several joints move together.
+
+Such a coordinate is s = Σ r_j q_j: the stretch of a spring or cable that spans two joints, or the angle of a motor that
+drives one joint by way of another. A torque f along s takes the power f ṡ = Σ r_j f q̇_j, so that the torque at joint j
+is τ_j = r_j f(s, ṡ, s̈), or τ = Aᵀ f(A q, A q̇, A q̈) with the row A of the ratios.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
+from .coupled_term import CoupledTerm, JointsMotion
+from .term import JointMotion, NonlinearParameter, number
+from .terms import reversals
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoordinateTerm(CoupledTerm):
+    """Torque along a coordinate s = Σ r_j q_j of several joints, τ_j = r_j f(s, ṡ, s̈).
+
+    A subclass writes the columns of f in ``fill``, as for one joint whose motion is s, ṡ, s̈.
+
+    Attributes:
+        joints: Names (or labels) of the joints, two or more.
+        ratios: Ratio r_j of each joint: change of the coordinate with its angle. With 1 for the joint that counts, the
+            parameters are in N·m of that joint.
+        name: Name of the coordinate in parameter names, such as "hip_motor"; None for the names of the joints.
+
+    Raises:
+        ExoidError: There is not one finite ratio other than zero for each joint, or the name is empty.
+    """
+
+    ratios: tuple[float, ...]
+    name: str | None = None
+
+    def __post_init__(self) -> None:
+        """Check joints and ratios."""
+        super().__post_init__()
+        ratios, joints = self.ratios, self.joints or ()
+        numbers = isinstance(ratios, tuple) and all(isinstance(r, (int, float)) and math.isfinite(r) for r in ratios)
+        if not numbers or len(ratios) != len(joints) or 0.0 in ratios:
+            raise ExoidError(
+                f"{type(self).__name__}(joints={joints!r}, ratios={ratios!r})",
+                remedy="give one finite ratio for each joint, such as ratios=(1.0, -0.5), and leave out joints that do "
+                "not move the coordinate",
+            )
+        if self.name is not None and not (isinstance(self.name, str) and self.name.isidentifier()):
+            raise ExoidError(f"{type(self).__name__}(name={self.name!r})", remedy='a word, such as "hip_motor"')
+
+    def label(self, joints: Sequence[int], labels: Sequence[str]) -> str:
+        """Name its parameters by the coordinate, or by the joints.
+
+        Args:
+            joints: Indices of its joints.
+            labels: Labels of the joints of the leg, (n,).
+
+        Returns:
+            What follows the symbol in parameter names.
+        """
+        return super().label(joints, labels) if self.name is None else self.name
+
+    def fill_joints(self, motion: JointsMotion, out: FloatArray) -> None:
+        """Write the columns r_j f.
+
+        Args:
+            motion: Motion of the joints, N samples.
+            out: Receives the columns, (number of symbols, N, m).
+        """
+        ratios = np.array(self.ratios, dtype=np.float64)
+        columns = np.zeros(out.shape[:2])
+        q, v, a = (x @ ratios for x in motion)
+        self.fill(JointMotion(q, v, a, np.zeros_like(q)), columns)
+        np.multiply(columns[..., None], ratios, out=out)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CouplingSpring(CoordinateTerm):
+    """Spring that several joints stretch together, f = k s + preload, such as a biarticular spring over hip and knee.
+
+    Its potential is V = k s²/2 + preload · s. The unstretched spring is at s = −preload / k. Offsets of all its joints
+    include the preload.
+
+    Example:
+        >>> from exoid.torques import TorqueModel
+        >>> spring = CouplingSpring(joints=("hip", "knee"), ratios=(1.0, -0.6))
+        >>> TorqueModel(exoid.load_leg("cuhk"), (spring,)).names[-2:]
+        ('k_hip_knee', 'preload_hip_knee')
+    """
+
+    symbols = ("k", "preload")
+    units = ("N·m/rad", "N·m")
+    nonnegative = ("k",)
+
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
+        """Write the columns s and 1.
+
+        Args:
+            motion: Motion of the coordinate, N samples.
+            out: Receives the columns, (2, N).
+        """
+        out[0], out[1] = motion.q, 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cable(CoordinateTerm):
+    """Elastic cable or strap over several joints, f = k max(s − slack, 0): it pulls when stretched, and never pushes.
+
+    Its potential is V = k max(s − slack, 0)²/2.
+
+    Attributes:
+        slack: Coordinate at which the cable becomes tight [rad], a number or a positive :class:`NonlinearParameter`.
+
+    Raises:
+        ExoidError: The slack is not finite, or joints or ratios are wrong.
+    """
+
+    slack: float | NonlinearParameter = 0.0
+
+    symbols = ("kc",)
+    units = ("N·m/rad",)
+    nonnegative = ("kc",)
+
+    def __post_init__(self) -> None:
+        """Check the settings."""
+        super().__post_init__()
+        slack = self.slack
+        if not isinstance(slack, (int, float, NonlinearParameter)) or (
+            not isinstance(slack, NonlinearParameter) and not math.isfinite(slack)
+        ):
+            raise ExoidError(f"Cable(slack={slack!r})", remedy="give a finite number in rad, or NonlinearParameter")
+
+    @property
+    def nonlinear_symbols(self) -> Mapping[str, tuple[str, str]]:
+        """Symbol and unit of the slack."""
+        return {"slack": ("slack", "rad")}
+
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
+        """Write the column max(s − slack, 0).
+
+        Args:
+            motion: Motion of the coordinate, N samples.
+            out: Receives the columns, (1, N).
+
+        Raises:
+            ExoidError: The slack has no value yet.
+        """
+        np.maximum(motion.q - number(self.slack), 0.0, out=out[0])
+
+
+@dataclass(frozen=True, kw_only=True)
+class CouplingFriction(CoordinateTerm):
+    """Friction of a drive or a joint between links that several joints move, f = c0 tanh(ṡ / smoothing) + d ṡ.
+
+    Attributes:
+        smoothing: Velocity ṡ over which the sign changes [rad/s]; 0 for a sharp sign.
+        reversal_speed: Velocity ṡ below which the drive may stick where it turns round [rad/s], see
+            :class:`exoid.Coulomb`; 0 for never.
+
+    Raises:
+        ExoidError: A velocity is negative or not finite, or joints or ratios are wrong.
+    """
+
+    smoothing: float = 0.02
+    reversal_speed: float = 0.0
+
+    symbols = ("c0", "d")
+    units = ("N·m", "N·m·s/rad")
+    nonnegative = ("c0", "d")
+    friction = True
+
+    def __post_init__(self) -> None:
+        """Check the settings."""
+        super().__post_init__()
+        for field in ("smoothing", "reversal_speed"):
+            value = getattr(self, field)
+            if not isinstance(value, (int, float)) or not 0.0 <= value < math.inf:
+                raise ExoidError(f"CouplingFriction({field}={value!r})", remedy="a velocity in rad/s, zero or positive")
+
+    def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
+        """Select the samples at which the coordinate turns round.
+
+        Args:
+            v: Velocities of its joints over a recording [rad/s], (N, m).
+
+        Returns:
+            Whether each sample belongs to a reversal, (N,); None without a reversal speed.
+        """
+        return reversals(v @ np.array(self.ratios), self.reversal_speed)
+
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
+        """Write the columns tanh(ṡ / smoothing) and ṡ.
+
+        Args:
+            motion: Motion of the coordinate, N samples.
+            out: Receives the columns, (2, N).
+        """
+        if self.smoothing > 0.0:
+            with np.errstate(over="ignore"):  # a tiny smoothing: tanh of infinity is 1
+                np.tanh(np.divide(motion.v, self.smoothing, out=out[0]), out=out[0])
+        else:
+            np.sign(motion.v, out=out[0])
+        out[1] = motion.v
+
+
+@dataclass(frozen=True, kw_only=True)
+class CouplingInertia(CoordinateTerm):
+    """Rotor of a drive that several joints turn, f = Ia s̈, such as a knee motor on the torso behind a belt.
+
+    It adds Ia AᵀA to the mass matrix. It is zero where torque is measured behind the gear.
+    """
+
+    symbols = ("Ia",)
+    units = ("kg·m²",)
+    nonnegative = ("Ia",)
+
+    def fill(self, motion: JointMotion, out: FloatArray) -> None:
+        """Write the column s̈.
+
+        Args:
+            motion: Motion of the coordinate, N samples.
+            out: Receives the columns, (1, N).
+        """
+        out[0] = motion.a

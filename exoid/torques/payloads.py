@@ -1,0 +1,84 @@
+"""Torque of payloads that are fixed to a leg: known, so that it stands beside the measured torque."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+from exoid.model import dynamic_parameters, with_dynamic_parameters
+from exoid.payload import Payload
+
+from .term import Motion
+
+BLOCK = 32768
+"""Samples whose torque is computed at once."""
+
+
+def payload_parameters(leg: Leg, payloads: Sequence[Payload]) -> FloatArray:
+    """Compute what payloads add to the parameters of a leg, which are linear in the inertias.
+
+    Args:
+        leg: The leg.
+        payloads: Bodies that are fixed to it.
+
+    Returns:
+        Δβ, (p,).
+
+    Raises:
+        ExoidError: The leg does not have a joint that a payload names.
+    """
+    return leg.reduction.parameters(_link_parameters(leg, payloads))
+
+
+def payload_torque(leg: Leg, payloads: Sequence[Payload], motion: Motion) -> FloatArray:
+    """Compute the joint torques that payloads take, RNEA with them less RNEA without.
+
+    RNEA is linear in the inertias, so that this is W Δβ, with which it is computed for a planar chain.
+
+    Args:
+        leg: The leg.
+        payloads: Bodies that are fixed to it.
+        motion: Motion of N samples.
+
+    Returns:
+        Torques [N·m], (N, n).
+
+    Raises:
+        ExoidError: The leg does not have a joint that a payload names.
+    """
+    links = _link_parameters(leg, payloads)
+    if leg.chain is None:
+        loaded = replace(leg, model=with_dynamic_parameters(leg.model, dynamic_parameters(leg.model) + links))
+        samples = motion.q, motion.v, motion.a, motion.torso
+        return loaded.inverse_dynamics(*samples) - leg.inverse_dynamics(*samples)
+    added = leg.reduction.parameters(links)
+    out = np.empty(motion.q.shape)
+    for start in range(0, len(out), BLOCK):
+        rows = slice(start, start + BLOCK)
+        part = motion.rows(rows)
+        out[rows] = leg.regressor(part.q, part.v, part.a, part.torso) @ added
+    return out
+
+
+def _link_parameters(leg: Leg, payloads: Sequence[Payload]) -> FloatArray:
+    """Compute what payloads add to the parameters π of the links, (10 n,)."""
+    added = np.zeros((len(leg.joint_names), 10))
+    named = (leg.link_labels, leg.link_names, leg.joint_labels, leg.joint_names)  # the last ones count first
+    joints = {name: joint for names in named for joint, name in enumerate(names)}
+    for payload in payloads:
+        if payload.joint not in joints:
+            raise ExoidError(
+                f"a payload on {payload.joint!r}, which the leg does not have",
+                where=leg.description.name,
+                remedy=f"its joints are {', '.join(leg.joint_names)}, their links {', '.join(leg.link_names)}",
+            )
+        inertia = payload.mass * payload.gyration**2 * np.eye(3)
+        body = pin.Inertia(payload.mass, np.array(payload.position), inertia)
+        added[joints[payload.joint]] += body.toDynamicParameters()
+    return added.ravel()

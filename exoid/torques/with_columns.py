@@ -1,0 +1,166 @@
+"""Torque models with more columns behind those of their parameters, such as faults of a log or other friction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+
+from .model import Regrouped, TorqueModel
+from .term import Motion
+
+
+class ExtraColumns(Protocol):
+    """K columns that stand beside those of a torque model's parameters."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns, (K,)."""
+
+    @property
+    def acting(self) -> NDArray[np.bool_]:
+        """Columns that can act on each joint, (n, K)."""
+
+    def motion(self, motion: Motion) -> Motion:
+        """Add what the columns depend on besides angles, velocities and accelerations.
+
+        Args:
+            motion: Motion of a whole recording.
+
+        Returns:
+            The motion, perhaps with more internal states.
+        """
+
+    def fill(self, motion: Motion, columns: FloatArray, out: FloatArray) -> None:
+        """Write the columns.
+
+        Args:
+            motion: Motion of N samples, of :meth:`motion`, or some rows of one.
+            columns: Columns of the parameters, (P, n, N).
+            out: Receives the columns, zeroed, (K, n, N).
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class WithColumns:
+    """Torque model with more columns behind those of its parameters.
+
+    Attributes:
+        model: The torque model, with P parameters.
+        extras: The other columns, K in all.
+    """
+
+    model: TorqueModel
+    extras: tuple[ExtraColumns, ...]
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Joints, (n,)."""
+        return self.model.joint_names
+
+    @property
+    def joint_labels(self) -> tuple[str, ...]:
+        """Joint names as they occur in parameter names, (n,)."""
+        return self.model.joint_labels
+
+    @property
+    def regrouped(self) -> Sequence[Regrouped]:
+        """Parameters that are part of others."""
+        return self.model.regrouped
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of parameters, then of the other columns, (P + K,)."""
+        return (*self.model.names, *(name for extra in self.extras for name in extra.names))
+
+    @cached_property
+    def acting(self) -> NDArray[np.bool_]:
+        """Columns that can act on each joint, (n, P + K)."""
+        return np.hstack([self.model.acting, *(extra.acting for extra in self.extras)])
+
+    def motion(
+        self,
+        q: Any,  # noqa: ANN401 - arrays of any kind
+        v: Any,  # noqa: ANN401
+        a: Any,  # noqa: ANN401
+        torso: Any = None,  # noqa: ANN401
+        payloads: Sequence[Any] = (),
+        computed: NDArray[np.bool_] | None = None,
+        temperature: Any = None,  # noqa: ANN401
+    ) -> Motion:
+        """Gather what the columns of a whole recording depend on.
+
+        Args:
+            q: Angles [rad], (N, n), in time order.
+            v: Velocities [rad/s], (N, n).
+            a: Accelerations [rad/s²], (N, n).
+            torso: Motion of the torso, if it moves.
+            payloads: Payloads on the leg.
+            computed: Joints whose torque follows from the reading of their drive, (n,).
+            temperature: Temperatures [°C], (N, n), for terms that depend on them.
+
+        Returns:
+            The motion.
+        """
+        motion = self.model.motion(q, v, a, torso, payloads, computed, temperature)
+        for extra in self.extras:
+            motion = extra.motion(motion)
+        return motion
+
+    def columns(self, motion: Motion) -> FloatArray:
+        """Form the columns.
+
+        Args:
+            motion: Motion of N samples, of :meth:`motion`, or some rows of one.
+
+        Returns:
+            Columns, (P + K, n, N).
+        """
+        columns = self.model.columns(motion)
+        out = np.zeros((len(self.names), *columns.shape[1:]))
+        start = len(columns)
+        out[:start] = columns
+        for extra in self.extras:
+            stop = start + len(extra.names)
+            extra.fill(motion, columns, out[start:stop])
+            start = stop
+        return out
+
+    def regressor(self, q: Any, v: Any, a: Any, torso: Any = None, temperature: Any = None) -> FloatArray:  # noqa: ANN401
+        """Form the columns, samples first.
+
+        Args:
+            q: Angles [rad], (N, n), in time order.
+            v: Velocities [rad/s], (N, n).
+            a: Accelerations [rad/s²], (N, n).
+            torso: Motion of the torso, if it moves.
+            temperature: Temperatures [°C], (N, n), for terms that depend on them.
+
+        Returns:
+            Columns, (N, n, P + K).
+        """
+        return self.columns(self.motion(q, v, a, torso, temperature=temperature)).transpose(2, 1, 0)
+
+    def usable(self, v: FloatArray) -> NDArray[np.bool_]:
+        """Say which samples of which joint may be fitted.
+
+        Args:
+            v: Velocities [rad/s], (N, n).
+
+        Returns:
+            Mask, (N, n).
+        """
+        return self.model.usable(v)
+
+    def reversing(self, v: FloatArray) -> None:
+        """Take no reversal out: other friction, and many faults, differ most where joints turn round.
+
+        Args:
+            v: Velocities [rad/s], (N, n).
+        """

@@ -1,0 +1,292 @@
+"""Torque constants and efficiencies that are not known are found beside the parameters, or refused by name."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from unchecked import identify
+
+import exoid
+from exoid.actuators import (
+    Actuators,
+    Attachments,
+    LinearActuator,
+    Motor,
+    actuators_from_data,
+    actuators_to_data,
+)
+from exoid.actuators.constants import at_start, unknown_constants, with_constants
+from exoid.errors import ExoidError
+from exoid.payload import Payload
+from exoid.signals import Poses, Recording, Recordings
+from exoid.signals.recordings import RecordingFile
+from exoid.torques import Armature, Coulomb, LoadFriction, Motion, NonlinearParameter, Offset, TorqueModel, Viscous
+from exoid.torques.payloads import payload_torque
+
+KT, ETA, RATIO = (0.07, 0.05), 0.85, 50.0
+FRICTION = {"c0": 1.0, "d": 0.3, "offset": 0.0, "Ia": 0.6}
+TERMS = (Coulomb(smoothing=0.01), Viscous(), Armature(), Offset())
+PAYLOAD = (Payload("knee", 3.0, (0.0, 0.0, -0.3)),)
+LEG = exoid.load_leg("cuhk")
+TRUTH = dict(zip(LEG.parameter_names, LEG.parameters, strict=True)) | {"kt_hip": KT[0], "kt_knee": KT[1]}
+TRUTH["J1"] += FRICTION["Ia"]
+
+
+def torque_log(seed, payloads=(), seconds=20.0):
+    """Motion with exact velocity, and true torque."""
+    rng, t = np.random.default_rng(seed), np.arange(0.0, seconds, 0.005)
+    f, phase, size = rng.uniform(0.15, 1.2, (5, 2)), rng.uniform(0.0, 6.3, (5, 2)), rng.uniform(0.1, 0.25, (5, 2))
+    w = 2.0 * np.pi * f
+    angle = w * t[:, None, None] + phase
+    q, v = (size * np.sin(angle)).sum(axis=1), (size * w * np.cos(angle)).sum(axis=1)
+    a = -(size * w**2 * np.sin(angle)).sum(axis=1)
+    model = TorqueModel(LEG, TERMS, separate=("Ia_hip",))
+    values = [*LEG.parameters, *(FRICTION[name.partition("_")[0]] for name in model.names[len(LEG.parameters) :])]
+    tau = model.regressor(q, v, a) @ values
+    if payloads:
+        tau = tau + payload_torque(LEG, payloads, Motion(q, v, a))
+    return Recording(t, q, v, a, tau, joint_names=LEG.joint_names, payloads=payloads)
+
+
+def log(seed, payloads=(), *, noise=0.02, eta=1.0, seconds=20.0, joints=(0, 1)):
+    """Log of currents of some joints, and torques of the others."""
+    true = torque_log(seed, payloads, seconds)
+    current = true.tau / (RATIO * np.array(KT)) / np.where(true.tau * true.v > 0.0, eta, 1.0)
+    current += noise * np.std(current, axis=0) * np.random.default_rng(seed).standard_normal(current.shape)
+    driven = np.isin([0, 1], joints)
+    tau = None if driven.all() else np.where(driven, np.nan, true.tau)
+    return replace(true, v=None, a=None, tau=tau, current=np.where(driven, current, np.nan))
+
+
+def motors(**changes):
+    return {joint: Motor(None, **{"ratio": RATIO, **changes}) for joint in ("hip", "knee")}
+
+
+def check_against(found, truth, within):
+    for name, value in truth.items():
+        if name not in ("Y1", "Y2"):
+            assert found[name].value == pytest.approx(value, rel=within), name
+
+
+def test_without_noise_constants_and_parameters_are_exact():
+    """From starts that are wrong by a factor of two: what is left is the filters' error."""
+    found = identify(LEG, [log(1, noise=0.0), log(2, PAYLOAD, noise=0.0)], TERMS, actuators=motors())
+    check_against(found, TRUTH, 1e-3)
+    assert found["kt_hip"].unit == "N·m/A"
+    assert found["kt_hip"].interval[0] < KT[0] < found["kt_hip"].interval[1]
+
+
+@pytest.mark.parametrize("factor", [0.05, 1000.0])
+def test_the_start_does_not_matter(factor):
+    """Such as where the constant includes a ratio that was not given."""
+    logs = [replace(one, current=one.current / factor) for one in (log(1), log(2, PAYLOAD))]
+    found = identify(LEG, logs, TERMS, actuators=motors())
+    check_against(found, TRUTH | {"kt_hip": factor * KT[0], "kt_knee": factor * KT[1]}, 0.02)
+
+
+def test_constants_of_joints_may_differ_by_orders_of_magnitude():
+    """An efficiency that runs to its bound on the way comes back."""
+    factors = np.array([20.0, 0.1])
+    logs = [log(1, eta=ETA, seconds=40.0), log(2, PAYLOAD, eta=ETA, seconds=40.0)]
+    logs = [replace(one, current=one.current / factors) for one in logs]
+    found = identify(LEG, logs, TERMS, actuators=motors(efficiency=None, back_efficiency=1.0))
+    scaled = {"kt_hip": factors[0] * KT[0], "kt_knee": factors[1] * KT[1], "eta_hip": ETA, "eta_knee": ETA}
+    check_against(found, TRUTH | scaled, 0.02)
+
+
+def test_noise_of_the_current_attenuates_nothing():
+    """As much noise as a third of the signal: a regression on the current itself would lose 8 % of the constant."""
+    errors = [
+        identify(LEG, [log(k, noise=0.3), log(100 + k, PAYLOAD, noise=0.3)], TERMS, actuators=motors())["kt_knee"].value
+        for k in range(8)
+    ]
+    assert np.mean(errors) == pytest.approx(KT[1], rel=0.02)
+
+
+def test_efficiency_is_found_beside_the_torque_constant():
+    logs = [log(1, eta=ETA, seconds=40.0), log(2, PAYLOAD, eta=ETA, seconds=40.0)]
+    found = identify(LEG, logs, TERMS, actuators=motors(efficiency=None, back_efficiency=1.0))
+    check_against(found, TRUTH | {"eta_hip": ETA, "eta_knee": ETA}, 0.02)
+    drive = found.actuators.drives["left_knee"]
+    assert (drive.torque_constant, drive.efficiency) == (found["kt_knee"].value, found["eta_knee"].value)
+
+
+def test_efficiency_alone_needs_no_payload():
+    """With k_t known, what the joint drives back is known in N·m."""
+    drives = {joint: Motor(kt, RATIO, None, back_efficiency=1.0) for joint, kt in zip(("hip", "knee"), KT, strict=True)}
+    found = identify(LEG, log(1, eta=ETA, seconds=40.0), TERMS, actuators=drives)
+    check_against(found, {"eta_hip": ETA, "eta_knee": ETA, "X2": TRUTH["X2"]}, 0.02)
+
+
+def test_a_gear_that_loses_nothing_is_at_the_bound():
+    """No efficiency is above 1: it is held there, and a warning says so."""
+    found = identify(LEG, [log(31), log(32, PAYLOAD)], TERMS, actuators=motors(efficiency=None, back_efficiency=1.0))
+    held = [name for name in ("eta_hip", "eta_knee") if found[name].value == 1.0]
+    assert held
+    assert all(found[name].identifiability == "held" for name in held)
+    assert any("is at its upper bound, 1, and held there" in text for text in found.warnings)
+
+
+def test_a_joint_with_a_torque_sensor_is_enough():
+    """The hip's sensor knows the leg in N·m, and the knee's constant follows from the shared parameters."""
+    found = identify(LEG, log(3, joints=(1,)), TERMS, actuators={"knee": Motor(None, RATIO)})
+    check_against(found, {name: TRUTH[name] for name in ("X1", "J1", "X2", "J2", "kt_knee")}, 0.02)
+
+
+def test_a_known_parameter_is_enough():
+    """A link that was weighed on a bench."""
+    found = identify(LEG, log(1), TERMS, actuators=motors(), known={"X2": TRUTH["X2"]})
+    check_against(found, TRUTH, 0.03)
+
+
+def test_poses_on_a_torque_sensor_are_enough():
+    q = np.random.default_rng(5).uniform(-0.8, 0.8, (40, 2))
+    poses = Poses(q, LEG.gravity(q), LEG.joint_names)
+    found = identify(LEG, [log(1), poses], (Viscous(), Coulomb(smoothing=0.01), Armature()), actuators=motors())
+    check_against(found, TRUTH, 0.03)
+
+
+@pytest.mark.parametrize("known", [None, {"c0_hip": 0.0}])
+def test_without_anything_in_newton_metres_constants_are_refused(known):
+    """A known zero is zero in any unit."""
+    weightless = (replace(PAYLOAD[0], mass=0.0),)
+    for logs in ([log(1)], [log(1), log(2, weightless)]):
+        with pytest.raises(ExoidError, match=r"nothing is known in N·m, so that kt_hip, kt_knee .*weighed payload"):
+            identify(LEG, logs, TERMS, actuators=motors(), known=known)
+    (finding,) = exoid.check(LEG, log(1), TERMS, actuators=motors(), known=known)
+    assert (finding.kind, "weighed payload" in finding.remedy) == ("not-identifiable", True)
+
+
+@pytest.mark.parametrize(
+    ("mass", "what"), [(0.002, "kt_knee cannot be told apart"), (0.02, "kt_hip = .* N·m/A is not")]
+)
+def test_a_payload_that_hardly_weighs_is_refused(mass, what):
+    light = (replace(PAYLOAD[0], mass=mass),)
+    with pytest.raises(ExoidError, match=rf"{what}.*weighed payload on the last segment"):
+        identify(LEG, [log(1, noise=0.2), log(2, light, noise=0.2)], TERMS, actuators=motors())
+
+
+def test_a_current_of_the_other_sign_is_refused():
+    logs = [log(1), log(2, PAYLOAD)]
+    wrong = [replace(one, current=-one.current) for one in logs]
+    with pytest.raises(ExoidError, match=r"kt_hip, kt_knee would be negative: current and torque have opposite signs"):
+        identify(LEG, wrong, TERMS, actuators=motors())
+    found = identify(LEG, wrong, TERMS, actuators=motors(ratio=-RATIO))
+    check_against(found, TRUTH, 0.02)
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"estimator": "ml"}, "ml fits the torque of every sample"),
+        ({"delay": "auto"}, "delays are to be corrected"),
+        ({"terms": (LoadFriction(),)}, "terms are nonlinear or depend on the load"),
+        ({"terms": (Coulomb(smoothing=NonlinearParameter(0.02, 0.001, 0.1)),)}, "terms are nonlinear"),
+        ({"own": ("offset",)}, "groups of recordings are fitted"),
+    ],
+)
+def test_what_cannot_act_beside_unknown_constants_is_refused(changes, what):
+    with pytest.raises(ExoidError, match=rf"kt_hip, kt_knee: constants of drives are not found where {what}.*by wls"):
+        identify(LEG, [log(1), log(2, PAYLOAD)], actuators=motors(), **changes)
+
+
+@pytest.mark.parametrize("estimator", ["ols", "huber", "gls"])
+def test_other_estimators_find_constants(estimator):
+    found = identify(LEG, [log(1), log(2, PAYLOAD)], TERMS, estimator, actuators=motors())
+    check_against(found, TRUTH, 0.02)
+
+
+def test_a_drive_that_no_torque_comes_from_is_refused():
+    """A measured torque is never replaced, so that its current says nothing."""
+    both = [replace(one, tau=torque_log(k).tau) for k, one in ((1, log(1)), (2, log(2)))]
+    with pytest.raises(
+        ExoidError, match=r"kt_hip, kt_knee: no torque of left_hip, left_knee is computed from its drive"
+    ):
+        identify(LEG, both, TERMS, actuators=motors())
+
+
+def test_recordings_need_not_have_all_currents():
+    logs = [log(1), log(2, PAYLOAD), log(3)]
+    gap = logs[2].current.copy()
+    gap[:, 1] = np.nan
+    found = identify(LEG, [*logs[:2], replace(logs[2], current=gap)], TERMS, actuators=motors(), nonnegative=True)
+    check_against(found, TRUTH, 0.02)
+
+
+def test_named_groups_are_refused():
+    with pytest.raises(ExoidError, match="kt_hip, kt_knee: constants of drives are not found where groups"):
+        identify(LEG, {"monday": [log(1), log(2, PAYLOAD)]}, TERMS, actuators=motors())
+
+
+def test_constants_are_no_parameters_of_the_leg():
+    with pytest.raises(ExoidError, match=r"kt_hip is a constant of a drive.*Motor\(torque_constant"):
+        identify(LEG, [log(1), log(2, PAYLOAD)], TERMS, actuators=motors(), known={"kt_hip": 0.07})
+
+
+def test_logs_on_disk_give_the_same(tmp_path):
+    logs = [log(1), log(2, PAYLOAD)]
+    for k, one in enumerate(logs):
+        one.to_csv(tmp_path / f"{k}.csv")
+    stored = Recordings(tuple(RecordingFile(tmp_path / f"{k}.csv", Recording.from_file) for k in range(2)))
+    here, there = (identify(LEG, data, TERMS, actuators=motors()) for data in (logs, stored))
+    assert there["kt_hip"].value == pytest.approx(here["kt_hip"].value, rel=1e-9)
+
+
+def test_an_estimate_keeps_its_constants(tmp_path):
+    """In its file, in validation of a log of currents, and in what it exports."""
+    found = identify(LEG, [log(1), log(2, PAYLOAD)], TERMS, actuators=motors())
+    found.save(tmp_path / "est.json")
+    again = exoid.Estimate.load(tmp_path / "est.json")
+    assert again["kt_knee"] == found["kt_knee"]
+    assert again.actuators.drives["left_knee"].torque_constant == found["kt_knee"].value
+    assert exoid.validate(again, log(9)).verdict == "predicts"
+    assert (exoid.validate(again, log(9, PAYLOAD)).nrmse < 0.01).all()
+    assert "kt_knee" in str(found)
+    assert "from array, array with knee:3.0@0.0,0.0,-0.3; zero-phase" in str(again)
+    found.to_urdf(tmp_path / "leg.urdf")
+    found.to_c(tmp_path / "leg.c")
+
+
+def test_checks_of_a_log_of_currents_find_nothing():
+    assert not exoid.check(LEG, [log(1, seconds=40.0), log(2, PAYLOAD, seconds=40.0)], TERMS, actuators=motors())
+
+
+def test_a_motor_says_what_it_lacks():
+    actuators = Actuators.of(LEG, {"hip": Motor(None, RATIO, None), "knee": Motor(0.1)})
+    assert [each.name for each in unknown_constants(actuators)] == ["kt_hip", "eta_hip"]
+    known = with_constants(actuators, {"kt_hip": 0.07, "eta_hip": 0.8})
+    assert not unknown_constants(known)
+    assert known.drives["left_hip"] == Motor(0.07, RATIO, 0.8)
+    assert not unknown_constants(at_start(actuators))
+    assert actuators_from_data(actuators_to_data(actuators), LEG).drives == actuators.drives
+
+
+def test_the_gain_of_a_force_channel_is_found_by_a_payload(tmp_path):
+    """A load cell that reads 10 % too much, beside a motor whose constant is not known either."""
+    points = Attachments(("thigh", (0.05, 0.0, -0.10)), ("shank", (0.05, 0.0, -0.06)))
+    drives = Actuators.of(LEG, {"hip": Motor(KT[0], RATIO), "knee": LinearActuator(points)})
+    logs = [drives.readings(torque_log(seed, payloads)) for seed, payloads in ((1, ()), (2, PAYLOAD))]
+    wrong = [replace(one, v=None, a=None, force=1.1 * one.force) for one in logs]
+    free = {"hip": Motor(None, RATIO), "knee": LinearActuator(points, gain=None)}
+    found = identify(LEG, wrong, TERMS, actuators=free)
+    check_against(found, {"kf_knee": 1.0 / 1.1, "kt_hip": KT[0], "X2": TRUTH["X2"]}, 0.01)
+    found.to_c(tmp_path / "leg.c")
+    assert f"/ ({found['kf_knee'].value!r} * " in (tmp_path / "leg.c").read_text()
+    with pytest.raises(ExoidError, match=r"nothing is known in N·m, so that kt_hip, kf_knee"):
+        identify(LEG, wrong[:1], TERMS, actuators=free)
+    with pytest.raises(ExoidError, match="gain of the force channel is not known"):
+        Actuators.of(LEG, {"knee": free["knee"]}).torque(wrong[0])
+    actuators = Actuators.of(LEG, free)
+    assert actuators_from_data(actuators_to_data(actuators), LEG).drives["left_knee"].gain is None
+
+
+@pytest.mark.parametrize("back", [None, 1.0, 0.7])
+@pytest.mark.parametrize("symbol", ["kt", "eta"])
+def test_the_sensitivity_is_the_derivative_of_the_torque(symbol, back):
+    motor, v = Motor(0.07, RATIO, 0.8, back_efficiency=back), np.array([1.0, -1.0, 0.01, 0.0, -0.5])
+    current = np.array([2.0, 2.0, -1.0, 3.0, -2.0])
+    field, step = {"kt": "torque_constant", "eta": "efficiency"}[symbol], 1e-6
+    value = getattr(motor, field)
+    above, below = (replace(motor, **{field: value + sign * step}).torque(current, v, v) for sign in (1.0, -1.0))
+    found = motor.sensitivity(symbol, motor.torque(current, v, v), v, v)
+    np.testing.assert_allclose(found, (above - below) / (2.0 * step), rtol=1e-6, atol=1e-9)

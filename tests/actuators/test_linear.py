@@ -1,0 +1,152 @@
+"""Cylinders: virtual work, Pinocchio's geometry, tables, and points that cannot be."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import exoid
+from exoid.actuators import Actuators, Attachments, LinearActuator, MomentArmTable, read_actuators
+
+BLEEX = exoid.load_leg("bleex")
+CYLINDERS = read_actuators("bleex", BLEEX)
+POINTS = Attachments(("thigh", (0.05, 0.0, -0.10)), ("shank", (0.05, 0.0, -0.06)))
+
+
+@pytest.mark.parametrize("joint", BLEEX.joint_names)
+def test_the_length_is_the_distance_of_the_points_by_pinocchio(joint: str) -> None:
+    k, model, data = BLEEX.joint_names.index(joint), BLEEX.model, BLEEX.model.createData()
+    arm = CYLINDERS.drives[joint].moment_arm
+    for angle in np.linspace(-1.5, 1.5, 7):
+        q = np.zeros(3)
+        q[k] = angle
+        pin.framesForwardKinematics(model, data, q)
+        ends = [
+            data.oMf[model.getFrameId(end.link, pin.FrameType.BODY)].act(np.array(end.point))
+            for end in (arm.attachments.first, arm.attachments.second)
+        ]
+        assert arm.length(np.array([angle]))[0] == pytest.approx(np.linalg.norm(ends[0] - ends[1]), rel=1e-12)
+
+
+@pytest.mark.parametrize("joint", BLEEX.joint_names)
+def test_virtual_work_by_finite_differences(joint: str) -> None:
+    """τ q̇ = F l̇."""
+    drive, h = CYLINDERS.drives[joint], 1e-6
+    rng = np.random.default_rng(1)
+    q, v, force = rng.uniform(-0.8, 0.8, 50), rng.normal(size=50), 1000.0 * rng.normal(size=50)
+    rate = (drive.geometry.length(q + h * v) - drive.geometry.length(q - h * v)) / (2.0 * h)
+    np.testing.assert_allclose(drive.torque(force, q, v) * v, force * rate, rtol=1e-7, atol=1e-6)
+
+
+def test_the_order_of_the_points_does_not_matter() -> None:
+    q = np.linspace(-1.0, 1.0, 9)
+    leg = exoid.load_leg("cuhk")
+    there, back = POINTS.on(leg, "left_knee"), Attachments(POINTS.second, POINTS.first).on(leg, "left_knee")
+    np.testing.assert_allclose(there.arm(q), back.arm(q), rtol=1e-12)
+
+
+def test_arms_of_both_sides_are_alike_and_keep_their_sign_within_the_limits() -> None:
+    right = exoid.load_leg("bleex", side="right")
+    for left_joint, right_joint, low, high in zip(
+        BLEEX.joint_names, right.joint_names, BLEEX.limits.lower, BLEEX.limits.upper, strict=True
+    ):
+        q = np.linspace(low, high, 50)
+        arm = CYLINDERS.drives[left_joint].geometry.arm(q)
+        np.testing.assert_allclose(read_actuators("bleex", right).drives[right_joint].geometry.arm(q), arm, rtol=1e-12)
+        assert np.abs(arm).min() > 0.01
+        assert (arm > 0.0).all() or (arm < 0.0).all()
+
+
+def test_a_sliding_joint_has_the_same_equations() -> None:
+    leg = exoid.Leg.from_description(
+        exoid.description.describe(
+            """<robot name="slider"><link name="base"/><link name="cart"><inertial><mass value="2"/>
+            <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+            <joint name="rail" type="prismatic"><parent link="base"/><child link="cart"/><axis xyz="0 0 1"/>
+            <limit lower="-1" upper="1" effort="9" velocity="1"/></joint></robot>""",
+            "slider",
+        )
+    )
+    rod = Attachments(("base", (0.3, 0.0, 0.0)), ("cart", (0.0, 0.0, 0.1))).on(leg, "rail")
+    q = np.array([-0.4, 0.0, 0.5])
+    np.testing.assert_allclose(rod.length(q), np.hypot(0.3, q + 0.1), rtol=1e-12)
+    np.testing.assert_allclose(rod.arm(q), (q + 0.1) / np.hypot(0.3, q + 0.1), rtol=1e-12)
+
+
+def test_a_table_of_the_arm_gives_the_same_torque() -> None:
+    q, force = np.linspace(-0.3, 1.2, 40), np.full(40, 700.0)
+    exact = CYLINDERS.drives["left_hip"]
+    angles = np.linspace(-0.4, 1.3, 15)
+    table = LinearActuator(MomentArmTable(angles, exact.geometry.arm(angles)))
+    np.testing.assert_allclose(table.torque(force, q, q), exact.torque(force, q, q), rtol=1e-4)
+    change = table.geometry.length(q) - table.geometry.length(q[:1])
+    np.testing.assert_allclose(change, exact.geometry.length(q) - exact.geometry.length(q[:1]), atol=1e-5)
+
+
+def test_angles_beyond_a_table_are_refused() -> None:
+    table = LinearActuator(MomentArmTable((0.0, 0.2, 0.4, 0.6), (0.04, 0.05, 0.05, 0.04)))
+    with pytest.raises(exoid.ExoidError, match=r"0.9 rad, and the moment arm was measured from 0 to 0.6 rad"):
+        table.torque(np.ones(2), np.array([0.1, 0.9]), np.zeros(2))
+
+
+@pytest.mark.parametrize(
+    ("angle", "arm", "what"),
+    [
+        ((0.0, 0.1, 0.2), (1.0, 1.0, 1.0), "3 angles"),
+        ((0.0, 0.1, 0.1, 0.3), (0.04,) * 4, "ascend"),
+        ((0.0, 10.0, 20.0, 30.0), (0.04,) * 4, "30 rad"),
+        ((0.0, 0.1, 0.2, 0.3), (40.0,) * 4, "40 m"),
+        ((0.0, 0.1, 0.2, 0.3), (0.0,) * 4, "zero"),
+        ((0.0, 0.1, 0.2, float("nan")), (0.04,) * 4, "finite"),
+        ((0.0, 0.1, 0.2, "x"), (0.04,) * 4, "numbers"),
+    ],
+)
+def test_impossible_tables_are_refused(angle: tuple[float, ...], arm: tuple[float, ...], what: str) -> None:
+    with pytest.raises(exoid.ExoidError, match=what):
+        MomentArmTable(angle, arm)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "joint", "what"),
+    [
+        (("thigh", (0.0, 0.0, -0.1)), ("tibia", (0.0, 0.0, 0.0)), "left_knee", "no link 'tibia'"),
+        (("torso", (0.1, 0.0, 0.0)), ("shank", (0.1, 0.0, 0.0)), "left_knee", "separated by left_hip, left_knee"),
+        (("thigh", (0.1, 0.0, 0.0)), ("thigh", (0.1, 0.0, -0.2)), "left_knee", "no joint"),
+        (("thigh", (0.1, 0.0, 0.0)), ("shank", (0.0, 0.0, 0.0)), "left_knee", "on its axis"),
+        (("thigh", (0.0, 0.0, -0.33)), ("shank", (0.1, 0.0, 0.0)), "left_knee", "meet"),
+        (("thigh", (50.0, 0.0, 0.0)), ("shank", (40.0, 0.0, 0.0)), "left_knee", "in m in the frame"),
+        (("thigh", (0.0, 0.0)), ("shank", (0.0, 0.0, 0.0)), "left_knee", "link and point"),
+        (("thigh", (0.0, 0.0, float("inf"))), ("shank", (0.0, 0.0, 0.0)), "left_knee", "in m in the frame"),
+        ("thigh", "shank", "left_knee", "link and point"),
+    ],
+)
+def test_points_that_cannot_be_are_refused(first: object, second: object, joint: str, what: str) -> None:
+    with pytest.raises(exoid.ExoidError, match=what):
+        Attachments(first, second).on(BLEEX, joint)  # type: ignore[arg-type]
+
+
+def test_force_is_the_inverse_of_torque_and_dead_centres_are_refused() -> None:
+    leg = exoid.load_leg("cuhk")
+    drive = LinearActuator(Attachments(("thigh", (0.0, 0.0, 0.0)), ("shank", (0.1, 0.0, 0.0))), max_force=300.0).on(
+        leg, "left_knee"
+    )
+    q, torque = np.array([0.3, 0.6]), np.array([4.0, -7.0])
+    np.testing.assert_allclose(drive.torque(drive.command(torque, q, q), q, q), torque, rtol=1e-12)
+    assert abs(drive.command(np.array([1e4]), np.array([0.5]), np.zeros(1))[0]) == 300.0
+    with pytest.raises(exoid.ExoidError, match="dead centre"):
+        drive.command(np.ones(1), np.array([np.pi / 2.0]), np.zeros(1))
+    with pytest.raises(exoid.ExoidError, match="max_force"):
+        drive.torque(np.array([3000.0]), np.zeros(1), np.zeros(1))
+
+
+def test_an_actuator_that_is_not_mounted_says_so() -> None:
+    with pytest.raises(exoid.ExoidError, match="mount it"):
+        LinearActuator(POINTS).torque(np.ones(1), np.zeros(1), np.zeros(1))
+    with pytest.raises(exoid.ExoidError, match="moment_arm="):
+        LinearActuator(0.05)  # type: ignore[arg-type]
+
+
+def test_errors_name_the_joint() -> None:
+    with pytest.raises(exoid.ExoidError, match="left_hip: thigh and shank are separated by left_knee"):
+        Actuators.of(exoid.load_leg("cuhk"), {"hip": LinearActuator(POINTS)})

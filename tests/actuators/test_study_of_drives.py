@@ -1,0 +1,93 @@
+"""What drives cost on the virtual rig: cylinders of BLEEX, an attachment point that is off, and a coupled wrist.
+
+CI runs few seeds; ``python scripts/study_drives.py`` prints the tables of docs/drives.md.
+"""
+
+from __future__ import annotations
+
+import os
+import runpy
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.actuators import Actuators, read_actuators
+
+STUDY = runpy.run_path(str(Path(__file__).resolve().parents[2] / "scripts" / "study_drives.py"))
+FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def run():
+    """Legs of BLEEX in motion, one for each seed."""
+    return STUDY["bleex_run"](200 if FULL else 16)
+
+
+@pytest.fixture(scope="module")
+def drives(run):
+    return read_actuators("bleex", run.plant.leg)
+
+
+@pytest.fixture(scope="module")
+def log(run, drives):
+    """Forces of the first leg."""
+    return STUDY["force_log"](run, 0, drives, 0)
+
+
+def test_parameters_from_forces_are_as_exact_as_from_torques(run) -> None:
+    """At most 1.2 times the error, with load cells that have noise of their own."""
+    _, from_torque, from_force = STUDY["cylinder_errors"](run)
+    ratio = np.sqrt(np.mean(from_force**2, axis=0) / np.mean(from_torque**2, axis=0))
+    assert np.exp(np.mean(np.log(ratio))) < 1.2
+    if FULL:
+        assert ratio.max() < 1.2
+
+
+@pytest.mark.parametrize(
+    "off", [("left_hip", "second", "x"), ("left_knee", "second", "z"), ("left_ankle", "second", "z")]
+)
+def test_an_attachment_point_that_is_off_by_ten_millimetres_is_found(run, drives, log, off) -> None:
+    leg = run.plant.leg
+    assert not exoid.check(leg, log, actuators=drives)
+    found = exoid.check(leg, log, actuators=STUDY["displaced"](drives, *off))
+    (arm,) = (f for f in found if f.kind == "moment-arm")
+    assert arm.joint == off[0]
+    assert arm.unit == "m"
+    assert 0.007 < arm.value < 0.013
+    assert "measure both attachment points" in arm.remedy
+
+
+def test_a_common_gain_of_all_arms_is_told_by_nothing(run, drives, log) -> None:
+    """Masses, friction and all else grow with it: docs/drives.md says what can tell it."""
+    leg = run.plant.leg
+    assert log.force is not None
+    stronger = replace(log, force=1.05 * log.force)
+    assert not exoid.check(leg, stronger, actuators=drives)
+    one, other = (exoid.identify(leg, each, check=False, actuators=drives) for each in (log, stronger))
+    np.testing.assert_allclose(other.values, 1.05 * one.values, rtol=1e-6)
+
+
+def test_a_coupled_wrist_is_identified_from_motor_torques_and_found_where_it_is_not_described() -> None:
+    limits = []
+    for seed in range(8 if FULL else 1):
+        run = STUDY["wrist_run"](seed)
+        leg = run.plant.leg
+        drives = Actuators.of(leg, {"wrist": STUDY["DIFFERENTIAL"]})
+        log = run.recording(actuators=drives)
+        estimate = exoid.identify(leg, log, check=False, actuators=drives)
+        truth = STUDY["wrist_truth"](estimate.model)
+        asked = [k for k, name in enumerate(estimate.names) if not name.startswith(("offset", "Ia"))]
+        error = np.abs(estimate.values - truth)[asked]
+        negligible = error < 2e-5 * estimate.parameter_scale[asked]  # of the torque: a product of inertia
+        limits.append(np.where(negligible, 0.0, error / np.abs(truth[asked])))
+    assert np.max(limits) < 0.02
+    undescribed = replace(log, tau=log.motor_torque, motor_torque=None)
+    (found,) = (f for f in exoid.check(leg, undescribed) if f.kind == "coupled-joints")
+    assert found.joint == "roll, pitch"
+    assert "+1 τ(roll) +1 τ(pitch) for roll and +1 τ(roll) -1 τ(pitch) for pitch" in found.message
+    assert not any(f.kind == "coupled-joints" for f in exoid.check(leg, log, actuators=drives))

@@ -1,0 +1,50 @@
+"""``exoid.identify`` with its default settings against a loop over Pinocchio's regressor and ``numpy.linalg.lstsq``.
+
+``pytest tests/benchmarks/test_default_settings.py -s`` prints the ratios. The log has angles and torques of 200 000
+samples. exoid derives velocities, filters, takes reversals out, weighs, models the noise and, in one of the two calls,
+checks the log. The loop gets velocities and accelerations for nothing, and does none of this.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+from million import recording
+from turns import best_of_turns, show
+
+import exoid
+
+SAMPLES, ROUNDS = 200_000, 2
+WITH_CHECKS, WITHOUT = 1.7, 2.9
+"""Ratios below which something has become slower; see BENCHMARKS.md for those measured."""
+
+LEG = exoid.load_leg("bleex")
+LOG, TRUTH = recording(LEG, SAMPLES)
+V, A = np.gradient(LOG.q, LOG.time, axis=0), np.gradient(np.gradient(LOG.q, LOG.time, axis=0), LOG.time, axis=0)
+
+
+def loop() -> np.ndarray:
+    """Pinocchio's regressor sample by sample, then the columns of the default terms, (3 N, 42)."""
+    model, data = LEG.model, LEG.model.createData()
+    out, joints = np.zeros((SAMPLES, 3, 42)), np.arange(3)
+    for i, (q, v, a) in enumerate(zip(LOG.q, V, A, strict=True)):
+        out[i, :, :30] = pin.computeJointTorqueRegressor(model, data, q, v, a)
+    for k, column in enumerate((np.tanh(V / 0.015), V, A, 1.0)):
+        out[:, joints, 30 + 3 * k + joints] = column
+    return out.reshape(-1, 42)
+
+
+def test_identification_by_default_settings_against_the_loop_and_lstsq():
+    rows, tau = loop(), LOG.tau.ravel()
+    checked, bare, looped, solved = works = {
+        "exoid.identify(leg, log)": lambda: exoid.identify(LEG, LOG),
+        "exoid.identify(leg, log, check=False)": lambda: exoid.identify(LEG, LOG, check=False),
+        "loop over Pinocchio's regressor, stored": loop,
+        "numpy.linalg.lstsq, 42 columns": lambda: np.linalg.lstsq(rows, tau),
+    }
+    best = best_of_turns(works, ROUNDS)
+    show(f"Identification of {SAMPLES:,} samples by default settings", best, checked)
+    ratios = {ours: (best[looped] + best[solved]) / best[ours] for ours in (checked, bare)}
+    print("  loop + lstsq: " + ", ".join(f"{ratio:.2f} × {ours}" for ours, ratio in ratios.items()))
+    assert ratios[checked] >= WITH_CHECKS
+    assert ratios[bare] >= WITHOUT

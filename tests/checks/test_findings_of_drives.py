@@ -1,0 +1,76 @@
+"""Wrong attachment points and torques of coupled motors are found in the example log, and right ones are not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.actuators import (
+    Actuators,
+    Coupling,
+    LinearActuator,
+    MomentArmTable,
+    actuators_from_data,
+    actuators_to_data,
+    read_actuators,
+)
+
+DATA = exoid.datasets.bleex_swing()
+LEG = DATA.leg
+CYLINDERS = read_actuators("bleex", LEG)
+FORCES = CYLINDERS.readings(DATA.train)
+
+
+def kinds(findings, kind):
+    return [(f.joint, f.value) for f in findings if f.kind == kind]
+
+
+@pytest.mark.parametrize(("joint", "axis"), [("left_hip", 0), ("left_knee", 2)])
+def test_a_point_that_is_off_is_found_by_its_size(joint, axis) -> None:
+    data = actuators_to_data(CYLINDERS)
+    data[joint]["second"]["point"][axis] += 0.010
+    wrong = actuators_from_data(data, LEG)
+    ((found, size),) = kinds(exoid.check(LEG, FORCES, actuators=wrong), "moment-arm")
+    assert found == joint
+    assert 0.006 < size < 0.014
+    estimate = exoid.identify(LEG, FORCES, actuators=wrong)
+    assert kinds(estimate.findings, "moment-arm"), "identify finds it too"
+
+
+def test_a_table_of_another_shape_is_found() -> None:
+    angles = np.linspace(-0.3, 1.6, 12)
+    right = CYLINDERS.drives["left_hip"].geometry.arm(angles)
+    drives = {**CYLINDERS.drives, "left_hip": LinearActuator(MomentArmTable(angles, right))}
+    assert not exoid.check(LEG, FORCES, actuators=drives)
+    drives["left_hip"] = LinearActuator(MomentArmTable(angles, right * (1.0 + 0.15 * (angles - 0.6))))
+    ((found, _),) = kinds(exoid.check(LEG, FORCES, actuators=drives), "moment-arm")
+    assert found == "left_hip"
+
+
+def test_arms_of_joints_with_torque_sensors_are_not_tested() -> None:
+    data = actuators_to_data(CYLINDERS)
+    data["left_hip"]["second"]["point"][0] += 0.010
+    assert not exoid.check(LEG, DATA.train, actuators=actuators_from_data(data, LEG))
+
+
+@pytest.mark.parametrize("matrix", [((0.5, 0.5), (0.5, -0.5)), ((1.0, 0.0), (1.0, 1.0))])
+def test_torques_of_coupled_motors_are_found_with_their_matrix(matrix) -> None:
+    coupled = Actuators.of(LEG, {"both": Coupling(("hip", "knee"), matrix)})
+    log = coupled.readings(DATA.train)
+    assert log.tau is not None
+    mixed = replace(log, tau=np.where(np.isnan(log.tau), log.motor_torque, log.tau), motor_torque=None)
+    ((joints, ratio),) = kinds(exoid.check(LEG, mixed), "coupled-joints")
+    assert joints == "left_hip, left_knee"
+    assert ratio > 2.5
+    assert not kinds(exoid.check(LEG, log, actuators=coupled), "coupled-joints")
+
+
+def test_swapped_torques_and_wrong_signs_are_no_coupling() -> None:
+    assert DATA.train.tau is not None
+    for tau in (DATA.train.tau[:, [1, 0, 2]], DATA.train.tau * [1.0, -1.0, 1.0]):
+        found = exoid.check(LEG, replace(DATA.train, tau=tau))
+        assert not kinds(found, "coupled-joints")
+        assert kinds(found, "joint-order") or kinds(found, "torque-sign")

@@ -1,0 +1,85 @@
+"""Logs of a moving base on the command line."""
+
+import json
+
+import numpy as np
+import pytest
+from arms import urdf_of
+from typer.testing import CliRunner
+from walking import IMU, Walk
+
+import exoid
+from exoid import ExoidError, Leg
+from exoid.cli import app
+from exoid.signals import BASE_COLUMNS
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, [str(each) for each in arguments])
+
+
+@pytest.fixture
+def walk(tmp_path):
+    """A log of a walk by an acquisition system that knows nothing of exoid: own headers, deg/s and g."""
+    recording = Walk(exoid.load_leg("cuhk"), seconds=30.0).recording()
+    base = recording.base.columns * np.r_[np.full(3, np.rad2deg(1.0)), np.full(3, 1.0 / 9.80665)]
+    names = ["time", *(f"{kind}_{joint}" for kind in ("q", "tau") for joint in recording.joint_names)]
+    names += [f"imu_{name}" for name in BASE_COLUMNS]
+    table = np.column_stack([recording.time, recording.q, recording.tau, base])
+    np.savetxt(tmp_path / "walk.csv", table, delimiter=",", header=",".join(names), comments="", fmt="%.12g")
+    units = {name: "deg/s" if "gyro" in name else "g" for name in BASE_COLUMNS}
+    columns = [part for name, unit in units.items() for part in ("--column", f"{name}=imu_{name}:{unit}")]
+    return tmp_path / "walk.csv", [*columns, "--base-position", ",".join(map(str, IMU))]
+
+
+def test_a_walk_is_identified_checked_and_validated(walk, tmp_path):
+    log, options = walk
+    out = tmp_path / "est.json"
+    done = run("identify", "cuhk", log, "-o", out, "--terms", "none", "--no-check", *options)
+    assert done.exit_code == 0, done.output
+    estimate, truth = exoid.Estimate.load(out), exoid.load_leg("cuhk").parameters
+    assert np.abs(estimate.values / truth - 1.0)[[0, 2, 3, 5]].max() < 0.005
+    checked = run("check", "cuhk", log, "--terms", "none", *options)
+    assert "nothing found" in checked.output
+    validated = run("validate", out, log, "--json", *options)
+    assert validated.exit_code == 0, validated.output
+    assert max(json.loads(validated.stdout)["nrmse"]) < 0.03
+
+
+def test_a_walk_without_its_base_is_called_wrong_by_check(walk):
+    log, _ = walk
+    checked = run("check", "cuhk", log, "--terms", "none")
+    assert "large-residual" in checked.output or "gravity-direction" in checked.output
+
+
+def test_what_is_wrong_with_the_options_is_said(walk, tmp_path):
+    log, options = walk
+    for wrong, said in (
+        ((*options[:-2], "--base-position", "1,2"), "position"),
+        (("--base-position", "0,0,0"), "no motion of the base"),
+        (options[2:], "lacks base_gyro_x"),
+        ((*options, "--moving-base"), "--moving-base has no effect"),
+    ):
+        refused = run("identify", "cuhk", log, "-o", tmp_path / "est.json", *wrong)
+        assert isinstance(refused.exception, ExoidError), refused.output
+        assert said in str(refused.exception)
+
+
+def test_an_arm_on_a_moving_base_needs_the_option(tmp_path):
+    leg = Leg.from_urdf(urdf_of("ur5"), base="moving")
+    Walk(leg, seconds=30.0, sideways=0.3, pitch=0.3).recording(0.1).to_csv(tmp_path / "arm.csv")
+    arguments = (
+        "identify",
+        urdf_of("ur5"),
+        tmp_path / "arm.csv",
+        "-o",
+        tmp_path / "e.json",
+        "--terms",
+        "none",
+        "--no-check",
+    )
+    refused = run(*arguments)
+    assert isinstance(refused.exception, ExoidError)
+    assert "--moving-base" in refused.exception.command
+    assert run(*arguments, "--moving-base").exit_code == 0
+    assert len(exoid.Estimate.load(tmp_path / "e.json").names) == 42

@@ -1,0 +1,93 @@
+"""``--payload`` and unknown torque constants on the command line."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.payload import Payload
+from exoid.signals import Recording
+from exoid.torques import Motion
+from exoid.torques.payloads import payload_torque
+
+LEG = exoid.load_leg("cuhk")
+PAYLOAD = Payload("knee", 3.0, (0.0, 0.0, -0.3))
+OPTION = "shank:3.0@0,0,-0.3"
+DRIVES = "".join(
+    f'[{joint}]\ntype = "motor"\ntorque_constant = "unknown"\nratio = 50.0\n\n' for joint in ("left_hip", "left_knee")
+)
+
+
+def write(path, seed, payloads, named=()):
+    """Write a log of currents of a leg with payloads, which the file may name."""
+    rng, t = np.random.default_rng(seed), np.arange(0.0, 20.0, 0.01)
+    w, phase = 2.0 * np.pi * rng.uniform(0.2, 1.2, (4, 2)), rng.uniform(0.0, 6.3, (4, 2))
+    angle = w * t[:, None, None] + phase
+    q, v, a = (0.2 * x.sum(axis=1) for x in (np.sin(angle), w * np.cos(angle), -(w**2) * np.sin(angle)))
+    tau = LEG.inverse_dynamics(q, v, a) + payload_torque(LEG, payloads, Motion(q, v, a)) + 0.8 * np.tanh(v / 0.01)
+    current = tau / (50.0 * np.array([0.07, 0.05])) + 0.02 * rng.standard_normal(q.shape)
+    log = Recording(t, q, current=current, joint_names=LEG.joint_names, payloads=named)
+    log.to_csv(path)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write("light.csv", 1, ())
+    write("heavy.csv", 2, (PAYLOAD,))
+    write("named.csv", 2, (PAYLOAD,), (PAYLOAD,))
+    (tmp_path / "drives.toml").write_text(DRIVES)
+    return tmp_path
+
+
+def identify(exoid_, *args):
+    found = exoid_("identify", "cuhk", *args, "--actuators", "drives.toml", "--no-check", "--json")
+    assert found.code == 0, found.err
+    return json.loads(found.out)
+
+
+@pytest.mark.parametrize("heavy", [("heavy.csv", "--payload", f"heavy.csv={OPTION}"), ("named.csv",)])
+def test_a_payload_is_named_by_an_option_or_by_the_file(exoid_, folder, heavy):
+    data = identify(exoid_, "light.csv", *heavy)
+    assert data["shapes"]["values"]["kt_hip"] == pytest.approx(0.07, rel=0.01)
+    assert data["shapes"]["values"]["kt_knee"] == pytest.approx(0.05, rel=0.01)
+    assert data["values"]["X2"] == pytest.approx(LEG.parameters[3], rel=0.02)
+    assert data["inputs"][1]["payloads"] == [str(replace(PAYLOAD, joint="shank" if "=" in heavy[-1] else "knee"))]
+    assert "payloads" not in data["inputs"][0]
+
+
+def test_without_a_payload_the_command_says_what_to_do(exoid_, folder):
+    found = exoid_("identify", "cuhk", "light.csv", "--actuators", "drives.toml")
+    assert found.code == 2
+    assert "nothing is known in N·m, so that kt_hip, kt_knee cannot be found" in found.err
+    assert "--payload LOG=SEGMENT:KG@X,Y,Z" in found.err
+
+
+def test_an_estimate_predicts_a_log_with_a_payload(exoid_, folder):
+    exoid_("identify", "cuhk", "light.csv", "named.csv", "--actuators", "drives.toml", "--no-check", "-o", "est.json")
+    with_it = exoid_("validate", "est.json", "heavy.csv", "--payload", OPTION, "--json")
+    without = exoid_("validate", "est.json", "heavy.csv", "--json")
+    assert max(json.loads(with_it.out)["nrmse"]) < 0.02
+    assert max(json.loads(without.out)["nrmse"]) > 0.2
+
+
+@pytest.mark.parametrize(
+    ("option", "what"),
+    [
+        ("other.csv=knee:3@0,0,0", "other.csv is not among the logs"),
+        ("knee:3000@0,0,0", "too heavy or too far away"),
+        ("knee:3", "is no payload"),
+        ("ankle:3@0,0,0", "a payload on 'ankle', which the leg does not have"),
+    ],
+)
+def test_wrong_payloads_are_refused(exoid_, folder, option, what):
+    found = exoid_("identify", "cuhk", "light.csv", "--actuators", "drives.toml", "--payload", option)
+    assert found.code == 2
+    assert what in " ".join(found.err.split())
+
+
+def test_datasets_have_no_payload(exoid_):
+    found = exoid_("validate", "none.json", "bleex_swing:test", "--payload", "knee:3@0,0,0")
+    assert found.code == 2

@@ -1,0 +1,132 @@
+"""Files and folders that cannot be read end in one line that names them, whatever the verb."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+from one_joint import swing, write_urdf
+
+import exoid
+from exoid.signals import Recordings
+
+LOCKED = "x" * 300
+"""Folder whose name no system accepts: looking into it fails as it does without rights, also for root."""
+
+COMMANDS = {
+    "identify, log": "identify one.urdf {}/log.csv",
+    "identify, URDF": "identify {}/one.urdf log.csv",
+    "identify, output": "identify one.urdf log.csv -o {}/est.json",
+    "identify, report": "identify one.urdf log.csv --report {}/report.html",
+    "identify, segments": "identify one.urdf log.csv --segments {}/segments.csv",
+    "check": "check one.urdf {}/log.csv",
+    "select": "select one.urdf log.csv -o {}/est.json",
+    "validate": "validate {}/est.json log.csv",
+    "validate, log": "validate est.json {}/log.csv",
+    "compare": "compare est.json {}/est.json",
+    "export": "export {}/est.json -o leg.urdf",
+    "export, output": "export est.json -o {}/leg.urdf",
+    "export, C": "export est.json --c {}/leg.c",
+    "plan": "plan {}/one.urdf",
+    "plan, output": "plan one.urdf -o {}/plan.csv",
+    "plan, log": "plan one.urdf --assess {}/log.csv",
+    "view": "view {}/one.urdf --html leg.html",
+    "view, page": "view one.urdf --html {}/leg.html",
+    "view, log": "view one.urdf --log {}/log.csv --html leg.html",
+    "stability": "stability {}/est.json",
+    "stability, figure": "stability est.json --figure {}/v.png",
+    "study": "study {}/one.urdf",
+    "study, output": "study bleex -o {}/results",
+    "track": "track {}/est.json",
+    "track, log": "track est.json --reference {}/log.csv",
+    "track, figures": "track est.json --figures {}/figures",
+    "track, report": "track est.json --report {}/report.html",
+    "reproduce": "reproduce bleex --report {}/report.html",
+}
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("inputs")
+    leg = write_urdf(folder / "one.urdf")
+    swing(leg, seconds=5.0).to_csv(folder / "log.csv")
+    exoid.identify(leg, exoid.Recording.from_csv(folder / "log.csv"), check=False).save(folder / "est.json")
+    return folder
+
+
+@pytest.fixture
+def refused(inputs, tmp_path, exoid_):
+    """Run a command beside links to the inputs; return its one line, which is no error of the program."""
+    for name in ("one.urdf", "log.csv", "est.json"):
+        (tmp_path / name).write_bytes((inputs / name).read_bytes())
+
+    def run(*words):
+        found = exoid_(*words)
+        assert (found.code, found.out, found.err.count("\n")) == (2, "", 1), found
+        assert "check this file, free space" not in found.err, "an error that only main() knows"
+        assert "[Errno" not in found.err
+        return found.err
+
+    return run
+
+
+@pytest.mark.parametrize("place", [LOCKED, "log.csv"], ids=["unreadable", "a file in place of the folder"])
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_folder_that_cannot_be_read_is_one_line(refused, name, place):
+    line = refused(*COMMANDS[name].format(place).split())
+    assert place[:40] in line or "a plan in" in line
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder whose mode a test may change; a skip where modes do not count."""
+    path = tmp_path / "locked"
+    path.mkdir()
+    path.chmod(0)
+    if os.access(path, os.R_OK):
+        pytest.skip("root may read everything")
+    path.chmod(0o700)
+    yield path
+    path.chmod(0o700)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_folder_without_rights_is_one_line(refused, folder, name):
+    folder.chmod(0)
+    assert "locked" in refused(*COMMANDS[name].format("locked").split())
+
+
+@pytest.mark.parametrize("mode", [0, 0o400])
+@pytest.mark.parametrize("words", [("identify", "one.urdf"), ("validate", "est.json"), ("check", "one.urdf")])
+def test_a_folder_of_logs_without_rights_is_one_line(refused, folder, words, mode):
+    (folder / "log.csv").write_text("time")
+    folder.chmod(mode)
+    assert "cannot be read (Permission denied)" in refused(*words, "locked")
+
+
+def test_a_folder_in_place_of_a_file_is_called_a_folder(refused, tmp_path):
+    (tmp_path / "logs").mkdir()
+    assert "logs: is a folder, not a URDF file. To fix it: name the URDF file in it" in refused(
+        "identify", "logs", "log.csv"
+    )
+    assert "logs: cannot be written: it is a folder" in refused("identify", "one.urdf", "log.csv", "-o", "logs")
+    assert "logs: cannot be read (Is a directory)" in refused("validate", "logs", "log.csv")
+
+
+@pytest.mark.parametrize("place", [LOCKED, "log.csv"])
+def test_python_gets_an_exoid_error_too(refused, tmp_path, place):
+    log = tmp_path / place / "log.csv"
+    for read in (exoid.Recording.from_file, exoid.Leg.from_urdf, exoid.Estimate.load, Recordings.from_folder):
+        with pytest.raises(exoid.ExoidError, match=r"read|no such"):
+            read(log)
+    with pytest.raises(exoid.ExoidError, match="cannot be written"):
+        exoid.Estimate.load(tmp_path / "est.json").save(log)
+    with pytest.raises(exoid.ExoidError, match="cannot be written"):
+        exoid.Estimate.load(tmp_path / "est.json").to_urdf(log.with_suffix(".urdf"))
+
+
+def test_standard_output_in_a_file_is_no_output(tmp_path, refused, monkeypatch):
+    """It would be replaced, and the table that is printed there lost."""
+    with (tmp_path / "table.txt").open("w", encoding="utf-8") as file:
+        monkeypatch.setattr("exoid.files.STANDARD_OUTPUT", file.fileno())
+        assert "it is the standard output" in refused("identify", "one.urdf", "log.csv", "-o", "table.txt")

@@ -1,0 +1,84 @@
+"""Commands of drives in C are those of Python, and friction of coupled motors too."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from compiled import CompiledLeg, made_up, needs_compiler
+
+import exoid
+from exoid import Viscous
+from exoid.actuators import (
+    Actuators,
+    Coupling,
+    LinearActuator,
+    MomentArmTable,
+    Motor,
+    SeriesElastic,
+    motor_terms,
+    read_actuators,
+)
+from exoid.codegen import c_source
+
+LEG = exoid.load_leg("bleex")
+MATRIX = ((0.05, 0.06), (0.07, -0.04))
+DRIVES = {
+    "cylinders": read_actuators("bleex", LEG),
+    "mixed": Actuators.of(
+        LEG,
+        {
+            "hip": Motor(0.07, ratio=-50.0, efficiency=0.8, back_efficiency=0.6, max_current=3.0),
+            "knee": SeriesElastic(300.0, ratio=40.0),
+        },
+    ),
+    "coupled": Actuators.of(LEG, {"drive": Coupling(("hip", "ankle"), MATRIX)}),
+    "coupled motors": Actuators.of(LEG, {"drive": Coupling(("hip", "ankle"), MATRIX, (Motor(0.1, 2.0, 0.9),) * 2)}),
+}
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", DRIVES)
+@pytest.mark.parametrize(("precision", "error"), [("double", 1e-12), ("float", 1e-4)])
+def test_commands_are_those_of_python(name, precision, error, tmp_path) -> None:
+    rng, estimate = np.random.default_rng(0), made_up(LEG)
+    source = c_source(estimate.model, estimate.values, precision=precision, actuators=DRIVES[name])
+    assert source.functions[-1] == "leg_command"
+    q, v = rng.uniform(LEG.limits.lower, LEG.limits.upper, (50, 3)), 0.1 * rng.normal(size=(50, 3))
+    torque = np.vstack([20.0 * rng.normal(size=(49, 3)), np.zeros((1, 3))])
+    expected = DRIVES[name].command(torque, q, v)
+    found = CompiledLeg(source, tmp_path)("command", q, v, torque)
+    np.testing.assert_allclose(found, expected, rtol=error, atol=error * np.abs(expected).max())
+
+
+@needs_compiler
+def test_friction_of_coupled_motors_is_that_of_python(tmp_path) -> None:
+    terms = (Viscous(), *motor_terms(Coupling(("hip", "ankle"), MATRIX))[:2])
+    estimate = made_up(LEG, terms)
+    q, v, a = np.random.default_rng(1).normal(size=(3, 20, 3))
+    leg = CompiledLeg(c_source(estimate.model, estimate.values), tmp_path)
+    motion = estimate.model.motion(q, v, a)
+    np.testing.assert_allclose(leg("friction", v), estimate.model.friction_torque(motion, estimate.values), rtol=1e-10)
+    np.testing.assert_allclose(leg("inverse_dynamics", q, v, a), estimate.torque(q, v, a), rtol=1e-9)
+
+
+def test_drives_without_a_form_in_c_are_refused() -> None:
+    estimate = made_up(LEG)
+    table = Actuators.of(LEG, {"hip": LinearActuator(MomentArmTable((-1.0, 0.0, 1.0, 2.0), (0.04,) * 4))})
+    with pytest.raises(exoid.ExoidError, match=r"table of moment arms has no form in C.*attachment points"):
+        c_source(estimate.model, estimate.values, actuators=table)
+    with pytest.raises(exoid.ExoidError, match="not known"):
+        c_source(estimate.model, estimate.values, actuators=Actuators.of(LEG, {"hip": Motor(None)}))
+
+
+def test_an_estimate_with_such_drives_is_written_without_commands_and_says_so(tmp_path) -> None:
+    table = Actuators.of(LEG, {"hip": LinearActuator(MomentArmTable((-1.0, 0.0, 1.0, 2.0), (0.04,) * 4))})
+    written = made_up(LEG, actuators=table).to_c(tmp_path / "leg.c")
+    assert "leg_command" not in written.functions
+    assert any("no function for commands of the drives" in warning for warning in written.warnings)
+    assert made_up(LEG, actuators=DRIVES["mixed"]).to_c(tmp_path / "leg.c").functions[-1] == "leg_command"
+
+
+def test_rotors_of_coupled_motors_are_refused() -> None:
+    estimate = made_up(LEG, motor_terms(Coupling(("hip", "ankle"), MATRIX))[2:])
+    with pytest.raises(exoid.ExoidError, match="CouplingInertia"):
+        c_source(estimate.model, estimate.values)

@@ -1,0 +1,174 @@
+"""Identification of legs on a base that moves, from logs with an IMU."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from arms import urdf_of
+from test_closed_loop_estimators import LOOP
+from unchecked import identify
+from walking import IMU, Walk
+
+import exoid
+from exoid import BaseMotion, ExoidError, Leg, Payload, Recording
+from exoid.estimate.prediction import predict_motion
+from exoid.identification.estimators import OutputError
+from exoid.view.report import identification_report
+
+
+def errors(estimate, leg, symbol):
+    """Errors of the parameters of one kind [%], those of Y in shares of X."""
+    truth = dict(zip(leg.parameter_names, leg.parameters, strict=True))
+    scale = {name: abs(truth[name.replace("Y", "X")]) for name in truth}
+    return [100.0 * abs(estimate[name].value - truth[name]) / scale[name] for name in truth if name.startswith(symbol)]
+
+
+def fixed(recording):
+    return dataclasses.replace(recording, base=None)
+
+
+@pytest.mark.parametrize("name", ["bleex", "cuhk"])
+def test_a_walk_with_an_imu_gives_the_parameters_of_the_leg(name):
+    leg = exoid.load_leg(name)
+    for seed in range(3):
+        estimate = identify(leg, Walk(leg, seconds=60.0, seed=seed).recording(), terms=())
+        assert max(errors(estimate, leg, "X")) < 0.5
+        assert max(errors(estimate, leg, "J")) < 3.0
+        assert max(errors(estimate, leg, "Y")) < 0.5
+
+
+def test_exact_logs_give_exact_parameters():
+    leg = exoid.load_leg("bleex")
+    estimate = identify(leg, Walk(leg, seconds=30.0, rate=400.0).recording(noise=0.0), terms=(), cutoff=8.0)
+    assert np.abs(estimate.values / leg.parameters - 1.0).max() < 2e-3
+
+
+@pytest.mark.parametrize("name", ["bleex", "cuhk"])
+def test_a_model_with_a_fixed_torso_is_called_wrong(name):
+    leg = exoid.load_leg(name)
+    recording = Walk(leg).recording()
+    found = exoid.check(leg, fixed(recording))
+    assert {(finding.kind, finding.joint) for finding in found} >= {("large-residual", leg.joint_names[0])}
+    assert any("BaseMotion" in finding.remedy for finding in found)
+    assert exoid.check(leg, recording) == ()
+
+
+def test_the_sensor_s_position_matters():
+    leg = exoid.load_leg("bleex")
+    recording = Walk(leg, seconds=60.0, pitch=0.2).recording()
+    base = recording.base
+    elsewhere = dataclasses.replace(recording, base=BaseMotion(base.angular_velocity, base.specific_force))
+    right, wrong = (identify(leg, log, terms=()) for log in (recording, elsewhere))
+    assert max(errors(right, leg, "J")) < 1.0
+    assert (wrong.residual_rms > 1.5 * right.residual_rms)[:2].all()
+
+
+def test_motion_out_of_the_plane_is_found_by_its_share_of_the_torque():
+    leg = exoid.load_leg("bleex")
+    kinds = []
+    for sideways in (0.0, 0.1, 0.4):
+        found = exoid.check(leg, Walk(leg, sideways=sideways).recording())
+        kinds.append([(finding.kind, finding.severity) for finding in found if finding.kind == "out-of-plane-base"])
+    assert kinds[0] == []
+    assert ("out-of-plane-base", "warning") in kinds[1]
+    assert ("out-of-plane-base", "error") in kinds[2]
+
+
+def test_a_leg_in_space_is_identified_on_a_base_that_turns_every_way():
+    leg = Leg.from_urdf(urdf_of("ur5"), base="moving")
+    training = [Walk(leg, seconds=40.0, seed=seed, sideways=0.3, pitch=0.3).recording(0.1) for seed in (1, 2)]
+    estimate = identify(leg, training, terms=())
+    test = Walk(leg, seed=3, sideways=0.3, pitch=0.3).recording(0.1)
+    assert (exoid.validate(estimate, test).nrmse < 0.02).all()
+    with pytest.raises(ExoidError, match="moving base"):
+        identify(Leg.from_urdf(urdf_of("ur5")), training, terms=())
+
+
+def test_a_payload_on_the_leg_moves_with_the_base():
+    leg = exoid.load_leg("cuhk")
+    load = Payload("left_knee", 3.0, (0.0, 0.0, -0.3))
+    heavy = exoid.rig.leg_with_payloads(leg, [load])
+    recording = dataclasses.replace(Walk(heavy, seconds=60.0).recording(), payloads=(load,))
+    estimate = identify(leg, recording, terms=())
+    assert max(errors(estimate, leg, "X")) < 0.5
+
+
+def test_validation_and_prediction_use_the_base():
+    leg = exoid.load_leg("cuhk")
+    estimate = identify(leg, Walk(leg, seconds=40.0).recording(), terms=())
+    test = Walk(leg, seconds=10.0, seed=5).recording()
+    assert (exoid.validate(estimate, test).nrmse < 0.05).all()
+    assert (exoid.validate(estimate, fixed(test)).nrmse > 0.1).all()
+    moved, stood = (np.abs(predict_motion(estimate, log, 0.25).q - test.q).max() for log in (test, fixed(test)))
+    assert moved < 0.05
+    assert stood > 5.0 * moved
+
+
+def test_files_and_reports_keep_that_the_base_moved(tmp_path):
+    leg = exoid.load_leg("cuhk")
+    recording = Walk(leg, seconds=20.0).recording()
+    estimate = identify(leg, recording, terms=())
+    estimate.save(tmp_path / "est.json")
+    assert exoid.Estimate.load(tmp_path / "est.json").inputs[0].moving_base
+    standing = identify(leg, [recording, Walk(leg, seconds=20.0, seed=3).recording()], terms=())
+    assert [source.moving_base for source in standing.inputs] == [True, True]
+    other = BaseMotion(recording.base.angular_velocity, recording.base.specific_force, 0.5 * IMU)
+    again = identify(leg, dataclasses.replace(recording, base=other), terms=())
+    assert again.inputs[0].sha256 != estimate.inputs[0].sha256
+    assert "moves" in identification_report(estimate, [recording]).html()
+
+
+def test_an_estimate_of_a_leg_on_a_moving_base_is_read_back(tmp_path):
+    leg = Leg.from_urdf(urdf_of("ur5"), base="moving")
+    estimate = identify(leg, Walk(leg, seconds=40.0, sideways=0.3, pitch=0.3).recording(), terms=())
+    estimate.save(tmp_path / "est.json")
+    read = exoid.Estimate.load(tmp_path / "est.json")
+    assert read.leg.base == "moving"
+    assert read.names == estimate.names
+
+
+def test_every_estimator_uses_the_base_but_the_one_that_simulates_the_leg_refuses_it():
+    leg = exoid.load_leg("cuhk")
+    recording = Walk(leg, seconds=20.0).recording()
+    for name in ("ols", "gls", "huber", "ml"):
+        estimate = identify(leg, recording, terms=(), estimator=name)
+        assert max(errors(estimate, leg, "X")) < 1.0, name
+    with pytest.raises(ExoidError, match=r"the base moves in a recording.*use wls"):
+        identify(leg, recording, terms=(), estimator=OutputError(LOOP))
+
+
+def test_a_rotor_at_the_hip_is_told_from_the_leg_by_the_pitch_of_the_torso():
+    leg = exoid.load_leg("cuhk")
+    walked = Walk(leg, seconds=60.0, pitch=0.2)
+    recording = walked.recording()
+    geared = dataclasses.replace(recording, tau=recording.tau + 0.8 * walked.joints[2])
+    estimate = identify(leg, geared, terms=(exoid.Armature(),))
+    assert {"Ia_hip", "Ia_knee"} <= set(estimate.names)
+    for name in ("Ia_hip", "Ia_knee"):
+        assert abs(estimate[name].value - 0.8) < 0.03, name
+    assert max(errors(estimate, leg, "J")) < 3.0
+    assert not exoid.check(leg, geared, terms=(exoid.Armature(),)), "the check tells the rotor from the leg as well"
+    standing = identify(
+        leg, dataclasses.replace(Walk(leg, pitch=0.0).recording(), base=None), terms=(exoid.Armature(),)
+    )
+    assert "Ia_hip" not in standing.names
+
+
+@pytest.mark.slow
+def test_intervals_cover_the_truth():
+    leg = exoid.load_leg("bleex")
+    inside = []
+    for seed in range(16):
+        estimate = identify(leg, Walk(leg, seconds=40.0, seed=seed).recording(), terms=())
+        low, high = estimate.interval(0.95).T
+        inside.append((low <= leg.parameters) & (leg.parameters <= high))
+    assert 0.88 <= np.mean(inside) <= 1.0
+
+
+def test_segments_of_a_walk_count_alone():
+    leg = exoid.load_leg("bleex")
+    recording = Walk(leg, seconds=60.0).recording()
+    swings = recording.segments([(start, start + 0.4) for start in np.arange(2.0, 57.0, 1.1)])
+    estimate = identify(leg, swings, terms=())
+    assert max(errors(estimate, leg, "X")) < 1.0
+    assert isinstance(swings, Recording)

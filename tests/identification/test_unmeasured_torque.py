@@ -1,0 +1,287 @@
+"""Joints whose torque was not measured move and give no rows; passive joints give rows of a torque that is zero."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from swings import TERMS, Swing
+from unchecked import identify
+
+import exoid
+from exoid import Coulomb, ExoidError, Recording, Viscous
+from exoid.estimate import predict_motion
+from exoid.identification.group_rows import Group
+from exoid.identification.problem import Problem
+from exoid.identification.selection import Candidate, select_terms
+from exoid.signals.cluster import _recorded
+from exoid.torques import TorqueModel
+from exoid.view.report.recording_prediction import predict_recording
+from exoid.view.report.text import error_table, summary
+
+DRIVEN = (Coulomb(joints=("hip", "knee")), Viscous(joints=("hip", "knee")))
+
+
+@cache
+def swing(seed=1):
+    """Document 1's leg, with noise of one percent in all torques."""
+    swing = Swing(exoid.load_leg("bleex"), seconds=20.0, seed=seed)
+    noise = 0.01 * swing.torque.std(axis=0) * np.random.default_rng(seed).standard_normal(swing.torque.shape)
+    return swing, swing.recording(tau=swing.torque + noise)
+
+
+def without(log, *joints):
+    """The log without the torque of some joints."""
+    tau = np.array(log.tau)
+    tau[:, [log.joint_names.index(joint) for joint in joints]] = np.nan
+    return dataclasses.replace(log, tau=tau)
+
+
+@pytest.mark.parametrize("estimator", ["ols", "wls"])
+def test_the_estimate_is_that_of_the_other_joints_rows_alone(estimator):
+    """The ankle may as well be locked at its true motion: the rows of hip and knee are solved here by themselves."""
+    swing_, log = swing()
+    found = identify(swing_.leg, without(log, "left_ankle"), TERMS, estimator)
+    model = TorqueModel(swing_.leg, DRIVEN)
+    assert found.names == model.names
+    problem = Problem.of([Group("", swing_.leg, [log], found.preparation)], [model])
+    factors = [r_factor.R for r_factor in problem.r_factors[:2]]
+    weights = np.ones(2)
+    for _ in range(1 if estimator == "ols" else 2):
+        R = np.vstack([weight * R for weight, R in zip(weights, factors, strict=True)])
+        expected = np.linalg.lstsq(R[:, :-1], R[:, -1])[0]
+        weights = [1.0 / np.linalg.norm(R @ np.append(expected, -1.0)) for R in factors]
+    np.testing.assert_allclose(found.values, expected, rtol=1e-8, atol=1e-10)
+
+
+def test_wrong_torques_of_that_joint_would_change_nothing():
+    swing_, log = swing()
+    tau = np.array(log.tau)
+    tau[:, 2] = np.nan
+    first = identify(swing_.leg, dataclasses.replace(log, tau=tau), TERMS)
+    again = identify(swing_.leg, without(log, "left_ankle"), DRIVEN)
+    np.testing.assert_array_equal(first.values, again.values)
+    np.testing.assert_array_equal(first.covariance, again.covariance)
+
+
+@pytest.mark.parametrize("estimator", ["wls", "huber", "gls", "ols"])
+def test_intervals_without_a_joints_torque_are_as_true_as_with_it(estimator):
+    rms = {}
+    for measured in (True, False):
+        scores = []
+        for seed in range(1, 4):
+            swing_, log = swing(seed)
+            found = identify(swing_.leg, log if measured else without(log, "left_ankle"), TERMS, estimator)
+            truth = dict(zip(TorqueModel(swing_.leg, TERMS).names, swing_.truth, strict=True))
+            scores += [(found.value(name) - truth[name]) / found[name].std for name in found.names]
+        rms[measured] = np.sqrt(np.mean(np.square(scores)))
+    assert rms[True] < 1.3
+    assert rms[False] < 1.1 * rms[True]
+
+
+def test_a_joint_that_one_of_two_logs_measured_is_identified():
+    swing_, log = swing()
+    _, other = swing(2)
+    found = identify(swing_.leg, [without(log, "left_ankle"), other], TERMS)
+    assert "c0_ankle" in found.names
+    assert found.trained == (True, True, True)
+    (finding,) = (f for f in found.findings if f.kind == "unmeasured-torque")
+    assert (finding.joint, finding.value) == ("left_ankle", 0.5)
+
+
+def test_parameters_that_leave_no_trace_elsewhere_are_named():
+    swing_, log = swing()
+    with pytest.raises(ExoidError, match="X1, Y1, J1 left no trace"):
+        identify(swing_.leg, without(log, "left_hip"), TERMS)
+    with pytest.raises(ExoidError, match="c0_ankle left no trace: the torque of ankle was not measured"):
+        identify(swing_.leg, without(log, "left_ankle"), (Coulomb(joints=("ankle",)),))
+    found = identify(swing_.leg, without(log, "left_ankle"), TERMS, known={"c0_ankle": 0.4})
+    assert found.value("c0_ankle") == 0.4
+    with pytest.raises(ExoidError, match="there is no torque"):
+        identify(swing_.leg, without(log, *log.joint_names), TERMS)
+    with pytest.raises(ExoidError, match="ml fits the torque of every joint"):
+        identify(swing_.leg, without(log, "left_ankle"), TERMS, "ml")
+
+
+def test_an_estimate_says_which_torque_was_not_measured(tmp_path):
+    swing_, log = swing()
+    found = identify(swing_.leg, without(log, "left_ankle"), TERMS)
+    assert "left_ankle not measured" in str(found)
+    found.save(tmp_path / "leg.json")
+    assert exoid.Estimate.load(tmp_path / "leg.json").trained == (True, True, False)
+    assert found.torque(log.q, log.v, log.a).shape == log.q.shape
+
+
+def test_a_validation_says_which_torque_was_not_measured():
+    swing_, log = swing()
+    partial = without(log, "left_ankle")
+    found = identify(swing_.leg, partial, TERMS)
+    alone = exoid.validate(found, partial)
+    assert alone.verdict == "predicts"
+    assert np.isnan(alone.nrmse).tolist() == [False, False, True]
+    assert alone.rows()[2] == ("left_ankle", "not measured", "", "", "")
+    assert alone.to_json()["rmse"][2] is None
+    assert [f.joint for f in alone.findings if f.kind == "unmeasured-torque"] == ["left_ankle"]
+    both = exoid.validate(found, [partial, log])
+    np.testing.assert_allclose(both.rmse[2], exoid.validate(found, log).rmse[2])
+    with pytest.raises(ExoidError, match="the torque of left_ankle was not measured"):
+        predict_motion(found, partial)
+
+
+def test_checks_skip_a_joint_without_torque_and_find_faults_of_the_others():
+    swing_, log = swing()
+    partial = without(log, "left_ankle")
+    assert {f.kind for f in exoid.check(swing_.leg, partial)} == {"unmeasured-torque"}
+    tau = np.array(partial.tau)
+    tau[:, 1] *= -1.0
+    found = exoid.check(swing_.leg, dataclasses.replace(partial, tau=tau))
+    assert ("torque-sign", "left_knee") in {(f.kind, f.joint) for f in found}
+
+
+def test_a_dead_channel_advises_to_say_what_the_joint_is():
+    swing_, log = swing()
+    tau = np.array(log.tau)
+    tau[:, 2] = 0.0
+    with pytest.raises(ExoidError, match="is 0 N·m in every sample") as caught:
+        identify(swing_.leg, dataclasses.replace(log, tau=tau), TERMS)
+    assert "passive=('left_ankle',)" in caught.value.remedy
+    assert "--unmeasured left_ankle" in caught.value.command
+
+
+def test_a_log_of_currents_alone_says_what_is_missing():
+    swing_, log = swing()
+    with pytest.raises(ExoidError, match="has motor currents and no torque") as caught:
+        identify(swing_.leg, dataclasses.replace(log, tau=None, current=log.tau), TERMS)
+    assert "tau_left_hip=i_left_hip:0.118" in caught.value.command
+
+
+# --- passive joints ---------------------------------------------------------------------------------------------
+
+DAMPING = np.array([0.5, 0.08])
+
+
+@cache
+def hanging():
+    """Document 2's leg with a driven hip and a knee that swings freely: time, q, v, a and torque, noise-free."""
+    leg = exoid.load_leg("cuhk")
+    omega = 2.0 * np.pi * np.array([0.31, 0.53, 0.77, 1.1])
+    size, phase = np.array([0.3, 0.2, 0.12, 0.06]), np.array([0.0, 1.0, 2.0, 0.5])
+
+    def hip(t):
+        angle = np.multiply.outer(t, omega) + phase
+        of_each = size * np.sin(angle), size * omega * np.cos(angle), -size * omega**2 * np.sin(angle)
+        return [part.sum(-1) for part in of_each]
+
+    def acceleration(t, q2, v2):
+        q1, v1, a1 = hip(t)
+        state = np.array([[q1, q2]]), np.array([[v1, v2]])
+        rest = leg.inverse_dynamics(*state, np.array([[a1, 0.0]]))[0, 1]
+        return -(rest + DAMPING[1] * v2) / leg.mass_matrix(state[0])[0, 1, 1]
+
+    t = np.arange(1500) / 100.0
+    run = solve_ivp(lambda t, x: [x[1], acceleration(t, *x)], (0.0, t[-1]), [-0.3, 0.0], t_eval=t, rtol=1e-8, atol=1e-8)
+    motion = [hip(t), (*run.y, np.array([acceleration(*sample) for sample in zip(t, *run.y, strict=True)]))]
+    q, v, a = (np.column_stack(pair) for pair in zip(*motion, strict=True))
+    return leg, t, q, v, a, leg.inverse_dynamics(q, v, a) + DAMPING * v
+
+
+def hanging_log(seed, passive):
+    leg, t, q, _, _, torque = hanging()
+    rng = np.random.default_rng(seed)
+    tau = torque + 0.02 * torque.std(axis=0) * rng.standard_normal(torque.shape) * [1.0, 0.0]
+    tau[:, 1] = np.nan
+    q = q + 5e-5 * rng.standard_normal(q.shape)
+    return leg, Recording(t, q, tau=tau, joint_names=leg.joint_names, passive=("left_knee",) if passive else ())
+
+
+def test_a_passive_joint_swings_without_torque():
+    *_, torque = hanging()
+    assert np.abs(torque[:, 1]).max() < 1e-12
+
+
+def test_rows_of_a_passive_joint_identify_its_friction_and_sharpen_the_rest():
+    leg, log = hanging_log(1, passive=True)
+    found = exoid.identify(leg, log, (Viscous(),))
+    truth = np.concatenate([leg.parameters, DAMPING])
+    assert found.names[-1] == "d_knee"
+    assert np.sqrt(np.mean(((found.values - truth) / found.std) ** 2)) < 2.0
+    np.testing.assert_allclose(found.value("d_knee"), DAMPING[1], rtol=0.02)
+    unmeasured = identify(*hanging_log(1, passive=False), (Viscous(),))
+    assert found["J2"].std < 0.9 * unmeasured["J2"].std
+    assert [f for f in found.findings if f.severity != "info"] == []
+    validation = exoid.validate(found, log)
+    assert validation.verdict == "predicts"
+    assert "–" in str(validation)
+
+
+def test_passive_joints_alone_give_only_ratios():
+    leg, log = hanging_log(1, passive=True)
+    with pytest.raises(ExoidError, match="only ratios of parameters"):
+        identify(leg, dataclasses.replace(log, passive=leg.joint_names, tau=None), (Viscous(),))
+
+
+# --- what else takes recordings ----------------------------------------------------------------------------------
+
+
+def test_groups_share_what_one_of_them_measured():
+    swing_, log = swing()
+    _, other = swing(2)
+    groups = {"first": without(log, "left_ankle"), "second": other}
+    found = identify(swing_.leg, groups, TERMS, own=())
+    assert found["first"].trained == (True, True, False)
+    assert found["second"].trained == (True, True, True)
+    np.testing.assert_array_equal(found["first"].values, found["second"].values)
+    assert "residual RMS of first [N·m]" in str(found)
+    assert "left_ankle not measured" in str(found)
+    with pytest.raises(ExoidError, match="c0_ankle"):
+        identify(swing_.leg, groups, TERMS, own=("c0",))
+
+
+def test_selection_scores_the_joints_that_were_measured():
+    swing_, log = swing()
+    candidates = [Candidate("friction", TERMS), Candidate("viscous", (Viscous(),))]
+    selection = select_terms(swing_.leg, without(log, "left_ankle"), candidates, tune=False)
+    assert selection.candidate.name == "friction"
+    score = selection.scores[0]
+    assert np.isnan(score.nrmse).tolist() == [False, False, True]
+    assert 0.0 < score.nrmse[:2].min() < score.mean < score.nrmse[:2].max()
+    assert 0.0 < score.fast < 0.1
+    assert "c0_ankle" not in selection.identify(without(log, "left_ankle")).names
+
+
+def test_a_report_says_which_torque_was_not_measured():
+    swing_, log = swing()
+    partial = without(log, "left_ankle")
+    found = identify(swing_.leg, partial, TERMS)
+    predictions = [predict_recording(found, partial)]
+    (*_, row) = error_table(found, predictions, held_out=True).rows
+    assert tuple(row[2:]) == ("–",) * 4
+    assert any("left_ankle not measured" in line for line in summary(found, predictions))
+    assert not any("does not predict every joint" in line for line in summary(found, predictions))
+
+
+def test_chunks_of_an_array_on_a_cluster_may_lack_the_torque_of_a_joint():
+    _, log = swing()
+    table = np.column_stack([log.time, log.q, log.tau[:, :2], log.tau[:, 2]])
+    labels = log.joint_names
+    columns = ("time", *(f"q_{n}" for n in labels), *(f"tau_{n}" for n in labels[:2]), f"i_{labels[2]}")
+    recorded = _recorded(table, columns)
+    assert recorded.measured.tolist() == [True, True, False]
+    np.testing.assert_array_equal(recorded.current[:, 2], log.tau[:, 2])
+
+
+def test_delays_of_the_other_torques_are_taken_out():
+    swing_, log = swing()
+    tau = np.array(log.tau)
+    tau[:, 1] = np.interp(log.time - 0.02, log.time, tau[:, 1])
+    late = without(dataclasses.replace(log, tau=tau), "left_ankle")
+    found = identify(swing_.leg, late, TERMS, delay="auto")
+    np.testing.assert_allclose(found.torque_delays, [0.0, 0.02, 0.0], atol=1e-3)
+    validation = exoid.validate(found, late)
+    assert (validation.nrmse[:2] < 0.02).all()
+    assert np.isnan(validation.rmse).tolist() == [False, False, True]
+    json.dumps(validation.to_json(), allow_nan=False)

@@ -1,0 +1,382 @@
+"""Base motion in recordings: sensors, poses, files, and the mistakes that logs of an IMU have."""
+
+import dataclasses
+import itertools
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from walking import IMU, Walk
+
+import exoid
+from exoid import BaseMotion, ExoidError, Recording, TorsoMotion
+from exoid.signals import BASE_COLUMNS, Column, FiniteDifference, MovingAverage, Smoothed, ZeroPhase, base_during
+from exoid.signals.default_preparation import choose_cutoff
+
+LEG = exoid.load_leg("cuhk")
+UPRIGHT = np.array([0.0, 0.0, 9.81])
+
+
+def walk(**settings):
+    return Walk(LEG, **{"seconds": 12.0, **settings})
+
+
+def with_base(recording, gyro=None, force=None, position=None):
+    base = recording.base
+    changed = BaseMotion(
+        base.angular_velocity if gyro is None else gyro,
+        base.specific_force if force is None else force,
+        base.position if position is None else position,
+    )
+    return dataclasses.replace(recording, base=changed)
+
+
+def slow(seconds=40.0):
+    """A base that tilts slowly, by 0.2 rad within seconds."""
+    return Walk(LEG, seconds=seconds, rate=100.0, frequency=0.12, pitch=0.15, sideways=0.15)
+
+
+# --- Sensors and poses ----------------------------------------------------------------------------------------------
+
+
+def test_a_mounting_turns_readings_into_the_axes_of_the_base():
+    rng = np.random.default_rng(0)
+    turn = Rotation.from_rotvec([0.3, -1.2, 2.0])
+    gyro, force = rng.normal(size=(2, 20, 3))
+    base = BaseMotion.from_imu(turn.inv().apply(gyro), turn.inv().apply(force), rotation=turn.as_matrix(), position=IMU)
+    assert np.allclose(base.angular_velocity, gyro, atol=1e-14)
+    assert np.allclose(base.specific_force, force, atol=1e-14)
+    assert np.array_equal(base.position, IMU)
+
+
+@pytest.mark.parametrize("preparation", [ZeroPhase(8.0), Smoothed(16.0), FiniteDifference()])
+def test_the_motion_at_the_root_link_follows_from_a_sensor_elsewhere(preparation):
+    walked = walk(sideways=0.1)
+    found, true = base_during(walked.recording(noise=0.0), preparation), walked.base
+    inner = slice(100, -100)
+    for name, tolerance in (("angular_velocity", 2e-3), ("angular_acceleration", 0.02), ("specific_force", 0.02)):
+        error = (getattr(found, name) - getattr(true, name))[inner]
+        assert np.sqrt(np.mean(error**2)) < tolerance, name
+
+
+def test_the_base_has_the_delay_that_the_angles_have():
+    recording = walk().recording(noise=0.0)
+    angle = recording.base.angular_velocity
+    twin = Recording(recording.time, angle, joint_names=("x", "y", "z"))
+    average = MovingAverage(0.2)
+    assert np.array_equal(base_during(recording, average).angular_velocity, average.kinematics(twin).q)
+
+
+def test_poses_of_motion_capture_give_what_an_imu_measures():
+    walked = walk(sideways=0.1)
+    position, turn = walked.pose
+    marker = position + turn.apply(IMU)
+    flipped = turn.as_quat() * np.where(np.arange(len(position)) % 3, 1.0, -1.0)[:, None]  # q and −q are one turn
+    base = BaseMotion.from_pose(marker, flipped, walked.time, at=IMU)
+    true = walked.base
+    assert np.abs(base.angular_velocity - true.angular_velocity)[50:-50].max() < 5e-3
+    assert np.abs(base.specific_force - true.specific_force_at(IMU))[50:-50].max() < 0.05
+
+
+def test_a_laboratory_may_have_another_vertical_and_another_body():
+    walked = walk()
+    position, turn = walked.pose
+    lab, body = Rotation.from_euler("x", -90, degrees=True), Rotation.from_euler("z", 90, degrees=True)
+    usual = BaseMotion.from_pose(position, turn.as_quat(), walked.time)
+    other = BaseMotion.from_pose(
+        lab.apply(position),
+        (lab * turn * body).as_quat(),
+        walked.time,
+        up=lab.apply([0.0, 0.0, 1.0]),
+        rotation=body.as_matrix(),
+    )
+    assert np.allclose(other.columns, usual.columns, atol=1e-9)
+
+
+# --- Recordings -----------------------------------------------------------------------------------------------------
+
+
+def test_the_base_is_sliced_selected_and_resampled_with_the_rest():
+    recording = walk().recording()
+    columns = recording.base.columns
+    assert np.array_equal(recording.slice(10, 50).base.columns, columns[10:50])
+    between = recording.between(2.0, 5.0)
+    assert np.array_equal(between.base.columns, columns[np.searchsorted(recording.time, 2.0) :][: len(between)])
+    assert np.array_equal(recording.select(("left_knee",)).base.columns, columns)
+    assert np.array_equal(recording.segments([(1.0, 2.0)]).base.columns, columns)
+    fine = walk(rate=400.0).recording(noise=0.0)
+    doubled = walk().recording(noise=0.0).resampled(400.0)
+    rows = slice(50, len(doubled) - 50)
+    assert np.abs(doubled.base.columns[rows] - fine.base.columns[: len(doubled)][rows]).max() < 0.01
+    assert np.array_equal(doubled.base.position, IMU)
+    assert "moving base" in repr(recording)
+
+
+def test_a_csv_log_keeps_the_base_and_where_its_sensor_is(tmp_path):
+    recording = walk().recording()
+    recording.to_csv(tmp_path / "walk.csv")
+    read = Recording.from_csv(tmp_path / "walk.csv")
+    assert np.array_equal(read.base.columns, recording.base.columns)
+    assert np.array_equal(read.base.position, IMU)
+    with pytest.raises(ExoidError, match="puts the base's sensor"):
+        Recording.from_csv(tmp_path / "walk.csv", base_position=(0.0, 0.0, 0.0))
+
+
+def arrays_of(recording):
+    return {
+        "time": recording.time,
+        "q": recording.q,
+        "tau": recording.tau,
+        "joint_names": np.array(recording.joint_names),
+        "base_gyro": recording.base.angular_velocity,
+        "base_acc": recording.base.specific_force,
+    }
+
+
+def test_other_formats_have_the_base_as_columns_or_matrices(tmp_path):
+    recording = walk().recording()
+    np.savez(tmp_path / "walk.npz", **arrays_of(recording))
+    read = Recording.from_file(tmp_path / "walk.npz", base_position=IMU)
+    assert np.array_equal(read.base.columns, recording.base.columns)
+    assert np.array_equal(read.base.position, IMU)
+    polars = pytest.importorskip("polars")
+    names = ["time", *(f"q_{joint}" for joint in recording.joint_names), *BASE_COLUMNS]
+    table = np.column_stack([recording.time, recording.q, recording.base.columns])
+    polars.DataFrame(table, schema=names).write_parquet(tmp_path / "walk.parquet")
+    assert np.array_equal(Recording.from_file(tmp_path / "walk.parquet").base.columns, recording.base.columns)
+
+
+def write(path, names, table):
+    path.write_text("\n".join([",".join(names), *(",".join(map(repr, row)) for row in table.tolist())]) + "\n")
+
+
+def test_columns_may_have_other_headers_units_and_signs(tmp_path):
+    recording = walk().recording()
+    base = recording.base.columns
+    logged = np.column_stack([recording.time, recording.q, np.rad2deg(base[:, :3]), base[:, 3:] / 9.80665])
+    logged[:, 4] *= -1.0
+    names = ["time", "q_left_hip", "q_left_knee", "gx", "gy", "gz", "ax", "ay", "az"]
+    write(tmp_path / "log.csv", names, logged)
+    columns = {f"base_gyro_{axis}": Column(f"g{axis}", unit="deg/s") for axis in "xz"}
+    columns |= {f"base_acc_{axis}": Column(f"a{axis}", unit="g") for axis in "xyz"}
+    columns["base_gyro_y"] = Column("gy", scale=-1.0, unit="deg/s")
+    read = Recording.from_csv(tmp_path / "log.csv", columns=columns)
+    assert np.allclose(read.base.columns, base, atol=1e-12)
+
+
+def test_a_log_may_have_the_pose_of_the_base(tmp_path):
+    walked = walk()
+    recording = walked.recording()
+    position, turn = walked.pose
+    names = ["time", "q_left_hip", "q_left_knee", "base_x", "base_y", "base_z", *(f"base_q{axis}" for axis in "xyzw")]
+    write(tmp_path / "log.csv", names, np.column_stack([recording.time, recording.q, position, turn.as_quat()]))
+    read = Recording.from_csv(tmp_path / "log.csv")
+    assert np.array_equal(read.base.columns, BaseMotion.from_pose(position, turn.as_quat(), walked.time).columns)
+
+
+@pytest.mark.parametrize("left_out", ["base_gyro_y", "base_acc_z"])
+def test_a_log_with_part_of_an_imu_is_refused(tmp_path, left_out):
+    recording = walk().recording()
+    names = ["time", "q_left_hip", "q_left_knee", *BASE_COLUMNS]
+    table = np.column_stack([recording.time, recording.q, recording.base.columns])
+    kept = [k for k, name in enumerate(names) if name != left_out]
+    write(tmp_path / "log.csv", [names[k] for k in kept], table[:, kept])
+    with pytest.raises(ExoidError, match=f"lacks {left_out}"):
+        Recording.from_csv(tmp_path / "log.csv")
+
+
+@pytest.mark.parametrize("line", ["# base position: 1,2", "# base position: a,b,c", "# base position: nan,0,0"])
+def test_a_line_that_is_no_position_is_refused(tmp_path, line):
+    walk().recording().to_csv(tmp_path / "walk.csv")
+    text = (tmp_path / "walk.csv").read_text().split("\n", 1)[1]
+    (tmp_path / "walk.csv").write_text(f"{line}\n{text}")
+    with pytest.raises(ExoidError, match=r"position of the base's sensor|sensor of the base"):
+        Recording.from_csv(tmp_path / "walk.csv")
+
+
+def test_a_position_without_a_base_is_refused(tmp_path):
+    dataclasses.replace(walk().recording(), base=None).to_csv(tmp_path / "walk.csv")
+    with pytest.raises(ExoidError, match="no motion of the base"):
+        Recording.from_csv(tmp_path / "walk.csv", base_position=IMU)
+
+
+def test_the_cut_off_falls_with_a_noisy_gyroscope():
+    quiet = walk(seconds=30.0).recording()
+    rng = np.random.default_rng(1)
+    loud = with_base(quiet, gyro=quiet.base.angular_velocity + 0.2 * rng.standard_normal((len(quiet), 3)))
+    assert choose_cutoff([loud]) < choose_cutoff([quiet])
+    assert choose_cutoff([quiet]) == choose_cutoff([dataclasses.replace(quiet, base=None)])
+
+
+# --- Mistakes -------------------------------------------------------------------------------------------------------
+
+
+def refused(match, **changes):
+    with pytest.raises(ExoidError, match=match) as error:
+        with_base(walk().recording(), **changes)
+    return error.value
+
+
+def test_an_accelerometer_in_g_or_without_gravity_or_upside_down_is_refused():
+    force = walk().recording().base.specific_force
+    assert "it is in g" in refused("gravity alone is 9.81", force=force / 9.81).remedy
+    assert "contains gravity" in refused("gravity alone is 9.81", force=(force - UPRIGHT) / 10.0).remedy
+    assert "m/s²" in refused("gravity alone is 9.81", force=1e3 * force).remedy
+    assert "negative scale" in refused("upside down", force=-force).remedy
+
+
+def test_a_gyroscope_in_degrees_is_refused_of_a_walk_and_of_slow_motion():
+    assert "rad/s" in refused("deg/s", gyro=np.rad2deg(walk(pitch=0.2).recording().base.angular_velocity)).remedy
+    recording = slow().recording()
+    gyro = np.rad2deg(recording.base.angular_velocity)
+    assert np.sqrt(np.mean(np.sum(gyro**2, axis=1))) < 15.0
+    with pytest.raises(ExoidError, match=r"5[5-9] times slower"):
+        with_base(recording, gyro=gyro)
+
+
+@pytest.mark.parametrize(("axis", "name"), [(0, "x"), (1, "y")])
+def test_an_axis_of_the_wrong_sign_is_refused_in_slow_motion(axis, name):
+    recording = slow().recording()
+    sign = np.ones(3)
+    sign[axis] = -1.0
+    with pytest.raises(ExoidError, match=f"about {name} against"):
+        with_base(recording, gyro=recording.base.angular_velocity * sign)
+
+
+@pytest.mark.parametrize("radius", [-2.0, -0.5, -0.3, 0.3, 1.0])
+@pytest.mark.parametrize("frequency", [0.3, 0.7, 1.5, 2.5])
+def test_a_base_that_turns_about_a_point_above_its_sensor_is_not_taken_for_a_wrong_axis(radius, frequency):
+    """Its sensor accelerates against gravity's turn, so that the specific force leans the other way."""
+    time = np.arange(6000) / 200.0
+    w = 2.0 * np.pi * frequency
+    size = min(0.05, 5.0 / (abs(radius) * w**2))
+    angle, rate, slope = size * np.sin(w * time), size * w * np.cos(w * time), -size * w**2 * np.sin(w * time)
+    tangential, centripetal = slope * radius, -(rate**2) * radius
+    zero = np.zeros_like(time)
+    gyro = np.column_stack([zero, rate, zero])
+    force = np.column_stack([tangential - 9.81 * np.sin(angle), zero, centripetal + 9.81 * np.cos(angle)])
+    rng = np.random.default_rng(0)
+    base = BaseMotion(gyro + 0.005 * rng.normal(size=gyro.shape), force + 0.05 * rng.normal(size=gyro.shape))
+    Recording(time, 0.1 * np.sin(time)[:, None], joint_names=("knee",), base=base)
+
+
+def test_a_biased_gyroscope_is_not_refused():
+    recording = slow().recording()
+    with_base(recording, gyro=recording.base.angular_velocity + np.array([0.05, -0.05, 0.05]))
+
+
+@pytest.mark.parametrize(
+    ("gyro", "force", "position", "match"),
+    [
+        (np.zeros((20, 2)), np.tile(UPRIGHT, (20, 1)), np.zeros(3), "angular_velocity"),
+        (np.zeros((3, 20)), np.tile(UPRIGHT, (20, 1)), np.zeros(3), "angular_velocity"),
+        (np.zeros((20, 3)), np.tile(UPRIGHT, (19, 1)), np.zeros(3), "specific_force"),
+        (np.zeros(3), UPRIGHT, np.zeros(3), "angular_velocity"),
+        (np.full((20, 3), np.nan), np.tile(UPRIGHT, (20, 1)), np.zeros(3), "finite"),
+        (np.zeros((20, 3)), np.full((20, 3), np.inf), np.zeros(3), "finite"),
+        ("fast", np.tile(UPRIGHT, (20, 1)), np.zeros(3), "angular_velocity"),
+        (np.zeros((20, 3)), np.tile(UPRIGHT, (20, 1)), np.zeros(2), "position"),
+        (np.zeros((20, 3)), np.tile(UPRIGHT, (20, 1)), [50.0, 0.0, 250.0], "in m"),
+        (np.zeros((20, 3)), np.tile(UPRIGHT, (20, 1)), [np.nan, 0.0, 0.0], "sensor of the base"),
+    ],
+)
+def test_arrays_that_are_no_base_motion_are_refused(gyro, force, position, match):
+    with pytest.raises(ExoidError) as error:
+        BaseMotion(gyro, force, position)
+    assert match in str(error.value)
+
+
+@pytest.mark.parametrize("rotation", [np.eye(2), 2.0 * np.eye(3), np.diag([1.0, 1.0, -1.0]), np.full((3, 3), np.nan)])
+def test_a_mounting_that_is_no_rotation_is_refused(rotation):
+    with pytest.raises(ExoidError, match="rotation"):
+        BaseMotion.from_imu(np.zeros((20, 3)), np.tile(UPRIGHT, (20, 1)), rotation=rotation)
+
+
+def test_recordings_refuse_another_length_another_type_and_a_torso_beside():
+    recording = walk().recording()
+    with pytest.raises(ExoidError, match="base motion"):
+        dataclasses.replace(recording, base=recording.base.rows(slice(0, 50)))
+    with pytest.raises(ExoidError, match="of type dict"):
+        dataclasses.replace(recording, base={})
+    with pytest.raises(ExoidError, match="torso tilt and a base motion"):
+        dataclasses.replace(recording, torso=TorsoMotion(pitch=0.1))
+
+
+def pose():
+    walked = walk(seconds=3.0)
+    position, turn = walked.pose
+    return {"position": position, "quaternion": turn.as_quat(), "time": walked.time}
+
+
+def changed_pose(name):
+    given = pose()
+    position, quaternion, time = (given[key].copy() for key in ("position", "quaternion", "time"))
+    if name == "norm":
+        quaternion[100] *= 1.1
+    elif name == "zero":
+        quaternion[100] = 0.0
+    elif name == "turn jumps":
+        quaternion[100:] = (Rotation.from_quat(quaternion[100:]) * Rotation.from_euler("z", 1.0)).as_quat()
+    elif name == "place jumps":
+        position[100:] += 1.0
+    elif name == "millimetres":
+        position *= 1e3
+    elif name == "nan":
+        position[100, 1] = np.nan
+    elif name == "uneven":
+        time[100:] += 0.5
+    elif name == "shape":
+        quaternion = quaternion[:, :3]
+    elif name == "short":
+        position, quaternion, time = position[:15], quaternion[:15], time[:15]
+    return {"position": position, "quaternion": quaternion, "time": time}
+
+
+@pytest.mark.parametrize(
+    ("name", "match"),
+    [
+        ("norm", "row 100 has norm 1.1"),
+        ("zero", "row 100 has norm 0"),
+        ("turn jumps", "orientation of the base jumps before row 100"),
+        ("place jumps", "position of the base jumps before row 100"),
+        ("millimetres", "position of the base jumps"),
+        ("nan", "not a finite"),
+        ("uneven", "uneven"),
+        ("shape", "quaternion"),
+        ("short", "too few"),
+    ],
+)
+def test_poses_that_no_base_has_are_refused(name, match):
+    with pytest.raises(ExoidError, match=match):
+        BaseMotion.from_pose(**changed_pose(name))
+
+
+@pytest.mark.parametrize("settings", [{"cutoff": 0.0}, {"cutoff": 500.0}, {"up": (0.0, 0.0, 0.0)}, {"up": (1.0, 0.0)}])
+def test_settings_that_do_not_fit_poses_are_refused(settings):
+    with pytest.raises(ExoidError):
+        BaseMotion.from_pose(**pose(), **settings)
+
+
+def test_a_quaternion_with_w_first_is_refused_where_it_is_used():
+    given = pose()
+    wrong = np.roll(given["quaternion"], 1, axis=1)  # read as (x, y, z, w), it turns the base upside down
+    base = BaseMotion.from_pose(given["position"], wrong, given["time"])
+    with pytest.raises(ExoidError, match="upside down"):
+        Recording(given["time"], np.zeros((len(base), 1)), joint_names=("knee",), base=base)
+
+
+def test_no_sequence_of_hostile_numbers_makes_another_error():
+    rng = np.random.default_rng(0)
+    for kind, size in itertools.product(range(6), (1e-320, 1.0, 1e8, 1e300)):
+        x = rng.standard_normal((200, 6)) * size
+        if kind:
+            x[kind::7] = [np.nan, np.inf, 0.0, -np.inf, 1e308][kind - 1]
+        try:
+            Recording(
+                np.arange(200) / 20.0,
+                rng.normal(size=(200, 1)),
+                joint_names=("k",),
+                base=BaseMotion(x[:, :3], x[:, 3:]),
+            )
+        except ExoidError:
+            continue

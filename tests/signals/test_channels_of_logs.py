@@ -1,0 +1,339 @@
+"""Currents and forces of logs; scale, zero and unit of columns; files without a header line; joints without torque."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import partial
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from exoid import ExoidError, Recording, Recordings
+from exoid.signals import Column
+
+T = np.arange(40) / 100.0
+Q = np.column_stack([0.3 * np.sin(5 * T), 0.2 * np.cos(4 * T)])
+CURRENT = np.column_stack([3.0 + np.sin(9 * T), np.full(40, np.nan)])
+FORCE = np.column_stack([np.full(40, np.nan), 500.0 * np.cos(7 * T)])
+
+
+def recording(**changes):
+    arrays = {"time": T, "q": Q, "current": CURRENT, "force": FORCE, "joint_names": ("hip", "knee")}
+    return Recording(**{**arrays, **changes})
+
+
+def write_csv(path, **columns):
+    rows = np.column_stack(list(columns.values()))
+    path.write_text("\n".join([",".join(columns), *(",".join(map(repr, row)) for row in rows.tolist())]))
+    return path
+
+
+def write_npz(path, **columns):
+    np.savez(path, **columns)
+    return path
+
+
+def write_mat(path, **columns):
+    savemat(path, columns)
+    return path
+
+
+def write_parquet(path, **columns):
+    polars = pytest.importorskip("polars")
+    polars.DataFrame(columns).write_parquet(path)
+    return path
+
+
+FILES = {"csv": write_csv, "npz": write_npz, "mat": write_mat, "parquet": write_parquet}
+
+
+# --- currents and forces --------------------------------------------------------------------------------------
+
+
+def test_a_recording_without_torque_may_have_currents_and_forces():
+    log = recording()
+    assert "current [A], force [N]" in repr(log)
+    assert "torque not measured" not in repr(log)
+    assert "current [A]" in log._repr_html_()
+    assert "force [N]" in log._repr_html_()
+    assert not log.measured.any()
+    assert not log.current.flags.writeable
+
+
+def test_slices_selections_and_resampling_keep_currents_and_forces():
+    log = recording()
+    np.testing.assert_array_equal(log.slice(5, 30).current, CURRENT[5:30])
+    np.testing.assert_array_equal(log.select(("knee",)).force[:, 0], FORCE[:, 1])
+    assert log.select(("knee",)).current is None  # the only column was not measured
+    faster = log.resampled(200.0)
+    assert faster.current.shape == faster.force.shape == (79, 2)
+    np.testing.assert_allclose(faster.current[::2, 0], CURRENT[:, 0])
+    assert np.isnan(faster.current[:, 1]).all()
+
+
+def test_a_current_is_checked_like_the_other_quantities():
+    hole = CURRENT.copy()
+    hole[7, 0] = np.nan
+    with pytest.raises(ExoidError, match=r"row 7, column i_hip: nan is not a finite number"):
+        recording(current=hole)
+    with pytest.raises(ExoidError, match="force"):
+        recording(force=CURRENT[:, :1])
+    with pytest.raises(ExoidError, match="looks like mA"):
+        recording(current=1000.0 * CURRENT)
+
+
+def test_currents_and_forces_are_written_and_read_back_exactly(tmp_path):
+    log = recording(tau=np.column_stack([T, np.full(40, np.nan)]))
+    log.to_csv(tmp_path / "log.csv")
+    again = Recording.from_csv(tmp_path / "log.csv")
+    for name in ("time", "q", "tau", "current", "force"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(log, name))
+    header = (tmp_path / "log.csv").read_text().splitlines()[0]
+    assert header == "time,q_hip,q_knee,tau_hip,i_hip,f_knee"
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_every_format_has_columns_of_currents_and_forces(kind, tmp_path):
+    columns = {"time": T, "q_hip": Q[:, 0], "q_knee": Q[:, 1], "i_hip": CURRENT[:, 0], "f_knee": FORCE[:, 1]}
+    log = Recording.from_file(FILES[kind](tmp_path / f"log.{kind}", **columns))
+    np.testing.assert_array_equal(log.current, CURRENT)
+    np.testing.assert_array_equal(log.force, FORCE)
+    assert log.tau is None
+
+
+@pytest.mark.parametrize("kind", ["npz", "mat"])
+@pytest.mark.parametrize("names", [("current", "force"), ("i", "f")])
+def test_matrices_of_currents_and_forces_are_read(kind, names, tmp_path):
+    matrices = dict(zip(names, (CURRENT, FORCE), strict=True))
+    path = FILES[kind](tmp_path / f"log.{kind}", time=T, q=Q, **matrices)
+    log = Recording.from_file(path, ("hip", "knee"))
+    np.testing.assert_array_equal(log.current, CURRENT)
+    np.testing.assert_array_equal(log.force, FORCE)
+
+
+def test_a_matrix_of_another_width_is_no_force_of_the_joints(tmp_path):
+    np.savez(tmp_path / "plate.npz", time=T, q=Q, force=np.ones((40, 6)), joint_names=["hip", "knee"])
+    assert Recording.from_file(tmp_path / "plate.npz").force is None
+
+
+# --- scale, zero and unit ----------------------------------------------------------------------------------------
+
+COLUMNS = {"stamp": 1000.0 * T, "enc": np.rad2deg(Q[:, 0]), "cur": 1000.0 * CURRENT[:, 0], "cur:A": CURRENT[:, 0]}
+
+
+@pytest.fixture
+def raw(tmp_path):
+    """Milliseconds, degrees and milliamperes, under headers of a logger."""
+    return write_csv(tmp_path / "raw.csv", **COLUMNS)
+
+
+BASE = {"time": Column("stamp", unit="ms"), "q_hip": Column("enc", unit="deg")}
+
+
+def test_a_unit_converts_a_column_to_si(raw):
+    log = Recording.from_file(raw, columns={**BASE, "i_hip": Column("cur", unit="mA")})
+    np.testing.assert_allclose(log.time, T, atol=1e-15)
+    np.testing.assert_allclose(log.q, Q[:, :1], rtol=1e-14)
+    np.testing.assert_allclose(log.current, CURRENT[:, :1], rtol=1e-14)
+
+
+def test_scale_and_zero_make_a_torque_of_a_current(raw):
+    log = Recording.from_file(raw, columns={**BASE, "tau_hip": Column("cur", scale=-0.118e-3, zero=2500.0)})
+    np.testing.assert_allclose(log.tau[:, 0], -0.118 * (CURRENT[:, 0] - 2.5), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("cur", Column("cur")),
+        ("cur:0.118", Column("cur", 0.118)),
+        ("cur:-0.118:2.5", Column("cur", -0.118, 2.5)),
+        ("enc:deg", Column("enc", unit="deg")),
+        ("enc:0.088:2048:deg", Column("enc", 0.088, 2048.0, "deg")),
+        ("torque:Nmm", Column("torque", unit="Nmm")),
+        ("pos[0]:1e-3", Column("pos[0]", 1e-3)),
+        ("cur:A", Column("cur:A")),
+        ("cur:A:0.118", Column("cur:A", 0.118)),
+        ("cur:A:0.118:N·m", Column("cur:A", 0.118, unit="N·m")),
+    ],
+)
+def test_texts_of_the_command_line_are_columns_of_the_file(text, expected):
+    headers = ("stamp", "cur", "cur:A", "enc", "torque", "pos[0]")
+    assert Column.from_text(text).among(headers, "tau_hip", "log.csv") == expected
+
+
+@pytest.mark.parametrize("text", ["cur:volts", "cur:1:2:3", "cur:1:A:mA"])
+def test_what_is_neither_number_nor_unit_is_refused(raw, text):
+    with pytest.raises(ExoidError, match=f"--column tau_hip={text}"):
+        Recording.from_file(raw, columns={**BASE, "tau_hip": Column.from_text(text)})
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "match"),
+    [
+        ("tau_hip", "mA", "'mA' is not a unit of torque"),
+        ("i_hip", "N·m", "is not a unit of current"),
+        ("q_hip", "ms", "is not a unit of angle"),
+        ("v_hip", "deg", "is not a unit of velocity"),
+        ("f_hip", "A", "is not a unit of force"),
+        ("time", "rad", "is not a unit of time"),
+    ],
+)
+def test_a_unit_of_another_quantity_is_refused(raw, name, unit, match):
+    with pytest.raises(ExoidError, match=match) as caught:
+        Recording.from_file(raw, columns={**BASE, name: Column("cur", unit=unit)})
+    assert caught.value.remedy
+
+
+@pytest.mark.parametrize("unit", ["Nmm", "N·mm", "N.mm", "N mm", "mNm", "mN·m"])
+def test_spellings_of_a_unit_are_one(raw, unit):
+    log = Recording.from_file(raw, columns={**BASE, "tau_hip": Column("cur", unit=unit)})
+    np.testing.assert_allclose(log.tau[:, 0], CURRENT[:, 0], rtol=1e-12)
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("rpm", np.pi / 30), ("deg/s", np.pi / 180), ("°/s", np.pi / 180)])
+def test_units_of_velocity(unit, factor):
+    np.testing.assert_allclose(Column("n", unit=unit).read("v_hip", np.array([3.0])), 3.0 * factor)
+
+
+def test_a_unit_goes_before_degrees_of_the_whole_file(tmp_path):
+    path = write_csv(tmp_path / "log.csv", time=T, q_hip=np.rad2deg(Q[:, 0]), k=1000.0 * Q[:, 1])
+    log = Recording.from_csv(path, columns={"q_knee": Column("k", unit="mrad")}, angle_unit="deg")
+    np.testing.assert_allclose(log.q, Q, rtol=1e-12)
+
+
+def test_amperes_are_not_taken_for_torque(raw):
+    with pytest.raises(ExoidError, match="its name says that it is a current") as caught:
+        Recording.from_file(raw, columns={**BASE, "tau_hip": "cur"})
+    assert "i_hip" in caught.value.remedy
+    Recording.from_file(raw, columns={**BASE, "tau_hip": Column("cur", unit="N·m")})
+
+
+@pytest.mark.parametrize(("header", "name"), [("hip [N·mm]", "tau_hip"), ("hip (mA)", "i_hip"), ("hip [deg]", "q_hip")])
+def test_a_header_with_another_unit_is_not_taken_for_si(tmp_path, header, name):
+    columns = {"time": T, "q_hip": Q[:, 0], header: Q[:, 1]}
+    if name == "q_hip":
+        del columns["q_hip"]
+    path = write_csv(tmp_path / "log.csv", **columns)
+    with pytest.raises(ExoidError, match="and would be read as"):
+        Recording.from_csv(path, columns={name: header})
+    if name == "q_hip":
+        Recording.from_csv(path, columns={name: header}, angle_unit="deg")
+
+
+def test_scale_and_zero_are_finite():
+    for wrong in ({"scale": 0.0}, {"scale": np.nan}, {"zero": np.inf}, {"scale": "2"}):
+        with pytest.raises(ExoidError):
+            Column("cur", **wrong)
+
+
+def test_one_header_may_be_current_and_torque_of_a_joint_and_nothing_else(raw):
+    both = {"i_hip": Column("cur", unit="mA"), "tau_hip": Column("cur", scale=1e-4)}
+    log = Recording.from_file(raw, columns={**BASE, **both})
+    np.testing.assert_allclose(log.tau, 0.1 * log.current, rtol=1e-12)
+    with pytest.raises(ExoidError, match="is to be read as q_hip and v_hip"):
+        Recording.from_file(raw, columns={**BASE, "v_hip": "enc"})
+
+
+def test_arrays_and_folders_take_columns_with_units(tmp_path):
+    np.savez(tmp_path / "log.npz", stamp=1000.0 * T, enc=np.rad2deg(Q))
+    columns = {"time": Column.from_text("stamp:ms"), "q_hip": Column("enc[0]", unit="deg")}
+    (log,) = Recordings.from_folder(tmp_path, columns=columns)
+    np.testing.assert_allclose(log.q, Q[:, :1], rtol=1e-12)
+
+
+# --- files without a header line -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("delimiter", [",", "\t", " ", "   "])
+def test_names_head_a_file_without_a_header_line(tmp_path, delimiter):
+    rows = np.column_stack([T, Q, np.ones(40)]).tolist()
+    path = tmp_path / "log.txt"
+    path.write_text("\n".join(delimiter.join(map(repr, row)) for row in rows))
+    log = Recording.from_file(path, names=("time", "q_hip", "", "tau_hip"))
+    np.testing.assert_array_equal(log.q, Q[:, :1])
+    assert log.joint_names == ("hip",)
+    with pytest.raises(ExoidError, match="no header line") as caught:
+        Recording.from_file(path)
+    assert "names=" in caught.value.remedy
+    assert "--names" in caught.value.command
+
+
+def test_names_have_to_fit_the_file(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join(f"{t},0.{k}" for k, t in enumerate(T.tolist())))
+    with pytest.raises(ExoidError, match="3 names for 2 columns"):
+        Recording.from_csv(path, names=("time", "q_hip", "q_knee"))
+    with pytest.raises(ExoidError, match="names is the string"):
+        Recording.from_csv(path, names="time,q_hip")
+    headed = write_csv(tmp_path / "headed.csv", time=T, q_hip=T)
+    with pytest.raises(ExoidError, match="the file has a header line"):
+        Recording.from_csv(headed, names=("time", "q_hip"))
+    np.savez(tmp_path / "log.npz", time=T, q=Q)
+    with pytest.raises(ExoidError, match="names are those of a text file"):
+        Recording.from_file(tmp_path / "log.npz", names=("time", "q_hip"))
+
+
+def test_a_comment_of_numpy_heads_columns_separated_by_spaces(tmp_path):
+    np.savetxt(tmp_path / "log.txt", np.column_stack([T, Q]), header="time q_hip q_knee")
+    np.testing.assert_array_equal(Recording.from_file(tmp_path / "log.txt").q, Q)
+
+
+# --- torque of some joints ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_torque_may_be_there_for_some_joints_only(kind, tmp_path):
+    columns = {"time": T, "q_hip": Q[:, 0], "q_knee": Q[:, 1], "tau_knee": T}
+    log = Recording.from_file(FILES[kind](tmp_path / f"log.{kind}", **columns))
+    assert log.measured.tolist() == [False, True]
+    assert "torque not measured: hip" in repr(log)
+
+
+def test_a_column_without_any_entry_was_not_measured(tmp_path):
+    path = tmp_path / "log.csv"
+    rows = [f"{t},{a},{b},,{t}" for t, (a, b) in zip(T.tolist(), Q.tolist(), strict=True)]
+    path.write_text("\n".join(["time,q_hip,q_knee,tau_hip,tau_knee", *rows]))
+    assert Recording.from_csv(path).measured.tolist() == [False, True]
+    path.write_text("\n".join(["time,q_hip,q_knee,tau_hip,tau_knee", *rows[:-1], "0.39,0.1,0.1,3.0,1.0"]))
+    with pytest.raises(ExoidError, match="line 2, column tau_hip: the cell is empty"):
+        Recording.from_csv(path)
+
+
+def test_a_misspelt_torque_is_not_a_joint_without_torque(tmp_path):
+    path = write_csv(tmp_path / "log.csv", time=T, q_hip=T, q_knee=T, tau_hip=T, tau_kne=T)
+    with pytest.raises(ExoidError, match="no angle belongs to tau_kne"):
+        Recording.from_csv(path)
+
+
+def test_a_dead_channel_can_be_left_out_where_the_log_is_read(tmp_path):
+    path = write_csv(tmp_path / "log.csv", time=T, q_hip=T, q_knee=T, tau_hip=T, tau_knee=np.full(40, 0.3))
+    assert Recording.from_csv(path, unmeasured=("knee",)).measured.tolist() == [True, False]
+    read = partial(Recording.from_csv, path)
+    for wrong in (("ankle",), "knee"):
+        with pytest.raises(ExoidError, match="unmeasured"):
+            read(unmeasured=wrong)
+
+
+def test_the_torque_of_a_passive_joint_is_zero():
+    log = recording(passive=("knee",))
+    assert log.measured.tolist() == [False, True]
+    assert not log.driven.any()
+    np.testing.assert_array_equal(log.tau[:, 1], 0.0)
+    assert "passive: knee" in repr(log)
+    assert log.select(("knee",)).passive == ("knee",)
+    assert log.select(("hip",)).passive == ()
+    assert log.slice(0, 20).passive == ("knee",)
+    assert recording(tau=np.full((40, 2), 0.3), passive=("knee",)).tau[3].tolist() == [0.3, 0.0]
+
+
+def test_a_joint_that_was_driven_is_not_passive():
+    tau = np.column_stack([T, np.sin(T)])
+    with pytest.raises(ExoidError, match="joint knee is declared passive, and its torque goes from 0") as caught:
+        recording(tau=tau, passive=("knee",))
+    assert "--unmeasured knee" in caught.value.command
+    for wrong in (("ankle",), "knee"):
+        with pytest.raises(ExoidError, match="passive"):
+            recording(tau=tau, passive=wrong)
+    assert dataclasses.replace(recording(tau=tau), tau=None, passive=("knee",)).measured.tolist() == [False, True]

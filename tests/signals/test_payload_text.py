@@ -1,0 +1,90 @@
+"""Payloads as text, in logs and on the command line."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from exoid.errors import ExoidError
+from exoid.payload import Payload
+from exoid.signals import Recording, Recordings
+
+PAYLOAD = Payload("knee", 3.0, (0.0, 0.01, -0.3), 0.05)
+
+
+def recording(**changes):
+    t = np.arange(50) / 50.0
+    q = np.sin(np.outer(t, [1.0, 2.0]))
+    return Recording(t, q, tau=np.cos(q), joint_names=("hip", "knee"), **changes)
+
+
+@pytest.mark.parametrize("payload", [PAYLOAD, Payload("a:b@c", 0.1 + 0.2, (1e-3, -0.0, 1 / 3)), Payload("hip", 0.0)])
+def test_text_and_payload_say_the_same(payload):
+    assert Payload.from_text(str(payload)) == payload
+
+
+@pytest.mark.parametrize(
+    "text", ["", "knee", "knee:3", "knee:3@1,2", "knee:heavy@0,0,0", "knee:3@0,0,0:x", "3@0,0,0", ":3@0,0,0"]
+)
+def test_other_text_is_refused(text):
+    with pytest.raises(ExoidError, match="payload"):
+        Payload.from_text(text)
+
+
+@pytest.mark.parametrize(
+    "bad", [{"mass": 3000.0}, {"position": (0.0, 0.0, -300.0)}, {"position": (0.0, 1.0)}, {"mass": "3"}, {"joint": ""}]
+)
+def test_grams_and_millimetres_are_refused(bad):
+    if bad == {"mass": "3"}:
+        assert Payload(**{"joint": "hip", "mass": 1.0, **bad}).mass == 3.0
+        return
+    with pytest.raises(ExoidError, match="payload"):
+        Payload(**{"joint": "hip", "mass": 1.0, **bad})
+
+
+def test_a_csv_file_keeps_its_payloads(tmp_path):
+    saved = recording(payloads=(PAYLOAD, Payload("hip", 1.0)))
+    saved.to_csv(tmp_path / "heavy.csv")
+    read = Recording.from_csv(tmp_path / "heavy.csv")
+    assert read.payloads == saved.payloads
+    assert np.array_equal(read.tau, saved.tau)
+    assert Recording.from_file(tmp_path / "heavy.csv").payloads == saved.payloads
+    assert "payloads: knee:3.0@0.0,0.01,-0.3:0.05, hip:1.0@0.0,0.0,0.0" in repr(read)
+    (folder,) = Recordings.from_folder(tmp_path)
+    assert folder.payloads == saved.payloads
+
+
+def test_given_payloads_must_be_those_of_the_file(tmp_path):
+    path = tmp_path / "log.csv"
+    recording().to_csv(path)
+    assert Recording.from_csv(path, payloads=[PAYLOAD]).payloads == (PAYLOAD,)
+    recording(payloads=PAYLOAD).to_csv(path)
+    assert Recording.from_csv(path, payloads=[PAYLOAD]).payloads == (PAYLOAD,)
+    with pytest.raises(ExoidError, match=r"names other payloads \(knee:3.0@0.0,0.01,-0.3:0.05\) than were given"):
+        Recording.from_csv(path, payloads=[replace(PAYLOAD, mass=2.0)])
+
+
+def test_a_line_that_is_no_payload_is_refused(tmp_path):
+    path = tmp_path / "log.csv"
+    recording().to_csv(path)
+    path.write_text("# payload: three kilograms\n" + path.read_text())
+    with pytest.raises(ExoidError, match=r"log.csv, line '# payload:': 'three kilograms' is no payload.*SEGMENT:MASS"):
+        Recording.from_csv(path)
+    assert Recording.from_csv(path, payloads=[PAYLOAD]).payloads == (PAYLOAD,)
+    assert Recording.from_csv(path, payloads=()).payloads == ()
+
+
+def test_a_header_in_a_comment_may_stand_above_a_payload(tmp_path):
+    path = tmp_path / "log.csv"
+    recording().to_csv(path)
+    header, *rows = path.read_text().splitlines()
+    path.write_text("\n".join([f"# {header}", f"# payload: {PAYLOAD}", *rows]))
+    read = Recording.from_csv(path)
+    assert read.payloads == (PAYLOAD,)
+    assert np.array_equal(read.tau, recording().tau)
+
+
+def test_parts_of_a_recording_keep_the_payload():
+    whole = recording(payloads=PAYLOAD)
+    parts = (whole.slice(0, 20), whole.select(("hip",)), whole.resampled(100.0), whole.segments([(0.0, 0.5)]))
+    assert all(part.payloads == (PAYLOAD,) for part in parts)

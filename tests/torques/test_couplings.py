@@ -1,0 +1,460 @@
+"""Terms that depend on several joints and act on several, through every step of exoid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from swings import Swing
+from unchecked import identify
+
+import exoid
+from exoid import Armature, Coulomb, Estimate, ExoidError, Offset, Viscous
+from exoid.codegen import c_source
+from exoid.control import ControlModel
+from exoid.control.linearise import linearise
+from exoid.control.stability import check_properties
+from exoid.exported import parameter_terms, read_exported
+from exoid.identification.estimators.closed_loop import as_plant
+from exoid.identification.selection import Candidate, select_terms
+from exoid.rig import Plant
+from exoid.torques import TERMS as KNOWN
+from exoid.torques import (
+    Cable,
+    CoordinateTerm,
+    CoupledTerm,
+    CouplingFriction,
+    CouplingInertia,
+    CouplingSpring,
+    NonlinearParameter,
+    TorqueModel,
+    nonlinear_settings,
+    register_term,
+    term_from_json,
+    term_to_json,
+)
+from exoid.torques.term import random_motion
+
+LEG = exoid.load_leg("bleex")
+SPRING = CouplingSpring(joints=("hip", "knee"), ratios=(1.0, -0.6))
+CABLE = Cable(joints=("knee", "ankle"), ratios=(-1.0, 0.8), slack=0.1)
+DRAG = CouplingFriction(joints=("knee", "hip"), ratios=(1.0, 1.0))
+ROTOR = CouplingInertia(joints=("hip", "knee", "ankle"), ratios=(1.0, 1.0, -0.5))
+ALL = (SPRING, CABLE, DRAG, ROTOR)
+VALUES = {
+    **{"k_hip_knee": 12.0, "preload_hip_knee": 1.5, "kc_knee_ankle": 9.0},
+    **{"c0_knee_hip": 0.7, "d_knee_hip": 0.4, "Ia_hip_knee_ankle": 0.3},
+}
+INDEX = {"hip": 0, "knee": 1, "ankle": 2}
+
+
+def columns(term, q, v, a) -> np.ndarray:
+    """Columns of one term at all joints of BLEEX, (N, 3, symbols)."""
+    model = TorqueModel(LEG, (term,))
+    return model.regressor(q, v, a)[:, :, len(LEG.parameters) :]
+
+
+def coordinate(term, x) -> np.ndarray:
+    """Σ r_j x_j, (N,)."""
+    return x[:, [INDEX[joint] for joint in term.joints]] @ np.array(term.ratios)
+
+
+def torque_of(values, q, v, a) -> np.ndarray:
+    """Torque of all couplings by their equations, without exoid's columns (N, 3)."""
+    tau = np.zeros_like(q)
+
+    def add(term, force):
+        for joint, ratio in zip(term.joints, term.ratios, strict=True):
+            tau[:, INDEX[joint]] += ratio * force
+
+    add(SPRING, values["k_hip_knee"] * coordinate(SPRING, q) + values["preload_hip_knee"])
+    add(CABLE, values["kc_knee_ankle"] * np.maximum(coordinate(CABLE, q) - 0.1, 0.0))
+    rate = coordinate(DRAG, v)
+    add(DRAG, values["c0_knee_hip"] * np.tanh(rate / 0.02) + values["d_knee_hip"] * rate)
+    add(ROTOR, values["Ia_hip_knee_ankle"] * coordinate(ROTOR, a))
+    return tau
+
+
+def swing_with_couplings(seed=1, noise=0.02, **changes) -> exoid.Recording:
+    swing = Swing(LEG, seed=seed)
+    q, v, a = swing.motion
+    tau = swing.torque + torque_of(VALUES, q, v, a)
+    rng = np.random.default_rng(seed)
+    return swing.recording(tau=tau + rng.normal(scale=noise, size=q.shape), v=None, a=None, **changes)
+
+
+TERMS = (Coulomb(), Viscous(), *ALL)
+
+
+@pytest.fixture(scope="module")
+def estimate() -> Estimate:
+    return identify(LEG, [swing_with_couplings(1), swing_with_couplings(2)], TERMS)
+
+
+# -------------------------------------------------------------------------------------------- physics
+
+
+@dataclass(frozen=True, kw_only=True)
+class Twist(CoupledTerm):
+    """V = k1 sin(q1) sin(q2) + k2 q1² q2: not along one coordinate."""
+
+    symbols = ("k1", "k2")
+    units = ("N·m", "N·m/rad²")
+
+    def fill_joints(self, motion, out):
+        (q1, q2), sine, cosine = motion.q.T, np.sin(motion.q), np.cos(motion.q)
+        out[0] = np.column_stack([cosine[:, 0] * sine[:, 1], sine[:, 0] * cosine[:, 1]])
+        out[1] = np.column_stack([2.0 * q1 * q2, q1**2])
+
+
+POTENTIALS = {
+    "spring": (SPRING, lambda q: np.column_stack([coordinate(SPRING, q) ** 2 / 2, coordinate(SPRING, q)])),
+    "cable": (CABLE, lambda q: np.maximum(coordinate(CABLE, q) - 0.1, 0.0)[:, None] ** 2 / 2),
+    "twist": (
+        Twist(joints=("ankle", "hip")),
+        lambda q: np.column_stack([np.sin(q[:, 2]) * np.sin(q[:, 0]), q[:, 2] ** 2 * q[:, 0]]),
+    ),
+}
+
+
+@pytest.mark.parametrize(("term", "potential"), POTENTIALS.values(), ids=POTENTIALS)
+def test_a_conservative_term_is_the_gradient_of_its_energy(term, potential):
+    q, v, a = random_motion(200, 3)
+    found, step = columns(term, q, v, a), 1e-6
+    for joint in range(3):
+        move = step * np.eye(3)[joint]
+        slope = (potential(q + move) - potential(q - move)) / (2.0 * step)
+        np.testing.assert_allclose(found[:, joint], slope, atol=1e-7)
+    assert (found != 0.0).any(axis=(0, 2)).sum() == 2
+
+
+def test_friction_across_joints_only_dissipates_and_takes_the_power_of_its_coordinate():
+    q, v, a = random_motion(500, 3)
+    tau = columns(DRAG, q, v, a) @ np.array([0.7, 0.4])
+    power, rate = (tau * v).sum(axis=1), coordinate(DRAG, v)
+    assert (power > 0.0).all()
+    np.testing.assert_allclose(power, (0.7 * np.tanh(rate / 0.02) + 0.4 * rate) * rate, rtol=1e-12)
+
+
+def test_a_rotor_takes_the_power_that_its_kinetic_energy_gains():
+    q, v, a = Swing(LEG).motion
+    tau = columns(ROTOR, q, v, a)[..., 0]
+    np.testing.assert_allclose(
+        (tau * v).sum(axis=1), coordinate(ROTOR, v) * coordinate(ROTOR, a), rtol=1e-9, atol=1e-12
+    )
+
+
+def test_columns_follow_the_order_of_the_joints_that_the_term_names():
+    turned = CouplingSpring(joints=("knee", "hip"), ratios=(-0.6, 1.0))
+    motion = random_motion(20, 3)
+    np.testing.assert_allclose(columns(turned, *motion), columns(SPRING, *motion), rtol=1e-12, atol=1e-14)
+    assert TorqueModel(LEG, (turned,)).names[-2:] == ("k_knee_hip", "preload_knee_hip")
+
+
+def test_the_whole_model_is_the_sum_of_its_equations():
+    model, (q, v, a) = TorqueModel(LEG, ALL), random_motion(50, 3)
+    values = np.append(LEG.parameters, [VALUES[name] for name in model.names[len(LEG.parameters) :]])
+    expected = LEG.inverse_dynamics(q, v, a) + torque_of(VALUES, q, v, a)
+    np.testing.assert_allclose(model.regressor(q, v, a) @ values, expected, atol=1e-10)
+    acting = model.acting[:, len(LEG.parameters) :]
+    assert acting.sum(axis=0).tolist() == [2, 2, 2, 2, 2, 3]
+
+
+# ------------------------------------------------------------------------------------- identification
+
+
+def test_couplings_are_found_beside_everything_else(estimate):
+    truth = dict(zip(estimate.names, [*LEG.parameters, *Swing(LEG).coulomb, *Swing(LEG).viscous], strict=False))
+    truth.update(VALUES)
+    z = [(estimate.value(name) - truth[name]) / estimate.std[k] for k, name in enumerate(estimate.names)]
+    assert np.abs(z).max() < 4.5, dict(zip(estimate.names, z, strict=True))
+    assert estimate.value("k_hip_knee") == pytest.approx(12.0, rel=0.02)
+    assert estimate.value("Ia_hip_knee_ankle") == pytest.approx(0.3, rel=0.05)
+
+
+def test_without_the_couplings_the_residual_is_many_times_the_noise(estimate):
+    plain = identify(LEG, swing_with_couplings(1), (Coulomb(), Viscous()))
+    assert (plain.residual_rms[:2] > 5.0 * estimate.residual_rms[:2]).all()
+
+
+def test_a_slack_that_is_not_known_is_found():
+    free = Cable(joints=CABLE.joints, ratios=CABLE.ratios, slack=NonlinearParameter(0.2, 0.01, 0.6))
+    (setting,) = nonlinear_settings((free,), LEG.joint_names, LEG.joint_labels)
+    assert setting.name == "slack_knee_ankle"
+    swing = Swing(LEG)
+    tau = swing.torque + columns(CABLE, *swing.motion)[..., 0] * 9.0
+    noise = np.random.default_rng(0).normal(scale=0.02, size=tau.shape)
+    found = identify(LEG, swing.recording(tau=tau + noise, v=None, a=None), (Coulomb(), Viscous(), free))
+    assert found.nonlinear.names == ("slack_knee_ankle",)
+    assert found.nonlinear.values[0] == pytest.approx(0.1, abs=0.01)
+    assert found.value("kc_knee_ankle") == pytest.approx(9.0, rel=0.03)
+
+
+def test_the_preload_is_part_of_the_offsets_of_all_its_joints():
+    model = TorqueModel(LEG, (Offset(), SPRING))
+    (regrouped,) = model.regrouped
+    assert regrouped.name == "preload_hip_knee"
+    assert regrouped.into == pytest.approx({"offset_hip": 1.0, "offset_knee": -0.6})
+    assert model.names[-1] == "k_hip_knee"
+
+
+def test_one_joint_with_torque_is_enough_and_none_is_refused():
+    log = swing_with_couplings()
+    one = np.where([True, False, True], log.tau, np.nan)
+    found = identify(LEG, exoid.Recording(log.time, log.q, tau=one, joint_names=LEG.joint_names), (SPRING, *TERMS[:2]))
+    assert {"k_hip_knee", "preload_hip_knee"} <= set(found.names)
+    none = np.where([False, False, True], log.tau, np.nan)
+    with pytest.raises(ExoidError, match=r"k_hip_knee, preload_hip_knee left no trace: the torque of hip, knee"):
+        identify(LEG, exoid.Recording(log.time, log.q, tau=none, joint_names=LEG.joint_names), (SPRING,))
+
+
+def swing_with_spring(seed=1):
+    swing = Swing(LEG, seed=seed)
+    tau = swing.torque + columns(SPRING, *swing.motion) @ np.array([12.0, 1.5])
+    noise = np.random.default_rng(seed).normal(scale=0.02, size=tau.shape)
+    return swing.recording(tau=tau + noise, v=None, a=None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Seen(CoupledTerm):
+    """A torque at the last joint that depends on the angles of the others."""
+
+    symbols = ("s",)
+    units = ("N·m",)
+
+    def fill_joints(self, motion, out):
+        out[0, :, -1] = np.sin(motion.q[:, 0]) * motion.q[:, 1]
+
+
+def test_a_term_may_act_on_fewer_joints_than_it_sees():
+    swing, term = Swing(LEG), Seen(joints=("ankle", "knee", "hip"))
+    tau = swing.torque.copy()
+    q = swing.motion[0]
+    tau[:, 0] += 3.0 * np.sin(q[:, 2]) * q[:, 1]
+    noise = np.random.default_rng(0).normal(scale=0.02, size=tau.shape)
+    found = identify(LEG, swing.recording(tau=tau + noise, v=None, a=None), (Coulomb(), Viscous(), term))
+    assert found.value("s_ankle_knee_hip") == pytest.approx(3.0, abs=4.0 * found.std[-1])
+    assert found.std[-1] < 0.1
+
+
+@pytest.mark.slow
+def test_the_selection_prefers_the_candidate_with_the_spring_that_is_there():
+    plain = Candidate("plain", (Coulomb(), Viscous()))
+    spring = Candidate("spring", (Coulomb(), Viscous(), SPRING))
+    chosen = select_terms(LEG, swing_with_spring(), (plain, spring), tune=False)
+    assert chosen.candidate.name == "spring"
+
+
+@pytest.mark.slow
+def test_the_friction_of_each_joint_is_chosen_beside_a_spring_over_two_joints():
+    found = select_terms(LEG, swing_with_spring(), folds=3, tune=False, beside=(SPRING,))
+    estimate = found.identify(swing_with_spring())
+    assert estimate.value("k_hip_knee") == pytest.approx(12.0, rel=0.02)
+    assert all("c0" in one.coefficients for one in found.joints)
+    assert (found.scores[found.chosen].nrmse < 0.03).all()
+
+
+def test_a_term_with_an_open_setting_cannot_stand_beside_the_friction_that_is_chosen():
+    free = Cable(joints=CABLE.joints, ratios=CABLE.ratios, slack=NonlinearParameter(0.2, 0.01, 0.6))
+    with pytest.raises(ExoidError, match="nonlinear parameters have no value yet: slack_knee_ankle"):
+        select_terms(LEG, swing_with_spring(), beside=(free,))
+
+
+@pytest.mark.slow
+def test_the_checks_find_no_fault_where_the_couplings_are_in_the_model():
+    checked = exoid.identify(LEG, [swing_with_couplings(1), swing_with_couplings(2)], TERMS)
+    assert [finding for finding in checked.findings if finding.severity != "info"] == []
+    without = exoid.identify(LEG, [swing_with_couplings(1), swing_with_couplings(2)], (Coulomb(), Viscous()))
+    assert [finding for finding in without.findings if finding.severity != "info"]
+
+
+# ------------------------------------------------------------------------ files, prediction and export
+
+
+def test_an_estimate_with_couplings_is_saved_loaded_and_validated(estimate, tmp_path):
+    estimate.save(tmp_path / "est.json")
+    again = Estimate.load(tmp_path / "est.json")
+    assert again.model.terms == estimate.model.terms
+    motion = random_motion(30, 3)
+    np.testing.assert_array_equal(again.torque(*motion), estimate.torque(*motion))
+    assert (exoid.validate(again, swing_with_couplings(3)).nrmse < 0.05).all()
+
+
+@pytest.mark.parametrize("term", ALL, ids=lambda term: type(term).__name__)
+def test_every_coupling_passes_through_json(term):
+    assert term_from_json(term_to_json(term)) == term
+
+
+def test_a_urdf_has_couplings_in_its_sidecar_and_the_rig_refuses_them_by_name(estimate, tmp_path):
+    export = estimate.to_urdf(tmp_path / "leg.urdf")
+    assert set(VALUES) <= set(export.only_in_sidecar)
+    _, resistances, _ = read_exported(tmp_path / "leg.urdf")
+    assert resistances["k_hip_knee"] == estimate.value("k_hip_knee")
+    assert parameter_terms(tmp_path / "leg.urdf")["k_hip_knee"] == "coupling-spring"
+    with pytest.raises(ExoidError, match="the rig has no k_hip_knee of the term coupling-spring"):
+        Plant.from_urdf(tmp_path / "leg.urdf")
+    names = ("coupling-spring", "cable", "coupling-friction", "coupling-inertia")
+    assert Plant.from_urdf(tmp_path / "leg.urdf", without=names).viscous[0, 0] == estimate.value("d_hip")
+
+
+def test_an_estimator_that_simulates_refuses_couplings(estimate):
+    with pytest.raises(ExoidError, match="no rig has the parameter k_hip_knee"):
+        as_plant(estimate.model, estimate.values[:, None], swing_with_couplings())
+
+
+def test_an_inertia_across_joints_has_no_form_in_c():
+    model = TorqueModel(LEG, (ROTOR,))
+    with pytest.raises(ExoidError, match=r"CouplingInertia \(Ia\) has no form in C"):
+        c_source(model, np.ones(len(model.names)))
+    model = TorqueModel(LEG, (Twist(joints=("hip", "knee")),))
+    with pytest.raises(ExoidError, match="acts on several joints, and not along one coordinate"):
+        c_source(model, np.ones(len(model.names)))
+
+
+# -------------------------------------------------------------------------------------------- control
+
+
+@pytest.fixture(scope="module")
+def control(estimate) -> ControlModel:
+    return ControlModel.of(estimate)
+
+
+def test_a_controller_compensates_couplings_at_one_sample_and_at_many(estimate, control):
+    q, v, a = random_motion(20, 3)
+    whole = estimate.torque(q, v, a)
+    found = control.inverse_dynamics(q.T, v.T, a.T) + control.friction(q.T, v.T, 0.02)
+    np.testing.assert_allclose(found.T, whole, atol=1e-9)
+    for k in range(3):
+        single = control.inverse_dynamics(q[k], v[k], a[k]) + control.friction(q[k], v[k], 0.02)
+        np.testing.assert_allclose(single, whole[k], atol=1e-9)
+
+
+def test_the_mass_matrix_has_the_rotor_across_joints(estimate, control):
+    q = random_motion(1, 3)[0, 0]
+    row = np.array(ROTOR.ratios)
+    added = control.mass_matrix(q) - control.leg.mass_matrix(q)[0]
+    np.testing.assert_allclose(added, estimate.value("Ia_hip_knee_ankle") * np.outer(row, row), atol=1e-12)
+    several = control.rotors(random_motion(5, 3)[0])
+    np.testing.assert_allclose(several, np.broadcast_to(added, (5, 3, 3)), atol=1e-12)
+    assert check_properties(estimate, poses=20).skewness < 1e-6
+
+
+def test_settings_that_differ_by_joint_are_two_terms_of_one_type():
+    sharp, soft = Coulomb(joints=("hip",), smoothing=0.01), Coulomb(joints=("knee", "ankle"), smoothing=0.05)
+    model, (q, v, a) = TorqueModel(LEG, (sharp, soft)), random_motion(20, 3)
+    assert model.names[-3:] == ("c0_hip", "c0_knee", "c0_ankle")
+    found = model.regressor(q, v, a)[:, range(3), range(len(LEG.parameters), len(LEG.parameters) + 3)]
+    np.testing.assert_allclose(found, np.tanh(v / [0.01, 0.05, 0.05]), atol=1e-14)
+
+
+def test_the_linearised_leg_has_the_slopes_of_its_forward_dynamics(control):
+    """Without dry friction and other friction across joints, which linearisation leaves out."""
+    q, v, a = random_motion(1, 3)[:, 0]
+    q = np.array([0.3, -0.5, 0.2])  # not where the cable becomes tight
+
+    def torque(q, v, a):
+        return control.inverse_dynamics(q, v, a) + control.viscous * v
+
+    tau, step = torque(q, v, a), 1e-6
+    A, B = linearise(control, q, v, a)
+
+    def acceleration(q, v, tau):
+        return np.linalg.solve(control.mass_matrix(q), tau - torque(q, v, np.zeros(3)))
+
+    np.testing.assert_allclose(acceleration(q, v, tau), a, atol=1e-9)
+    for joint in range(3):
+        move = step * np.eye(3)[joint]
+        by_q = (acceleration(q + move, v, tau) - acceleration(q - move, v, tau)) / (2.0 * step)
+        by_v = (acceleration(q, v + move, tau) - acceleration(q, v - move, tau)) / (2.0 * step)
+        by_tau = (acceleration(q, v, tau + move) - acceleration(q, v, tau - move)) / (2.0 * step)
+        np.testing.assert_allclose(A[3:, joint], by_q, rtol=1e-5, atol=1e-4)
+        np.testing.assert_allclose(A[3:, 3 + joint], by_v, rtol=1e-5, atol=1e-4)
+        np.testing.assert_allclose(B[3:, joint], by_tau, rtol=1e-5, atol=1e-4)
+
+
+def test_scaled_friction_leaves_springs_across_joints_as_they_are(control):
+    q, v, a = random_motion(1, 3)[:, 0]
+    more = control.with_friction(2.0)
+    np.testing.assert_array_equal(more.inverse_dynamics(q, v, a), control.inverse_dynamics(q, v, a))
+    np.testing.assert_allclose(more.friction(q, v, 0.02), 2.0 * control.friction(q, v, 0.02))
+
+
+# ------------------------------------------------------------------------------------------- refusals
+
+
+WRONG = {
+    "no joints": (lambda: CouplingSpring(ratios=(1.0, 2.0)), r"name the joints that it couples"),
+    "one joint": (lambda: CouplingSpring(joints=("hip",), ratios=(1.0,)), r"name the joints that it couples"),
+    "text": (lambda: CouplingSpring(joints="hip", ratios=(1.0,)), r"name the joints that it couples"),
+    "twice": (lambda: CouplingSpring(joints=("hip", "hip"), ratios=(1.0, 1.0)), r"each once"),
+    "too few ratios": (lambda: CouplingSpring(joints=("hip", "knee"), ratios=(1.0,)), r"one finite ratio for each"),
+    "no number": (lambda: Cable(joints=("hip", "knee"), ratios=(1.0, "a")), r"one finite ratio for each"),
+    "not finite": (lambda: Cable(joints=("hip", "knee"), ratios=(1.0, np.nan)), r"one finite ratio for each"),
+    "zero": (lambda: CouplingInertia(joints=("hip", "knee"), ratios=(1.0, 0.0)), r"leave out joints"),
+    "slack": (lambda: Cable(joints=("hip", "knee"), ratios=(1.0, 1.0), slack=np.inf), r"slack=inf"),
+    "text as slack": (lambda: Cable(joints=("hip", "knee"), ratios=(1.0, 1.0), slack="a"), r"slack='a'"),
+    "smoothing": (lambda: CouplingFriction(joints=("hip", "knee"), ratios=(1.0, 1.0), smoothing=-1.0), r"smoothing=-1"),
+}
+
+
+@pytest.mark.parametrize(("make", "words"), WRONG.values(), ids=WRONG)
+def test_a_coupling_that_makes_no_sense_is_refused(make, words):
+    with pytest.raises(ExoidError, match=words):
+        make()
+
+
+def test_a_joint_that_the_leg_does_not_have_or_has_by_two_names_is_refused():
+    with pytest.raises(ExoidError, match="CouplingSpring acts on toe"):
+        TorqueModel(LEG, (CouplingSpring(joints=("hip", "toe"), ratios=(1.0, 1.0)),))
+    both = ("hip", LEG.joint_names[0])
+    assert both[0] != both[1]
+    with pytest.raises(ExoidError, match="names a joint twice"):
+        TorqueModel(LEG, (CouplingSpring(joints=both, ratios=(1.0, 1.0)),))
+
+
+def test_the_same_coupling_twice_is_refused():
+    with pytest.raises(ExoidError, match="parameters occur twice: k_hip_knee"):
+        TorqueModel(LEG, (SPRING, SPRING))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loaded(CoordinateTerm):
+    """Would read the load."""
+
+    symbols = ("f",)
+    units = ("1",)
+    loaded = True
+
+    def fill(self, motion, out):
+        out[0] = motion.load
+
+
+def test_a_coupling_that_reads_the_load_is_refused():
+    with pytest.raises(ExoidError, match="Loaded depends on the load, which a term of several joints cannot"):
+        TorqueModel(LEG, (Loaded(joints=("hip", "knee"), ratios=(1.0, 1.0)),))
+
+
+def test_a_coupling_needs_the_motion_of_all_its_joints():
+    with pytest.raises(ExoidError, match="needs the motion of hip, knee at once"):
+        Twist(joints=("hip", "knee")).fill(None, np.zeros((2, 3)))
+
+
+def test_a_term_of_ones_own_without_a_name_cannot_be_saved_and_with_one_can(monkeypatch):
+    monkeypatch.setattr(KNOWN, "_registered", dict(KNOWN._registered))
+    term = Twist(joints=("hip", "knee"))
+    with pytest.raises(ExoidError, match="Twist has no name in files"):
+        term_to_json(term)
+    register_term("twist", Twist)
+    assert term_from_json(term_to_json(term)) == term
+
+
+def test_a_rotor_over_two_joints_is_regrouped_beside_the_rotor_of_the_second():
+    """Its inertia between the joints is also that of J2, and its own at each joint that of J1 and of the rotor."""
+    two = CouplingInertia(joints=("hip", "knee"), ratios=(1.0, -0.5))
+    model = TorqueModel(LEG, (Armature(), two))
+    assert [one.name for one in model.regrouped] == ["Ia_hip", "Ia_hip_knee"]
+    assert set(model.regrouped[1].into) == {"J1", "J2", "Ia_knee"}
+    assert "Ia_hip_knee" in TorqueModel(LEG, (two,)).names
+    three = CouplingInertia(joints=("hip", "knee", "ankle"), ratios=(1.0, 0.4, -0.5))
+    assert "Ia_hip_knee_ankle" in TorqueModel(LEG, (Armature(), three)).names
