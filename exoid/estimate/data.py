@@ -28,6 +28,7 @@ from .model_error import ModelError
 from .motion_ranges import MotionRanges
 from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from .parameter import Parameter, ParameterTable
+from .support import Support
 from .torque_band import TorqueBand, parameter_variance, torque_std
 
 LARGE = 1e300
@@ -101,6 +102,7 @@ class EstimateData(ParameterTable):
         cutoff_source: How the cut-off of the preparation was chosen; "" where that was not stored.
         torque_delays: Delays that were taken out of the torques [s], (n,); validation takes them out too.
         actuators: Drives of the recordings, which validation uses too; None where torques were measured.
+        supports: Sets of links that rested on the ground, with the residuals of their rows; empty without contacts.
     """
 
     model: TorqueModel
@@ -130,6 +132,7 @@ class EstimateData(ParameterTable):
     cutoff_source: str = ""
     torque_delays: FloatArray = field(default_factory=lambda: np.zeros(0))
     actuators: Actuators | None = None
+    supports: tuple[Support, ...] = ()
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""

@@ -29,6 +29,7 @@ from .data import EstimateData, Input
 from .model_error import model_error_from_json, model_error_to_json
 from .motion_ranges import ranges_from_json, ranges_to_json
 from .nonlinear import NonlinearParameters
+from .support import supports_from_json, supports_to_json
 
 SCHEMA = "exoid-estimate-1"
 
@@ -123,6 +124,7 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
         "cutoff_source": estimate.cutoff_source,
         "torque_delays": dict(zip(estimate.joint_names, estimate.torque_delays.tolist(), strict=True)),
         "actuators": None if estimate.actuators is None else actuators_to_data(estimate.actuators),
+        **({"supports": supports_to_json(estimate.supports)} if estimate.supports else {}),
         "known": dict(estimate.prior_knowledge.known),
         "prior": {name: list(pair) for name, pair in estimate.prior_knowledge.prior.values.items()},
         "prior_gains": estimate.prior_gains.tolist(),
@@ -202,6 +204,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         cutoff_source=str(data.get("cutoff_source", "")),
         torque_delays=_by_name(data.get("torque_delays", dict.fromkeys(leg.joint_names, 0.0)), leg.joint_names),
         actuators=_actuators(data.get("actuators"), leg),
+        supports=supports_from_json(data.get("supports", [])),
     )
 
 

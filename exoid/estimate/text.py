@@ -77,6 +77,7 @@ def written(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
 
 def _closing_lines(estimate: EstimateData) -> Iterator[str]:
     yield f"residual RMS [N·m]: {residual_sizes(estimate)}"
+    yield from map(str, estimate.supports)
     yield f"{condition(estimate.condition_number)}; {estimate.dof:.0f} degrees of freedom"
     yield from _noise(estimate)
     names = ", ".join(source.label for source in estimate.inputs)

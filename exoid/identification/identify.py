@@ -22,6 +22,7 @@ from .estimators import Estimator, find_estimator, fit_by, name_of
 from .fitting import Fitted, Start, Task
 from .group_rows import Group, Measured
 from .groups import make_groups, own_parameters, refuse_nonlinear_terms
+from .on_ground import needs_ground, on_ground, without_outliers
 from .problem import Problem
 from .recording_summary import RecordingSummary, bases_turn, has_unmeasured_joints, prepare_groups, summarize_groups
 from .repeats import counted_once
@@ -156,6 +157,8 @@ def identify(
     if actuators is not None:
         inputs = inputs.driven(actuators, chosen, delay, default_terms=terms is None)
     task, summaries, before = _gather(inputs, chosen, own, preparation, cutoff)
+    if needs_ground(task.groups):
+        return _on_ground(task, summaries[""], before, delay, white=noise == "white")
     fitted = fit_model(task)
     if delay is not None:
         task, delays, shifts = without_delays(task, fitted)
@@ -243,6 +246,21 @@ def _cutoff_source(preparation: Preparation | str | None, cutoff: float | None) 
     if preparation is not None:
         return "that of the preparation passed to identify"
     return "chosen by the noise of the angles" if cutoff is None else "passed to identify"
+
+
+def _on_ground(
+    task: Task, summaries: Sequence[RecordingSummary], before: Preliminaries, delay: str | None, *, white: bool
+) -> Estimate:
+    """Identify a leg that stands: once with rows that no outlier moves, and once without the outliers."""
+    if delay is not None:
+        raise ExoidError("delays are not estimated beside contacts", remedy="leave delay out")
+    standing = on_ground(task)
+    robust = fit_model(standing.task._replace(estimator=find_estimator("huber")))
+    kept, outliers = without_outliers(standing.task, robust)
+    fitted = fit_model(kept)
+    before = before.beside_others([(*standing.findings, *outliers)])
+    result = Result.of(fitted, [summaries] * len(kept.groups), kept.estimator, white=white, before=before)
+    return result.standing_estimate(standing.model)
 
 
 def fit_model(task: Task, start: Start | None = None) -> Fitted:

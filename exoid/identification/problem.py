@@ -159,7 +159,7 @@ class Problem:
     @property
     def joint_names(self) -> list[str]:
         """Joints of all groups, group by group."""
-        return [name for group in self.groups for name in group.model.joint_names]
+        return [name for group in self.groups for name in group.model.row_names]
 
     def solve(self, r_factor: RFactor) -> Solution:
         """Solve for weighted rows, with what is known beside them."""
@@ -218,7 +218,7 @@ class Problem:
         """
         for name, rows in zip(self.layout.groups, self.groups, strict=True):
             with within(name):
-                of_joints = zip(rows.model.joint_names, *rows.by_kind, strict=True)
+                of_joints = zip(rows.model.row_names, *rows.by_kind, strict=True)
                 driven = {name: stack(r_factors) for name, *r_factors in of_joints if name not in rows.unmeasured}
                 refuse_empty_joints(list(driven), list(driven.values()))
             self._forget(rows)

@@ -18,7 +18,9 @@ from exoid.estimate.equality import own_equality
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
+from exoid.estimate.support import Support
 from exoid.findings import Finding, ordered
+from exoid.ground import LOOP
 from exoid.regression.diagnostics import (
     Collinearity,
     JointNoise,
@@ -32,6 +34,7 @@ from exoid.regression.fit import SamplesLeft, Uncertainty, samples_left, uncerta
 from exoid.regression.influence import Influence, influence
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.trends import Trend, residual_trends, trend_warnings
+from exoid.signals import Recording
 from exoid.torques import TorqueModel
 
 from .agreement import Agreement, shared_agreement
@@ -176,6 +179,57 @@ class Result:
             warnings=(*common, *_own_warnings(estimates, len(common))),
             notes=(*self._regrouped_notes(), *agreement.notes),
         )
+
+    def standing_estimate(self, model: TorqueModel) -> Estimate:
+        """Make the one estimate of groups that share all parameters: sets of links that rest on the ground.
+
+        Args:
+            model: Torque model of the leg with all its rows.
+
+        Returns:
+            The estimate.
+        """
+        problem, fit = self.fitted.problem, self.fitted.fit
+        solution, values = fit.solution, self.fitted.values
+        covariance, groups = self.uncertainty.covariance, range(len(problem.groups))
+        supports = tuple(self._support(group) for group in groups)
+        bounded = tuple(problem.names[k] for k in solution.bounded)
+        return Estimate(
+            model=model,
+            values=values,
+            covariance=covariance,
+            condition_number=solution.condition_number,
+            dof=float(self._samples_left.groups.sum()),
+            dof_each=self._degrees_of_freedom,
+            residual_rms=np.array([_of_joint(supports, joint) for joint in model.joint_names]),
+            estimator=fit.name or name_of(self.estimator),
+            preparation=problem.groups[0].preparation,
+            inputs=tuple(dict.fromkeys(self._inputs)),
+            parameter_scale=parameter_scale(problem.r_factors),
+            reference_scale=self._smallest_reference_scale(),
+            collinearity=self._collinearity.indices,
+            warnings=(*self._common_warnings, *negative(model, values, np.sqrt(np.diag(covariance)))),
+            prior_knowledge=problem.prior_knowledge,
+            bounded=bounded,
+            findings=self.before.beside(0, ()),
+            cutoff_source=self.before.cutoff_source,
+            actuators=self.before.actuators[0] if self.before.actuators else None,
+            supports=supports,
+        )
+
+    def _support(self, group: int) -> Support:
+        """Describe the rows of one set of links that rest."""
+        problem = self.fitted.problem
+        rows, places = problem.groups[group], problem.layout.places[group]
+        values = self.fitted.fit.solution.values[places]
+        rms = [rms_residual(of_row, values) for of_row in zip(*rows.by_kind, strict=True)]
+        seconds = sum(
+            float(np.count_nonzero(one.mask)) / one.sample_rate
+            for one in rows.local_data
+            if isinstance(one, Recording) and one.mask is not None
+        )
+        name = problem.layout.groups[group]
+        return Support(name, seconds, dict(zip(rows.model.row_names, rms, strict=True)))
 
     def _estimate_of(self, group: int, common: tuple[str, ...]) -> Estimate:
         """Make the estimate of one group, its covariance the group's block of the whole.
@@ -363,6 +417,14 @@ class Result:
             f"{regrouped}" + ("" if set(regrouped.into) <= apart else ", and so the same in all groups")
             for regrouped in self.fitted.models[0].regrouped
         )
+
+
+def _of_joint(supports: Sequence[Support], joint: str) -> float:
+    """RMS residual of the rows of a joint, or else of closed chains, whose rows have the noise of one joint's torque."""
+    own = [(one.residual_rms[joint], one.seconds) for one in supports if joint in one.residual_rms]
+    loops = [(rms, one.seconds) for one in supports for name, rms in one.residual_rms.items() if name.startswith(LOOP)]
+    squares = np.array(own or loops or [(0.0, 1.0)])
+    return float(np.sqrt(np.average(squares[:, 0] ** 2, weights=squares[:, 1])))
 
 
 def _own_warnings(estimates: Mapping[str, Estimate], common: int) -> tuple[str, ...]:

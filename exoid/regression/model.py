@@ -67,6 +67,16 @@ class RegressorModel(Protocol):
         ...
 
     @property
+    def row_names(self) -> tuple[str, ...]:
+        """Rows of the equation, (n,): the joints, unless forces on the base or on the ground are among the rows."""
+        ...
+
+    @property
+    def row_joints(self) -> tuple[int, ...]:
+        """Joint of each row, (n,); −1 for a row of no joint."""
+        ...
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Parameters, in the order of the columns, (P,)."""
         ...
@@ -100,6 +110,14 @@ class RegressorModel(Protocol):
 
     def regressor(self, q: Any, v: Any, a: Any, torso: Any = None, temperature: Any = None) -> FloatArray:  # noqa: ANN401
         """Columns of all parameters, (N, n, P)."""
+        ...
+
+    def row_torque(self, tau: FloatArray, motion: Any, wrenches: Mapping[str, Any]) -> FloatArray:  # noqa: ANN401
+        """Measured side of the equation: torques of the joints, and measured wrenches on links, (N, n)."""
+        ...
+
+    def measured_rows(self, measured: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Which rows have a measured side, given the joints that have a measured torque, (n,)."""
         ...
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:

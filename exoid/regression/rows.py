@@ -161,7 +161,7 @@ def prepare(
     if isinstance(data, Poses):
         still, count = np.zeros_like(data.q), len(data)
         motion = model.motion(data.q, still, still, data.torso, data.payloads)
-        tau, usable = _without_payload(data.tau, motion), np.ones(data.q.shape, dtype=np.bool_)
+        tau, usable = _without_payload(data.tau, motion), np.ones(data.tau.shape, dtype=np.bool_)
         return Prepared(np.arange(count, dtype=np.float64), motion, tau, usable, range(count), usable[:, 0])
     recording = data.resampled()
     if recording.tau is None:
@@ -179,18 +179,20 @@ def prepare(
     base = recording.torso if recording.base is None else base_during(recording, preparation)
     try:
         motion = model.motion(q, v, a, base, recording.payloads, computed, recording.temperature)
+        tau = model.row_torque(tau, motion, recording.wrenches)
     except ExoidError as error:
         raise error if error.where else error.within(source_of(recording)) from None
+    counting = inside[:, None] & model.measured_rows(measured)
     return Prepared(
         recording.time,
         motion,
         _without_payload(preparation.filter(tau, rate) if parallel is None else tau, motion),
-        model.usable(v) & inside[:, None] & measured,
+        model.usable(v) & counting,
         rows[(len(rows) - 1) % stride // 2 :: stride],
         inside,
         min(1.0, preparation.independent_fraction(rate) * stride),
         parallel,
-        None if parallel is None or slow is None else around_stops(slow, parallel) & inside[:, None] & measured,
+        None if parallel is None or slow is None else around_stops(slow, parallel) & counting,
     )
 
 
@@ -254,7 +256,7 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
     """
     around = slice(max(0, stretch[0] - prepared.reach), stretch[-1] + 1 + prepared.reach)
     motion = prepared.motion.rows(around)
-    columns, joints = model.columns(motion), motion.q.shape[1]
+    columns, joints = model.columns(motion), prepared.tau.shape[1]
     tau = prepared.tau[around].T if motion.payload is None else np.vstack([prepared.tau[around].T, motion.payload.T])
     inside = range(stretch[0] - around.start, stretch[-1] + 1 - around.start, stretch.step)
     taken: list[tuple[FloatArray, float]] = []
@@ -270,12 +272,21 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
     if len(columns) > count:
         tau = tau - columns[count:].sum(axis=0).T
     rows = slice(stretch.start, stretch.stop, stretch.step)
-    q, v, usable = prepared.motion.q[rows], prepared.motion.v[rows], prepared.usable[rows]
+    q, v = (_of_rows(model, values[rows]) for values in (prepared.motion.q, prepared.motion.v))
+    usable = prepared.usable[rows]
     time, fraction = prepared.time[rows], prepared.independent_fraction
     reversals = tuple(
         TakenOut(np.column_stack([part[:count].T, part[-1] - part[count:-1].sum(axis=0)]), left) for part, left in taken
     )
     return Rows(time, W, tau, q, v, usable, model.acting, fraction, reversals=reversals, payload=payload)
+
+
+def _of_rows(model: RegressorModel, of_joints: FloatArray) -> FloatArray:
+    """Values of the joint of each row, (N, R); zero for a row of no joint."""
+    places = np.array(model.row_joints)
+    if np.array_equal(places, np.arange(of_joints.shape[1])):
+        return of_joints
+    return np.where(places < 0, 0.0, of_joints[:, places])
 
 
 def _filtered(

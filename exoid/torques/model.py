@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -14,6 +14,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.payload import Payload
+from exoid.signals import Wrench
 from exoid.torso import MovingBase
 
 from .nonlinear import nonlinear_settings, with_settings
@@ -32,6 +33,7 @@ from .term import (
     random_temperature,
     term_blocks,
 )
+from .wrenches import wrench_torque
 
 BLOCK = 32768
 """Samples whose terms are filled in at once."""
@@ -146,6 +148,16 @@ class TorqueModel:
         """Joint names as they occur in parameter names, (n,)."""
         return self.leg.joint_labels
 
+    @property
+    def row_names(self) -> tuple[str, ...]:
+        """Rows of the equation: the joints, behind forces and moments on a floating base."""
+        return self.leg.row_names
+
+    @property
+    def row_joints(self) -> tuple[int, ...]:
+        """Joint of each row; −1 for none."""
+        return (-1,) * self.leg.base_rows + tuple(range(len(self.joint_names)))
+
     @cached_property
     def blocks(self) -> tuple[TermBlock, ...]:
         """Terms joint by joint, in the order of the columns."""
@@ -173,15 +185,15 @@ class TorqueModel:
 
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
-        """Which parameters can act on which joint, (n, P); columns are zero elsewhere."""
-        joints, rigid = len(self.leg.joint_names), self.leg.parameter_names
-        acting = np.zeros((joints, len(self.names)), dtype=np.bool_)
-        base = random_base(10) if self.leg.base == "moving" else None
-        q, v, a = random_motion(10, joints)
+        """Which parameters can act on which row, (n, P) or (b + n, P); columns are zero elsewhere."""
+        rigid, base_rows = self.leg.parameter_names, self.leg.base_rows
+        acting = np.zeros((len(self.row_names), len(self.names)), dtype=np.bool_)
+        base = None if self.leg.base == "fixed" else random_base(10)
+        q, v, a = random_motion(10, len(self.joint_names))
         acting[:, : len(rigid)] = self.leg.regressor(q, v, a, base).any(axis=0)
         for block in self.blocks:
             places = [self.names.index(name) for name in block.names if name in self.names]
-            acting[np.ix_(block.joints, places)] = True
+            acting[np.ix_([base_rows + joint for joint in block.joints], places)] = True
         return acting
 
     @cached_property
@@ -306,19 +318,20 @@ class TorqueModel:
             motion: Motion of N samples.
 
         Returns:
-            Columns, (P, n, N), each contiguous in memory. A linearised model has one more: known torque.
+            Columns, (P, n, N) or (P, b + n, N), each contiguous in memory. A linearised model has one more: known
+            torque.
 
         Raises:
             ExoidError: The torso of a leg that is not a planar chain moves.
         """
         q, v, a, torso, *_ = motion
-        count = len(self.leg.parameter_names)
-        out = np.zeros((len(self.names) + self._known_columns, *q.shape[::-1]))
+        count, base_rows = len(self.leg.parameter_names), self.leg.base_rows
+        out = np.zeros((len(self.names) + self._known_columns, base_rows + q.shape[1], len(q)))
         self.leg.fill_regressor(q, v, a, out[:count], torso)
         rigid = self.leg.parameters if self.rigid is None else self.rigid
         for start in range(0, len(q), BLOCK):
             rows = slice(start, start + BLOCK)
-            part = out[..., rows]
+            part = out[:, base_rows:, rows]
             self._fill_terms(load_motion(self.blocks, motion.rows(rows), part, rigid), part)
         return out
 
@@ -330,14 +343,39 @@ class TorqueModel:
             values: Parameters, (P,).
 
         Returns:
-            Friction torque [N·m], (N, n).
+            Friction torque [N·m], (N, n); with zero base rows on a floating base.
         """
-        torque = np.zeros(motion.q.shape)
+        torque = np.zeros((len(motion.q), len(self.row_names)))
         for start in range(0, len(torque), BLOCK):
             rows = slice(start, start + BLOCK)
             columns = self.columns(motion.rows(rows))[self.friction]
             torque[rows] = np.tensordot(values[self.friction], columns, axes=1).T
         return torque
+
+    def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
+        """Form the measured side of the equation, [0; τ] + Σ J_cᵀ w_c.
+
+        Args:
+            tau: Torques of the joints [N·m], (N, n).
+            motion: Motion of the N samples.
+            wrenches: Measured wrenches on links.
+
+        Returns:
+            Torque of each row, (N, n) or (N, b + n).
+        """
+        rows = np.hstack([np.zeros((len(tau), self.leg.base_rows)), tau]) if self.leg.base_rows else tau
+        return rows + wrench_torque(self.leg, motion.q, wrenches) if wrenches else rows
+
+    def measured_rows(self, measured: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Tell which rows have a measured side: those of the base always, as nothing drives it.
+
+        Args:
+            measured: Joints whose torque was measured, (n,).
+
+        Returns:
+            Rows with a measured side, (n,) or (b + n,).
+        """
+        return np.append(np.ones(self.leg.base_rows, dtype=np.bool_), measured)
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
         """Select the samples from which the terms can be identified.
@@ -346,12 +384,13 @@ class TorqueModel:
             v: Joint velocities [rad/s], (N, n).
 
         Returns:
-            Whether a sample of a joint is usable, (N, n).
+            Whether a sample of a row is usable, (N, n) or (N, b + n).
         """
-        usable = np.ones(v.shape, dtype=np.bool_)
+        usable = np.ones((len(v), len(self.row_names)), dtype=np.bool_)
+        joints = usable[:, self.leg.base_rows :]
         for block in self.blocks:
             for joint in block.joints:
-                usable[:, joint] &= block.term.usable(_of_joints(v, block.joints))
+                joints[:, joint] &= block.term.usable(_of_joints(v, block.joints))
         return usable
 
     def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
@@ -361,15 +400,15 @@ class TorqueModel:
             v: Joint velocities of a recording [rad/s], (N, n).
 
         Returns:
-            Whether a joint turns round, (N, n); None if no term asks for it.
+            Whether the joint of a row turns round, (N, n) or (N, b + n); None if no term asks for it.
         """
         found = [(block.joints, block.term.reversing(_of_joints(v, block.joints))) for block in self.blocks]
         if all(mask is None for _, mask in found):
             return None
-        reversing = np.zeros(v.shape, dtype=np.bool_)
+        reversing = np.zeros((len(v), len(self.row_names)), dtype=np.bool_)
         for joints, mask in found:
             if mask is not None:
-                reversing[:, list(joints)] |= mask[:, None]
+                reversing[:, [self.leg.base_rows + joint for joint in joints]] |= mask[:, None]
         return reversing
 
     @cached_property
@@ -429,14 +468,14 @@ def regroup(
     names = (*leg.parameter_names, *(name for block in blocks for name in block.names))
     loaded = {name for block in blocks if block.term.loaded for name in block.names}
     q, v, a = random_motion(10 * len(names), len(leg.joint_names))
-    columns = np.zeros((len(names), *q.shape[::-1]))
-    base = random_base(len(q)) if moving_base or leg.base == "moving" else None
+    columns = np.zeros((len(names), leg.base_rows + q.shape[1], len(q)))
+    base = random_base(len(q)) if moving_base or leg.base != "fixed" else None
     leg.fill_regressor(q, v, a, columns[:count], base)
+    of_joints = columns[:, leg.base_rows :]
     heat = random_temperature(*q.shape)
     motion = Motion(q, v, a, None, internal_states(blocks, q, v), temperature=heat)
-    fill_terms(
-        blocks, load_motion(blocks, motion, columns, leg.parameters if rigid is None else rigid), columns[count:], names
-    )
+    loaded_motion = load_motion(blocks, motion, of_joints, leg.parameters if rigid is None else rigid)
+    fill_terms(blocks, loaded_motion, of_joints[count:], names)
     W = columns.transpose(2, 1, 0).reshape(-1, len(names))
     scale = np.linalg.norm(W, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)

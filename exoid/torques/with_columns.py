@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.signals import Wrench
 
 from .model import Regrouped, TorqueModel
 from .term import Motion
@@ -68,6 +69,16 @@ class WithColumns:
     def joint_labels(self) -> tuple[str, ...]:
         """Joint names as they occur in parameter names, (n,)."""
         return self.model.joint_labels
+
+    @property
+    def row_names(self) -> tuple[str, ...]:
+        """Rows of the equation, (n,)."""
+        return self.model.row_names
+
+    @property
+    def row_joints(self) -> tuple[int, ...]:
+        """Joint of each row, (n,)."""
+        return self.model.row_joints
 
     @property
     def regrouped(self) -> Sequence[Regrouped]:
@@ -146,6 +157,30 @@ class WithColumns:
             Columns, (N, n, P + K).
         """
         return self.columns(self.motion(q, v, a, torso, temperature=temperature)).transpose(2, 1, 0)
+
+    def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
+        """Form the measured side of the equation.
+
+        Args:
+            tau: Torques of the joints [N·m], (N, n).
+            motion: Motion of the N samples.
+            wrenches: Measured wrenches on links.
+
+        Returns:
+            Torque of each row, (N, n).
+        """
+        return self.model.row_torque(tau, motion, wrenches)
+
+    def measured_rows(self, measured: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Tell which rows have a measured side.
+
+        Args:
+            measured: Joints whose torque was measured, (n,).
+
+        Returns:
+            Rows with a measured side, (n,).
+        """
+        return self.model.measured_rows(measured)
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
         """Say which samples of which joint may be fitted.

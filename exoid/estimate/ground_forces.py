@@ -1,0 +1,185 @@
+"""Forces of the ground that an estimate predicts from joint torques and motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.ground import Stretch, stretches
+from exoid.leg import Leg
+from exoid.regression.intervals import half_width
+from exoid.regression.rows import among_zeros, for_leg, source_of
+from exoid.signals import Recording, Wrench, base_during, contacts_from_wrench
+
+from .data import EstimateData
+from .torque_band import parameter_variance
+
+RANK = 1e-9
+"""Directions of a wrench in which no row reacts, below this part of the largest."""
+
+
+@dataclass(frozen=True, eq=False)
+class GroundForce:
+    """Wrench of the ground on one link that rests flat, in level axes: z up, x and y those of the link at zero angles.
+
+    Attributes:
+        time: Samples at which the link rests [s], (N,).
+        force: Force on the link [N], (N, 3).
+        moment: Moment about the origin of the link [N·m], (N, 3).
+        force_half: Half the width of the 95 % band of the force [N], (N, 3).
+        moment_half: Half the width of the 95 % band of the moment [N·m], (N, 3).
+    """
+
+    time: FloatArray
+    force: FloatArray
+    moment: FloatArray
+    force_half: FloatArray
+    moment_half: FloatArray
+
+    def center_of_pressure(self, height: float = 0.0) -> FloatArray:
+        """Find the point of the sole through which the force passes, x = (h f_x − m_y) / f_z, y = (m_x + h f_y) / f_z.
+
+        Args:
+            height: Height h of the sole above the origin of the link [m], below zero for a sole beneath it.
+
+        Returns:
+            Forward and sideward position from the origin of the link [m], (N, 2).
+        """
+        (fx, fy, fz), (mx, my, _) = self.force.T, self.moment.T
+        return np.column_stack([height * fx - my, mx + height * fy]) / fz[:, np.newaxis]
+
+
+def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, GroundForce]:
+    """Predict the wrenches of the ground on resting links from motion and joint torques.
+
+    J_cᵀ w = W β − [0; τ] holds for base and joint rows. It is solved by least squares, each row weighted by the errors of
+    its torque and of the parameters, after both sides have passed the filter of the estimate. With the links' wrenches
+    measured, the recording's contacts are found from them, and the wrenches are not used otherwise.
+
+    Args:
+        estimate: Estimate of a leg with a floating base.
+        recording: Motion, torques and contacts.
+
+    Returns:
+        Force of each link at the samples at which it rests.
+
+    Raises:
+        ExoidError: The base does not float, torque is missing, or no link rests.
+    """
+    model, leg = estimate.model, estimate.model.leg
+    if not leg.base_rows:
+        raise ExoidError("the base of this leg does not float", remedy='identify a leg with base="floating"')
+    recording = _with_unknown_feet(leg, for_leg(model, recording).resampled())
+    if recording.tau is None or not recording.measured.all():
+        raise ExoidError("the torque of a joint is missing", where=source_of(recording), remedy="record all torques")
+    found: dict[str, list[GroundForce]] = {}
+    for stretch in stretches(leg, recording)[0]:
+        feet = [link for link in stretch.links if link != leg.root_link]
+        if feet and leg.root_link not in stretch.links:
+            for link, force in zip(feet, _forces(estimate, stretch, feet), strict=True):
+                found.setdefault(link, []).append(force)
+    if not found:
+        raise ExoidError(
+            "no foot carries the leg alone", where=source_of(recording), remedy="record contacts of a standing leg"
+        )
+    return {link: _in_order(parts) for link, parts in found.items()}
+
+
+def level_wrench(leg: Leg, link: str, wrench: Wrench, rows: NDArray[np.intp] | slice = slice(None)) -> GroundForce:
+    """Turn a measured wrench into level axes, to compare it with a predicted one.
+
+    Args:
+        leg: The leg.
+        link: Link that rests flat.
+        wrench: Measured wrench in the axes of the link.
+        rows: Samples.
+
+    Returns:
+        The measured force, without a band, with the sample numbers as time.
+    """
+    level, _ = leg.link_placements(np.zeros((1, len(leg.joint_names))), link)
+    force = wrench.force[rows]
+    moment = wrench.moment[rows] + np.cross(np.broadcast_to(wrench.point, force.shape), force)
+    nothing, count = np.zeros_like(force), np.arange(len(wrench.force), dtype=np.float64)[rows]
+    return GroundForce(count, force @ level[0].T, moment @ level[0].T, nothing, nothing)
+
+
+def _with_unknown_feet(leg: Leg, recording: Recording) -> Recording:
+    """Keep only the contacts of links, and wrenches on what does not rest, such as a harness."""
+    feet = {link: wrench for link, wrench in recording.wrenches.items() if link != leg.root_link}
+    contacts = {link: contacts_from_wrench(wrench) for link, wrench in feet.items()}
+    others = {link: wrench for link, wrench in recording.wrenches.items() if link not in feet}
+    return replace(recording, contacts={**contacts, **recording.contacts}, wrenches=others)
+
+
+class _Solution(NamedTuple):
+    """Wrenches of the links of a stretch, (N, 6 m), and their standard deviations."""
+
+    wrench: FloatArray
+    std: FloatArray
+
+
+def _forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> list[GroundForce]:
+    """Solve for the wrenches of one stretch."""
+    model, leg, recording = estimate.model, estimate.model.leg, stretch.recording
+    assert recording.tau is not None
+    assert recording.mask is not None
+    rows = np.flatnonzero(recording.mask)
+    q, v, a, _ = estimate.preparation.kinematics(recording)
+    motion = model.motion(q, v, a, base_during(recording, estimate.preparation))
+    columns = model.columns(motion)
+    known = model.row_torque(recording.tau, motion, recording.wrenches)
+    wide = np.concatenate([columns, known.T[np.newaxis]])
+    wide = _filtered(estimate, recording, wide)[..., rows]
+    W, measured = wide[:-1].transpose(2, 1, 0), wide[-1].T
+    found = _solve(estimate, leg, q[rows], feet, W, W @ estimate.values - measured)
+    half = half_width(0.95, estimate.dof) * found.std
+    forces = []
+    for k, link in enumerate(feet):
+        part = slice(6 * k, 6 * k + 6)
+        level = leg.link_placements(np.zeros((1, q.shape[1])), link)[0][0]
+        turned = (found.wrench[:, part].reshape(-1, 2, 3) @ level.T).reshape(-1, 6)
+        bands = np.sqrt((half[:, part].reshape(-1, 2, 3) ** 2) @ (level.T**2)).reshape(-1, 6)
+        forces.append(GroundForce(recording.time[rows], turned[:, :3], turned[:, 3:], bands[:, :3], bands[:, 3:]))
+    return forces
+
+
+def _filtered(estimate: EstimateData, recording: Recording, signals: FloatArray) -> FloatArray:
+    """Low-pass of signals within the mask, as rows are filtered, (K, R, N)."""
+    assert recording.mask is not None
+    parallel = estimate.preparation.parallel(recording.sample_rate)
+    if parallel is None:
+        return signals
+    every = range(len(recording))
+    flat = np.where(recording.mask, signals.reshape(-1, signals.shape[-1]), 0.0)
+    gain = among_zeros(parallel, recording.mask[np.newaxis].astype(np.float64), every)[0]
+    return (among_zeros(parallel, flat, every) / np.where(recording.mask, gain, 1.0)).reshape(signals.shape)
+
+
+def _solve(
+    estimate: EstimateData, leg: Leg, q: FloatArray, feet: Sequence[str], W: FloatArray, excess: FloatArray
+) -> _Solution:
+    """Solve J_cᵀ w = W β − [0; τ] by weighted least squares at each sample."""
+    jacobian = np.concatenate([leg.frame_jacobian(q, link) for link in feet], axis=1)
+    noise = np.append(np.zeros(leg.base_rows), estimate.residual_rms) ** 2
+    doubt = parameter_variance(estimate.covariance, W).mean(axis=0)
+    size = np.sqrt(noise + doubt)
+    inverse = np.linalg.pinv(np.swapaxes(jacobian, 1, 2) / size[:, np.newaxis], rcond=RANK) / size
+    through = inverse @ W
+    variance = inverse**2 @ noise + parameter_variance(estimate.covariance, through)
+    return _Solution(np.einsum("ncr,nr->nc", inverse, excess), np.sqrt(variance))
+
+
+def _in_order(parts: Sequence[GroundForce]) -> GroundForce:
+    """Put stretches together in order of time."""
+    order = np.argsort(np.concatenate([part.time for part in parts]))
+    names = ("time", "force", "moment", "force_half", "moment_half")
+    return GroundForce(*(np.concatenate([getattr(part, name) for part in parts])[order] for name in names))
+
+

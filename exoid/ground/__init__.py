@@ -1,0 +1,19 @@
+"""Links on the ground: which rest, what their wrenches leave of the equation, and where the base is."""
+
+from .elimination import Elimination, eliminate, reference_axes
+from .standing_base import standing_base
+from .stretches import EDGE, Left, Stretch, stretches
+from .support_model import LOOP, SupportModel
+
+__all__ = [
+    "EDGE",
+    "LOOP",
+    "Elimination",
+    "Left",
+    "Stretch",
+    "SupportModel",
+    "eliminate",
+    "reference_axes",
+    "standing_base",
+    "stretches",
+]

@@ -1,0 +1,220 @@
+"""Which links rest on the ground at each sample, and what is left of a recording while they do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import BoolArray, FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+from exoid.signals import BaseMotion, Recording, contacts_from_wrench, settled
+
+from .elimination import eliminate
+from .standing_base import standing_base
+
+EDGE = 0.1
+"""Samples this near to a touch-down or lift-off [s] are left out: the filters of the motion smear its jolt."""
+
+SLIDING, TILTING = 0.03, 0.15
+"""A link that is said to rest and moves faster than this [m/s, rad/s] slips, or its contact is wrong."""
+
+LOOK = 10.0
+"""Cut-off frequency of the velocities in which slipping is looked for [Hz]."""
+
+SHORTEST = 0.15
+"""Supports that last less than this in a recording [s] are left out."""
+
+
+class Left(NamedTuple):
+    """Samples of a recording that were left out, as shares of those that could count.
+
+    Attributes:
+        changing: Near a touch-down or lift-off.
+        slipping: A link that was said to rest moved.
+        singular: Chains were closed and stretched, or left no row.
+    """
+
+    changing: float
+    slipping: float
+    singular: float
+
+
+class Stretch(NamedTuple):
+    """Part of a recording in which the same links rest by unknown wrenches.
+
+    Attributes:
+        links: These links; the root link for a base that is held; none where no wrench is unknown.
+        recording: The recording with a mask of the samples, and with the motion of the base.
+    """
+
+    links: tuple[str, ...]
+    recording: Recording
+
+
+def stretches(leg: Leg, recording: Recording) -> tuple[list[Stretch], Left]:
+    """Split a recording by the links that rest on the ground with an unknown wrench.
+
+    Args:
+        leg: The leg.
+        recording: A recording with contacts or wrenches; without both, the base is held.
+
+    Returns:
+        One stretch for each set of links, and the samples that were left out.
+
+    Raises:
+        ExoidError: A link is not in the URDF, the motion of the base is needed and missing, or nothing is left.
+    """
+    recording = recording.resampled()
+    rest, unknown = _contacts(leg, recording)
+    counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
+    steady = np.logical_and.reduce(
+        [settled(flags, recording.time, EDGE) | settled(~flags, recording.time, EDGE) for flags in rest.values()],
+        initial=True,
+    )
+    slow = _smooth(recording.q, recording.sample_rate)
+    v = np.gradient(slow, recording.time, axis=0)
+    still = ~_slipping(leg, recording, rest, slow, v) if recording.contacts else np.ones_like(counted)
+    found, lost = [], np.zeros(len(recording), dtype=np.bool_)
+    for links, where in _patterns(unknown, len(recording)):
+        inside = counted & steady & still & where
+        usable = inside & _solvable(leg, links, slow)
+        lost |= inside & ~usable
+        if np.count_nonzero(usable) >= SHORTEST * recording.sample_rate:
+            resting = [link for link, flags in rest.items() if flags[usable].all()]
+            about: dict[str, Any] = {"mask": usable, "base": _base(leg, recording, links, resting)}
+            found.append(Stretch(links, replace(recording, **about)))
+    if not found:
+        raise ExoidError(
+            "no sample is left of contacts that last, do not slip and leave a row of the equation",
+            where=_source(recording),
+            remedy="check the contacts, record longer stance, or measure the wrenches",
+        )
+    could = max(1, np.count_nonzero(counted))
+    shares = (counted & ~steady, counted & steady & ~still, lost)
+    return found, Left(*(float(np.count_nonzero(part) / could) for part in shares))
+
+
+def _contacts(leg: Leg, recording: Recording) -> tuple[dict[str, BoolArray], dict[str, BoolArray]]:
+    """Find which links rest, and which of them by a wrench that was not measured."""
+    links = (*recording.contacts, *recording.wrenches)
+    every = leg.every_link
+    for link in links:
+        if link not in every:
+            raise ExoidError(
+                f"the leg has no link {link!r}, on which the recording has a contact or wrench",
+                where=_source(recording),
+                remedy=f"links of the URDF are {', '.join(every)}",
+            )
+    rest = {link: np.asarray(flags) for link, flags in recording.contacts.items()}
+    for link, wrench in recording.wrenches.items():
+        if link not in rest and link != leg.root_link and _lifts(wrench.force):
+            rest[link] = contacts_from_wrench(wrench)
+    unknown = {link: flags for link, flags in rest.items() if link not in recording.wrenches}
+    if not links and leg.base_rows:
+        unknown[leg.root_link] = np.ones(len(recording), dtype=np.bool_)
+    return rest, unknown
+
+
+def _lifts(force: FloatArray) -> bool:
+    """Whether a measured force comes and goes, as that on a foot which is lifted."""
+    size = np.linalg.norm(force, axis=1)
+    return bool(np.quantile(size, 0.02) < 0.1 * np.quantile(size, 0.98))
+
+
+def _patterns(unknown: Mapping[str, BoolArray], count: int) -> list[tuple[tuple[str, ...], BoolArray]]:
+    """Sets of links that rest at the same time, and the samples at which they do."""
+    if not unknown:
+        return [((), np.ones(count, dtype=np.bool_))]
+    flags = np.column_stack(list(unknown.values()))
+    patterns, which = np.unique(flags, axis=0, return_inverse=True)
+    names = list(unknown)
+    return [
+        (tuple(name for name, rests in zip(names, pattern, strict=True) if rests), which.ravel() == k)
+        for k, pattern in enumerate(patterns)
+    ]
+
+
+def _solvable(leg: Leg, links: Sequence[str], q: FloatArray) -> NDArray[np.bool_]:
+    """Samples whose rows without the unknown wrenches are well defined."""
+    if not links:
+        return np.ones(len(q), dtype=np.bool_)
+    found = eliminate(leg, links, q)
+    if found.loop is not None and not found.loop.shape[2]:
+        return np.zeros(len(q), dtype=np.bool_)
+    return found.fit
+
+
+def _slipping(
+    leg: Leg, recording: Recording, rest: Mapping[str, BoolArray], q: FloatArray, v: FloatArray
+) -> NDArray[np.bool_]:
+    """Samples at which two links that rest move against each other, or one against the gyroscope of the base."""
+    slips = np.zeros(len(q), dtype=np.bool_)
+    base = leg.base_rows
+    if not base:
+        return slips
+    levers = {}
+    for link in rest:
+        jacobian = leg.contact_jacobian(q, link)
+        to_base = np.linalg.solve(jacobian[..., :base], np.einsum("ncj,nj->nc", jacobian[..., base:], v)[..., None])
+        levers[link] = -to_base[..., 0]
+    gyro = None
+    if recording.base is not None:
+        gyro = _smooth(leg.turning_of_rows(recording.base.angular_velocity), recording.sample_rate)
+    turning = slice(2, 3) if base == 3 else slice(3, 6)
+    for k, (link, flags) in enumerate(rest.items()):
+        others = list(rest.items())[k + 1 :]
+        for other, also in others:
+            apart = levers[link] - levers[other]
+            slips |= flags & also & _moves(apart, turning)
+        if gyro is not None:
+            turns = np.abs(
+                levers[link][:, turning] - gyro - np.median((levers[link][:, turning] - gyro)[flags], axis=0)
+            )
+            slips |= flags & (turns > TILTING).any(axis=1)
+    return _widened(slips, round(0.5 * EDGE * recording.sample_rate))
+
+
+def _moves(velocity: FloatArray, turning: slice) -> NDArray[np.bool_]:
+    """Whether a base that hangs on two links would move at two velocities, linear before angular."""
+    linear, angular = velocity[:, : turning.start], velocity[:, turning]
+    return np.asarray((np.linalg.norm(linear, axis=1) > SLIDING) | (np.linalg.norm(angular, axis=1) > TILTING))
+
+
+def _widened(mask: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
+    """Mask with so many samples more on either side."""
+    return np.asarray(scipy.ndimage.binary_dilation(mask, iterations=max(1, by))) if mask.any() else mask
+
+
+def _smooth(values: FloatArray, rate: float) -> FloatArray:
+    """Zero-phase low-pass of columns."""
+    if 0.4 * rate <= LOOK:
+        return values
+    return np.asarray(scipy.signal.sosfiltfilt(scipy.signal.butter(2, LOOK, fs=rate, output="sos"), values, axis=0))
+
+
+def _base(leg: Leg, recording: Recording, links: Sequence[str], resting: Sequence[str]) -> BaseMotion | None:
+    """Motion of the base: as it was measured, or as a link that rests on level ground says."""
+    if not leg.base_rows or recording.base is not None:
+        return recording.base
+    feet = [link for link in resting if link != leg.root_link]
+    if feet:
+        return standing_base(leg, recording, feet[0])
+    if leg.root_link in links:
+        return None
+    raise ExoidError(
+        "the base moves, and no motion of it was recorded while no link rests on the ground",
+        where=_source(recording),
+        remedy="record it (base=exoid.BaseMotion.from_imu(...), columns base_gyro_x…z and base_acc_x…z), or say when "
+        "feet are flat on the ground (contacts=)",
+    )
+
+
+def _source(recording: Recording) -> str:
+    """Name of the file, for errors."""
+    return recording.source.name if recording.source else ""

@@ -1,0 +1,242 @@
+"""From recordings with contacts to a task whose groups are the sets of links that rest on the ground."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.findings import Finding
+from exoid.ground import EDGE, Left, SupportModel, reference_axes, stretches
+from exoid.regression.rows import for_leg
+from exoid.signals import Cluster, Poses, Recording
+from exoid.torques import TorqueModel
+
+from .fitting import Fitted, Task
+from .group_rows import Group
+from .problem import Problem
+
+FAR = 6.0
+"""Residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong."""
+
+MOST_WRONG = 0.3
+"""Where more than this part of the samples is so far off, the model is wrong rather than the contacts."""
+
+MUCH_LEFT_OUT = 0.2
+"""More than this part of the samples left out is worth a warning."""
+
+MEASURED = "measured"
+"""Name of the samples at which no wrench is unknown."""
+
+
+class OnGround(NamedTuple):
+    """A task whose groups are sets of resting links.
+
+    Attributes:
+        task: The task; its groups share all parameters.
+        model: Torque model of the leg with all its rows.
+        findings: What was left out of the recordings.
+    """
+
+    task: Task
+    model: TorqueModel
+    findings: tuple[Finding, ...]
+
+
+def needs_ground(groups: Sequence[Group]) -> bool:
+    """Tell whether recordings have to be split by the links that rest on the ground.
+
+    Args:
+        groups: Groups of recordings.
+
+    Returns:
+        Whether the base of a leg floats, or a recording has contacts with unknown wrenches.
+    """
+    return any(
+        group.leg.base_rows or any(isinstance(one, Recording) and set(one.contacts) - set(one.wrenches) for one in data)
+        for group in groups
+        for data in ([] if isinstance(group.data, Cluster) else group.data,)
+    )
+
+
+def on_ground(task: Task) -> OnGround:
+    """Split the recordings of a task by the links that rest on the ground with an unknown wrench.
+
+    Args:
+        task: Torque model and recordings of one leg.
+
+    Returns:
+        The task with one group for each set of links.
+
+    Raises:
+        ExoidError: There are several groups, poses or recordings elsewhere, terms are not linear, or nothing is left.
+    """
+    (group,), (model,) = _alone(task)
+    assert not isinstance(group.data, Cluster)
+    found: dict[tuple[str, ...], list[Recording]] = {}
+    findings: list[Finding] = []
+    for one in group.data:
+        if isinstance(one, Poses):
+            raise ExoidError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
+        parts, left = stretches(model.leg, for_leg(model, one))
+        findings += _left_out(left, one)
+        for part in parts:
+            found.setdefault(part.links, []).append(part.recording)
+    return OnGround(_task_of(task, group, model, found), model, tuple(findings))
+
+
+def _alone(task: Task) -> tuple[tuple[Group], tuple[TorqueModel]]:
+    """Check what recordings with contacts can be identified with."""
+    if len(task.groups) > 1 or task.own:
+        raise ExoidError("recordings with contacts are for one leg alone", remedy="identify the groups one by one")
+    if task.unknown is not None:
+        raise ExoidError("constants of drives are identified without contacts", remedy="give the constants")
+    if getattr(task.estimator, "fits_samples", False):
+        raise ExoidError("this estimator simulates the leg without ground", remedy="use wls, huber, gls or ols")
+    if any(term.nonlinear or term.loaded for term in task.terms):
+        raise ExoidError("terms beside a ground are linear in their parameters", remedy="give settings as numbers")
+    (group,), (model,) = task.groups, task.models
+    if isinstance(group.data, Cluster):
+        raise ExoidError("recordings on a cluster have no contacts", remedy="pass exoid.signals.Recordings")
+    if any(one.payloads for one in group.data):
+        raise ExoidError("payloads on a leg that stands are not known", remedy="take the payload off")
+    if not getattr(group.chosen_preparation, "parallel", None):
+        raise ExoidError("rows with contacts need the parallel filter", remedy="leave preparation out")
+    return (group,), (model,)
+
+
+def _task_of(
+    task: Task, group: Group, model: TorqueModel, found: Mapping[tuple[str, ...], Sequence[Recording]]
+) -> Task:
+    """Make one group of the recordings of each set of links."""
+    groups, models = [], []
+    for links, data in found.items():
+        q = np.vstack([one.q[one.mask] for one in data])
+        axes = reference_axes(model.leg, links, q[:: 1 + len(q) // MANY]) if links else None
+        models.append(SupportModel.of(model, links, axes))
+        groups.append(group._replace(name=" and ".join(links) or MEASURED, data=tuple(data)))
+    return task._replace(groups=tuple(groups), models=tuple(models))
+
+
+MANY = 2000
+"""Samples that the reference of closed chains is chosen for."""
+
+
+def _left_out(left: Left, recording: Recording) -> list[Finding]:
+    """Say how many samples were left out, and why."""
+    name = recording.source.name if recording.source else ""
+    slip = Finding(
+        "slipping-contact",
+        "",
+        left.slipping,
+        "1",
+        "warning" if left.slipping > MUCH_LEFT_OUT else "info",
+        f"{left.slipping:.1%} of the samples say that a link rests which moves; they were left out",
+        "check contacts, the ground, and whether joints' zeros are right",
+        recording=name,
+    )
+    edge = Finding(
+        "contact-changes",
+        "",
+        left.changing,
+        "1",
+        "info",
+        f"{left.changing:.1%} of the samples are within {EDGE:g} s of a touch-down or lift-off; they were left out",
+        "nothing to do",
+        recording=name,
+    )
+    lost = Finding(
+        "singular-stance",
+        "",
+        left.singular,
+        "1",
+        "warning" if left.singular > MUCH_LEFT_OUT else "info",
+        f"{left.singular:.1%} of the samples leave no row: knees are straight, or too many links rest for the joints",
+        "bend the knees, or measure the wrenches",
+        recording=name,
+    )
+    return [one for one in (slip, edge, lost) if one.value > 0.0]
+
+
+def without_outliers(task: Task, fitted: Fitted) -> tuple[Task, tuple[Finding, ...]]:
+    """Leave samples out whose residuals no noise explains: contacts that are labelled wrongly, or slip.
+
+    Args:
+        task: A task of :func:`on_ground`.
+        fitted: A robust fit to it.
+
+    Returns:
+        The task with fewer samples, and what was left out.
+    """
+    groups, findings = [], []
+    for k, group in enumerate(task.groups):
+        assert not isinstance(group.data, Cluster)
+        data = []
+        residuals = _residuals(fitted.problem, k, fitted.values)
+        scale = _scale(residuals)
+        for one, (time, residual) in zip(group.data, residuals, strict=True):
+            assert isinstance(one, Recording) and one.mask is not None
+            far = (np.abs(residual) > FAR * scale).any(axis=1)
+            if not far.any():
+                data.append(one)
+                continue
+            wrong = _near(one.time, time[far])
+            share = np.count_nonzero(wrong & one.mask) / np.count_nonzero(one.mask)
+            kept = one if share > MOST_WRONG else replace(one, mask=one.mask & ~wrong)
+            data.append(kept)
+            findings.append(_outlier(group.name, share, one))
+        groups.append(group._replace(data=tuple(data)))
+    return task._replace(groups=tuple(groups)), tuple(findings)
+
+
+def _residuals(problem: Problem, group: int, values: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
+    """Times [s] and residuals of the rows of each recording of a group, (N,) and (N, R)."""
+    found: list[list[tuple[FloatArray, FloatArray]]] = []
+    for block in problem.groups[group].blocks(decimated=True):
+        if block.begins:
+            found.append([])
+        rows = block.rows
+        found[-1].append((rows.time, np.where(rows.usable, rows.tau - rows.W @ values, 0.0)))
+    return [(np.concatenate(time), np.vstack(residual)) for time, residual in (zip(*one, strict=True) for one in found)]
+
+
+def _scale(residuals: Sequence[tuple[FloatArray, FloatArray]]) -> FloatArray:
+    """Standard deviation of each row by the median of the sizes, (R,)."""
+    each = np.vstack([residual for _, residual in residuals])
+    return np.array(
+        [float(np.median(np.abs(of_row[of_row != 0.0]))) / MEDIAN if of_row.any() else np.inf for of_row in each.T]
+    )
+
+
+MEDIAN = float(scipy.stats.norm.ppf(0.75))
+"""Median size of what is normal with a standard deviation of one."""
+
+
+def _near(time: FloatArray, moments: FloatArray) -> NDArray[np.bool_]:
+    """Samples within the edge of some moments, (N,)."""
+    places = np.searchsorted(moments, time)
+    before = time - moments[np.maximum(places - 1, 0)]
+    after = moments[np.minimum(places, len(moments) - 1)] - time
+    return (np.abs(before) <= EDGE) | (np.abs(after) <= EDGE)
+
+
+def _outlier(support: str, share: float, recording: Recording) -> Finding:
+    """Say that samples do not fit."""
+    kept = share > MOST_WRONG
+    return Finding(
+        "wrong-contact",
+        "",
+        share,
+        "1",
+        "error" if kept else "warning" if share > MUCH_LEFT_OUT else "info",
+        f"{share:.1%} of the samples with {support} do not fit the others: a contact is labelled wrongly, slips, or "
+        "another force acts; " + ("they are too many to leave out" if kept else "they were left out"),
+        "check contacts and other forces on the leg",
+        recording=recording.source.name if recording.source else "",
+    )

@@ -1,0 +1,32 @@
+"""Measured wrenches on links as torques of the rows of a leg."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.leg import Leg
+from exoid.signals import Wrench
+
+
+def wrench_torque(leg: Leg, q: FloatArray, wrenches: Mapping[str, Wrench]) -> FloatArray:
+    """Compute Σ J_cᵀ w_c, what wrenches on links do to the rows of a leg.
+
+    Args:
+        leg: The leg.
+        q: Joint angles [rad], (N, n).
+        wrenches: Wrenches in the axes of their links, by the name of the link.
+
+    Returns:
+        Forces and moments on a floating base, and torques of the joints [N, N·m], (N, b + n).
+
+    Raises:
+        ExoidError: The leg has no such link.
+    """
+    total = np.zeros((len(q), len(leg.row_names)))
+    for link, wrench in wrenches.items():
+        jacobian = leg.frame_jacobian(q, link, wrench.point)
+        total += np.einsum("ncr,nc->nr", jacobian, np.hstack([wrench.force, wrench.moment]))
+    return total
