@@ -22,7 +22,7 @@ from . import (
     torques,
     view,
 )
-from .catalog import load_leg
+from .catalog import load_exo, load_leg
 from .errors import ExoidError
 from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, validate
 from .findings import Finding
@@ -67,6 +67,7 @@ __all__ = [
     "identification",
     "identify",
     "lift",
+    "load_exo",
     "load_leg",
     "published",
     "reduction",
