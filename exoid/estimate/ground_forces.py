@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.ground import Stretch, stretches
+from exoid.ground import Stretch, level_rotation, stretches, touching
 from exoid.leg import Leg
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import among_zeros, for_leg, source_of
-from exoid.signals import Recording, Wrench, base_during, contacts_from_wrench
+from exoid.signals import Recording, Wrench, base_during
 
 from .data import EstimateData
 from .torque_band import parameter_variance
@@ -52,15 +52,15 @@ class GroundForce:
             Forward and sideward position from the origin of the link [m], (N, 2).
         """
         (fx, fy, fz), (mx, my, _) = self.force.T, self.moment.T
-        return np.column_stack([height * fx - my, mx + height * fy]) / fz[:, np.newaxis]
+        return np.asarray(np.column_stack([height * fx - my, mx + height * fy]) / fz[:, np.newaxis])
 
 
 def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, GroundForce]:
     """Predict the wrenches of the ground on resting links from motion and joint torques.
 
-    J_cᵀ w = W β − [0; τ] holds for base and joint rows. It is solved by least squares, each row weighted by the errors of
-    its torque and of the parameters, after both sides have passed the filter of the estimate. With the links' wrenches
-    measured, the recording's contacts are found from them, and the wrenches are not used otherwise.
+    J_cᵀ w = W β − [0; τ] holds for base and joint rows. It is solved by least squares, each row weighted by the errors
+    of its torque and of the parameters, after both sides have passed the filter of the estimate. Where wrenches of the
+    links were measured, contacts are found from them, and the wrenches are not used otherwise.
 
     Args:
         estimate: Estimate of a leg with a floating base.
@@ -80,8 +80,8 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
         raise ExoidError("the torque of a joint is missing", where=source_of(recording), remedy="record all torques")
     found: dict[str, list[GroundForce]] = {}
     for stretch in stretches(leg, recording)[0]:
-        feet = [link for link in stretch.links if link != leg.root_link]
-        if feet and leg.root_link not in stretch.links:
+        feet = [link for link in stretch.links if link != leg.description.root_link]
+        if feet and leg.description.root_link not in stretch.links:
             for link, force in zip(feet, _forces(estimate, stretch, feet), strict=True):
                 found.setdefault(link, []).append(force)
     if not found:
@@ -103,17 +103,17 @@ def level_wrench(leg: Leg, link: str, wrench: Wrench, rows: NDArray[np.intp] | s
     Returns:
         The measured force, without a band, with the sample numbers as time.
     """
-    level, _ = leg.link_placements(np.zeros((1, len(leg.joint_names))), link)
+    level = level_rotation(leg, link)
     force = wrench.force[rows]
     moment = wrench.moment[rows] + np.cross(np.broadcast_to(wrench.point, force.shape), force)
     nothing, count = np.zeros_like(force), np.arange(len(wrench.force), dtype=np.float64)[rows]
-    return GroundForce(count, force @ level[0].T, moment @ level[0].T, nothing, nothing)
+    return GroundForce(count, force @ level.T, moment @ level.T, nothing, nothing)
 
 
 def _with_unknown_feet(leg: Leg, recording: Recording) -> Recording:
     """Keep only the contacts of links, and wrenches on what does not rest, such as a harness."""
-    feet = {link: wrench for link, wrench in recording.wrenches.items() if link != leg.root_link}
-    contacts = {link: contacts_from_wrench(wrench) for link, wrench in feet.items()}
+    feet = {link: wrench for link, wrench in recording.wrenches.items() if link != leg.description.root_link}
+    contacts = {link: touching(wrench.force) for link, wrench in feet.items()}
     others = {link: wrench for link, wrench in recording.wrenches.items() if link not in feet}
     return replace(recording, contacts={**contacts, **recording.contacts}, wrenches=others)
 
@@ -143,7 +143,7 @@ def _forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> li
     forces = []
     for k, link in enumerate(feet):
         part = slice(6 * k, 6 * k + 6)
-        level = leg.link_placements(np.zeros((1, q.shape[1])), link)[0][0]
+        level = level_rotation(leg, link)
         turned = (found.wrench[:, part].reshape(-1, 2, 3) @ level.T).reshape(-1, 6)
         bands = np.sqrt((half[:, part].reshape(-1, 2, 3) ** 2) @ (level.T**2)).reshape(-1, 6)
         forces.append(GroundForce(recording.time[rows], turned[:, :3], turned[:, 3:], bands[:, :3], bands[:, 3:]))
@@ -181,5 +181,3 @@ def _in_order(parts: Sequence[GroundForce]) -> GroundForce:
     order = np.argsort(np.concatenate([part.time for part in parts]))
     names = ("time", "force", "moment", "force_half", "moment_half")
     return GroundForce(*(np.concatenate([getattr(part, name) for part in parts])[order] for name in names))
-
-

@@ -74,10 +74,10 @@ def eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | 
     base = leg.base_rows
     jacobians = [leg.contact_jacobian(q, link) for link in links]
     fit = np.ones(len(q), dtype=np.bool_)
-    lever = None
+    lever: FloatArray | None = None
     if base:
         first = jacobians.pop(0)
-        lever = np.linalg.solve(first[..., :base], first[..., base:])
+        lever = np.asarray(np.linalg.solve(first[..., :base], first[..., base:]), dtype=np.float64)
         jacobians = [each[..., base:] - each[..., :base] @ lever for each in jacobians]
     if not jacobians:
         return Elimination(lever, None, fit)

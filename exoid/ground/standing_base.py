@@ -8,6 +8,8 @@ import scipy  # its parts load when they are first used
 from exoid.leg import Leg
 from exoid.signals import BaseMotion, Recording
 
+from .placements import level_rotation, link_placements
+
 CUTOFF = 15.0
 """Cut-off frequency of the motion [Hz], above that of the filter that follows."""
 
@@ -26,9 +28,8 @@ def standing_base(leg: Leg, recording: Recording, link: str) -> BaseMotion:
     Returns:
         Motion of the base at all samples.
     """
-    rotation, position = leg.link_placements(recording.q, link)
-    level, _ = leg.link_placements(np.zeros((1, recording.q.shape[1])), link)
-    turn = level[0] @ np.swapaxes(rotation, 1, 2)  # laboratory from base
+    rotation, position = link_placements(leg, recording.q, link)
+    turn = level_rotation(leg, link) @ np.swapaxes(rotation, 1, 2)  # laboratory from base
     place = -np.einsum("nij,nj->ni", turn, position)
     quaternion = scipy.spatial.transform.Rotation.from_matrix(turn).as_quat()
     cutoff = min(0.2 * recording.sample_rate, CUTOFF)

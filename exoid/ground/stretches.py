@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.signals import BaseMotion, Recording, contacts_from_wrench, settled
+from exoid.link_frames import link_frame
+from exoid.signals import BaseMotion, Recording
 
 from .elimination import eliminate
 from .standing_base import standing_base
@@ -26,6 +27,9 @@ SLIDING, TILTING = 0.03, 0.15
 
 LOOK = 10.0
 """Cut-off frequency of the velocities in which slipping is looked for [Hz]."""
+
+PLANAR = 3
+"""Base rows of a planar machine."""
 
 SHORTEST = 0.15
 """Supports that last less than this in a recording [s] are left out."""
@@ -74,8 +78,7 @@ def stretches(leg: Leg, recording: Recording) -> tuple[list[Stretch], Left]:
     rest, unknown = _contacts(leg, recording)
     counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
     steady = np.logical_and.reduce(
-        [settled(flags, recording.time, EDGE) | settled(~flags, recording.time, EDGE) for flags in rest.values()],
-        initial=True,
+        [_lasting(flags, round(EDGE * recording.sample_rate)) for flags in rest.values()], initial=True
     )
     slow = _smooth(recording.q, recording.sample_rate)
     v = np.gradient(slow, recording.time, axis=0)
@@ -95,30 +98,49 @@ def stretches(leg: Leg, recording: Recording) -> tuple[list[Stretch], Left]:
             where=_source(recording),
             remedy="check the contacts, record longer stance, or measure the wrenches",
         )
-    could = max(1, np.count_nonzero(counted))
+    could = max(1.0, float(np.count_nonzero(counted)))
     shares = (counted & ~steady, counted & steady & ~still, lost)
-    return found, Left(*(float(np.count_nonzero(part) / could) for part in shares))
+    return found, Left(*(float(np.count_nonzero(part)) / could for part in shares))
 
 
 def _contacts(leg: Leg, recording: Recording) -> tuple[dict[str, BoolArray], dict[str, BoolArray]]:
     """Find which links rest, and which of them by a wrench that was not measured."""
     links = (*recording.contacts, *recording.wrenches)
-    every = leg.every_link
     for link in links:
-        if link not in every:
-            raise ExoidError(
-                f"the leg has no link {link!r}, on which the recording has a contact or wrench",
-                where=_source(recording),
-                remedy=f"links of the URDF are {', '.join(every)}",
-            )
+        link_frame(leg.model, leg.description, link)
     rest = {link: np.asarray(flags) for link, flags in recording.contacts.items()}
     for link, wrench in recording.wrenches.items():
-        if link not in rest and link != leg.root_link and _lifts(wrench.force):
-            rest[link] = contacts_from_wrench(wrench)
+        if link not in rest and link != leg.description.root_link and _lifts(wrench.force):
+            rest[link] = touching(wrench.force)
     unknown = {link: flags for link, flags in rest.items() if link not in recording.wrenches}
     if not links and leg.base_rows:
-        unknown[leg.root_link] = np.ones(len(recording), dtype=np.bool_)
+        unknown[leg.description.root_link] = np.ones(len(recording), dtype=np.bool_)
     return rest, unknown
+
+
+def touching(force: FloatArray) -> BoolArray:
+    """Find contact from a measured force: it begins above 10 % and ends below 5 % of the largest.
+
+    Args:
+        force: Force on a link [N], (N, 3).
+
+    Returns:
+        Whether the link is in contact, (N,).
+    """
+    size = np.linalg.norm(force, axis=1)
+    most = np.quantile(size, 0.98)
+    state = np.where(size > 0.1 * most, 1, np.where(size < 0.05 * most, 0, -1))
+    last = np.maximum.accumulate(np.where(state >= 0, np.arange(len(state)), 0))
+    return np.asarray(state[last] > 0)
+
+
+def _lasting(flags: BoolArray, samples: int) -> NDArray[np.bool_]:
+    """Samples that are further than so many from a change."""
+    changes = np.flatnonzero(np.diff(flags))
+    lasting = np.ones(len(flags), dtype=np.bool_)
+    for change in changes:
+        lasting[max(0, change + 1 - samples) : change + 1 + samples] = False
+    return lasting
 
 
 def _lifts(force: FloatArray) -> bool:
@@ -163,10 +185,12 @@ def _slipping(
         jacobian = leg.contact_jacobian(q, link)
         to_base = np.linalg.solve(jacobian[..., :base], np.einsum("ncj,nj->nc", jacobian[..., base:], v)[..., None])
         levers[link] = -to_base[..., 0]
+    turning = slice(2, 3) if base == PLANAR else slice(3, 6)
     gyro = None
     if recording.base is not None:
-        gyro = _smooth(leg.turning_of_rows(recording.base.angular_velocity), recording.sample_rate)
-    turning = slice(2, 3) if base == 3 else slice(3, 6)
+        omega = recording.base.angular_velocity
+        planar = -omega @ leg.limbs[0].chain.plane.lateral[:, np.newaxis] if base == PLANAR else omega
+        gyro = _smooth(planar, recording.sample_rate)
     for k, (link, flags) in enumerate(rest.items()):
         others = list(rest.items())[k + 1 :]
         for other, also in others:
@@ -202,10 +226,10 @@ def _base(leg: Leg, recording: Recording, links: Sequence[str], resting: Sequenc
     """Motion of the base: as it was measured, or as a link that rests on level ground says."""
     if not leg.base_rows or recording.base is not None:
         return recording.base
-    feet = [link for link in resting if link != leg.root_link]
+    feet = [link for link in resting if link != leg.description.root_link]
     if feet:
         return standing_base(leg, recording, feet[0])
-    if leg.root_link in links:
+    if leg.description.root_link in links:
         return None
     raise ExoidError(
         "the base moves, and no motion of it was recorded while no link rests on the ground",

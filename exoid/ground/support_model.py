@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -132,7 +132,7 @@ class SupportModel(TorqueModel):
         found = super().reversing(v)
         return None if found is None else self._on_rows(found, np.any)
 
-    def _on_rows(self, of_joints: NDArray[np.bool_], together: np.ufunc) -> NDArray[np.bool_]:
+    def _on_rows(self, of_joints: NDArray[np.bool_], together: Callable[..., NDArray[np.bool_]]) -> NDArray[np.bool_]:
         """Turn what holds for base rows and joints, (N, b + n), into what holds for rows, (N, R)."""
         if not self.links:
             return of_joints

@@ -158,7 +158,8 @@ def identify(
         inputs = inputs.driven(actuators, chosen, delay, default_terms=terms is None)
     task, summaries, before = _gather(inputs, chosen, own, preparation, cutoff)
     if needs_ground(task.groups):
-        return _on_ground(task, summaries[""], before, delay, white=noise == "white")
+        by_noise = preparation is None and cutoff is None
+        return _on_ground(task, summaries[""], before, delay, by_noise=by_noise, white=noise == "white")
     fitted = fit_model(task)
     if delay is not None:
         task, delays, shifts = without_delays(task, fitted)
@@ -249,12 +250,18 @@ def _cutoff_source(preparation: Preparation | str | None, cutoff: float | None) 
 
 
 def _on_ground(
-    task: Task, summaries: Sequence[RecordingSummary], before: Preliminaries, delay: str | None, *, white: bool
+    task: Task,
+    summaries: Sequence[RecordingSummary],
+    before: Preliminaries,
+    delay: str | None,
+    *,
+    by_noise: bool,
+    white: bool,
 ) -> Estimate:
     """Identify a leg that stands: once with rows that no outlier moves, and once without the outliers."""
     if delay is not None:
         raise ExoidError("delays are not estimated beside contacts", remedy="leave delay out")
-    standing = on_ground(task)
+    standing = on_ground(task, by_noise=by_noise)
     robust = fit_model(standing.task._replace(estimator=find_estimator("huber")))
     kept, outliers = without_outliers(standing.task, robust)
     fitted = fit_model(kept)

@@ -15,7 +15,7 @@ from exoid.errors import ExoidError
 from exoid.findings import Finding
 from exoid.ground import EDGE, Left, SupportModel, reference_axes, stretches
 from exoid.regression.rows import for_leg
-from exoid.signals import Cluster, Poses, Recording
+from exoid.signals import Cluster, Poses, Recording, ZeroPhase, choose_cutoff
 from exoid.torques import TorqueModel
 
 from .fitting import Fitted, Task
@@ -65,11 +65,13 @@ def needs_ground(groups: Sequence[Group]) -> bool:
     )
 
 
-def on_ground(task: Task) -> OnGround:
+def on_ground(task: Task, *, by_noise: bool) -> OnGround:
     """Split the recordings of a task by the links that rest on the ground with an unknown wrench.
 
     Args:
         task: Torque model and recordings of one leg.
+        by_noise: Whether to choose the cut-off frequency of each set of links by the noise of the angles, which the
+            motion of a base on its feet multiplies.
 
     Returns:
         The task with one group for each set of links.
@@ -88,7 +90,7 @@ def on_ground(task: Task) -> OnGround:
         findings += _left_out(left, one)
         for part in parts:
             found.setdefault(part.links, []).append(part.recording)
-    return OnGround(_task_of(task, group, model, found), model, tuple(findings))
+    return OnGround(_task_of(task, group, model, found, by_noise=by_noise), model, tuple(findings))
 
 
 def _alone(task: Task) -> tuple[tuple[Group], tuple[TorqueModel]]:
@@ -112,7 +114,12 @@ def _alone(task: Task) -> tuple[tuple[Group], tuple[TorqueModel]]:
 
 
 def _task_of(
-    task: Task, group: Group, model: TorqueModel, found: Mapping[tuple[str, ...], Sequence[Recording]]
+    task: Task,
+    group: Group,
+    model: TorqueModel,
+    found: Mapping[tuple[str, ...], Sequence[Recording]],
+    *,
+    by_noise: bool,
 ) -> Task:
     """Make one group of the recordings of each set of links."""
     groups, models = [], []
@@ -120,7 +127,8 @@ def _task_of(
         q = np.vstack([one.q[one.mask] for one in data])
         axes = reference_axes(model.leg, links, q[:: 1 + len(q) // MANY]) if links else None
         models.append(SupportModel.of(model, links, axes))
-        groups.append(group._replace(name=" and ".join(links) or MEASURED, data=tuple(data)))
+        preparation = ZeroPhase(choose_cutoff(data)) if by_noise else group.preparation
+        groups.append(group._replace(name=" and ".join(links) or MEASURED, data=tuple(data), preparation=preparation))
     return task._replace(groups=tuple(groups), models=tuple(models))
 
 
@@ -181,7 +189,8 @@ def without_outliers(task: Task, fitted: Fitted) -> tuple[Task, tuple[Finding, .
         residuals = _residuals(fitted.problem, k, fitted.values)
         scale = _scale(residuals)
         for one, (time, residual) in zip(group.data, residuals, strict=True):
-            assert isinstance(one, Recording) and one.mask is not None
+            assert isinstance(one, Recording)
+            assert one.mask is not None
             far = (np.abs(residual) > FAR * scale).any(axis=1)
             if not far.any():
                 data.append(one)

@@ -420,7 +420,7 @@ class Result:
 
 
 def _of_joint(supports: Sequence[Support], joint: str) -> float:
-    """RMS residual of the rows of a joint, or else of closed chains, whose rows have the noise of one joint's torque."""
+    """RMS residual of the rows of a joint, or else of closed chains, whose rows have the noise of one torque."""
     own = [(one.residual_rms[joint], one.seconds) for one in supports if joint in one.residual_rms]
     loops = [(rms, one.seconds) for one in supports for name, rms in one.residual_rms.items() if name.startswith(LOOP)]
     squares = np.array(own or loops or [(0.0, 1.0)])

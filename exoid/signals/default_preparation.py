@@ -13,6 +13,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
+from .base_pose import BasePose
 from .differentiation import Kinematics, derive, inner_samples, motion_edge, smooth_motion
 from .filters import ParallelFilter, design_frequency, zero_phase
 from .poses import Poses
@@ -35,6 +36,13 @@ NOISE_RATIO = 0.02
 """Largest noise-to-signal ratio of the acceleration (RMS).
 
 Noise in a column attenuates its parameter by about the square of this ratio: 0.04 %.
+"""
+
+POSE_WEIGHT = 16.0
+"""Weight of noise power where the motion of the base comes from a pose.
+
+A base that a pose carries moves all masses, and its noise is in every column. Only what these columns do not share is
+left for an inertia of the torso, so that the same noise attenuates it by more: by 0.3 % without this weight.
 """
 
 UPPER_BAND = 0.6
@@ -254,10 +262,27 @@ def acceleration_power(recording: Recording | Poses) -> AccelerationPower | None
     segments = np.array_split(even.q.T, -(-len(even) // SEGMENT), axis=1)
     powers = [_segment_power(segment, even.sample_rate) for segment in segments]
     noise, total = (np.sum(each, axis=0) for each in zip(*powers, strict=True))
-    if even.base is not None:
+    if even.base is not None and even.base.pose is not None:
+        of_pose = _pose_power(even.base.pose, even.sample_rate)
+        noise, total = (np.hstack(pair) for pair in zip((noise, total), of_pose, strict=True))
+        noise = POSE_WEIGHT * noise
+    elif even.base is not None:
         of_base = _base_power(even.base.angular_velocity.T, even.sample_rate)
         noise, total = noise + of_base[0], total + of_base[1]
     return AccelerationPower(noise, total, len(even), even.sample_rate)
+
+
+def _pose_power(pose: BasePose, rate: float) -> tuple[FloatArray, FloatArray]:
+    """Powers of noise and signal of the acceleration of a pose: of its position, and of its quaternion, (71, 2) each."""
+    segments = np.array_split(pose.columns.T, -(-len(pose) // SEGMENT), axis=1)
+    powers = [_segment_power(segment, rate) for segment in segments]
+    noise, total = (np.sum(each, axis=0) for each in zip(*powers, strict=True))
+    return _by_part(noise), _by_part(total)
+
+
+def _by_part(power: FloatArray) -> FloatArray:
+    """Sum powers of the columns of a pose, (K, 7), over position and quaternion, (K, 2)."""
+    return np.column_stack([power[:, :3].sum(axis=1), power[:, 3:].sum(axis=1)])
 
 
 def _base_power(omega: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import FloatArray
 from exoid.base_kinematics import BaseKinematics
 from exoid.torso import MovingBase
 
 from .base_motion import BASE_COLUMNS
+from .base_pose import POSE_COLUMNS, BasePose
+from .pose_motion import STANDARD_GRAVITY
 from .preparation import Preparation
 from .recording import Recording
 
@@ -17,6 +23,9 @@ def base_during(recording: Recording, preparation: Preparation) -> MovingBase | 
 
     Angular velocity and specific force pass the filter that the angles pass, and ω̇ is derived from the smoothed ω as
     joint velocities are from angles. Then f(0) = f(r) − ω̇ × r + ω × (ω × (−r)) with the position r of the sensor.
+
+    A pose passes that filter itself. With position p and unit quaternion h of the base, R its rotation,
+    ω = 2 Im(h* ḣ), ω̇ = 2 Im(h* ḧ) and f = Rᵀ(p̈ − g).
 
     Args:
         recording: The recording.
@@ -29,9 +38,28 @@ def base_during(recording: Recording, preparation: Preparation) -> MovingBase | 
     even = recording.resampled()
     if even.base is None:
         return even.torso
+    if even.base.pose is not None:
+        return _of_pose(even, even.base.pose, preparation)
     signals = Recording(
         even.time, even.base.columns, joint_names=BASE_COLUMNS, source=even.source, largest_angle=math.inf
     )
     smooth, slope, _, _ = preparation.kinematics(signals)
     at_sensor = BaseKinematics(smooth[:, :3], slope[:, :3], smooth[:, 3:])
     return at_sensor.moved(-even.base.position)
+
+
+def _of_pose(recording: Recording, pose: BasePose, preparation: Preparation) -> BaseKinematics:
+    """Derive the motion of the base from its pose, differentiated as joint angles are."""
+    signals = Recording(recording.time, pose.columns, joint_names=POSE_COLUMNS, largest_angle=math.inf)
+    smooth, slope, curvature, _ = preparation.kinematics(signals)
+    size = np.linalg.norm(smooth[:, 3:], axis=1, keepdims=True)
+    h, rate, change = (part[:, 3:] / size for part in (smooth, slope, curvature))
+    force = curvature[:, :3] + (0.0, 0.0, STANDARD_GRAVITY)
+    turned = scipy.spatial.transform.Rotation.from_quat(h).apply(force, inverse=True)
+    return BaseKinematics(_twice_imaginary(h, rate), _twice_imaginary(h, change), turned)
+
+
+def _twice_imaginary(h: FloatArray, other: FloatArray) -> FloatArray:
+    """2 Im(h* g) of quaternions (x, y, z, w), (N, 3)."""
+    vector, scalar = h[:, :3], h[:, 3:]
+    return np.asarray(2.0 * (scalar * other[:, :3] - other[:, 3:] * vector - np.cross(vector, other[:, :3])))

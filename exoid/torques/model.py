@@ -386,7 +386,7 @@ class TorqueModel:
         Returns:
             Whether a sample of a row is usable, (N, n) or (N, b + n).
         """
-        usable = np.ones((len(v), len(self.row_names)), dtype=np.bool_)
+        usable = np.ones((len(v), len(self.leg.row_names)), dtype=np.bool_)
         joints = usable[:, self.leg.base_rows :]
         for block in self.blocks:
             for joint in block.joints:
@@ -405,7 +405,7 @@ class TorqueModel:
         found = [(block.joints, block.term.reversing(_of_joints(v, block.joints))) for block in self.blocks]
         if all(mask is None for _, mask in found):
             return None
-        reversing = np.zeros((len(v), len(self.row_names)), dtype=np.bool_)
+        reversing = np.zeros((len(v), len(self.leg.row_names)), dtype=np.bool_)
         for joints, mask in found:
             if mask is not None:
                 reversing[:, [self.leg.base_rows + joint for joint in joints]] |= mask[:, None]

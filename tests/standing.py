@@ -1,0 +1,109 @@
+"""Motions of an exoskeleton that stands: joint angles from the feet, torques from the equation of motion."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from exoid import Leg, Recording, Wrench
+from exoid.base_kinematics import BaseKinematics
+
+GRAVITY = 9.81
+ORDER = 7
+"""Of the splines that motions are differentiated by."""
+
+
+class Standing(NamedTuple):
+    """A recording, and what is not in it."""
+
+    recording: Recording
+    base: BaseKinematics
+    wrenches: dict[str, Wrench]
+    exact: tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+def waves(time: np.ndarray, rng: np.random.Generator, middle: float, size: float, slowest: float = 0.2) -> np.ndarray:
+    """Sum of five sines between the slowest frequency and five times that."""
+    frequencies = slowest * (1.0 + np.arange(5))
+    parts = np.sin(2.0 * np.pi * np.outer(time, frequencies) + rng.uniform(0.0, 2.0 * np.pi, 5))
+    return middle + size * (parts / (1.0 + np.arange(5))).sum(axis=1) / np.sqrt(2.0)
+
+
+def leg_angles(leg: Leg, hip: np.ndarray, pitch: np.ndarray, sole: float = 0.0) -> np.ndarray:
+    """Hip, knee and ankle angles that put a foot at the origin under a hip at (x, z) on a torso that pitches, (N, 3)."""
+    chain = leg.limbs[0].chain
+    first, second = (complex(x, z) for x, z in chain.offsets)
+    reach = -(hip[:, 0] + 1j * hip[:, 1])
+    cosine = (np.abs(reach) ** 2 - abs(first) ** 2 - abs(second) ** 2) / (2.0 * abs(first) * abs(second))
+    knee = -np.arccos(cosine) - np.angle(second / first)
+    thigh = np.angle(reach / (first + second * np.exp(1j * knee)))
+    return np.column_stack([thigh - pitch, knee, sole - thigh - knee])
+
+
+def derivatives(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """First and second derivative by a spline."""
+    spline = scipy.interpolate.make_interp_spline(time, values, k=ORDER)
+    return spline(time, 1), spline(time, 2)
+
+
+def standing(leg: Leg, feet: str, seconds: float = 20.0, seed: int = 0, rate: float = 250.0, **options) -> Standing:
+    """Squat, shift and pitch on "both" feet, or on the "left" while the right leg swings.
+
+    The load is shared by a share that varies, which is what only measured wrenches tell.
+    """
+    rng = np.random.default_rng(seed)
+    time = np.arange(0.0, seconds, 1.0 / rate)
+    hip = np.column_stack([waves(time, rng, 0.02, 0.04), waves(time, rng, 0.74, 0.04)])
+    pitch = waves(time, rng, 0.1, 0.12)
+    left = leg_angles(leg, hip, pitch)
+    if feet == "both":
+        right = leg_angles(leg, hip + (0.08, 0.0), pitch)
+    else:
+        middles, sizes = (0.4, -0.8, 0.0), (0.4, 0.35, 0.3)
+        right = np.column_stack([waves(time, rng, m, s, 0.25) for m, s in zip(middles, sizes, strict=True)])
+    q = np.hstack([left, right])
+    v, a = derivatives(time, q)
+    base = _base(leg, time, hip, pitch)
+    rows = leg.inverse_dynamics(q, v, a, base)
+    count = leg.base_rows
+    share = np.clip(waves(time, rng, 0.5, 0.1), 0.0, 1.0)[:, None] if feet == "both" else np.zeros((len(time), 1))
+    tau, wrenches, loads = rows[:, count:].copy(), {}, rows[:, :count]
+    for foot, part in (("right_foot", share), ("left_foot", 1.0 - share)):
+        jacobian = leg.contact_jacobian(q, foot)
+        wrench = np.linalg.solve(np.swapaxes(jacobian[..., :count], 1, 2), (part * loads)[..., None])[..., 0]
+        tau -= np.einsum("ncj,nc->nj", jacobian[..., count:], wrench)
+        zero = np.zeros(len(time))
+        # level axes of the foot are x forward, y left, z up; the pitch is about -y
+        wrenches[foot] = Wrench(
+            np.column_stack([wrench[:, 0], zero, wrench[:, 1]]), np.column_stack([zero, -wrench[:, 2], zero])
+        )
+    extra = options.pop("friction", None)
+    if extra is not None:
+        tau = tau + extra(v)
+    contacts = {"left_foot": np.ones(len(time), dtype=bool)}
+    if feet == "both":
+        contacts["right_foot"] = contacts["left_foot"]
+    noise = options.pop("noise", 0.0)
+    encoder = options.pop("encoder", 0.0)
+    recording = Recording(
+        time,
+        q + encoder * rng.standard_normal(q.shape),
+        tau=tau + noise * rng.standard_normal(q.shape),
+        joint_names=leg.joint_names,
+        contacts=contacts,
+        **options,
+    )
+    return Standing(recording, base, wrenches, (q, v, a))
+
+
+def _base(leg: Leg, time: np.ndarray, hip: np.ndarray, pitch: np.ndarray) -> BaseKinematics:
+    """Motion of a torso whose origin is at the hip within the plane."""
+    plane = leg.limbs[0].chain.plane
+    rate, change = derivatives(time, pitch)
+    _, acceleration = derivatives(time, hip)
+    lifted = acceleration + (0.0, GRAVITY)
+    turn = np.exp(-1j * pitch) * (lifted[:, 0] + 1j * lifted[:, 1])
+    force = np.outer(turn.real, plane.forward) + np.outer(turn.imag, plane.up)
+    return BaseKinematics(-np.outer(rate, plane.lateral), -np.outer(change, plane.lateral), force)
