@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from .errors import ExoidError
-from .leg import Base, Leg
+from .leg import Leg
+from .leg_data import Base
 
 SEGMENTS = {"bleex": ("hip", "knee", "ankle"), "cuhk": ("hip", "knee")}
 """Joint labels of each leg."""

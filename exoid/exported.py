@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ._typing import FloatArray
 from .description import Description, read_description
 from .errors import ExoidError
 from .leg import Leg
+from .leg_data import Base
 
 SCHEMA = "exoid-sidecar-1"
 
@@ -170,7 +171,7 @@ def _is_complete(data: Mapping[str, Any]) -> bool:
         and isinstance(data.get("cumulative"), bool)
         and all(isinstance(x, list) and all(isinstance(name, str) for name in x) for x in names)
         and all(isinstance(x, dict) and all(_is_finite(value) for value in x.values()) for x in numbers)
-        and data.get("base", "fixed") in ("fixed", "moving")
+        and data.get("base", "fixed") in get_args(Base)
         and isinstance(terms, dict)
         and all(isinstance(term, str) for term in terms.values())
     )

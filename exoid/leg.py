@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import Literal, NamedTuple, get_args
+from typing import get_args
 
 import numpy as np
 import pinocchio as pin
@@ -27,22 +27,18 @@ from .dynamics import (
 )
 from .errors import ExoidError
 from .floating_base import (
-    FREE_ROWS,
     floating_mass_matrix,
     free_flyer_model,
     planar_coordinates,
     project_columns,
     rest,
 )
+from .leg_data import Base, LegData, to_numbers, without_side
 from .link_frames import link_frame, planar_directions
-from .model import build_model, dynamic_parameters, with_dynamic_parameters
+from .model import build_model, with_dynamic_parameters
 from .reduction import (
-    PLANAR_ROWS,
-    Limb,
     PlanarChain,
     PlanarMachine,
-    Plane,
-    Reduction,
     TorsoSamples,
     Tree,
     documented,
@@ -62,57 +58,17 @@ from .torso import (
     torso_samples,
 )
 
-SIDES = ("left_", "right_")
-
-Base = Literal["fixed", "moving", "floating"]
-"""Whether the base of the leg stands, moves in space, or floats: then force and moment on it have rows of their own."""
-
-
-class JointLimits(NamedTuple):
-    """Limits of each joint in the URDF, (n,) each; infinite where it has none.
-
-    Attributes:
-        lower: Smallest angle [rad].
-        upper: Largest angle [rad].
-        velocity: Largest speed [rad/s].
-        effort: Largest torque [N·m].
-    """
-
-    lower: FloatArray
-    upper: FloatArray
-    velocity: FloatArray
-    effort: FloatArray
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Leg:
+class Leg(LegData):
     """Rigid-body model of one leg, or of any other robot: a Pinocchio model and its base parameters.
 
     For a planar chain the parameters are (X, Y, J) of each segment, as in the documents. For any other robot they are
     numerical base parameters. For every motion, ``regressor(q, v, a) @ parameters == inverse_dynamics(q, v, a)``.
 
-    Make a leg with :func:`exoid.load_leg` or :meth:`Leg.from_urdf`.
-
-    Attributes:
-        description: The URDF.
-        locked: Positions of joints that do not move [rad].
-        cumulative: Whether J of a segment contains the J below it (doc. 1) or not (doc. 2).
-        model: Pinocchio model of the moving joints; do not change it.
-        chain: Planar geometry; None if the leg is not a planar chain.
-        reduction: Reduction of link parameters to :attr:`parameters`.
-        base: "moving" if the parameters are those that torques on a base that moves in space depend on: numerical ones,
-            more than on a fixed base. "floating" if rows of the base come before those of the joints.
-        machine: Planar geometry of several limbs, or of what has a floating base; None for all other legs.
+    Make a leg with :func:`exoid.load_leg`, :func:`exoid.load_exo` or :meth:`Leg.from_urdf`. See :class:`LegData` for
+    the attributes: :attr:`joint_names`, :attr:`parameter_names`, :attr:`parameters` and the geometry behind them.
     """
-
-    description: Description
-    model: pin.Model
-    reduction: Reduction
-    chain: PlanarChain | None
-    locked: Mapping[str, float] = field(default_factory=dict)
-    cumulative: bool = True
-    base: Base = "fixed"
-    machine: PlanarMachine | None = None
 
     @classmethod
     def from_urdf(
@@ -219,94 +175,24 @@ class Leg:
         model = build_model(description, joints, locked)
         chain = PlanarChain.from_model(model) if base == "fixed" else None
         floating = base == "floating"
+        if floating and model.inertias[0].mass <= 0.0:
+            raise ExoidError(
+                f"the root link {description.root_link!r} of a floating base has no mass: no <inertial>?",
+                where=description.name,
+                remedy="add an <inertial> with mass and inertia, an estimate is enough to start",
+            )
         machine = PlanarMachine.from_model(model, floating=floating) if chain is None and base != "moving" else None
         if chain is not None:
             reduction = documented(chain, cumulative=cumulative)
         elif machine is not None:
             reduction = documented_machine(machine, model.jointPlacements[1].translation, cumulative=cumulative)
         else:
-            links = _without_side([description.child_links[name] for name in list(model.names)[1:]])
+            links = without_side([description.child_links[name] for name in list(model.names)[1:]])
             if floating:
                 reduction = numeric(free_flyer_model(model), (description.root_link, *links))
             else:
                 reduction = numeric(model, links, moving_base=base == "moving")
         return cls(description, model, reduction, chain, locked, cumulative, base, machine)
-
-    @property
-    def hip(self) -> FloatArray:
-        """Origin of the first joint in the axes of the root link [m], (3,)."""
-        return np.array(self.model.jointPlacements[1].translation)
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """Names of the joints in the URDF, from the torso outwards."""
-        return tuple(self.model.names)[1:]
-
-    @property
-    def limbs(self) -> tuple[Limb, ...]:
-        """Planar chains of the leg: one, or those of a machine; () if it is not planar."""
-        if self.chain is not None:
-            return (Limb(self.chain, slice(0, self.chain.n), "", np.zeros(2)),)
-        return () if self.machine is None else self.machine.limbs
-
-    @property
-    def base_rows(self) -> int:
-        """Number of rows of a floating base, before those of the joints: 3 in a plane, otherwise 6; 0 without one."""
-        return len(self.row_names) - len(self.joint_names)
-
-    @property
-    def row_names(self) -> tuple[str, ...]:
-        """Names of the rows: forces and moments on a floating base, and the joints.
-
-        The rows of a planar base are the force forward and up [N], in axes that turn with the torso, and the moment
-        about the hip [N·m], positive like the pitch. Others are force and moment about the origin of the root link.
-        """
-        if self.base != "floating":
-            return self.joint_names
-        return (*(FREE_ROWS if self.machine is None else PLANAR_ROWS), *self.joint_names)
-
-    @property
-    def joint_labels(self) -> tuple[str, ...]:
-        """Joint names without ``left_`` or ``right_``, which occur in the names of parameters."""
-        return _without_side(self.joint_names)
-
-    @property
-    def link_names(self) -> tuple[str, ...]:
-        """Names of the links that the joints carry."""
-        return tuple(self.description.child_links[joint] for joint in self.joint_names)
-
-    @property
-    def link_labels(self) -> tuple[str, ...]:
-        """Link names without ``left_`` or ``right_``."""
-        return _without_side(self.link_names)
-
-    @property
-    def parameter_names(self) -> tuple[str, ...]:
-        """Names of the parameters, in the order of every array of parameters."""
-        return self.reduction.names
-
-    @property
-    def parameter_units(self) -> tuple[str, ...]:
-        """Units of the parameters."""
-        return self.reduction.units
-
-    @cached_property
-    def parameters(self) -> FloatArray:
-        """Values of the parameters in SI units, (p,)."""
-        values = self.reduction.parameters(dynamic_parameters(self.model, root=self.base == "floating"))
-        values.flags.writeable = False
-        return values
-
-    @property
-    def limits(self) -> JointLimits:
-        """Limits of the joints."""
-        model = self.model
-        joints = [model.joints[j] for j in range(1, model.njoints)]
-        turning = np.array([joint.nq == 2 for joint in joints])  # continuous joints have no limits
-        lower = np.array([model.lowerPositionLimit[joint.idx_q] for joint in joints])
-        upper = np.array([model.upperPositionLimit[joint.idx_q] for joint in joints])
-        lower, upper = np.where(turning, -np.inf, lower), np.where(turning, np.inf, upper)
-        return JointLimits(lower, upper, model.velocityLimit.copy(), model.effortLimit.copy())
 
     def with_parameters(self, values: ArrayLike) -> Leg:
         """Change the parameters.
@@ -322,11 +208,10 @@ class Leg:
         Raises:
             ExoidError: The number of values is wrong, or one is not finite.
         """
-        array = _numbers(values)
+        array = to_numbers(values)
         if array.shape != self.parameters.shape or not np.isfinite(array).all():
             raise ExoidError(f"expected {len(self.parameter_names)} finite values for {self.parameter_names}")
-        own = dynamic_parameters(self.model, root=self.base == "floating")
-        adjusted = self.reduction.adjust(own, array)
+        adjusted = self.reduction.adjust(self.link_parameters, array)
         return replace(self, model=with_dynamic_parameters(self.model, adjusted))
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
@@ -467,7 +352,7 @@ class Leg:
             ExoidError: The shape does not fit, or the URDF has no such link.
         """
         J = self.frame_jacobian(q, link)
-        return J if not self.limbs else planar_directions(self.model, self.description, link, self._plane) @ J
+        return J if not self.limbs else planar_directions(self.model, self.description, link, self.plane) @ J
 
     def coriolis(self, q: ArrayLike, v: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
         """Compute the Coriolis matrix C(q, v) with ½Ṁ − C skew-symmetric.
@@ -527,7 +412,7 @@ class Leg:
         Returns:
             Gravity [m/s²], (3,).
         """
-        _, lateral, _ = self._plane
+        _, lateral, _ = self.plane
         return np.asarray(pin.exp3(pitch * lateral) @ self.model.gravity.linear)
 
     def forward_kinematics(self, q: ArrayLike, torso: TorsoMotion | None = None) -> SegmentPlacements:
@@ -550,40 +435,9 @@ class Leg:
         rotation, translation = segment_placements(self._on_torso, np.hstack([position, q]))
         return SegmentPlacements(rotation[:, TORSO_JOINTS:], translation[:, TORSO_JOINTS:])
 
-    def samples(self, *arrays: ArrayLike) -> tuple[FloatArray, ...]:
-        """Check that arrays have the same shape (N, n).
-
-        Args:
-            *arrays: Arrays, (N, n); a single sample (n,) counts as N = 1.
-
-        Returns:
-            The arrays in float64.
-
-        Raises:
-            ExoidError: Shapes differ, or do not fit the number of joints.
-        """
-        checked = tuple(np.atleast_2d(_numbers(x)) for x in arrays)
-        n = len(self.joint_names)
-        if any(x.shape != checked[0].shape or x.shape[1] != n or x.ndim != 2 for x in checked):
-            raise ExoidError(
-                f"arrays of shapes {', '.join(str(x.shape) for x in checked)} do not fit a leg of {n} joints",
-                remedy=f"pass (N, {n}) arrays: samples first, then {', '.join(self.joint_names)}",
-            )
-        return checked
-
-    def __repr__(self) -> str:
-        """Write the URDF, the joints and the parameters."""
-        kind = ("planar" if self.limbs else "numeric") + ", floating base" * (self.base == "floating")
-        names = ", ".join(self.parameter_names)
-        return f"Leg({self.description.name!r}, joints={self.joint_names}, {kind}: {names})"
-
-    @property
-    def _plane(self) -> Plane:
-        return self.limbs[0].chain.plane if self.limbs else Plane(*np.eye(3))
-
     @cached_property
     def _on_torso(self) -> pin.Model:
-        return moving_torso_model(self.model, self._plane)
+        return moving_torso_model(self.model, self.plane)
 
     @cached_property
     def _free(self) -> pin.Model:
@@ -598,35 +452,21 @@ class Leg:
         """Twist of the root link per unit of each base coordinate, (6, base_rows)."""
         if self.base != "floating":
             return np.zeros((6, 0))
-        return np.eye(6) if self.machine is None else planar_coordinates(self._plane, self.hip)
+        return np.eye(6) if self.machine is None else planar_coordinates(self.plane, self.hip)
 
     def _base(self, torso: MovingBase | None, count: int) -> BaseKinematics:
         if torso is None:
             return rest(self.model.gravity.linear, count)
-        return base_kinematics(torso, count, self._plane, self.hip)
+        return base_kinematics(torso, count, self.plane, self.hip)
 
     def _within_plane(self, torso: MovingBase, count: int) -> TorsoSamples:
         """Motion within the plane; of a floating torso in axes that turn with it."""
         base = self._base(torso, count) if self.base == "floating" else torso
-        return torso_samples(base, count, self._plane, self.hip)
-
-
-def _numbers(values: ArrayLike) -> FloatArray:
-    try:
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ExoidError(f"not an array of numbers ({error})", remedy="pass numbers, samples first") from error
+        return torso_samples(base, count, self.plane, self.hip)
 
 
 def _point(point: ArrayLike) -> FloatArray:
-    place = _numbers(point)
+    place = to_numbers(point)
     if place.shape != (3,) or not np.isfinite(place).all():
         raise ExoidError(f"the point is {point!r}", remedy="pass three finite numbers [m] in the axes of the link")
     return place
-
-
-def _without_side(names: Sequence[str]) -> tuple[str, ...]:
-    for side in SIDES:
-        if all(name.startswith(side) and name != side for name in names):
-            return tuple(name.removeprefix(side) for name in names)
-    return tuple(names)

@@ -44,12 +44,12 @@ def out_of_plane_torque(
         Torque of the motion out of the plane, and of the whole motion [N·m], (N, n) each.
 
     Raises:
-        ExoidError: The leg is not a planar chain.
+        ExoidError: The leg is not planar.
     """
-    if leg.chain is None:
-        raise ExoidError("the leg has no plane", where=leg.description.name, remedy="pass a planar chain")
+    if not leg.limbs:
+        raise ExoidError("the leg has no plane", where=leg.description.name, remedy="pass a planar leg")
     whole = leg.inverse_dynamics(q, v, a, base)
-    return whole - leg.inverse_dynamics(q, v, a, base.within_plane(leg.chain.plane, leg.hip)), whole
+    return whole - leg.inverse_dynamics(q, v, a, base.within_plane(leg.plane, leg.hip)), whole
 
 
 def out_of_plane_findings(
@@ -67,7 +67,7 @@ def out_of_plane_findings(
     """
     worst, name = np.zeros(len(model.joint_names)), ""
     for one in data:
-        if model.leg.chain is None or isinstance(one, Poses) or one.base is None:
+        if not model.leg.limbs or isinstance(one, Poses) or one.base is None:
             continue
         shares = _shares(model, preparation, for_leg(model, one))
         if shares.max() > worst.max():

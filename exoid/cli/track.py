@@ -230,7 +230,8 @@ def _roles(pairs: list[str] | None) -> dict[str, str]:
 
 def _below(leg: Leg, joint: str) -> tuple[float, float, float]:
     """Place a payload straight below a joint of the hanging leg, in the joint's frame [m]."""
-    if leg.chain is None:
+    if not leg.limbs:
         raise ExoidError("--payload has no place", where=leg.description.name, remedy="it needs a planar leg")
-    x, y, z = (-DEPTH * leg.chain.rotations[leg.joint_labels.index(joint)].T @ leg.chain.plane.up).tolist()
+    rotations = np.vstack([limb.chain.rotations for limb in leg.limbs])
+    x, y, z = (-DEPTH * rotations[leg.joint_labels.index(joint)].T @ leg.plane.up).tolist()
     return x, y, z

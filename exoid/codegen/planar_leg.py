@@ -17,6 +17,7 @@ from exoid._version import __version__
 from exoid.actuators import Actuators
 from exoid.errors import ExoidError
 from exoid.files import write_whole
+from exoid.fixed_base import refuse_floating_base
 from exoid.reduction import PlanarChain
 from exoid.reduction.planar import GRAVITY
 from exoid.torques import TorqueModel
@@ -99,8 +100,8 @@ def c_source(
         Text of the file, with model and values.
 
     Raises:
-        ExoidError: The leg is not a planar chain, a term or a drive has no form in C, the values are not P finite
-            numbers, or a name or number cannot be written.
+        ExoidError: The leg is not a planar chain, or its base floats, a term or a drive has no form in C, the values
+            are not P finite numbers, or a name or number cannot be written.
 
     Example:
         >>> leg = exoid.load_leg("cuhk")
@@ -109,6 +110,7 @@ def c_source(
         ('leg_gravity', 'leg_friction')
     """
     dialect, prefix, leg = Dialect(precision), identifier(name), model.leg
+    refuse_floating_base(leg, "code of a leg")
     if leg.chain is None:
         raise ExoidError(
             "only a planar chain of revolute joints under gravity of 9.81 m/s² has closed equations to write in C",

@@ -11,6 +11,7 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
+from exoid.fixed_base import refuse_floating_base
 from exoid.leg import Leg
 from exoid.model import configuration
 from exoid.rig import Plant
@@ -41,6 +42,9 @@ class ControlModel:
         viscous: Viscous friction [N·m·s/rad], (n,).
         armature: Rotor inertia that is not part of the bodies [kg·m²], (n,).
         others: Other terms.
+
+    Raises:
+        ExoidError: The base of the leg floats.
     """
 
     leg: Leg
@@ -49,6 +53,10 @@ class ControlModel:
     viscous: FloatArray
     armature: FloatArray
     others: tuple[OtherTerm, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        """Check the base."""
+        refuse_floating_base(self.leg, "control")
 
     @classmethod
     def of(cls, source: ModelSource) -> ControlModel:

@@ -125,8 +125,8 @@ def _base_turning(model: TorqueModel, recording: Recording) -> float:
     """Compare rates of base and first joint, without their means; that of an unmoved joint counts as tiny."""
     assert recording.base is not None
     omega = recording.base.angular_velocity
-    if model.leg.chain is not None:
-        omega = omega @ model.leg.chain.plane.lateral[:, np.newaxis]
+    if model.leg.limbs:
+        omega = omega @ model.leg.plane.lateral[:, np.newaxis]
     velocity = np.gradient(recording.q[:, 0], recording.time)
     turning = float(np.sqrt(np.sum(np.var(omega, axis=0))))
     return turning / max(float(np.std(velocity)), np.finfo(float).tiny)

@@ -32,7 +32,6 @@ import scipy  # its parts load when they are first used
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.model import dynamic_parameters
 from exoid.reduction.reduction import LINK_PARAMETERS, LINK_UNITS
 from exoid.tables import make_table, to_text
 
@@ -63,14 +62,14 @@ class Lift:
         names: Names of the base parameters, (p,).
         target: Requested values, (p,).
         values: Values of the links, (p,); equal to the target if it is feasible.
-        links: Names of the moving links, (n,).
-        link_parameters: π of each link with the links fixed to it, about its joint frame, (n, 10), in the order of
+        links: Names of the moving links, (k,), behind the root link if the base floats.
+        link_parameters: π of each link with the links fixed to it, about its joint frame, (k, 10), in the order of
             :data:`exoid.reduction.LINK_PARAMETERS`.
         feasible: Whether consistent links have the target's values.
         distance: Distance χ of ``values`` from the target in standard deviations of the estimate; 0 if feasible.
             Without a covariance its unit is a change of the links' inertias by 100 %.
         divergence: Entropic divergence from the leg's own links; 0 if these have the target's values.
-        mass_limits: Largest mass that each link was allowed [kg], (n,); infinite with a pull, which keeps them near.
+        mass_limits: Largest mass that each link was allowed [kg], (k,); infinite with a pull, which keeps them near.
     """
 
     names: tuple[str, ...]
@@ -173,7 +172,7 @@ def lift(
             f"pull {pull} and mass factor {mass_factor} are out of range",
             remedy="a pull is zero or positive, a mass factor above 1",
         )
-    prior = make_consistent(dynamic_parameters(leg.model))
+    prior = make_consistent(leg.link_parameters)
     problem = Problem.around(prior, leg.reduction)
     _refuse_absurd_values(leg, target, problem)
     natural = _whitening(problem.K @ problem.K.T)
@@ -197,7 +196,7 @@ def lift(
         names=leg.parameter_names,
         target=target,
         values=leg.reduction.parameters(links),
-        links=leg.link_names,
+        links=leg.bodies,
         link_parameters=links.reshape(-1, 10),
         feasible=feasible,
         distance=distance,
@@ -226,7 +225,7 @@ def consistent_within(leg: Leg, values: ArrayLike, covariance: ArrayLike, distan
             eigenvalue.
     """
     target = checked_values(leg, values)
-    prior = make_consistent(dynamic_parameters(leg.model))
+    prior = make_consistent(leg.link_parameters)
     problem = Problem.around(prior, leg.reduction)
     _refuse_absurd_values(leg, target, problem)
     metric = _metric(_checked(leg, covariance, "covariance", 2), problem)

@@ -46,7 +46,7 @@ def distribute_bodies(leg: Leg, bodies: FloatArray, mass_factor: float = np.inf)
 
     Args:
         leg: The leg, with the URDF's inertias.
-        bodies: π of each moving body about its joint frame, (n, 10); physically consistent.
+        bodies: π of each of ``leg.bodies`` about its joint frame, (k, 10); physically consistent.
         mass_factor: Largest change of the mass of the carried link, up or down, at which it gets the rest of its body.
             Beyond it, masses of all links of the body change in proportion.
 
@@ -57,12 +57,12 @@ def distribute_bodies(leg: Leg, bodies: FloatArray, mass_factor: float = np.inf)
         ExoidError: The bodies of the leg are not the sum of the links in its URDF.
     """
     shares: dict[str, FloatArray] = {}
-    for joint, (own, parts, body) in enumerate(zip(leg.link_names, _parts(leg), bodies, strict=True), start=1):
+    every = zip(leg.bodies, _parts(leg), leg.link_parameters.reshape(-1, 10), bodies, strict=True)
+    for own, parts, given, body in every:
         total = np.sum([part.parameters for part in parts], axis=0)
-        given = leg.model.inertias[joint].toDynamicParameters()
         if not np.allclose(total, given, rtol=0.0, atol=AGREEMENT * np.abs(given).max()):
             raise ExoidError(
-                f"the links at joint {leg.joint_names[joint - 1]!r} do not sum to its body",
+                f"the links fixed to {own!r} do not sum to its body",
                 where=leg.description.name,
                 remedy="rename links and joints so that each name occurs once",
             )
@@ -101,11 +101,12 @@ def _mapped(parts: list[LinkInertia], body: FloatArray) -> list[LinkInertia]:
 def _parts(leg: Leg) -> list[list[LinkInertia]]:
     """Links of each body that have an inertia, placed by Pinocchio's frames."""
     inertials = read_inertials(leg.description)
-    parts: list[list[LinkInertia]] = [[] for _ in leg.joint_names]
+    parts: list[list[LinkInertia]] = [[] for _ in leg.bodies]
+    first = len(leg.joint_names) + 1 - len(parts)  # the root link is a body only if it floats
     for frame in leg.model.frames:
         renamed = frame.name not in inertials  # by build_model
         link = frame.name.rpartition(" ")[0] if renamed else frame.name
-        if frame.type == pin.FrameType.BODY and frame.parentJoint > 0 and link in inertials:
+        if frame.type == pin.FrameType.BODY and frame.parentJoint >= first and link in inertials:
             about_joint = congruence(frame.placement.homogeneous[None])[0] @ inertials[link]
-            parts[frame.parentJoint - 1].append(LinkInertia(link, frame.placement, about_joint))
+            parts[frame.parentJoint - first].append(LinkInertia(link, frame.placement, about_joint))
     return parts

@@ -4,7 +4,7 @@ from .documented import documented
 from .documented_machine import documented_machine
 from .numeric import numeric
 from .planar import GRAVITY, PlanarChain, Plane, TorsoSamples, fill_regressor
-from .planar_machine import PLANAR_ROWS, Limb, PlanarMachine
+from .planar_machine import PLANAR_ROWS, SIDES, Limb, PlanarMachine
 from .reduced_regressor import fill_reduced_regressor
 from .reduction import LINK_PARAMETERS, LINK_UNITS, RankDecision, Reduction
 from .tree import Tree
@@ -16,6 +16,7 @@ __all__ = [
     "LINK_PARAMETERS",
     "LINK_UNITS",
     "PLANAR_ROWS",
+    "SIDES",
     "BaseSamples",
     "Limb",
     "PlanarChain",

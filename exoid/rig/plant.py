@@ -11,6 +11,7 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.exported import parameter_terms, read_exported
+from exoid.fixed_base import refuse_floating_base
 from exoid.leg import Leg
 from exoid.tables import DataTable, to_text, value_range
 
@@ -47,8 +48,8 @@ class Plant:
         upper: Upper end stops [rad], (n, B); inf for none.
 
     Raises:
-        ExoidError: A shape is wrong, a value not finite, friction or rotor inertia negative, static friction below the
-            kinetic one, or a lower end stop not below the upper one.
+        ExoidError: The base of the leg floats, a shape is wrong, a value not finite, friction or rotor inertia
+            negative, static friction below the kinetic one, or a lower end stop not below the upper one.
     """
 
     leg: Leg
@@ -63,7 +64,8 @@ class Plant:
     upper: FloatArray
 
     def __post_init__(self) -> None:
-        """Check shapes and signs."""
+        """Check base, shapes and signs."""
+        refuse_floating_base(self.leg, "a rig")
         n, count = len(self.leg.joint_names), np.size(self.pitch)
         sizes = {"parameters": (len(self.leg.parameter_names), count), "stiffness": (3, n, count), "pitch": (count,)}
         for name in _array_names():
@@ -104,9 +106,10 @@ class Plant:
             B rigs, one for each pitch.
 
         Raises:
-            ExoidError: A name is unknown, a value violates a condition of the class, or the mass matrix is not
-                positive definite at some pose.
+            ExoidError: The base of the leg floats, a name is unknown, a value violates a condition of the class, or
+                the mass matrix is not positive definite at some pose.
         """
+        refuse_floating_base(leg, "a rig")
         values = dict(values or {})
         labels = leg.joint_labels
         known = {*leg.parameter_names, *(f"{symbol}_{label}" for symbol in SYMBOLS for label in labels)}

@@ -11,7 +11,7 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.model import dynamic_parameters, with_dynamic_parameters
+from exoid.model import with_dynamic_parameters
 from exoid.payload import Payload
 
 from .term import Motion
@@ -39,7 +39,7 @@ def payload_parameters(leg: Leg, payloads: Sequence[Payload]) -> FloatArray:
 def payload_torque(leg: Leg, payloads: Sequence[Payload], motion: Motion) -> FloatArray:
     """Compute the joint torques that payloads take, RNEA with them less RNEA without.
 
-    RNEA is linear in the inertias, so that this is W Δβ, with which it is computed for a planar chain.
+    RNEA is linear in the inertias, so that this is W Δβ, with which it is computed for a planar leg.
 
     Args:
         leg: The leg.
@@ -47,18 +47,18 @@ def payload_torque(leg: Leg, payloads: Sequence[Payload], motion: Motion) -> Flo
         motion: Motion of N samples.
 
     Returns:
-        Torques [N·m], (N, n).
+        Torques [N·m], (N, n); of a floating base (N, base_rows + n).
 
     Raises:
         ExoidError: The leg does not have a joint that a payload names.
     """
     links = _link_parameters(leg, payloads)
-    if leg.chain is None:
-        loaded = replace(leg, model=with_dynamic_parameters(leg.model, dynamic_parameters(leg.model) + links))
+    if not leg.limbs:
+        loaded = replace(leg, model=with_dynamic_parameters(leg.model, leg.link_parameters + links))
         samples = motion.q, motion.v, motion.a, motion.torso
         return loaded.inverse_dynamics(*samples) - leg.inverse_dynamics(*samples)
     added = leg.reduction.parameters(links)
-    out = np.empty(motion.q.shape)
+    out = np.empty((len(motion.q), len(leg.row_names)))
     for start in range(0, len(out), BLOCK):
         rows = slice(start, start + BLOCK)
         part = motion.rows(rows)
@@ -67,16 +67,18 @@ def payload_torque(leg: Leg, payloads: Sequence[Payload], motion: Motion) -> Flo
 
 
 def _link_parameters(leg: Leg, payloads: Sequence[Payload]) -> FloatArray:
-    """Compute what payloads add to the parameters π of the links, (10 n,)."""
-    added = np.zeros((len(leg.joint_names), 10))
+    """Compute what payloads add to the parameters π of the links, (10 k,)."""
+    added = np.zeros((len(leg.bodies), 10))
+    first = len(leg.bodies) - len(leg.joint_names)
     named = (leg.link_labels, leg.link_names, leg.joint_labels, leg.joint_names)  # the last ones count first
-    joints = {name: joint for names in named for joint, name in enumerate(names)}
+    joints = {name: place for place, name in enumerate(leg.bodies)}
+    joints |= {name: place for names in named for place, name in enumerate(names, start=first)}
     for payload in payloads:
         if payload.joint not in joints:
             raise ExoidError(
                 f"a payload on {payload.joint!r}, which the leg does not have",
                 where=leg.description.name,
-                remedy=f"its joints are {', '.join(leg.joint_names)}, their links {', '.join(leg.link_names)}",
+                remedy=f"its joints are {', '.join(leg.joint_names)}, its links {', '.join(leg.bodies)}",
             )
         inertia = payload.mass * payload.gyration**2 * np.eye(3)
         body = pin.Inertia(payload.mass, np.array(payload.position), inertia)

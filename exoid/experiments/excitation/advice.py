@@ -126,7 +126,7 @@ def _experiments(model: TorqueModel, limits: MotionLimits) -> Iterator[tuple[str
         f"swing all joints quickly, each at its own frequency from {FAST:g} Hz",
         recording(np.minimum(SWING, half), FAST * shift),
     )
-    if leg.chain is not None:
+    if leg.limbs:
         yield (
             f"tilt the torso by {np.rad2deg(TILT):.0f}° and sweep all joints slowly",
             recording(half, SLOW * shift, TorsoMotion(pitch=TILT)),

@@ -9,6 +9,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike
 from exoid.errors import ExoidError
+from exoid.fixed_base import refuse_floating_base
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording
 from exoid.tables import to_text
@@ -77,8 +78,10 @@ def assess(
         Predicted precision, and experiments to add.
 
     Raises:
-        ExoidError: There is no recording, a joint is missing, or a recording is too short for the filter.
+        ExoidError: The base of the leg floats, there is no recording, a joint is missing, or a recording is too short
+            for the filter.
     """
+    refuse_floating_base(leg, "an assessment")
     items = [data] if isinstance(data, (Recording, Poses)) else list(data)
     if not items:
         raise ExoidError("no recordings to assess", remedy="pass at least one")

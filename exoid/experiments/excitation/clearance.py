@@ -57,6 +57,9 @@ class Clearance:
 
         Returns:
             Margins [m], (N, c), negative where a point is too near.
+
+        Raises:
+            ExoidError: The joints of the leg are not one chain.
         """
         joints, points = _positions(leg, q, pitch, self.points)
         parts = []
@@ -91,6 +94,12 @@ def _positions(leg: Leg, q: FloatArray, pitch: float, points: FloatArray) -> tup
         joints = np.hstack([np.zeros((len(q), 1)), np.cumsum(steps, axis=1)])
         foot = joints[:, -1:] + turn[:, -1:] * (points @ np.array([1.0, 1j]))
         return _plane(joints), _plane(foot)
+    if list(leg.model.parents)[1:] != list(range(leg.model.njoints - 1)):
+        raise ExoidError(
+            "the clearance of a foot is that of one chain of joints, and the leg has several",
+            where=leg.description.name,
+            remedy="choose the joints of one leg (joints=...)",
+        )
     placed = leg.forward_kinematics(q, TorsoMotion(pitch=pitch) if pitch else None)
     zero = leg.forward_kinematics(np.zeros((1, q.shape[1]))).rotation[0, -1]
     space = np.column_stack([points[:, 0], np.zeros(len(points)), points[:, 1]]) @ zero  # in the last joint's frame

@@ -10,6 +10,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
+from exoid.fixed_base import refuse_floating_base
 from exoid.leg import Leg
 from exoid.signals import Poses, Preparation, Recording
 from exoid.tables import to_text
@@ -174,11 +175,13 @@ def plan_excitation(
         Plan with the predicted precision of every parameter.
 
     Raises:
-        ExoidError: No motion was found within the limits, the duration is too short, or an argument is invalid.
+        ExoidError: The base of the leg floats, no motion was found within the limits, the duration is too short, or an
+            argument is invalid.
 
     Example:
         >>> plan = plan_excitation(leg, duration=60.0, noise=0.3)  # doctest: +SKIP
     """
+    refuse_floating_base(leg, "a planned excitation")
     if criterion not in get_args(Criterion):
         raise ExoidError(f"no criterion {criterion!r}", remedy=f"use one of {', '.join(get_args(Criterion))}")
     if starts < 1 or poses < 0 or not tilts_deg:

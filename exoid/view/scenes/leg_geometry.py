@@ -12,8 +12,9 @@ import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate
-from exoid.leg import SIDES, Leg
+from exoid.leg import Leg
 from exoid.lift import PULL, lift
+from exoid.reduction import SIDES
 from exoid.view.colours import CAD, IDENTIFIED, joint_colour
 
 from .commands import ROOT, Command, child_path, set_object, set_transform
@@ -168,7 +169,8 @@ def _lifted(estimate: Estimate) -> tuple[pin.Inertia, ...]:
     leg = estimate.model.leg
     p = len(leg.parameter_names)
     lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p], pull=PULL)
-    return tuple(pin.Inertia.FromDynamicParameters(row) for row in lifted.link_parameters)
+    moving = lifted.link_parameters[-len(leg.joint_names) :]
+    return tuple(pin.Inertia.FromDynamicParameters(row) for row in moving)
 
 
 def _name(leg: Leg) -> str:

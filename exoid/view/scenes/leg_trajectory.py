@@ -46,4 +46,5 @@ class LegTrajectory(NamedTuple):
         pitch = 0.0 if replay is None else replay.pitch
         if tau is not None:
             return cls(angles, tau, True, pitch)
-        return cls(angles, leg.gravity(angles, TorsoMotion(pitch) if pitch else None), False, pitch)
+        holding = leg.gravity(angles, TorsoMotion(pitch) if pitch else None)[:, leg.base_rows :]
+        return cls(angles, holding, False, pitch)

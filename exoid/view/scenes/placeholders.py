@@ -51,7 +51,7 @@ def body_placeholder(skeleton: Skeleton, body: int, colour: str) -> list[Visual]
         return [*visuals, _bar(end, axis, size), cap]
     for end in ends:
         visuals.append(_bar(end, axis, size))
-        if skeleton.leg.chain is not None:
+        if skeleton.leg.limbs:
             visuals.append(_brace(end, axis, size))
     return visuals
 
@@ -59,11 +59,10 @@ def body_placeholder(skeleton: Skeleton, body: int, colour: str) -> list[Visual]
 def torso_placeholder(skeleton: Skeleton) -> list[Visual]:
     """Make a belt with a back plate for a planar leg that hangs down, and a socket for any other."""
     hip, size = skeleton.placements[0][:3, 3], _segment_length(skeleton)
-    chain = skeleton.leg.chain
-    if chain is None or not _hangs_down(skeleton):
+    if not skeleton.leg.limbs or not _hangs_down(skeleton):
         axis = skeleton.placements[0][:3, :3] @ skeleton.axes[0]
         return [cylinder(0.16 * size, 0.1 * size, FRAME).placed(homogeneous(hip, align_z(axis)))]
-    forward, lateral, up = chain.plane
+    forward, lateral, up = skeleton.leg.plane
     offset = float(hip @ lateral)
     width = max(abs(offset), 0.35 * size)
     middle = hip - (offset if abs(offset) > 0.05 * size else width) * lateral  # beside a leg in the middle
@@ -96,9 +95,9 @@ def _brace(end: FloatArray, axis: FloatArray, size: float) -> Visual:
 
 def _foot(skeleton: Skeleton, body: int, size: float) -> list[Visual]:
     """Make a sole below the joint that points along x of the URDF, or backwards if the mass is there."""
-    down, chain = _down(skeleton, body), skeleton.leg.chain
+    down = _down(skeleton, body)
     rotation = _placement_at_zero(skeleton, body)[:3, :3]
-    forward = rotation.T @ (np.array([1.0, 0.0, 0.0]) if chain is None else chain.plane.forward)
+    forward = rotation.T @ skeleton.leg.plane.forward
     if forward @ skeleton.leg.model.inertias[body].lever < -0.02 * size:
         forward = -forward
     axes = align_z(-down, np.cross(-down, forward))

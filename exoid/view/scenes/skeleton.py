@@ -113,9 +113,8 @@ class Skeleton:
 
     def torso_placement(self, pitch: float) -> FloatArray:
         """Placement of a torso pitched by an angle [rad] about the first joint, (4, 4)."""
-        lateral = self.leg.chain.plane.lateral if self.leg.chain is not None else np.array([0.0, 1.0, 0.0])
         hip = self.placements[0][:3, 3]
-        rotation = np.asarray(pin.exp3(-pitch * lateral))
+        rotation = np.asarray(pin.exp3(-pitch * self.leg.plane.lateral))
         return homogeneous(hip - rotation @ hip, rotation)
 
     def _links_of_leg(self) -> set[str]:

@@ -1,0 +1,24 @@
+"""Refusing a floating base where only torques of joints are known."""
+
+from __future__ import annotations
+
+from .errors import ExoidError
+from .leg_data import LegData
+
+
+def refuse_floating_base(leg: LegData, what: str) -> None:
+    """Refuse a leg whose base floats.
+
+    Args:
+        leg: The leg.
+        what: What needs a base that is held, such as "a rig".
+
+    Raises:
+        ExoidError: The base of the leg floats.
+    """
+    if leg.base == "floating":
+        raise ExoidError(
+            f"{what} needs a base that is held, and that of this leg floats",
+            where=leg.description.name,
+            remedy='make the leg with base="fixed"',
+        )

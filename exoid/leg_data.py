@@ -1,0 +1,214 @@
+"""Data of a leg: a Pinocchio model, its geometry, and names and values of its base parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from ._typing import ArrayLike, FloatArray
+from .description import Description
+from .errors import ExoidError
+from .floating_base import FREE_ROWS
+from .model import dynamic_parameters
+from .reduction import PLANAR_ROWS, SIDES, Limb, PlanarChain, PlanarMachine, Plane, Reduction
+
+Base = Literal["fixed", "moving", "floating"]
+"""Whether the base of the leg stands, moves in space, or floats: then force and moment on it have rows of their own."""
+
+
+class JointLimits(NamedTuple):
+    """Limits of each joint in the URDF, (n,) each; infinite where it has none.
+
+    Attributes:
+        lower: Smallest angle [rad].
+        upper: Largest angle [rad].
+        velocity: Largest speed [rad/s].
+        effort: Largest torque [N·m].
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    velocity: FloatArray
+    effort: FloatArray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LegData:
+    """Model, geometry and parameters of a leg; see :class:`exoid.Leg`.
+
+    Attributes:
+        description: The URDF.
+        locked: Positions of joints that do not move [rad].
+        cumulative: Whether J of a segment contains the J below it (doc. 1) or not (doc. 2).
+        model: Pinocchio model of the moving joints; do not change it.
+        chain: Planar geometry; None if the leg is not a planar chain.
+        reduction: Reduction of link parameters to :attr:`parameters`.
+        base: "moving" if the parameters are those that torques on a base that moves in space depend on: numerical ones,
+            more than on a fixed base. "floating" if rows of the base come before those of the joints.
+        machine: Planar geometry of several limbs, or of what has a floating base; None for all other legs.
+    """
+
+    description: Description
+    model: pin.Model
+    reduction: Reduction
+    chain: PlanarChain | None
+    locked: Mapping[str, float] = field(default_factory=dict)
+    cumulative: bool = True
+    base: Base = "fixed"
+    machine: PlanarMachine | None = None
+
+    @property
+    def hip(self) -> FloatArray:
+        """Origin of the first joint in the axes of the root link [m], (3,)."""
+        return np.array(self.model.jointPlacements[1].translation)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints in the URDF, from the torso outwards."""
+        return tuple(self.model.names)[1:]
+
+    @property
+    def limbs(self) -> tuple[Limb, ...]:
+        """Planar chains of the leg: one, or those of a machine; () if it is not planar."""
+        if self.chain is not None:
+            return (Limb(self.chain, slice(0, self.chain.n), "", np.zeros(2)),)
+        return () if self.machine is None else self.machine.limbs
+
+    @property
+    def plane(self) -> Plane:
+        """Plane of motion in the axes of the root link; x and z of these axes for a leg that is not planar."""
+        return self.limbs[0].chain.plane if self.limbs else Plane(*np.eye(3))
+
+    @property
+    def base_rows(self) -> int:
+        """Number of rows of a floating base, before those of the joints: 3 in a plane, otherwise 6; 0 without one."""
+        return len(self.row_names) - len(self.joint_names)
+
+    @property
+    def row_names(self) -> tuple[str, ...]:
+        """Names of the rows: forces and moments on a floating base, and the joints.
+
+        The rows of a planar base are the force forward and up [N], in axes that turn with the torso, and the moment
+        about the hip [N·m], positive like the pitch. Others are force and moment about the origin of the root link.
+        """
+        if self.base != "floating":
+            return self.joint_names
+        return (*(FREE_ROWS if self.machine is None else PLANAR_ROWS), *self.joint_names)
+
+    @property
+    def joint_labels(self) -> tuple[str, ...]:
+        """Joint names without ``left_`` or ``right_``, which occur in the names of parameters."""
+        return without_side(self.joint_names)
+
+    @property
+    def link_names(self) -> tuple[str, ...]:
+        """Names of the links that the joints carry."""
+        return tuple(self.description.child_links[joint] for joint in self.joint_names)
+
+    @property
+    def link_labels(self) -> tuple[str, ...]:
+        """Link names without ``left_`` or ``right_``."""
+        return without_side(self.link_names)
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Links whose inertia is in the equation: those that joints carry, behind the root link if the base floats."""
+        return (self.description.root_link,) * (self.base == "floating") + self.link_names
+
+    @property
+    def link_parameters(self) -> FloatArray:
+        """Ten parameters π of each of :attr:`bodies` about its joint, or the origin of the root link, (10 k,)."""
+        return dynamic_parameters(self.model, root=self.base == "floating")
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters, in the order of every array of parameters."""
+        return self.reduction.names
+
+    @property
+    def parameter_units(self) -> tuple[str, ...]:
+        """Units of the parameters."""
+        return self.reduction.units
+
+    @cached_property
+    def parameters(self) -> FloatArray:
+        """Values of the parameters in SI units, (p,)."""
+        values = self.reduction.parameters(self.link_parameters)
+        values.flags.writeable = False
+        return values
+
+    @property
+    def limits(self) -> JointLimits:
+        """Limits of the joints."""
+        model = self.model
+        joints = [model.joints[j] for j in range(1, model.njoints)]
+        turning = np.array([joint.nq == 2 for joint in joints])  # continuous joints have no limits
+        lower = np.array([model.lowerPositionLimit[joint.idx_q] for joint in joints])
+        upper = np.array([model.upperPositionLimit[joint.idx_q] for joint in joints])
+        lower, upper = np.where(turning, -np.inf, lower), np.where(turning, np.inf, upper)
+        return JointLimits(lower, upper, model.velocityLimit.copy(), model.effortLimit.copy())
+
+    def samples(self, *arrays: ArrayLike) -> tuple[FloatArray, ...]:
+        """Check that arrays have the same shape (N, n).
+
+        Args:
+            *arrays: Arrays, (N, n); a single sample (n,) counts as N = 1.
+
+        Returns:
+            The arrays in float64.
+
+        Raises:
+            ExoidError: Shapes differ, or do not fit the number of joints.
+        """
+        checked = tuple(np.atleast_2d(to_numbers(x)) for x in arrays)
+        n = len(self.joint_names)
+        if any(x.shape != checked[0].shape or x.shape[1] != n or x.ndim != 2 for x in checked):
+            raise ExoidError(
+                f"arrays of shapes {', '.join(str(x.shape) for x in checked)} do not fit a leg of {n} joints",
+                remedy=f"pass (N, {n}) arrays: samples first, then {', '.join(self.joint_names)}",
+            )
+        return checked
+
+    def __repr__(self) -> str:
+        """Write the URDF, the joints and the parameters."""
+        kind = ("planar" if self.limbs else "numeric") + ", floating base" * (self.base == "floating")
+        names = ", ".join(self.parameter_names)
+        return f"Leg({self.description.name!r}, joints={self.joint_names}, {kind}: {names})"
+
+
+def to_numbers(values: ArrayLike) -> FloatArray:
+    """Convert to an array of numbers.
+
+    Args:
+        values: Numbers.
+
+    Returns:
+        The array.
+
+    Raises:
+        ExoidError: They are not numbers.
+    """
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ExoidError(f"not an array of numbers ({error})", remedy="pass numbers, samples first") from error
+
+
+def without_side(names: Sequence[str]) -> tuple[str, ...]:
+    """Leave out ``left_`` or ``right_`` where all names begin with it.
+
+    Args:
+        names: The names.
+
+    Returns:
+        The labels.
+    """
+    for side in SIDES:
+        if all(name.startswith(side) and name != side for name in names):
+            return tuple(name.removeprefix(side) for name in names)
+    return tuple(names)
