@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -11,17 +11,26 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.ground import Stretch, level_rotation, stretches, touching
+from exoid.ground import Stretch, level_rotation, standing_base, stretches, touching
 from exoid.leg import Leg
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import among_zeros, for_leg, source_of
-from exoid.signals import Recording, Wrench, base_during
+from exoid.signals import BaseMotion, Recording, Wrench, base_during
 
 from .data import EstimateData
 from .torque_band import parameter_variance
 
 RANK = 1e-9
 """Directions of a wrench in which no row reacts, below this part of the largest."""
+
+REPEATS = 3
+"""Times that noise is added to a motion, to see what it does to forces."""
+
+MEDIAN = 0.6745
+"""Median size of what is normal with a standard deviation of one."""
+
+FOURTH = 70.0
+"""Variance of the fourth differences of white noise, 1² + 4² + 6² + 4² + 1²."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +135,47 @@ class _Solution(NamedTuple):
 
 
 def _forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> list[GroundForce]:
+    """Find the wrenches of one stretch, with the errors that the noise of angles and base adds."""
+    leg, recording = estimate.model.leg, stretch.recording
+    assert recording.mask is not None
+    found = _solution(estimate, stretch, feet)
+    rng = np.random.default_rng(0)
+    again = [_solution(estimate, stretch._replace(recording=each), feet) for each in _noisier(leg, stretch, feet, rng)]
+    of_motion = np.mean([(each.wrench - found.wrench) ** 2 for each in again], axis=(0, 1))
+    half = half_width(0.95, estimate.dof) * np.sqrt(found.std**2 + of_motion)
+    forces, time = [], recording.time[recording.mask]
+    for k, link in enumerate(feet):
+        part = slice(6 * k, 6 * k + 6)
+        level = level_rotation(leg, link)
+        turned = (found.wrench[:, part].reshape(-1, 2, 3) @ level.T).reshape(-1, 6)
+        bands = np.sqrt((half[:, part].reshape(-1, 2, 3) ** 2) @ (level.T**2)).reshape(-1, 6)
+        forces.append(GroundForce(time, turned[:, :3], turned[:, 3:], bands[:, :3], bands[:, 3:]))
+    return forces
+
+
+def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Generator) -> Iterator[Recording]:
+    """Add the noise of the angles, and of the base where it was measured, once more."""
+    recording = stretch.recording
+    size = _noise(recording.q)
+    for _ in range(REPEATS):
+        shaken = replace(recording, q=recording.q + size * rng.standard_normal(recording.q.shape))
+        base = recording.base
+        if base is None:
+            yield shaken
+        elif base.pose is not None:
+            yield replace(shaken, base=standing_base(leg, shaken, feet[0]))
+        else:
+            columns = base.columns + _noise(base.columns) * rng.standard_normal(base.columns.shape)
+            yield replace(shaken, base=BaseMotion(columns[:, :3], columns[:, 3:], base.position))
+
+
+def _noise(signals: FloatArray) -> FloatArray:
+    """Standard deviation of white noise in signals, by their fourth differences, (K,)."""
+    fourth = np.diff(signals, 4, axis=0)
+    return np.asarray(np.median(np.abs(fourth), axis=0) / MEDIAN / np.sqrt(FOURTH))
+
+
+def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> _Solution:
     """Solve for the wrenches of one stretch."""
     model, leg, recording = estimate.model, estimate.model.leg, stretch.recording
     assert recording.tau is not None
@@ -138,16 +188,7 @@ def _forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> li
     wide = np.concatenate([columns, known.T[np.newaxis]])
     wide = _filtered(estimate, recording, wide)[..., rows]
     W, measured = wide[:-1].transpose(2, 1, 0), wide[-1].T
-    found = _solve(estimate, leg, q[rows], feet, W, W @ estimate.values - measured)
-    half = half_width(0.95, estimate.dof) * found.std
-    forces = []
-    for k, link in enumerate(feet):
-        part = slice(6 * k, 6 * k + 6)
-        level = level_rotation(leg, link)
-        turned = (found.wrench[:, part].reshape(-1, 2, 3) @ level.T).reshape(-1, 6)
-        bands = np.sqrt((half[:, part].reshape(-1, 2, 3) ** 2) @ (level.T**2)).reshape(-1, 6)
-        forces.append(GroundForce(recording.time[rows], turned[:, :3], turned[:, 3:], bands[:, :3], bands[:, 3:]))
-    return forces
+    return _solve(estimate, leg, q[rows], feet, W, W @ estimate.values - measured)
 
 
 def _filtered(estimate: EstimateData, recording: Recording, signals: FloatArray) -> FloatArray:

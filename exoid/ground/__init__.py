@@ -3,12 +3,13 @@
 from .elimination import Elimination, eliminate, reference_axes
 from .placements import level_rotation, link_placements
 from .standing_base import standing_base
-from .stretches import EDGE, Left, Stretch, stretches, touching
+from .stretches import EDGE, SHORTEST, Left, Stretch, stretches, touching
 from .support_model import LOOP, SupportModel
 
 __all__ = [
     "EDGE",
     "LOOP",
+    "SHORTEST",
     "Elimination",
     "Left",
     "Stretch",

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.findings import Finding
-from exoid.ground import EDGE, Left, SupportModel, reference_axes, stretches
+from exoid.ground import EDGE, SHORTEST, Left, SupportModel, reference_axes, stretches
 from exoid.regression.rows import for_leg
 from exoid.signals import Cluster, Poses, Recording, ZeroPhase, choose_cutoff
 from exoid.torques import TorqueModel
@@ -183,25 +183,43 @@ def without_outliers(task: Task, fitted: Fitted) -> tuple[Task, tuple[Finding, .
         The task with fewer samples, and what was left out.
     """
     groups, findings = [], []
-    for k, group in enumerate(task.groups):
-        assert not isinstance(group.data, Cluster)
-        data = []
-        residuals = _residuals(fitted.problem, k, fitted.values)
-        scale = _scale(residuals)
-        for one, (time, residual) in zip(group.data, residuals, strict=True):
-            assert isinstance(one, Recording)
-            assert one.mask is not None
-            far = (np.abs(residual) > FAR * scale).any(axis=1)
-            if not far.any():
-                data.append(one)
-                continue
-            wrong = _near(one.time, time[far])
-            share = np.count_nonzero(wrong & one.mask) / np.count_nonzero(one.mask)
-            kept = one if share > MOST_WRONG else replace(one, mask=one.mask & ~wrong)
-            data.append(kept)
-            findings.append(_outlier(group.name, share, one))
-        groups.append(group._replace(data=tuple(data)))
-    return task._replace(groups=tuple(groups)), tuple(findings)
+    wrong = [_wrong_samples(fitted, k, group) for k, group in enumerate(task.groups)]
+    every = [mask for group in task.groups for _, mask in _masked(group)]
+    total = sum(np.count_nonzero(mask) for mask in every)
+    lost = sum(np.count_nonzero(mask) for of_group in wrong for mask in of_group)
+    if not lost:
+        return task, ()
+    too_many = bool(lost > MOST_WRONG * total)
+    for group, of_group in zip(task.groups, wrong, strict=True):
+        kept = []
+        for (one, mask), bad in zip(_masked(group), of_group, strict=True):
+            if bad.any():
+                share = float(np.count_nonzero(bad)) / np.count_nonzero(mask)
+                findings.append(_outlier(group.name, share, one, kept=too_many))
+            rest = mask & ~bad
+            if too_many or np.count_nonzero(rest) > SHORTEST * one.sample_rate:
+                kept.append(one if too_many else replace(one, mask=rest))
+        if kept:
+            groups.append((group._replace(data=tuple(kept)), task.models[task.groups.index(group)]))
+    new_groups, models = zip(*groups, strict=True)
+    return task._replace(groups=new_groups, models=models), tuple(findings)
+
+
+def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:
+    """Recordings of a group with their masks."""
+    assert not isinstance(group.data, Cluster)
+    return [(one, one.mask) for one in group.data if isinstance(one, Recording) and one.mask is not None]
+
+
+def _wrong_samples(fitted: Fitted, index: int, group: Group) -> list[NDArray[np.bool_]]:
+    """Samples of each recording of a group near residuals that no noise explains."""
+    residuals = _residuals(fitted.problem, index, fitted.values)
+    scale = _scale(residuals)
+    found = []
+    for (one, mask), (time, residual) in zip(_masked(group), residuals, strict=True):
+        far = (np.abs(residual) > FAR * scale).any(axis=1)
+        found.append(mask & _near(one.time, time[far]) if far.any() else np.zeros(len(mask), dtype=np.bool_))
+    return found
 
 
 def _residuals(problem: Problem, group: int, values: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
@@ -235,9 +253,8 @@ def _near(time: FloatArray, moments: FloatArray) -> NDArray[np.bool_]:
     return (np.abs(before) <= EDGE) | (np.abs(after) <= EDGE)
 
 
-def _outlier(support: str, share: float, recording: Recording) -> Finding:
+def _outlier(support: str, share: float, recording: Recording, *, kept: bool) -> Finding:
     """Say that samples do not fit."""
-    kept = share > MOST_WRONG
     return Finding(
         "wrong-contact",
         "",

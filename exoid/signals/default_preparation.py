@@ -273,7 +273,7 @@ def acceleration_power(recording: Recording | Poses) -> AccelerationPower | None
 
 
 def _pose_power(pose: BasePose, rate: float) -> tuple[FloatArray, FloatArray]:
-    """Powers of noise and signal of the acceleration of a pose: of its position, and of its quaternion, (71, 2) each."""
+    """Powers of noise and signal of the acceleration of a pose, of position and quaternion, (71, 2) each."""
     segments = np.array_split(pose.columns.T, -(-len(pose) // SEGMENT), axis=1)
     powers = [_segment_power(segment, rate) for segment in segments]
     noise, total = (np.sum(each, axis=0) for each in zip(*powers, strict=True))
