@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.ground import Stretch, level_rotation, standing_base, stretches, touching
+from exoid.ground import Stretch, level_rotation, split, standing_base, touching
 from exoid.leg import Leg
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import among_zeros, for_leg, source_of
@@ -88,7 +88,7 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
     if recording.tau is None or not recording.measured.all():
         raise ExoidError("the torque of a joint is missing", where=source_of(recording), remedy="record all torques")
     found: dict[str, list[GroundForce]] = {}
-    for stretch in stretches(leg, recording)[0]:
+    for stretch in split(leg, recording).stretches:
         feet = [link for link in stretch.links if link != leg.description.root_link]
         if feet and leg.description.root_link not in stretch.links:
             for link, force in zip(feet, _forces(estimate, stretch, feet), strict=True):

@@ -1,9 +1,10 @@
 """Links on the ground: which rest, what their wrenches leave of the equation, and where the base is."""
 
 from .elimination import Elimination, eliminate, reference_axes
+from .imu import ImuErrors, imu_errors
 from .placements import level_rotation, link_placements
 from .standing_base import standing_base
-from .stretches import EDGE, SHORTEST, Left, Stretch, stretches, touching
+from .stretches import EDGE, SHORTEST, Left, Split, Stretch, split, touching
 from .support_model import LOOP, SupportModel
 
 __all__ = [
@@ -11,14 +12,17 @@ __all__ = [
     "LOOP",
     "SHORTEST",
     "Elimination",
+    "ImuErrors",
     "Left",
+    "Split",
     "Stretch",
     "SupportModel",
     "eliminate",
+    "imu_errors",
     "level_rotation",
     "link_placements",
     "reference_axes",
+    "split",
     "standing_base",
-    "stretches",
     "touching",
 ]

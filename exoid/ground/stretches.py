@@ -17,6 +17,7 @@ from exoid.link_frames import link_frame
 from exoid.signals import BaseMotion, Recording
 
 from .elimination import eliminate
+from .imu import ImuErrors, imu_errors
 from .standing_base import standing_base
 
 EDGE = 0.1
@@ -61,7 +62,21 @@ class Stretch(NamedTuple):
     recording: Recording
 
 
-def stretches(leg: Leg, recording: Recording) -> tuple[list[Stretch], Left]:
+class Split(NamedTuple):
+    """A recording, split by the links that rest.
+
+    Attributes:
+        stretches: One for each set of links that rest by unknown wrenches.
+        left: Samples that were left out.
+        imu: Errors of the inertial measurement unit that were taken out; None for none.
+    """
+
+    stretches: tuple[Stretch, ...]
+    left: Left
+    imu: ImuErrors | None
+
+
+def split(leg: Leg, recording: Recording) -> Split:
     """Split a recording by the links that rest on the ground with an unknown wrench.
 
     Args:
@@ -69,7 +84,7 @@ def stretches(leg: Leg, recording: Recording) -> tuple[list[Stretch], Left]:
         recording: A recording with contacts or wrenches; without both, the base is held.
 
     Returns:
-        One stretch for each set of links, and the samples that were left out.
+        One stretch for each set of links, the samples that were left out, and errors of the IMU that were taken out.
 
     Raises:
         ExoidError: A link is not in the URDF, the motion of the base is needed and missing, or nothing is left.
@@ -83,6 +98,9 @@ def stretches(leg: Leg, recording: Recording) -> tuple[list[Stretch], Left]:
     slow = _smooth(recording.q, recording.sample_rate)
     v = np.gradient(slow, recording.time, axis=0)
     still = ~_slipping(leg, recording, rest, slow, v) if recording.contacts else np.ones_like(counted)
+    imu = _imu(leg, recording, {link: flags & steady & still for link, flags in rest.items()})
+    if imu is not None and recording.base is not None:
+        recording = replace(recording, base=imu.corrected(recording.base))
     found, lost = [], np.zeros(len(recording), dtype=np.bool_)
     for links, where in _patterns(unknown, len(recording)):
         inside = counted & steady & still & where
@@ -100,7 +118,16 @@ def stretches(leg: Leg, recording: Recording) -> tuple[list[Stretch], Left]:
         )
     could = max(1.0, float(np.count_nonzero(counted)))
     shares = (counted & ~steady, counted & steady & ~still, lost)
-    return found, Left(*(float(np.count_nonzero(part)) / could for part in shares))
+    return Split(tuple(found), Left(*(float(np.count_nonzero(part)) / could for part in shares)), imu)
+
+
+def _imu(leg: Leg, recording: Recording, rest: Mapping[str, NDArray[np.bool_]]) -> ImuErrors | None:
+    """Find the errors of the IMU from the foot that rests longest."""
+    feet = {link: flags for link, flags in rest.items() if link != leg.description.root_link}
+    if not feet or not leg.base_rows:
+        return None
+    link = max(feet, key=lambda name: np.count_nonzero(feet[name]))
+    return imu_errors(leg, recording, link, feet[link])
 
 
 def _contacts(leg: Leg, recording: Recording) -> tuple[dict[str, BoolArray], dict[str, BoolArray]]:

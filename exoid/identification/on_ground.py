@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.findings import Finding
-from exoid.ground import EDGE, SHORTEST, Left, SupportModel, reference_axes, stretches
+from exoid.ground import EDGE, SHORTEST, ImuErrors, Left, SupportModel, reference_axes, split
 from exoid.regression.rows import for_leg
 from exoid.signals import Cluster, Poses, Recording, ZeroPhase, choose_cutoff
 from exoid.torques import TorqueModel
@@ -86,9 +86,9 @@ def on_ground(task: Task, *, by_noise: bool) -> OnGround:
     for one in group.data:
         if isinstance(one, Poses):
             raise ExoidError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
-        parts, left = stretches(model.leg, for_leg(model, one))
-        findings += _left_out(left, one)
-        for part in parts:
+        parts = split(model.leg, for_leg(model, one))
+        findings += [*_left_out(parts.left, one), *_imu_finding(parts.imu, one)]
+        for part in parts.stretches:
             found.setdefault(part.links, []).append(part.recording)
     return OnGround(_task_of(task, group, model, found, by_noise=by_noise), model, tuple(findings))
 
@@ -170,6 +170,31 @@ def _left_out(left: Left, recording: Recording) -> list[Finding]:
         recording=name,
     )
     return [one for one in (slip, edge, lost) if one.value > 0.0]
+
+
+def _imu_finding(errors: ImuErrors | None, recording: Recording) -> list[Finding]:
+    """Say what was taken out of the readings of an inertial measurement unit."""
+    if errors is None:
+        return []
+    gyro, force, turn = (
+        ", ".join(f"{x:.2g}" for x in part) for part in (errors.gyro_bias, errors.force_bias, errors.rotation)
+    )
+    turned = f", rotation ({turn}) rad" if errors.rotation.any() else ""
+    size, std = float(np.linalg.norm(errors.force_bias)), float(np.linalg.norm(errors.std[3:6]))
+    return [
+        Finding(
+            "imu-bias",
+            "",
+            size,
+            "m/s²",
+            "info",
+            f"while a foot rested, the base's sensor was off by ({force}) m/s² and ({gyro}) rad/s{turned}, which was "
+            "taken out",
+            "calibrate the sensor",
+            interval=(size - 2.0 * std, size + 2.0 * std),
+            recording=recording.source.name if recording.source else "",
+        )
+    ]
 
 
 def without_outliers(task: Task, fitted: Fitted) -> tuple[Task, tuple[Finding, ...]]:
