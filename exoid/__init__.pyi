@@ -10,6 +10,7 @@ from . import (
     estimate,
     experiments,
     exported,
+    ground,
     identification,
     lift,
     published,
@@ -24,7 +25,7 @@ from . import (
 )
 from .catalog import load_exo, load_leg
 from .errors import ExoidError
-from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, validate
+from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, ground_forces, validate
 from .findings import Finding
 from .identification import check, identify
 from .leg import Leg
@@ -66,6 +67,8 @@ __all__ = [
     "estimate",
     "experiments",
     "exported",
+    "ground",
+    "ground_forces",
     "identification",
     "identify",
     "lift",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -59,7 +60,7 @@ def standing(leg: Leg, feet: str, seconds: float = 20.0, seed: int = 0, rate: fl
     pitch = waves(time, rng, 0.1, 0.12)
     left = leg_angles(leg, hip, pitch)
     if feet == "both":
-        right = leg_angles(leg, hip + (0.08, 0.0), pitch)
+        right = leg_angles(leg, (*hip, 0.08, 0.0), pitch)
     else:
         middles, sizes = (0.4, -0.8, 0.0), (0.4, 0.35, 0.3)
         right = np.column_stack([waves(time, rng, m, s, 0.25) for m, s in zip(middles, sizes, strict=True)])
@@ -98,12 +99,29 @@ def standing(leg: Leg, feet: str, seconds: float = 20.0, seed: int = 0, rate: fl
     return Standing(recording, base, wrenches, (q, v, a))
 
 
+SWAP = [3, 4, 5, 0, 1, 2]
+"""Joints of the other leg."""
+
+
+def mirrored(log: Standing) -> Standing:
+    """The same motion with left and right changed."""
+    recording = log.recording
+    contacts = {_other(link): flags for link, flags in recording.contacts.items()}
+    turned = replace(recording, q=recording.q[:, SWAP], tau=recording.tau[:, SWAP], contacts=contacts)
+    wrenches = {_other(link): wrench for link, wrench in log.wrenches.items()}
+    return Standing(turned, log.base, wrenches, tuple(part[:, SWAP] for part in log.exact))
+
+
+def _other(link: str) -> str:
+    return {"left_foot": "right_foot", "right_foot": "left_foot"}[link]
+
+
 def _base(leg: Leg, time: np.ndarray, hip: np.ndarray, pitch: np.ndarray) -> BaseKinematics:
     """Motion of a torso whose origin is at the hip within the plane."""
     plane = leg.limbs[0].chain.plane
     rate, change = derivatives(time, pitch)
     _, acceleration = derivatives(time, hip)
-    lifted = acceleration + (0.0, GRAVITY)
+    lifted = (*acceleration, 0.0, GRAVITY)
     turn = np.exp(-1j * pitch) * (lifted[:, 0] + 1j * lifted[:, 1])
     force = np.outer(turn.real, plane.forward) + np.outer(turn.imag, plane.up)
     return BaseKinematics(-np.outer(rate, plane.lateral), -np.outer(change, plane.lateral), force)

@@ -4,6 +4,7 @@ from .comparison import Comparison, compare
 from .data import EstimateData, Input
 from .estimate import Estimate
 from .export import Export
+from .ground_prediction import GroundForce, ground_forces
 from .grouped import GroupedEstimate
 from .model_error import ModelError
 from .nonlinear import NonlinearParameters
@@ -18,6 +19,7 @@ __all__ = [
     "Estimate",
     "EstimateData",
     "Export",
+    "GroundForce",
     "GroupedEstimate",
     "Input",
     "ModelError",
@@ -27,6 +29,7 @@ __all__ = [
     "TorqueFilter",
     "Validation",
     "compare",
+    "ground_forces",
     "predict_motion",
     "validate",
 ]

@@ -17,6 +17,9 @@ CLOSED = 1e-6
 CONDITION = 0.03
 """Least singular value of the constraints of a sample that is used: at a straight knee a foot can hardly move up."""
 
+POSES = 5
+"""Random poses of which the independent constraints are counted."""
+
 ALIGNED = 0.2
 """Least part of each axis of closed chains that is left in the directions in which a sample can move."""
 
@@ -71,19 +74,12 @@ def eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | 
     Returns:
         The combinations.
     """
-    base = leg.base_rows
-    jacobians = [leg.contact_jacobian(q, link) for link in links]
     fit = np.ones(len(q), dtype=np.bool_)
-    lever: FloatArray | None = None
-    if base:
-        first = jacobians.pop(0)
-        lever = np.asarray(np.linalg.solve(first[..., :base], first[..., base:]), dtype=np.float64)
-        jacobians = [each[..., base:] - each[..., :base] @ lever for each in jacobians]
-    if not jacobians:
+    lever, C = _constraints(leg, links, q)
+    if C is None:
         return Elimination(lever, None, fit)
-    C = np.concatenate(jacobians, axis=1)
     _, sizes, Vt = np.linalg.svd(C)
-    rank = int(np.median((sizes > CLOSED * sizes.max()).sum(axis=1)))
+    rank = _rank(leg, links)
     fit &= sizes[:, rank - 1] > CONDITION * sizes[:, 0]
     free = Vt[:, rank:]
     P = np.swapaxes(free, 1, 2) @ free
@@ -93,6 +89,26 @@ def eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | 
     fit &= parts.min(axis=1, initial=1.0) > ALIGNED
     roots = (turns / np.sqrt(np.maximum(parts, ALIGNED))[:, None, :]) @ np.swapaxes(turns, 1, 2)
     return Elimination(lever, PE @ roots, fit)
+
+
+def _constraints(leg: Leg, links: Sequence[str], q: FloatArray) -> tuple[FloatArray | None, FloatArray | None]:
+    """Form K of the first link, and C of the others; None for what there is not."""
+    base = leg.base_rows
+    jacobians = [leg.contact_jacobian(q, link) for link in links]
+    lever: FloatArray | None = None
+    if base:
+        first = jacobians.pop(0)
+        lever = np.asarray(np.linalg.solve(first[..., :base], first[..., base:]), dtype=np.float64)
+        jacobians = [each[..., base:] - each[..., :base] @ lever for each in jacobians]
+    return lever, np.concatenate(jacobians, axis=1) if jacobians else None
+
+
+def _rank(leg: Leg, links: Sequence[str]) -> int:
+    """Number of independent constraints of closed chains in a pose without symmetries."""
+    poses = np.random.default_rng(0).standard_normal((POSES, len(leg.joint_names)))
+    _, C = _constraints(leg, links, poses)
+    assert C is not None
+    return int(np.linalg.matrix_rank(C, rtol=CLOSED).max())
 
 
 def reference_axes(leg: Leg, links: Sequence[str], q: FloatArray) -> FloatArray | None:

@@ -108,7 +108,8 @@ def _alone(task: Task) -> tuple[tuple[Group], tuple[TorqueModel]]:
         raise ExoidError("recordings on a cluster have no contacts", remedy="pass exoid.signals.Recordings")
     if any(one.payloads for one in group.data):
         raise ExoidError("payloads on a leg that stands are not known", remedy="take the payload off")
-    if not getattr(group.chosen_preparation, "parallel", None):
+    rates = [one.sample_rate for one in group.data if isinstance(one, Recording)]
+    if any(group.chosen_preparation.parallel(rate) is None for rate in rates):
         raise ExoidError("rows with contacts need the parallel filter", remedy="leave preparation out")
     return (group,), (model,)
 

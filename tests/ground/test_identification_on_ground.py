@@ -1,0 +1,173 @@
+"""Identification of an exoskeleton that stands: mass without a force plate, wrong contacts, IMU errors, refusals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from standing import GRAVITY, Standing, mirrored, standing
+
+import exoid
+from exoid import BaseMotion, Coulomb, ExoidError, Viscous, Wrench
+from exoid.estimate.ground_prediction import level_wrench
+
+TERMS = (Coulomb(smoothing=0.05), Viscous())
+NOISE, ENCODER = 0.4, 1e-4
+
+
+def friction(v):
+    return 1.5 * np.tanh(v / 0.05) + 0.8 * v
+
+
+@pytest.fixture(scope="module")
+def exo():
+    return exoid.load_exo("bleex", base="floating")
+
+
+def logs(exo, seed=0, seconds=30.0) -> list[Standing]:
+    """Squats on both feet, and each leg swinging while the other stands."""
+    options = {"seconds": seconds, "noise": NOISE, "encoder": ENCODER, "friction": friction}
+    each = [standing(exo, feet, seed=3 * seed + k, **options) for k, feet in enumerate(("both", "left", "left"))]
+    return [each[0], each[1], mirrored(each[2])]
+
+
+@pytest.fixture(scope="module")
+def stance(exo):
+    return logs(exo)
+
+
+@pytest.fixture(scope="module")
+def estimate(exo, stance):
+    return exoid.identify(exo, [log.recording for log in stance], terms=TERMS)
+
+
+def deviations(exo, estimate):
+    """Errors of the rigid-body parameters over their standard deviations."""
+    count = len(exo.parameters)
+    return (estimate.values[:count] - exo.parameters) / estimate.std[:count]
+
+
+def test_mass_and_segments_follow_without_a_force_plate(exo, estimate):
+    error = np.abs(estimate.values[: len(exo.parameters)] / exo.parameters - 1.0)
+    of = dict(zip(exo.parameter_names, error, strict=True))
+    assert of["M"] < 0.001
+    assert max(of[name] for name in of if name[0] == "X") < 0.01
+    assert max(of[name] for name in of if name[0] == "J") < 0.04
+    assert np.sqrt(np.mean(deviations(exo, estimate) ** 2)) < 1.6
+
+
+def test_the_report_says_which_links_rested(estimate):
+    assert [support.name for support in estimate.supports] == ["left_foot and right_foot", "left_foot", "right_foot"]
+    assert "loop_1" in str(estimate)
+    np.testing.assert_allclose([support.seconds for support in estimate.supports], 30.0)
+
+
+def test_the_estimate_survives_a_file(estimate, tmp_path):
+    estimate.save(tmp_path / "exo.json")
+    again = exoid.Estimate.load(tmp_path / "exo.json")
+    assert np.array_equal(again.values, estimate.values)
+    assert again.supports == estimate.supports
+    assert str(again) == str(estimate)
+
+
+def test_measured_wrenches_fix_the_mass(exo, stance):
+    rng = np.random.default_rng(1)
+    recordings = []
+    for log in stance:
+        wrenches = {
+            link: Wrench(
+                w.force + 3.0 * rng.standard_normal(w.force.shape), w.moment + 0.3 * rng.standard_normal(w.moment.shape)
+            )
+            for link, w in log.wrenches.items()
+        }
+        recordings.append(replace(log.recording, wrenches=wrenches))
+    found = exoid.identify(exo, recordings, terms=TERMS)
+    assert abs(found["M"].value / exo.parameters[0] - 1.0) < 0.001
+    assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
+    assert [support.name for support in found.supports] == ["measured"]
+
+
+@pytest.mark.parametrize("feet", ["both", "left"])
+def test_ground_force_and_centre_of_pressure_follow_from_torques(exo, estimate, feet):
+    log = standing(exo, feet, seconds=12.0, seed=99, noise=NOISE, encoder=ENCODER, friction=friction)
+    for link, found in exoid.ground_forces(estimate, log.recording).items():
+        true = level_wrench(exo, link, log.wrenches[link])
+        rows = np.searchsorted(log.recording.time, found.time)[50:-50]
+        error = (found.force - true.force[np.searchsorted(log.recording.time, found.time)])[50:-50]
+        assert np.sqrt(np.mean(error[:, 2] ** 2)) < 0.005 * GRAVITY * exo.parameters[0]
+        inside = np.abs(error[:, [0, 2]]) <= found.force_half[50:-50][:, [0, 2]]
+        assert inside.mean() > 0.85
+        apart = found.center_of_pressure(-0.08)[50:-50] - true.center_of_pressure(-0.08)[rows]
+        assert np.sqrt(np.mean(apart[:, 0] ** 2)) < 0.005
+
+
+def wrongly(log, link, value, seed):
+    """Label 5 % of the samples of a link wrongly, in three pieces."""
+    rng, recording = np.random.default_rng(seed), log.recording
+    contacts = {name: np.array(flags) for name, flags in recording.contacts.items()}
+    contacts.setdefault(link, np.zeros(len(recording), dtype=bool))
+    for start in rng.uniform(1.0, 28.0, 3):
+        first = int(start * recording.sample_rate)
+        contacts[link][first : first + int(0.5 * recording.sample_rate)] = value
+    return replace(recording, contacts=contacts)
+
+
+@pytest.mark.parametrize("kind", ["swing labelled as stance", "stance labelled as swing"])
+def test_wrong_contacts_are_left_out(exo, stance, estimate, kind):
+    both, left, right = stance
+    if kind == "swing labelled as stance":
+        recordings = [both.recording, wrongly(left, "right_foot", True, 1), wrongly(right, "left_foot", True, 2)]
+    else:
+        recordings = [wrongly(both, "right_foot", False, 3), left.recording, right.recording]
+    found = exoid.identify(exo, recordings, terms=TERMS)
+    assert np.abs((found.values - estimate.values) / estimate.std).max() < 1.0
+    said = {finding.kind: finding.value for finding in found.findings}
+    assert said["slipping-contact" if kind == "swing labelled as stance" else "wrong-contact"] > 0.02
+
+
+def with_imu(log, seed, force_bias=(0.1, 0.0, 0.15), gyro_bias=(0.0, 0.01, 0.0)):
+    rng = np.random.default_rng(seed)
+    gyro = log.base.angular_velocity + 0.005 * rng.standard_normal((len(log.base), 3)) + gyro_bias
+    force = log.base.specific_force + 0.05 * rng.standard_normal((len(log.base), 3)) + force_bias
+    return replace(log.recording, base=BaseMotion(gyro, force))
+
+
+def test_bias_of_an_imu_is_found_while_a_foot_rests(exo, stance):
+    found = exoid.identify(exo, [with_imu(log, k) for k, log in enumerate(stance)], terms=TERMS)
+    assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
+    (first, *_) = [finding for finding in found.findings if finding.kind == "imu-bias"]
+    assert first.value == pytest.approx(np.hypot(0.1, 0.15), abs=0.005)
+
+
+def test_swing_alone_cannot_tell_the_mass(exo):
+    log = standing(exo, "left", seconds=12.0, noise=NOISE)
+    held = replace(log.recording, contacts={})
+    with pytest.raises(ExoidError, match="M"):
+        exoid.identify(exo, held, terms=())
+
+
+def test_one_foot_alone_leaves_inertias_that_cannot_be_told_apart(exo, stance):
+    with pytest.raises(ExoidError, match="J0"):
+        exoid.identify(exo, [log.recording for log in stance[:2]], terms=TERMS)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"contacts": {"lefft_foot": True}}, "lefft_foot"),
+        ({"contacts": {"left_foot": False}, "wrenches": "left_foot"}, "motion of it"),
+    ],
+)
+def test_bad_contacts_are_one_error(exo, stance, change, message):
+    log = stance[1]
+    count = len(log.recording)
+    change = {**change, "contacts": {link: np.full(count, flag) for link, flag in change["contacts"].items()}}
+    if "wrenches" in change:
+        change["wrenches"] = {"left_foot": Wrench(np.zeros((count, 3)), np.zeros((count, 3)))}
+    with pytest.raises(ExoidError, match=message):
+        exoid.identify(exo, replace(log.recording, **change), terms=TERMS)
+
+
+@pytest.mark.parametrize("arguments", [{"delay": "auto"}, {"estimator": "ml"}, {"preparation": "finite-difference"}])
+def test_what_does_not_go_with_contacts_is_refused(exo, stance, arguments):
+    with pytest.raises(ExoidError):
+        exoid.identify(exo, [log.recording for log in stance], terms=TERMS, **arguments)
