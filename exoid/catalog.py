@@ -35,7 +35,7 @@ def urdf_folder() -> Path:
     raise ExoidError("the built-in URDFs are missing", where=str(package), remedy="reinstall exoid")
 
 
-def load_leg(name: str, side: str = "left", inertias: str | None = None) -> Leg:
+def load_leg(name: str, side: str = "left", inertias: str | None = None, *, base: Base = "fixed") -> Leg:
     """Load a built-in leg.
 
     Args:
@@ -43,12 +43,13 @@ def load_leg(name: str, side: str = "left", inertias: str | None = None) -> Leg:
         side: "left" or "right".
         inertias: Inertia set. For "bleex": "cad" (Table V, default) or "identified" (Tables II and III of that side).
             For "cuhk": "nominal", an anthropometric plant, as the document's Table III is not a physical leg.
+        base: See :func:`load_exo`; the other leg counts as part of the torso.
 
     Returns:
         The leg, with cumulative J for "bleex" and J of single segments for "cuhk", as in the documents.
 
     Raises:
-        ExoidError: There is no leg, side or inertia set of that name.
+        ExoidError: There is no leg, side, inertia set or base of that name.
 
     Example:
         >>> load_leg("bleex", side="right", inertias="identified").joint_names
@@ -58,7 +59,7 @@ def load_leg(name: str, side: str = "left", inertias: str | None = None) -> Leg:
     if side not in ("left", "right"):
         raise ExoidError(f"no side {side!r}", remedy="use 'left' or 'right'")
     joints = tuple(f"{side}_{segment}" for segment in SEGMENTS[name])
-    return Leg.from_urdf(urdf, joints, cumulative=name == "bleex")
+    return Leg.from_urdf(urdf, joints, cumulative=name == "bleex", base=base)
 
 
 def load_exo(name: str, inertias: str | None = None, *, base: Base = "fixed") -> Leg:

@@ -33,7 +33,7 @@ def waves(time: np.ndarray, rng: np.random.Generator, middle: float, size: float
 
 
 def leg_angles(leg: Leg, hip: np.ndarray, pitch: np.ndarray, sole: float = 0.0) -> np.ndarray:
-    """Hip, knee and ankle angles that put a foot at the origin under a hip at (x, z) on a torso that pitches, (N, 3)."""
+    """Hip, knee and ankle angles that put a foot at the origin under a hip at (x, z)."""
     chain = leg.limbs[0].chain
     first, second = (complex(x, z) for x, z in chain.offsets)
     reach = -(hip[:, 0] + 1j * hip[:, 1])

@@ -13,6 +13,7 @@ from exoid.findings import Finding
 from exoid.leg import Leg
 from exoid.lift import check as can_exist
 from exoid.lift import consistent_within, lift
+from exoid.reduction import Limb
 from exoid.torques import TorqueModel
 
 from .evidence import Evidence
@@ -133,10 +134,10 @@ def impossible_leg(
 
 def _wrong_side(leg: Leg, values: FloatArray, covariance: FloatArray) -> float:
     """By how many standard deviations the centre of mass of a segment is on the wrong side of its joint."""
-    if leg.chain is None:
+    if not leg.limbs:
         return 0.0
     sizes = [0.0]
-    for start in range(0, 3 * len(leg.joint_names), 3):
+    for start in range(len(values) - 3 * len(leg.joint_names), len(values), 3):
         place = slice(start, start + 2)
         direction = leg.parameters[place]
         std = float(np.sqrt(direction @ covariance[place, place] @ direction))
@@ -157,11 +158,9 @@ def far_from_urdf(model: TorqueModel, values: FloatArray, std: FloatArray) -> It
         One finding for each segment.
     """
     leg = model.leg
-    if leg.chain is None:
+    if not leg.limbs:
         return
-    count = 3 * len(leg.joint_names)
-    urdf, found = leg.parameters[:count].reshape(-1, 3), values[:count].reshape(-1, 3)
-    errors = std[:count].reshape(-1, 3)
+    urdf, found, errors = (_segments(leg, x) for x in (leg.parameters, values, std))
     for k, joint in enumerate(leg.joint_names):
         pairs = (
             ("mass moment", float(np.hypot(*urdf[k, :2])), float(np.hypot(*found[k, :2])), errors[k, :2].max(), "kg·m"),
@@ -196,25 +195,34 @@ def turned_segment(model: TorqueModel, values: FloatArray, std: FloatArray) -> I
         std: Their standard deviations, (P,).
 
     Yields:
-        One finding, or none.
+        One finding for each limb, or none.
     """
-    leg = model.leg
-    if leg.chain is None:
-        return
-    joints = len(leg.joint_names)
-    drawn, found = (x[: 3 * joints].reshape(-1, 3)[:, :2] for x in (leg.parameters, values))
+    for limb in model.leg.limbs:
+        yield from _turned_segment(model.leg, limb, values, std)
+
+
+def _segments(leg: Leg, values: FloatArray) -> FloatArray:
+    """Values of (X, Y, J) of each segment among all, (n, 3)."""
+    rigid = len(leg.parameter_names)
+    return values[rigid - 3 * len(leg.joint_names) : rigid].reshape(-1, 3)
+
+
+def _turned_segment(leg: Leg, limb: Limb, values: FloatArray, std: FloatArray) -> Iterator[Finding]:
+    """Compare the directions of one limb."""
+    names, links = leg.joint_names[limb.joints], leg.link_names[limb.joints]
+    drawn, found = (_segments(leg, x)[limb.joints, :2] for x in (leg.parameters, values))
     size = np.hypot(*found.T)
     if (np.hypot(*drawn.T) == 0.0).any() or (size == 0.0).any():
         return
     cross, dot = found[:, 0] * drawn[:, 1] - found[:, 1] * drawn[:, 0], (found * drawn).sum(axis=1)
-    turns = leg.chain.signs * np.arctan2(cross, dot)
-    errors = std[: 3 * joints].reshape(-1, 3)[:, :2].max(axis=1) / size
+    turns = limb.chain.signs * np.arctan2(cross, dot)
+    errors = _segments(leg, std)[limb.joints, :2].max(axis=1) / size
     angle, error = float(turns[-1]), float(errors[-1])
     if abs(angle) <= max(TURNED, 4.0 * error):
         return
-    absolute = leg.chain.signs * turns  # about one axis
+    absolute = limb.chain.signs * turns  # about one axis
     alike = np.abs(absolute - absolute[-1]) < ALIKE * abs(angle) + 2.0 * np.hypot(errors, error)
-    if joints > 1 and alike.all():
+    if len(names) > 1 and alike.all():
         tilt = -float(turns[0])
         yield Finding(
             "gravity-direction",
@@ -230,11 +238,11 @@ def turned_segment(model: TorqueModel, values: FloatArray, std: FloatArray) -> I
         return
     yield Finding(
         "angle-offset",
-        leg.joint_names[-1],
+        names[-1],
         angle,
         "rad",
         "info",
-        f"the centre of mass of {leg.link_names[-1]} lies in a direction {abs(np.degrees(angle)):.3g}° from the "
+        f"the centre of mass of {links[-1]} lies in a direction {abs(np.degrees(angle)):.3g}° from the "
         "URDF's: the zero of its joint is off by that, or the URDF is wrong; the log alone cannot tell",
         "check the zero of the encoder against a pose that was measured",
         interval=(angle - 2.0 * error, angle + 2.0 * error),

@@ -131,7 +131,7 @@ def _bounded(A: FloatArray, b: FloatArray, lower: FloatArray) -> FloatArray:
 
 
 def never_negative(model: TorqueModel) -> NDArray[np.bool_]:
-    """Find the parameters that cannot be negative: friction, rotor inertia and J of planar segments.
+    """Find the parameters that cannot be negative: friction, rotor inertia, J of planar segments and the total mass.
 
     Args:
         model: Torque model.
@@ -139,7 +139,6 @@ def never_negative(model: TorqueModel) -> NDArray[np.bool_]:
     Returns:
         Mask, (P,).
     """
-    planar = model.leg.chain is not None
-    rigid = set(model.leg.parameter_names) if planar else set()
-    inertia = [name in rigid and name[0] == "J" for name in model.names]
+    rigid = set(model.leg.parameter_names) if model.leg.limbs else set()
+    inertia = [name in rigid and name[0] in "JM" for name in model.names]
     return np.asarray(model.nonnegative | np.array(inertia))

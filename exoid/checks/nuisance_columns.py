@@ -177,7 +177,7 @@ class _Work:
 
     def _by_angle(self, j: int) -> FloatArray:
         """Derivative of the rigid-body torque by an angle, (n, N)."""
-        if self.of.model.leg.chain is None:
+        if not self.of.model.leg.limbs:
             return self._slopes.q[:, :, j].T
         q = self.motion.q.copy()
         q[:, j] += STEP
@@ -186,7 +186,7 @@ class _Work:
     def _by_scale(self, j: int) -> FloatArray:
         """Derivative of the rigid-body torque by the scale of an angle and its derivatives, (n, N)."""
         motion = self.motion
-        if self.of.model.leg.chain is None:
+        if not self.of.model.leg.limbs:
             pairs = zip(self._slopes, (motion.q, motion.v, motion.a), strict=True)
             return np.asarray(sum(slope[:, :, j].T * x[:, j] for slope, x in pairs))
         scaled = [x.copy() for x in (motion.q, motion.v, motion.a)]
@@ -209,7 +209,7 @@ class _Work:
     def _rigid(self, motion: Motion) -> FloatArray:
         """Rigid-body torque with the fitted parameters, (n, N)."""
         leg = self.of.model.leg
-        if leg.chain is None:
+        if not leg.limbs:
             return inverse_dynamics(self._fitted_leg.model, motion.q, motion.v, motion.a).T
         return _planar_torque(leg, self.of.values, motion)
 
@@ -225,7 +225,7 @@ class _Work:
     def _faster(self) -> FloatArray:
         """Derivative of the torque by the relative speed of the clock, (n, N): all but gravity goes with its square."""
         leg = self.of.model.leg
-        if leg.chain is None:
+        if not leg.limbs:
             return 2.0 * (self.of_leg - gravity_torque(self._fitted_leg.model, self.motion.q).T)
         still = np.zeros_like(self.motion.v)
         return 2.0 * (self.of_leg - self._rigid(self.motion._replace(v=still, a=still)))
@@ -271,7 +271,6 @@ def column_layout(model: TorqueModel, arms: Collection[int] = ()) -> tuple[Colum
 
 def _planar_torque(leg: Leg, values: FloatArray, motion: Motion) -> FloatArray:
     """Rigid-body torque of a planar leg, (n, N)."""
-    assert leg.chain is not None
     count = len(leg.parameter_names)
     out = np.zeros((count, *motion.q.shape[::-1]))
     leg.fill_regressor(motion.q, motion.v, motion.a, out, motion.torso)

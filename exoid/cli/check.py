@@ -18,6 +18,7 @@ from .inputs import (
     ColumnPairs,
     Degrees,
     DriveFile,
+    FloatingBase,
     LogOptions,
     MovingBase,
     Names,
@@ -42,7 +43,7 @@ from .payloads import PayloadOptions, refuse_other_payloads
 def check(
     leg: Annotated[str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset's name, or a URDF file.")],
     logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="Logs of any kind, or a dataset's name:train.")],
-    side: Annotated[str | None, typer.Option(help="left or right; by default the side in the log.")] = None,
+    side: Annotated[str | None, typer.Option(help="left, right or both; by default the side in the log.")] = None,
     inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
     joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF; default: logged.")] = None,
     terms: Annotated[str | None, typer.Option(metavar="A,B", help=f"{', '.join(TERMS)}; none for none.")] = None,
@@ -65,6 +66,7 @@ def check(
     base_position: BasePosition = None,
     wrench: WrenchFrames = None,
     moving_base: MovingBase = False,
+    floating_base: FloatingBase = False,
     actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
@@ -88,7 +90,15 @@ def check(
             wrenches=wrench,
         ),
     )
-    found_leg = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names, moving_base=moving_base)
+    found_leg = find_leg(
+        leg,
+        side,
+        inertias,
+        split_names(joints),
+        recordings[0].joint_names,
+        moving_base=moving_base,
+        floating_base=floating_base,
+    )
     found = identification.check(
         found_leg,
         recordings,

@@ -22,6 +22,7 @@ from .inputs import (
     ColumnPairs,
     Degrees,
     DriveFile,
+    FloatingBase,
     LogOptions,
     Mask,
     MovingBase,
@@ -59,7 +60,7 @@ def identify(
     output: Annotated[
         str | None, typer.Option("--output", "-o", metavar="EST.JSON", help="Write the estimate.")
     ] = None,
-    side: Annotated[str | None, typer.Option(help="left or right; by default the side in the log.")] = None,
+    side: Annotated[str | None, typer.Option(help="left, right or both; by default the side in the log.")] = None,
     inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
     joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF; default: logged.")] = None,
     terms: Annotated[
@@ -117,6 +118,7 @@ def identify(
     base_position: BasePosition = None,
     wrench: WrenchFrames = None,
     moving_base: MovingBase = False,
+    floating_base: FloatingBase = False,
     actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
@@ -147,7 +149,9 @@ def identify(
     grouped = None if own is None else _grouped(leg, logs, own, output, test, report, scheduler)
     recordings = logs_on_disk(logs, options) if remote else read_logs(logs, options)
     held_out = read_logs(test or [], options)
-    find = partial(find_leg, leg, side, inertias, split_names(joints), moving_base=moving_base)
+    find = partial(
+        find_leg, leg, side, inertias, split_names(joints), moving_base=moving_base, floating_base=floating_base
+    )
     settings = Settings(
         terms=given_terms(terms),
         estimator=estimator,

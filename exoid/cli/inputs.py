@@ -15,10 +15,11 @@ import typer
 
 from exoid import datasets
 from exoid.actuators import Actuators, read_actuators
-from exoid.catalog import SEGMENTS, load_leg
+from exoid.catalog import SEGMENTS, load_exo, load_leg
 from exoid.description import read_description
 from exoid.errors import ExoidError
 from exoid.leg import Leg
+from exoid.leg_data import Base
 from exoid.signals import Column, Recording, WrenchFrame
 from exoid.signals.wrench_frame import frame_of_link
 from exoid.torques import DEFAULT_TERMS, Term, term_by_name
@@ -69,6 +70,10 @@ WrenchFrames = Annotated[
 MovingBase = Annotated[
     bool,
     typer.Option("--moving-base", help="Parameters of a leg whose base moves in space; for legs that are not planar."),
+]
+FloatingBase = Annotated[
+    bool,
+    typer.Option("--floating-base", help="Rows of force and moment on the torso; for legs that stand or walk."),
 ]
 Degrees = Annotated[bool, typer.Option("--degrees", help="Angles in the logs are degrees.")]
 Start = Annotated[float | None, typer.Option(metavar="S", help="Use each log from this time stamp on [s].")]
@@ -156,16 +161,19 @@ def find_leg(
     logged: Sequence[str] | None,
     *,
     moving_base: bool = False,
+    floating_base: bool = False,
 ) -> Leg:
     """Load a leg: a built-in one, that of a dataset, or that of a URDF file.
 
     Args:
         name: Name of a leg or dataset, or path of a URDF.
-        side: "left" or "right" for a built-in leg; None for the side whose joints were logged.
+        side: "left", "right" or "both" for a built-in leg; None for the side whose joints were logged, and for both if
+            the base floats.
         inertias: Inertia set of a built-in leg.
         joints: Joints of a URDF that move; None for those that were logged.
         logged: Joints in the log; None without a log: all joints of a URDF move.
         moving_base: Whether the leg has the parameters of a base that moves in space.
+        floating_base: Whether it has rows of a base that floats.
 
     Returns:
         The leg.
@@ -177,15 +185,22 @@ def find_leg(
         refuse({"--moving-base": moving_base or None}, f"{name} is planar; name a URDF file for a base in space")
     if name in SEGMENTS:
         refuse({"--joints": joints}, f"the joints of {name} are known")
-        return load_leg(name, side or _side(logged or ()), inertias)
+        base: Base = "floating" if floating_base else "fixed"
+        if side == "both" or (floating_base and side is None):
+            return load_exo(name, inertias, base=base)
+        return load_leg(name, side or _side(logged or ()), inertias, base=base)
     refuse({"--side": side, "--inertias": inertias}, f"{name!r} is no built-in leg")
     if name in DATASETS:
         refuse({"--joints": joints}, f"the joints of {name} are known")
+        refuse({"--floating-base": floating_base or None}, f"the base of {name} was held")
         return DATASETS[name]().leg
     refuse_unknown_leg(name)
     if joints is None and logged is not None:
         joints = _moving_joints(Path(name), logged)
-    return Leg.from_urdf(name, joints, base="moving" if moving_base else "fixed")
+    if moving_base:
+        refuse({"--floating-base": floating_base or None}, "--moving-base is for rows of joints only")
+        return Leg.from_urdf(name, joints, base="moving")
+    return Leg.from_urdf(name, joints, base="floating" if floating_base else "fixed")
 
 
 def refuse_unknown_leg(name: str) -> None:
@@ -267,7 +282,9 @@ def _side(logged: Sequence[str]) -> str:
     """Side of the logged joints; left if their names have none."""
     sides = [side for side in ("left", "right") if any(joint.startswith(f"{side}_") for joint in logged)]
     if len(sides) > 1:
-        raise ExoidError("the log has joints of both sides", remedy="choose with --side left or --side right")
+        raise ExoidError(
+            "the log has joints of both sides", remedy="choose with --side left, --side right or --side both"
+        )
     return sides[0] if sides else "left"
 
 

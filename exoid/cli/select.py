@@ -61,7 +61,7 @@ def select(
         float | None,
         typer.Option(metavar="HZ", help="Low-pass of the compared torques; default: 8, less for logs below 20 Hz."),
     ] = None,
-    side: Annotated[str | None, typer.Option(help="left or right; by default the side in the log.")] = None,
+    side: Annotated[str | None, typer.Option(help="left, right or both; by default the side in the log.")] = None,
     inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
     joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF; default: logged.")] = None,
     column: ColumnPairs = None,

@@ -435,8 +435,8 @@ def _own_warnings(estimates: Mapping[str, Estimate], common: int) -> tuple[str, 
 def negative(model: TorqueModel, values: FloatArray, std: FloatArray) -> tuple[str, ...]:
     """Name friction, rotor inertia and a segment's J that are negative by more than their error."""
     limit = float(scipy.stats.norm.ppf(1.0 - BELOW_ZERO))
-    planar = model.leg.chain is not None
-    inertia = np.array([planar and name in model.leg.parameter_names and name[0] == "J" for name in model.names])
+    planar = bool(model.leg.limbs)
+    inertia = np.array([planar and name in model.leg.parameter_names and name[0] in "JM" for name in model.names])
     below = (model.nonnegative | inertia) & (values < 0.0) & (values < -limit * std)
     if not below.any():
         return ()

@@ -33,6 +33,7 @@ def robot(name, joints=None):
 LEGS = {
     "bleex": lambda: exoid.load_leg("bleex"),
     "cuhk": lambda: exoid.load_leg("cuhk", "right"),
+    "both legs, floating": lambda: exoid.load_exo("bleex", base="floating"),
     "double pendulum": lambda: exoid.Leg.from_urdf("urdf/dfki_double_pendulum.urdf"),
     "continuous joints": lambda: random_chain(np.random.default_rng(3), 4).leg(),
     "sliding joint": lambda: robot("tiago_no_hand", ("torso_lift_joint", "arm_1_joint", "arm_2_joint")),
