@@ -21,6 +21,7 @@ from .base_checks import refuse_unfit_base
 from .base_log import log_of_base
 from .base_motion import BaseMotion
 from .column import Column, as_text
+from .contact_checks import refuse_contradictions
 from .csv_writer import LogPart, write_parts
 from .external import External, as_external, interpolate, refuse_world_axes_without_pose, select_rows
 from .external_log import log_of_external
@@ -557,6 +558,7 @@ class Recording:
     @classmethod
     def _from_table(cls, table: Table, said: LogOptions) -> Recording:
         recording = cls(**fields_of(table, said))
+        refuse_contradictions(recording.time, recording.wrenches, recording.contacts, table.file)
         return recording.resampled() if said.resample else recording
 
 
