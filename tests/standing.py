@@ -60,7 +60,7 @@ def standing(leg: Leg, feet: str, seconds: float = 20.0, seed: int = 0, rate: fl
     pitch = waves(time, rng, 0.1, 0.12)
     left = leg_angles(leg, hip, pitch)
     if feet == "both":
-        right = leg_angles(leg, (*hip, 0.08, 0.0), pitch)
+        right = leg_angles(leg, hip + np.array([0.08, 0.0]), pitch)
     else:
         middles, sizes = (0.4, -0.8, 0.0), (0.4, 0.35, 0.3)
         right = np.column_stack([waves(time, rng, m, s, 0.25) for m, s in zip(middles, sizes, strict=True)])
@@ -121,7 +121,7 @@ def _base(leg: Leg, time: np.ndarray, hip: np.ndarray, pitch: np.ndarray) -> Bas
     plane = leg.limbs[0].chain.plane
     rate, change = derivatives(time, pitch)
     _, acceleration = derivatives(time, hip)
-    lifted = (*acceleration, 0.0, GRAVITY)
+    lifted = acceleration + np.array([0.0, GRAVITY])
     turn = np.exp(-1j * pitch) * (lifted[:, 0] + 1j * lifted[:, 1])
     force = np.outer(turn.real, plane.forward) + np.outer(turn.imag, plane.up)
     return BaseKinematics(-np.outer(rate, plane.lateral), -np.outer(change, plane.lateral), force)

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.ground import Stretch, level_rotation, split, standing_base, touching
+from exoid.ground import Stretch, contact_of, level_rotation, split, standing_base
 from exoid.leg import Leg
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import among_zeros, for_leg, source_of
 from exoid.signals import BaseMotion, Recording, Wrench, base_during
+from exoid.signals.link_wrenches import wrenches_on_links
 
 from .data import EstimateData
 from .torque_band import parameter_variance
@@ -121,10 +122,14 @@ def level_wrench(leg: Leg, link: str, wrench: Wrench, rows: NDArray[np.intp] | s
 
 def _with_unknown_feet(leg: Leg, recording: Recording) -> Recording:
     """Keep only the contacts of links, and wrenches on what does not rest, such as a harness."""
-    feet = {link: wrench for link, wrench in recording.wrenches.items() if link != leg.description.root_link}
-    contacts = {link: touching(wrench.force) for link, wrench in feet.items()}
-    others = {link: wrench for link, wrench in recording.wrenches.items() if link not in feet}
-    return replace(recording, contacts={**contacts, **recording.contacts}, wrenches=others)
+    contacts, others = dict(recording.contacts), {}
+    for link, wrench in wrenches_on_links(leg, recording).items():
+        flags = None if link == leg.description.root_link else contact_of(leg, link, wrench)
+        if flags is not None:
+            contacts.setdefault(link, flags)
+        elif link not in contacts:
+            others[link] = wrench
+    return replace(recording, contacts=contacts, wrenches=others)
 
 
 class _Solution(NamedTuple):

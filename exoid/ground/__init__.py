@@ -4,7 +4,7 @@ from .elimination import Elimination, eliminate, reference_axes
 from .imu import ImuErrors, imu_errors
 from .placements import level_rotation, link_placements
 from .standing_base import standing_base
-from .stretches import EDGE, SHORTEST, Left, Split, Stretch, split, touching
+from .stretches import EDGE, SHORTEST, Left, Split, Stretch, contact_of, split
 from .support_model import LOOP, SupportModel
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "Split",
     "Stretch",
     "SupportModel",
+    "contact_of",
     "eliminate",
     "imu_errors",
     "level_rotation",
@@ -24,5 +25,4 @@ __all__ = [
     "reference_axes",
     "split",
     "standing_base",
-    "touching",
 ]

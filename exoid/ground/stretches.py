@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.link_frames import link_frame
-from exoid.signals import BaseMotion, Recording
+from exoid.signals import BaseMotion, Recording, Wrench
+from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench, settled
+from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import eliminate
 from .imu import ImuErrors, imu_errors
+from .placements import level_rotation
 from .standing_base import standing_base
 
 EDGE = 0.1
@@ -90,11 +92,10 @@ def split(leg: Leg, recording: Recording) -> Split:
         ExoidError: A link is not in the URDF, the motion of the base is needed and missing, or nothing is left.
     """
     recording = recording.resampled()
+    recording = replace(recording, wrenches=wrenches_on_links(leg, recording))
     rest, unknown = _contacts(leg, recording)
     counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
-    steady = np.logical_and.reduce(
-        [_lasting(flags, round(EDGE * recording.sample_rate)) for flags in rest.values()], initial=True
-    )
+    steady = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
     slow = _smooth(recording.q, recording.sample_rate)
     v = np.gradient(slow, recording.time, axis=0)
     still = ~_slipping(leg, recording, rest, slow, v) if recording.contacts else np.ones_like(counted)
@@ -133,47 +134,32 @@ def _imu(leg: Leg, recording: Recording, rest: Mapping[str, NDArray[np.bool_]]) 
 def _contacts(leg: Leg, recording: Recording) -> tuple[dict[str, BoolArray], dict[str, BoolArray]]:
     """Find which links rest, and which of them by a wrench that was not measured."""
     links = (*recording.contacts, *recording.wrenches)
-    for link in links:
-        link_frame(leg.model, leg.description, link)
     rest = {link: np.asarray(flags) for link, flags in recording.contacts.items()}
     for link, wrench in recording.wrenches.items():
-        if link not in rest and link != leg.description.root_link and _lifts(wrench.force):
-            rest[link] = touching(wrench.force)
+        flags = contact_of(leg, link, wrench) if link not in rest and link != leg.description.root_link else None
+        if flags is not None:
+            rest[link] = flags
     unknown = {link: flags for link, flags in rest.items() if link not in recording.wrenches}
     if not links and leg.base_rows:
         unknown[leg.description.root_link] = np.ones(len(recording), dtype=np.bool_)
     return rest, unknown
 
 
-def touching(force: FloatArray) -> BoolArray:
-    """Find contact from a measured force: it begins above 10 % and ends below 5 % of the largest.
+def contact_of(leg: Leg, link: str, wrench: Wrench) -> BoolArray | None:
+    """Find contact of a link from its measured wrench.
 
     Args:
-        force: Force on a link [N], (N, 3).
+        leg: The leg.
+        link: The link, which is level where all joint angles are zero.
+        wrench: Its wrench in its own axes.
 
     Returns:
-        Whether the link is in contact, (N,).
+        Whether the link is in contact, (N,); None for one that is never lifted, such as a harness.
     """
-    size = np.linalg.norm(force, axis=1)
-    most = np.quantile(size, 0.98)
-    state = np.where(size > 0.1 * most, 1, np.where(size < 0.05 * most, 0, -1))
-    last = np.maximum.accumulate(np.where(state >= 0, np.arange(len(state)), 0))
-    return np.asarray(state[last] > 0)
-
-
-def _lasting(flags: BoolArray, samples: int) -> NDArray[np.bool_]:
-    """Samples that are further than so many from a change."""
-    changes = np.flatnonzero(np.diff(flags))
-    lasting = np.ones(len(flags), dtype=np.bool_)
-    for change in changes:
-        lasting[max(0, change + 1 - samples) : change + 1 + samples] = False
-    return lasting
-
-
-def _lifts(force: FloatArray) -> bool:
-    """Whether a measured force comes and goes, as that on a foot which is lifted."""
-    size = np.linalg.norm(force, axis=1)
-    return bool(np.quantile(size, 0.02) < 0.1 * np.quantile(size, 0.98))
+    up = level_rotation(leg, link).T @ (0.0, 0.0, 1.0)
+    normal = wrench.force @ up
+    low, high = np.quantile(normal, [0.02, 0.98])
+    return contacts_from_wrench(wrench, up=up) if high > LEAST_LOAD and low < LIFT * high else None
 
 
 def _patterns(unknown: Mapping[str, BoolArray], count: int) -> list[tuple[tuple[str, ...], BoolArray]]:
@@ -197,6 +183,13 @@ def _solvable(leg: Leg, links: Sequence[str], q: FloatArray) -> NDArray[np.bool_
     if found.loop is not None and not found.loop.shape[2]:
         return np.zeros(len(q), dtype=np.bool_)
     return found.fit
+
+
+def _lasting(flags: BoolArray, time: FloatArray) -> BoolArray:
+    """Samples that are further than the edge from a touch-down or lift-off; the ends of a log are none."""
+    around = np.concatenate([[time[0] - 2.0 * EDGE], time, [time[-1] + 2.0 * EDGE]])
+    longer = np.concatenate([flags[:1], flags, flags[-1:]])
+    return (settled(longer, around, EDGE) | settled(~longer, around, EDGE))[1:-1]
 
 
 def _slipping(

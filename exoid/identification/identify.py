@@ -22,7 +22,7 @@ from .estimators import Estimator, find_estimator, fit_by, name_of
 from .fitting import Fitted, Start, Task
 from .group_rows import Group, Measured
 from .groups import make_groups, own_parameters, refuse_nonlinear_terms
-from .on_ground import needs_ground, on_ground, without_outliers
+from .on_ground import on_ground, without_outliers
 from .problem import Problem
 from .recording_summary import RecordingSummary, bases_turn, has_unmeasured_joints, prepare_groups, summarize_groups
 from .repeats import counted_once
@@ -157,7 +157,7 @@ def identify(
     if actuators is not None:
         inputs = inputs.driven(actuators, chosen, delay, default_terms=terms is None)
     task, summaries, before = _gather(inputs, chosen, own, preparation, cutoff)
-    if needs_ground(task.groups):
+    if any(group.on_ground for group in task.groups):
         by_noise = preparation is None and cutoff is None
         return _on_ground(task, summaries[""], before, delay, by_noise=by_noise, white=noise == "white")
     fitted = fit_model(task)

@@ -49,22 +49,6 @@ class OnGround(NamedTuple):
     findings: tuple[Finding, ...]
 
 
-def needs_ground(groups: Sequence[Group]) -> bool:
-    """Tell whether recordings have to be split by the links that rest on the ground.
-
-    Args:
-        groups: Groups of recordings.
-
-    Returns:
-        Whether the base of a leg floats, or a recording has contacts with unknown wrenches.
-    """
-    return any(
-        group.leg.base_rows or any(isinstance(one, Recording) and set(one.contacts) - set(one.wrenches) for one in data)
-        for group in groups
-        for data in ([] if isinstance(group.data, Cluster) else group.data,)
-    )
-
-
 def on_ground(task: Task, *, by_noise: bool) -> OnGround:
     """Split the recordings of a task by the links that rest on the ground with an unknown wrench.
 

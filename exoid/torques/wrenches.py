@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.signals import Wrench
 
@@ -17,16 +18,21 @@ def wrench_torque(leg: Leg, q: FloatArray, wrenches: Mapping[str, Wrench]) -> Fl
     Args:
         leg: The leg.
         q: Joint angles [rad], (N, n).
-        wrenches: Wrenches in the axes of their links, by the name of the link.
+        wrenches: Wrenches by the name of the link.
 
     Returns:
         Forces and moments on a floating base, and torques of the joints [N, N·m], (N, b + n).
 
     Raises:
-        ExoidError: The leg has no such link.
+        ExoidError: The leg has no such link, or a wrench is in axes of the laboratory.
     """
     total = np.zeros((len(q), len(leg.row_names)))
     for link, wrench in wrenches.items():
+        if wrench.axes != "link":
+            raise ExoidError(
+                f"the wrench on {link} is in axes of the laboratory",
+                remedy="turn it into those of the link: exoid.signals.wrenches_on_links(leg, recording)",
+            )
         jacobian = leg.frame_jacobian(q, link, wrench.point)
         total += np.einsum("ncr,nc->nr", jacobian, np.hstack([wrench.force, wrench.moment]))
     return total
