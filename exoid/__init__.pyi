@@ -22,14 +22,14 @@ from . import (
     torques,
     view,
 )
-from .catalog import load_leg
+from .catalog import load_exo, load_leg
 from .errors import ExoidError
 from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, validate
 from .findings import Finding
 from .identification import check, identify
 from .leg import Leg
 from .payload import Payload
-from .signals import BaseMotion, Recording, Recordings
+from .signals import BaseMotion, BasePose, Recording, Recordings, Wrench
 from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
 from .torso import TorsoMotion
 
@@ -38,6 +38,7 @@ __version__: str
 __all__ = [
     "Armature",
     "BaseMotion",
+    "BasePose",
     "Comparison",
     "Coulomb",
     "Estimate",
@@ -53,6 +54,7 @@ __all__ = [
     "TorsoMotion",
     "Validation",
     "Viscous",
+    "Wrench",
     "actuators",
     "catalog",
     "check",
@@ -67,6 +69,7 @@ __all__ = [
     "identification",
     "identify",
     "lift",
+    "load_exo",
     "load_leg",
     "published",
     "reduction",

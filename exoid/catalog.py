@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from .errors import ExoidError
-from .leg import Leg
+from .leg import Base, Leg
 
 SEGMENTS = {"bleex": ("hip", "knee", "ankle"), "cuhk": ("hip", "knee")}
 """Joint labels of each leg."""
@@ -53,13 +53,49 @@ def load_leg(name: str, side: str = "left", inertias: str | None = None) -> Leg:
         >>> load_leg("bleex", side="right", inertias="identified").joint_names
         ('right_hip', 'right_knee', 'right_ankle')
     """
+    urdf = _urdf(name, inertias)
+    if side not in ("left", "right"):
+        raise ExoidError(f"no side {side!r}", remedy="use 'left' or 'right'")
+    joints = tuple(f"{side}_{segment}" for segment in SEGMENTS[name])
+    return Leg.from_urdf(urdf, joints, cumulative=name == "bleex")
+
+
+def load_exo(name: str, inertias: str | None = None, *, base: Base = "fixed") -> Leg:
+    """Load a built-in exoskeleton: torso and both legs in one tree.
+
+    Parameters have the documented names of each leg: ``X1_left``, ``Y1_left``, … A floating torso adds M, X0, Y0, J0.
+    Mass, place and size of the torso are assumptions: no document gives them (docs/legs.md).
+
+    Args:
+        name: Name: "bleex" or "cuhk".
+        inertias: Inertia set, see :func:`load_leg`.
+        base: "fixed" for a torso that stands, or moves within the plane as a recording says; "moving" for the numerical
+            parameters of a torso that moves in space; "floating" for rows of force and moment on the torso, before
+            those of the joints.
+
+    Returns:
+        The leg of both sides, left joints first.
+
+    Raises:
+        ExoidError: There is no exoskeleton, inertia set or base of that name.
+
+    Example:
+        >>> exo = load_exo("cuhk", base="floating")
+        >>> exo.parameter_names[:7]
+        ('M', 'X0', 'Y0', 'J0', 'X1_left', 'Y1_left', 'J1_left')
+        >>> exo.row_names[:4]
+        ('base_forward', 'base_up', 'base_pitch', 'left_hip')
+    """
+    joints = tuple(f"{side}_{segment}" for side in ("left", "right") for segment in SEGMENTS.get(name, ()))
+    return Leg.from_urdf(_urdf(name, inertias), joints, cumulative=name == "bleex", base=base)
+
+
+def _urdf(name: str, inertias: str | None) -> Path:
+    """Path of the URDF of a built-in leg."""
     if name not in SEGMENTS:
         raise ExoidError(f"no built-in leg {name!r}", remedy=f"use one of {', '.join(SEGMENTS)}, or Leg.from_urdf")
     sets = [known for leg, known in URDFS if leg == name]
     inertias = sets[0] if inertias is None else inertias
     if inertias not in sets:
         raise ExoidError(f"no inertias {inertias!r} for {name!r}", remedy=f"use one of {', '.join(sets)}")
-    if side not in ("left", "right"):
-        raise ExoidError(f"no side {side!r}", remedy="use 'left' or 'right'")
-    joints = tuple(f"{side}_{segment}" for segment in SEGMENTS[name])
-    return Leg.from_urdf(urdf_folder() / URDFS[name, inertias], joints, cumulative=name == "bleex")
+    return urdf_folder() / URDFS[name, inertias]

@@ -73,6 +73,12 @@ class Description:
         joints = self.parse().findall("joint")
         return {j.get("name", ""): c.get("link", "") for j in joints if (c := j.find("child")) is not None}
 
+    @cached_property
+    def root_link(self) -> str:
+        """Name of the link that no joint carries."""
+        carried = set(self.child_links.values())
+        return next(name for link in self.parse().findall("link") if (name := link.get("name", "")) not in carried)
+
     @property
     def plain(self) -> str:
         """XML for Pinocchio: single spaces between numbers, as it drops elements with other white space.

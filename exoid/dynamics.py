@@ -46,12 +46,12 @@ def inverse_dynamics(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArr
 
 
 def inverse_dynamics_on_base(
-    model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray, velocity: FloatArray, acceleration: FloatArray
+    free: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray, velocity: FloatArray, acceleration: FloatArray
 ) -> FloatArray:
-    """Compute joint torques behind a free-flyer joint: the base is the root link, whose own inertia has no effect.
+    """Compute force and moment on the base, and joint torques, behind a free-flyer joint.
 
     Args:
-        model: Model of joints with one degree of freedom.
+        free: Model of joints with one degree of freedom behind a free-flyer.
         q: Joint angles [rad], (N, n).
         v: Joint velocities [rad/s], (N, n).
         a: Joint accelerations [rad/s²], (N, n).
@@ -59,20 +59,15 @@ def inverse_dynamics_on_base(
         acceleration: Spatial acceleration less gravity, linear [m/s²] before angular [rad/s²], (N, 6).
 
     Returns:
-        Joint torques [N·m], (N, n).
+        Force [N] and moment [N·m] on the base at its origin, in its axes, and joint torques [N·m], (N, 6 + n).
     """
-    base = pin.Model()
-    joint = base.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "exoid base")
-    frame = base.addFrame(pin.Frame("exoid base", joint, 0, pin.SE3.Identity(), pin.FrameType.BODY))
-    free = pin.appendModel(base, model, frame, pin.SE3.Identity())
-    free.gravity.setZero()
-    data, upright = free.createData(), pin.neutral(free)[:7]
-    rows = zip(configuration(model, q), v, a, velocity, acceleration, strict=True)
-    torques = [
-        pin.rnea(free, data, np.r_[upright, angles], np.r_[of_base, rates], np.r_[force, slopes])[6:].copy()
-        for angles, rates, slopes, of_base, force in rows
-    ]
-    return np.array(torques).reshape(v.shape)
+    weightless = pin.Model(free)
+    weightless.gravity.setZero()
+    data = weightless.createData()
+    at_origin = np.hstack([np.zeros((len(q), 6)), q])
+    states = np.hstack([velocity, v]), np.hstack([acceleration, a])
+    rows = zip(configuration(free, at_origin), *states, strict=True)
+    return np.array([pin.rnea(weightless, data, *row) for row in rows]).reshape(len(q), free.nv)
 
 
 class TorqueSlopes(NamedTuple):

@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from ._typing import ArrayLike, FloatArray
+from .base_kinematics import BaseKinematics
 from .description import Description, read_description
 from .dh import Convention, DHBody, DHRow, describe_dh
 from .dynamics import (
@@ -25,17 +26,31 @@ from .dynamics import (
     segment_placements,
 )
 from .errors import ExoidError
+from .floating_base import (
+    FREE_ROWS,
+    floating_mass_matrix,
+    free_flyer_model,
+    planar_coordinates,
+    project_columns,
+    rest,
+)
+from .link_frames import link_frame, planar_directions
 from .model import build_model, dynamic_parameters, with_dynamic_parameters
 from .reduction import (
-    BaseSamples,
+    PLANAR_ROWS,
+    Limb,
     PlanarChain,
+    PlanarMachine,
     Plane,
     Reduction,
+    TorsoSamples,
     Tree,
     documented,
+    documented_machine,
+    fill_reduced_regressor,
     fill_regressor,
-    fill_tree_regressor,
     numeric,
+    tree_jacobian,
 )
 from .torso import (
     TORSO_JOINTS,
@@ -49,8 +64,8 @@ from .torso import (
 
 SIDES = ("left_", "right_")
 
-Base = Literal["fixed", "moving"]
-"""Whether the base of the leg stands, or moves in space."""
+Base = Literal["fixed", "moving", "floating"]
+"""Whether the base of the leg stands, moves in space, or floats: then force and moment on it have rows of their own."""
 
 
 class JointLimits(NamedTuple):
@@ -86,7 +101,8 @@ class Leg:
         chain: Planar geometry; None if the leg is not a planar chain.
         reduction: Reduction of link parameters to :attr:`parameters`.
         base: "moving" if the parameters are those that torques on a base that moves in space depend on: numerical ones,
-            more than on a fixed base.
+            more than on a fixed base. "floating" if rows of the base come before those of the joints.
+        machine: Planar geometry of several limbs, or of what has a floating base; None for all other legs.
     """
 
     description: Description
@@ -96,6 +112,7 @@ class Leg:
     locked: Mapping[str, float] = field(default_factory=dict)
     cumulative: bool = True
     base: Base = "fixed"
+    machine: PlanarMachine | None = None
 
     @classmethod
     def from_urdf(
@@ -116,7 +133,7 @@ class Leg:
             locked: Positions of other joints [rad or m]; zero if not given.
             cumulative: Whether J of a segment contains the J below it (doc. 1) or not (doc. 2).
             base: "moving" for the parameters of a leg whose base moves in space. A planar chain takes motions of its
-                base within its plane without it.
+                base within its plane without it. "floating" adds rows of the base, and the parameters of the root link.
 
         Returns:
             The leg.
@@ -197,16 +214,23 @@ class Leg:
             ExoidError: The URDF cannot be used, or a joint is missing.
         """
         if base not in get_args(Base):
-            raise ExoidError(f"base is {base!r}", remedy='pass base="fixed" or base="moving"')
+            raise ExoidError(f"base is {base!r}", remedy='pass base="fixed", base="moving" or base="floating"')
         locked = MappingProxyType(dict(locked or {}))
         model = build_model(description, joints, locked)
         chain = PlanarChain.from_model(model) if base == "fixed" else None
+        floating = base == "floating"
+        machine = PlanarMachine.from_model(model, floating=floating) if chain is None and base != "moving" else None
         if chain is not None:
             reduction = documented(chain, cumulative=cumulative)
+        elif machine is not None:
+            reduction = documented_machine(machine, model.jointPlacements[1].translation, cumulative=cumulative)
         else:
-            links = [description.child_links[name] for name in list(model.names)[1:]]
-            reduction = numeric(model, _without_side(links), moving_base=base == "moving")
-        return cls(description, model, reduction, chain, locked, cumulative, base)
+            links = _without_side([description.child_links[name] for name in list(model.names)[1:]])
+            if floating:
+                reduction = numeric(free_flyer_model(model), (description.root_link, *links))
+            else:
+                reduction = numeric(model, links, moving_base=base == "moving")
+        return cls(description, model, reduction, chain, locked, cumulative, base, machine)
 
     @property
     def hip(self) -> FloatArray:
@@ -217,6 +241,29 @@ class Leg:
     def joint_names(self) -> tuple[str, ...]:
         """Names of the joints in the URDF, from the torso outwards."""
         return tuple(self.model.names)[1:]
+
+    @property
+    def limbs(self) -> tuple[Limb, ...]:
+        """Planar chains of the leg: one, or those of a machine; () if it is not planar."""
+        if self.chain is not None:
+            return (Limb(self.chain, slice(0, self.chain.n), "", np.zeros(2)),)
+        return () if self.machine is None else self.machine.limbs
+
+    @property
+    def base_rows(self) -> int:
+        """Number of rows of a floating base, before those of the joints: 3 in a plane, otherwise 6; 0 without one."""
+        return len(self.row_names) - len(self.joint_names)
+
+    @property
+    def row_names(self) -> tuple[str, ...]:
+        """Names of the rows: forces and moments on a floating base, and the joints.
+
+        The rows of a planar base are the force forward and up [N], in axes that turn with the torso, and the moment
+        about the hip [N·m], positive like the pitch. Others are force and moment about the origin of the root link.
+        """
+        if self.base != "floating":
+            return self.joint_names
+        return (*(FREE_ROWS if self.machine is None else PLANAR_ROWS), *self.joint_names)
 
     @property
     def joint_labels(self) -> tuple[str, ...]:
@@ -246,7 +293,7 @@ class Leg:
     @cached_property
     def parameters(self) -> FloatArray:
         """Values of the parameters in SI units, (p,)."""
-        values = self.reduction.parameters(dynamic_parameters(self.model))
+        values = self.reduction.parameters(dynamic_parameters(self.model, root=self.base == "floating"))
         values.flags.writeable = False
         return values
 
@@ -278,27 +325,28 @@ class Leg:
         array = _numbers(values)
         if array.shape != self.parameters.shape or not np.isfinite(array).all():
             raise ExoidError(f"expected {len(self.parameter_names)} finite values for {self.parameter_names}")
-        adjusted = self.reduction.adjust(dynamic_parameters(self.model), array)
+        own = dynamic_parameters(self.model, root=self.base == "floating")
+        adjusted = self.reduction.adjust(own, array)
         return replace(self, model=with_dynamic_parameters(self.model, adjusted))
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
-        """Form the regressor W of the parameters: τ = W(q, v, a) β.
+        """Form the regressor W of the parameters: τ = W(q, v, a) β. Rows of a floating base come before the joints.
 
         Args:
             q: Joint angles [rad], (N, n).
             v: Joint velocities [rad/s], (N, n).
             a: Joint accelerations [rad/s²], (N, n).
-            torso: Motion of the torso or of the base in space, of which a planar chain takes the part within its plane;
+            torso: Motion of the torso or of the base in space, of which a planar leg takes the part within its plane;
                 None if it is upright and still.
 
         Returns:
-            W, (N, n, p), each column contiguous in memory.
+            W, (N, base_rows + n, p), each column contiguous in memory.
 
         Raises:
             ExoidError: Shapes do not fit, or the base of a leg moves that is neither a planar chain nor made for that.
         """
         q, v, a = self.samples(q, v, a)
-        out = np.zeros((len(self.parameter_names), *q.shape[::-1]))
+        out = np.zeros((len(self.parameter_names), len(self.row_names), len(q)))
         self.fill_regressor(q, v, a, out, torso)
         return out.transpose(2, 1, 0)
 
@@ -311,7 +359,7 @@ class Leg:
             q: Joint angles [rad], (N, n).
             v: Joint velocities [rad/s], (N, n).
             a: Joint accelerations [rad/s²], (N, n).
-            out: Receives Wᵀ, zeroed, (p, n, N).
+            out: Receives Wᵀ, zeroed, (p, base_rows + n, N).
             torso: Motion of the torso, or of the base; see :meth:`regressor`.
 
         Raises:
@@ -320,10 +368,12 @@ class Leg:
         if self.chain is not None:
             moved = None if torso is None else torso_samples(torso, len(q), self.chain.plane, self.hip)
             fill_regressor(self.chain, q, v, a, out, cumulative=self.cumulative, torso=moved)
-        elif torso is None:
-            self._fill_numeric(q, v, a, out)
-        elif self.base == "moving":
-            self._fill_numeric(q, v, a, out, base_kinematics(torso, len(q), self._plane, self.hip).spatial())
+        elif self.machine is not None:
+            within = None if torso is None else self._within_plane(torso, len(q))
+            self.machine.fill_regressor(q, v, a, out, cumulative=self.cumulative, torso=within)
+        elif torso is None or self.base != "fixed":
+            base = None if torso is None else self._base(torso, len(q)).spatial()
+            fill_reduced_regressor(self.reduction, self._tree, q, v, a, out, base)
         else:
             raise ExoidError(
                 "a moving base needs more parameters unless the leg is a planar chain",
@@ -333,7 +383,7 @@ class Leg:
             )
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
-        """Compute joint torques by Pinocchio's recursive Newton-Euler algorithm (RNEA).
+        """Compute joint torques, and the rows of a floating base, by the recursive Newton-Euler algorithm (RNEA).
 
         Args:
             q: Joint angles [rad], (N, n).
@@ -342,18 +392,18 @@ class Leg:
             torso: Motion of the torso, or of the base in space with all that it adds; None if it is upright and still.
 
         Returns:
-            Torques [N·m], (N, n).
+            Torques [N·m], (N, n); of a floating base (N, base_rows + n), see :attr:`row_names`.
 
         Raises:
             ExoidError: Shapes do not fit.
         """
         samples = self.samples(q, v, a)
+        if self.base == "floating" or not isinstance(torso, TorsoMotion | None):
+            q, v, a = samples
+            rows = inverse_dynamics_on_base(self._free, q, v, a, *self._base(torso, len(q)).spatial())
+            return project_columns(rows, self._base_coordinates)
         if torso is None:
             return inverse_dynamics(self.model, *samples)
-        if not isinstance(torso, TorsoMotion):
-            base = base_kinematics(torso, len(samples[0]), self._plane, self.hip)
-            q, v, a = samples
-            return inverse_dynamics_on_base(self.model, q, v, a, *base.spatial())
         moved = (
             np.hstack(pair) for pair in zip(torso_coordinates(torso.samples(len(samples[0]))), samples, strict=True)
         )
@@ -366,12 +416,58 @@ class Leg:
             q: Joint angles [rad], (N, n).
 
         Returns:
-            M [kg·m²], (N, n, n).
+            M [kg·m²], (N, n, n); of a floating base (N, base_rows + n, base_rows + n), also in kg and kg·m.
 
         Raises:
             ExoidError: The shape does not fit.
         """
-        return mass_matrix(self.model, *self.samples(q))
+        (q,) = self.samples(q)
+        if self.base == "floating":
+            return floating_mass_matrix(self._free, self._base_coordinates, q)
+        return mass_matrix(self.model, q)
+
+    def frame_jacobian(self, q: ArrayLike, link: str, point: ArrayLike = (0.0, 0.0, 0.0)) -> FloatArray:
+        """Compute the Jacobian J of a point of a link: its twist per unit of each coordinate of the rows.
+
+        Coordinates of base rows are the velocity of the base that does work with them. So a force and a moment on the
+        link at the point, in its axes, act on the rows as Jᵀ (force, moment).
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            link: Name of a link in the URDF; the root link, or one fixed to another, too.
+            point: Place of the point in the axes of the link [m], (3,).
+
+        Returns:
+            J, linear rows before angular, in the axes of the link, (N, 6, base_rows + n).
+
+        Raises:
+            ExoidError: The shape does not fit, or the URDF has no such link.
+        """
+        (q,) = self.samples(q)
+        frame = link_frame(self.model, self.description, link)
+        place = frame.placement * pin.SE3(np.eye(3), _point(point))
+        J = tree_jacobian(self._tree, q, frame.body, place.inverse().action)
+        return project_columns(J, self._base_coordinates) if self.base == "floating" else J
+
+    def contact_jacobian(self, q: ArrayLike, link: str) -> FloatArray:
+        """Compute the Jacobian of what a link that is fixed to the ground keeps at zero.
+
+        For a planar leg this is the velocity of the link's origin along the axes that point forward and up at the zero
+        pose and turn with the link, and its rate of turn, positive like the pitch. Otherwise it is the twist of
+        :meth:`frame_jacobian`. Columns of a floating base come first; they are an invertible matrix.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            link: Name of a link in the URDF.
+
+        Returns:
+            J, (N, c, base_rows + n) with c = 3 for a planar leg, otherwise 6.
+
+        Raises:
+            ExoidError: The shape does not fit, or the URDF has no such link.
+        """
+        J = self.frame_jacobian(q, link)
+        return J if not self.limbs else planar_directions(self.model, self.description, link, self._plane) @ J
 
     def coriolis(self, q: ArrayLike, v: ArrayLike, torso: TorsoMotion | None = None) -> FloatArray:
         """Compute the Coriolis matrix C(q, v) with ½Ṁ − C skew-symmetric.
@@ -388,6 +484,12 @@ class Leg:
             ExoidError: Shapes do not fit.
         """
         q, v = self.samples(q, v)
+        if self.base == "floating":
+            raise ExoidError(
+                "a floating base has no Coriolis matrix without its velocity in space",
+                where=self.description.name,
+                remedy="take the rows of inverse_dynamics at zero acceleration, less those of gravity",
+            )
         if torso is None:
             return coriolis_matrix(self.model, q, v)
         position, velocity, _ = torso_coordinates(torso.samples(len(q)))
@@ -402,12 +504,15 @@ class Leg:
             torso: Motion of the torso, only the pitch of which has an effect; None if it is upright.
 
         Returns:
-            G [N·m], (N, n).
+            G [N·m], (N, n); of a floating base (N, base_rows + n), see :attr:`row_names`.
 
         Raises:
             ExoidError: The shape does not fit.
         """
         (q,) = self.samples(q)
+        if self.base == "floating":
+            still = np.zeros_like(q)
+            return self.inverse_dynamics(q, still, still, None if torso is None else TorsoMotion(torso.pitch))
         if torso is None:
             return gravity_torque(self.model, q)
         position, _, _ = torso_coordinates(torso.samples(len(q)))
@@ -468,37 +573,42 @@ class Leg:
 
     def __repr__(self) -> str:
         """Write the URDF, the joints and the parameters."""
-        kind = "numeric" if self.chain is None else "planar"
+        kind = ("planar" if self.limbs else "numeric") + ", floating base" * (self.base == "floating")
         names = ", ".join(self.parameter_names)
         return f"Leg({self.description.name!r}, joints={self.joint_names}, {kind}: {names})"
 
     @property
     def _plane(self) -> Plane:
-        return self.chain.plane if self.chain is not None else Plane(*np.eye(3))
+        return self.limbs[0].chain.plane if self.limbs else Plane(*np.eye(3))
 
     @cached_property
     def _on_torso(self) -> pin.Model:
         return moving_torso_model(self.model, self._plane)
 
     @cached_property
-    def _tree(self) -> Tree:
-        return Tree.from_model(self.model)
+    def _free(self) -> pin.Model:
+        return free_flyer_model(self.model)
 
-    def _fill_numeric(
-        self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, base: BaseSamples | None = None
-    ) -> None:
-        columns, spread = self.reduction.columns, self.reduction.spread
-        if self.reduction.selects:
-            fill_tree_regressor(self._tree, q, v, a, columns, out, base)
-            return
-        block = 2048  # samples, which limits the memory of Pinocchio's wide regressor
-        for start in range(0, len(q), block):
-            rows = slice(start, start + block)
-            part = out[..., rows]
-            Y = np.zeros((len(columns), *part.shape[1:]))
-            moved = None if base is None else BaseSamples(*(x[rows] for x in base))
-            fill_tree_regressor(self._tree, q[rows], v[rows], a[rows], columns, Y, moved)
-            part[:] = np.tensordot(spread[columns].T, Y, axes=1)
+    @cached_property
+    def _tree(self) -> Tree:
+        return Tree.from_model(self._free if self.base == "floating" else self.model)
+
+    @cached_property
+    def _base_coordinates(self) -> FloatArray:
+        """Twist of the root link per unit of each base coordinate, (6, base_rows)."""
+        if self.base != "floating":
+            return np.zeros((6, 0))
+        return np.eye(6) if self.machine is None else planar_coordinates(self._plane, self.hip)
+
+    def _base(self, torso: MovingBase | None, count: int) -> BaseKinematics:
+        if torso is None:
+            return rest(self.model.gravity.linear, count)
+        return base_kinematics(torso, count, self._plane, self.hip)
+
+    def _within_plane(self, torso: MovingBase, count: int) -> TorsoSamples:
+        """Motion within the plane; of a floating torso in axes that turn with it."""
+        base = self._base(torso, count) if self.base == "floating" else torso
+        return torso_samples(base, count, self._plane, self.hip)
 
 
 def _numbers(values: ArrayLike) -> FloatArray:
@@ -506,6 +616,13 @@ def _numbers(values: ArrayLike) -> FloatArray:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ExoidError(f"not an array of numbers ({error})", remedy="pass numbers, samples first") from error
+
+
+def _point(point: ArrayLike) -> FloatArray:
+    place = _numbers(point)
+    if place.shape != (3,) or not np.isfinite(place).all():
+        raise ExoidError(f"the point is {point!r}", remedy="pass three finite numbers [m] in the axes of the link")
+    return place
 
 
 def _without_side(names: Sequence[str]) -> tuple[str, ...]:

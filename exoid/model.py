@@ -92,16 +92,17 @@ def configuration(model: pin.Model, q: FloatArray) -> FloatArray:
     return out
 
 
-def dynamic_parameters(model: pin.Model) -> FloatArray:
+def dynamic_parameters(model: pin.Model, *, root: bool = False) -> FloatArray:
     """Stack π = [m, mc, I] of the moving links in Pinocchio's order, with I about the joint frame.
 
     Args:
         model: The model.
+        root: Whether the root link, with all that is fixed to it, comes first, with I about its origin.
 
     Returns:
-        π, (10 n,).
+        π, (10 n,) or (10 + 10 n,).
     """
-    return np.concatenate([model.inertias[j].toDynamicParameters() for j in range(1, model.njoints)])
+    return np.concatenate([model.inertias[j].toDynamicParameters() for j in range(1 - root, model.njoints)])
 
 
 def with_dynamic_parameters(model: pin.Model, parameters: FloatArray) -> pin.Model:
@@ -109,13 +110,14 @@ def with_dynamic_parameters(model: pin.Model, parameters: FloatArray) -> pin.Mod
 
     Args:
         model: The model.
-        parameters: π, (10 n,).
+        parameters: π, (10 n,), or (10 + 10 n,) with those of the root link first.
 
     Returns:
         The copy.
     """
     copy = pin.Model(model)
-    for j, values in enumerate(parameters.reshape(-1, 10), start=1):
+    bodies = parameters.reshape(-1, 10)
+    for j, values in enumerate(bodies, start=model.njoints - len(bodies)):
         copy.inertias[j] = pin.Inertia.FromDynamicParameters(values)
     return copy
 

@@ -34,7 +34,7 @@ def documented(chain: PlanarChain, *, cumulative: bool) -> Reduction:
     collect, spread = np.zeros((3 * n, 10 * n)), np.zeros((10 * n, 3 * n))
     for j, rotation in enumerate(chain.rotations):
         forward, lateral, up = (rotation.T @ direction for direction in chain.plane)
-        about_lateral = _quadratic_form(lateral)
+        about_lateral = quadratic_form(lateral)
         link = collect[:, 10 * j : 10 * (j + 1)]
         link[3 * j, MOMENT], link[3 * j + 1, MOMENT], link[3 * j + 2, INERTIA] = -up, forward, about_lateral
         for above in range(j):  # every segment above carries the mass of this one
@@ -42,7 +42,7 @@ def documented(chain: PlanarChain, *, cumulative: bool) -> Reduction:
             link[3 * above : 3 * above + 3, MASS] = -z, x, x**2 + z**2
         carrier = spread[10 * j : 10 * (j + 1)]
         carrier[MOMENT, 3 * j], carrier[MOMENT, 3 * j + 1] = -up, forward
-        carrier[INERTIA, 3 * j + 2] = _tensor(lateral)
+        carrier[INERTIA, 3 * j + 2] = tensor(lateral)
     if cumulative:
         inertias = slice(2, None, 3)
         collect[inertias] = np.cumsum(collect[inertias][::-1], axis=0)[::-1]
@@ -51,13 +51,13 @@ def documented(chain: PlanarChain, *, cumulative: bool) -> Reduction:
     return Reduction(names, ("kg·m", "kg·m", "kg·m²") * n, collect, spread)
 
 
-def _quadratic_form(axis: FloatArray) -> FloatArray:
+def quadratic_form(axis: FloatArray) -> FloatArray:
     """Coefficients of (Ixx, Ixy, Iyy, Ixz, Iyz, Izz) in axisᵀ I axis."""
     x, y, z = axis
     return np.array([x * x, 2 * x * y, y * y, 2 * x * z, 2 * y * z, z * z])
 
 
-def _tensor(axis: FloatArray) -> FloatArray:
+def tensor(axis: FloatArray) -> FloatArray:
     """Entries (Ixx, Ixy, Iyy, Ixz, Iyz, Izz) of the tensor axis axisᵀ, which has inertia 1 about the axis."""
     x, y, z = axis
     return np.array([x * x, x * y, y * y, x * z, y * z, z * z])

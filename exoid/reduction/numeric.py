@@ -25,7 +25,7 @@ from exoid.errors import ExoidError
 
 from .reduction import LINK_PARAMETERS, LINK_UNITS, RankDecision, Reduction
 from .rounding import ROUNDING, rounding_changes
-from .tree import Tree
+from .tree import Tree, is_floating
 from .tree_regressor import BaseSamples, fill_tree_regressor
 
 THRESHOLD = 1e-9
@@ -59,8 +59,8 @@ def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0, moving_ba
     Parameters that no motion separates are grouped into the first moment or inertia of the link nearest to the base.
 
     Args:
-        model: Model of joints with one degree of freedom.
-        labels: Name of the link behind each joint, for the parameter names, (n,).
+        model: Model of joints with one degree of freedom, perhaps behind a free-flyer, whose six rows count too.
+        labels: Name of the link behind each joint, for the parameter names, (n,); of the base before them if it floats.
         seed: Seed of the random motion.
         moving_base: Whether the base moves too, which shows more parameters than a fixed one does.
 
@@ -100,13 +100,13 @@ def numeric(model: pin.Model, labels: Sequence[str], *, seed: int = 0, moving_ba
 
 def _random_regressor(model: pin.Model, *, seed: int, moving_base: bool) -> FloatArray:
     rng = np.random.default_rng(seed)
-    samples = 15 * model.nv + 20
+    samples, floating = 15 * model.nv + 20, is_floating(model)
     low = np.maximum(_by_joint(model, model.lowerPositionLimit, -np.pi), -np.pi)
     high = np.minimum(_by_joint(model, model.upperPositionLimit, np.pi), np.pi)
     low, high = np.where(low < high, low, -np.pi), np.where(low < high, high, np.pi)
-    q = rng.uniform(low, high, (samples, model.nv))
-    v, a = rng.uniform(-3, 3, (2, samples, model.nv))
-    if not moving_base:
+    q = rng.uniform(low, high, (samples, len(low)))
+    v, a = rng.uniform(-3, 3, (2, samples, len(low)))
+    if not moving_base and not floating:
         return joint_torque_regressor(model, q, v, 3.0 * a).reshape(samples * model.nv, -1)
     velocity, acceleration = np.zeros((samples, 6)), rng.uniform(-9, 9, (samples, 6))
     velocity[:, 3:] = rng.uniform(-3, 3, (samples, 3))
@@ -117,8 +117,8 @@ def _random_regressor(model: pin.Model, *, seed: int, moving_base: bool) -> Floa
 
 
 def _by_joint(model: pin.Model, limits: FloatArray, continuous: float) -> FloatArray:
-    """Limits by degree of freedom; a continuous joint gets the given one."""
-    joints = [model.joints[j] for j in range(1, model.njoints)]
+    """Limits by degree of freedom, without a floating base; a continuous joint gets the given one."""
+    joints = [model.joints[j] for j in range(1 + is_floating(model), model.njoints)]
     return np.array([limits[joint.idx_q] if joint.nq == 1 else continuous for joint in joints])
 
 

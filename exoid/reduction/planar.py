@@ -94,16 +94,28 @@ class PlanarChain:
         Returns:
             The chain; None if the model is not a planar chain.
         """
-        n = model.njoints - 1
-        serial = list(model.parents)[1:] == list(range(n)) and list(model.nvs)[1:] == [1] * n
+        return cls.of_joints(model, range(1, model.njoints))
+
+    @classmethod
+    def of_joints(cls, model: pin.Model, joints: range) -> PlanarChain | None:
+        """Read the geometry of some joints of a model.
+
+        Args:
+            model: Pinocchio model.
+            joints: Consecutive joints.
+
+        Returns:
+            The chain; None if the joints are not a planar chain on the base.
+        """
+        parents, freedoms = ([list(x)[j] for j in joints] for x in (model.parents, model.nvs))
+        serial = parents == [0, *joints[:-1]] and set(freedoms) == {1} if joints else False
         gravity = model.gravity.linear
-        if not serial or n == 0 or abs(np.linalg.norm(gravity) - GRAVITY) > TOLERANCE:
+        if not serial or set(model.nvs[1:]) != {1} or abs(np.linalg.norm(gravity) - GRAVITY) > TOLERANCE:
             return None
         data = model.createData()
         pin.computeJointJacobians(model, data, pin.neutral(model))
-        joints = range(1, n + 1)
-        jacobians = [pin.getJointJacobian(model, data, j, pin.LOCAL_WORLD_ALIGNED).reshape(6, n) for j in joints]
-        axes = np.array([jacobian[:, j] for j, jacobian in enumerate(jacobians)])
+        jacobians = [pin.getJointJacobian(model, data, j, pin.LOCAL_WORLD_ALIGNED).reshape(6, model.nv) for j in joints]
+        axes = np.array([jacobian[:, j - 1] for j, jacobian in zip(joints, jacobians, strict=True)])
         if not axes[:, 3:].any(axis=1).all():  # a prismatic joint
             return None
         plane = _plane(axes[0, 3:], -gravity / GRAVITY)
@@ -125,6 +137,7 @@ def fill_regressor(
     *,
     cumulative: bool,
     torso: TorsoSamples | None = None,
+    force: FloatArray | None = None,
 ) -> None:
     """Write the documented regressor for (X1, Y1, J1, X2, …) of every sample.
 
@@ -136,6 +149,8 @@ def fill_regressor(
         out: Receives W, zeroed, (3 n, n, N): parameters first, samples last, so that each column is contiguous.
         cumulative: Whether J_j contains J_{j+1} (doc. 1, eqs. (8)-(9)) or not (doc. 2, Table I).
         torso: Motion of the torso; None if it is upright and still.
+        force: Receives the force of the torso on the chain, forward and up, without that on its mass at the hip;
+            zeroed, (3 n, 2, N). None if it is not needed.
     """
     block = max(1, min(BLOCK, len(q)))
     work = _Workspace.allocate(chain.n, block)  # allocated once, as fresh memory costs more time than the arithmetic
@@ -148,7 +163,7 @@ def fill_regressor(
         moved = None if torso is None else TorsoSamples(*(x[rows] for x in torso))
         for segment in segments:
             _move(segment, joints, work, moved)
-            _fill_columns(segment, joints[2], work, columns, cumulative=cumulative)
+            _fill_columns(segment, joints[2], work, columns, None if force is None else force[..., rows], cumulative)
         for j, sign, _ in segments:
             if sign < 0.0:
                 columns[3 * j :, j] *= -1.0
@@ -250,7 +265,12 @@ def _move(segment: _Segment, joints: _Joints, work: _Workspace, torso: TorsoSamp
 
 
 def _fill_columns(
-    segment: _Segment, accelerations: FloatArray, work: _Workspace, out: FloatArray, *, cumulative: bool
+    segment: _Segment,
+    accelerations: FloatArray,
+    work: _Workspace,
+    out: FloatArray,
+    force: FloatArray | None,
+    cumulative: bool,
 ) -> None:
     """Fill the columns of a segment without the signs s_k, and advance the origin to the next segment."""
     j, sign, offset = segment
@@ -260,6 +280,8 @@ def _fill_columns(
     np.multiply(rate, rate, out=turn.imag)
     np.multiply(turn.whole, direction.whole, out=turn.whole)
     np.multiply(direction.whole, origin.whole, out=moment.whole)
+    if force is not None:
+        _fill_force(turn, force[3 * j : 3 * j + 2])
     X, Y, J = out[3 * j], out[3 * j + 1], out[3 * j + 2]
     X[j], Y[j], J[j] = moment.imag, moment.real, acceleration
     for k in range(j - 1, -1, -1):  # each joint above has the lever of one more segment
@@ -274,6 +296,13 @@ def _fill_columns(
         np.conjugate(np.multiply(direction.whole, offset, out=direction.whole), out=levers[j])
         np.conjugate(np.multiply(turn.whole, offset, out=turn.whole), out=turn.whole)
         np.add(origin.whole, turn.whole, out=origin.whole)  # p̈ grows by i d e^{iφ}(φ̈ + i φ̇²)
+
+
+def _fill_force(turn: _Parts, out: FloatArray) -> None:
+    """Force i h e^{iφ}(φ̈ + i φ̇²) of the mass moment h = Y − i X: forward and up for X and for Y, (2, 2, B)."""
+    out[0, 0], out[0, 1] = turn.real, turn.imag
+    np.negative(turn.imag, out=out[1, 0])
+    out[1, 1] = turn.real
 
 
 def _direct(angle: FloatArray, *, out: _Parts, scratch: FloatArray) -> None:

@@ -79,7 +79,7 @@ class Tree:
         Raises:
             ExoidError: A joint is neither revolute nor prismatic.
         """
-        floating = model.njoints > 1 and model.joints[1].shortname() == FREE_FLYER
+        floating = is_floating(model)
         base = tuple(range(BASE_ROWS)) if floating else ()
         joints: list[TreeJoint] = []
         for j in range(1 + floating, model.njoints):
@@ -100,6 +100,18 @@ class Tree:
     def bodies(self) -> int:
         """Number of bodies, each with ten parameters."""
         return len(self.joints) + self.floating
+
+
+def is_floating(model: pin.Model) -> bool:
+    """Whether the first joint of a model is a free-flyer.
+
+    Args:
+        model: Pinocchio model.
+
+    Returns:
+        True if it is.
+    """
+    return bool(model.njoints > 1 and model.joints[1].shortname() == FREE_FLYER)
 
 
 def _axis(joint: pin.JointModel) -> FloatArray:

@@ -23,18 +23,13 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 
 from .tree import BASE_ROWS, Tree, TreeJoint
-
-BLOCK = 4096
-"""Samples computed at once: enough that the interpreter costs little, few enough for the processor's cache,"""
+from .tree_motion import BLOCK, CYCLIC, carry, turned
 
 BLOCK_BYTES = 2**25
-"""and fewer where the motion of all bodies would take more memory than this."""
+"""Samples computed at once are fewer than :data:`BLOCK` where the motion of all bodies takes more memory than this."""
 
 VELOCITY, ACCELERATION, AXES = 0, 1, 2
 """Places among the motion vectors of a body; behind them are the axes of the joints that carry it."""
-
-CYCLIC = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
-"""Axes x, y, z and the two that follow each."""
 
 INERTIAS = {4: (0, 0), 5: (0, 1), 6: (1, 1), 7: (2, 0), 8: (1, 2), 9: (2, 2)}
 """Axes of Ixx, Ixy, Iyy, Ixz, Iyz, Izz by their place among a body's ten parameters, in cyclic order."""
@@ -86,7 +81,7 @@ def fill_tree_regressor(
             _fill_body(work.base, layouts[0], work, out[..., rows])
         for j, (joint, motion) in enumerate(zip(tree.joints, work.bodies, strict=True)):
             parent = work.base if joint.parent < 0 else work.bodies[joint.parent]
-            _carry(joint, parent, motion, joint.sign * q[rows, j], work)
+            carry(joint, parent, motion, joint.sign * q[rows, j], work.scratch, work.turn)
             _add_rates(joint, motion, joint.sign * v[rows, j], joint.sign * a[rows, j])
             _fill_body(motion, layouts[j + tree.floating], work, out[..., rows])
 
@@ -194,38 +189,6 @@ def _set_base(motion: FloatArray, tree: Tree, base: BaseSamples | None) -> None:
         motion[:3, ACCELERATION] = -tree.gravity[:, None]
 
 
-def _carry(joint: TreeJoint, parent: FloatArray, motion: FloatArray, q: FloatArray, work: _Workspace) -> None:
-    """Carry the motion vectors of the parent over to a body, at positions q times the sign of the axis, (B,)."""
-    count = parent.shape[1]
-    np.matmul(joint.into, parent.reshape(6, -1), out=motion.reshape(6, -1)[:, : parent[0].size])
-    motion[:, -1] = joint.own_axis[:, None]
-    _, j, k = CYCLIC[joint.axis]
-    linear, angular = motion[:3, :count], motion[3:, :count]
-    if not joint.turns:
-        linear[j] += angular[k] * q
-        linear[k] -= angular[j] * q
-        return
-    cosine, sine = _direct(q, work.turn)
-    to_first, to_second = work.scratch[:, :count]
-    for first, second in ((linear[j], linear[k]), (angular[j], angular[k])):
-        np.multiply(second, sine, out=to_first)
-        np.multiply(first, sine, out=to_second)
-        np.multiply(first, cosine, out=first)
-        np.multiply(second, cosine, out=second)
-        np.add(first, to_first, out=first)
-        np.subtract(second, to_second, out=second)
-
-
-def _direct(angle: FloatArray, turn: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Cosine and sine from t = tan(φ/2): 2/(1 + t²) − 1 and 2t/(1 + t²); a third of the time of cos and sin."""
-    cosine, sine, t, double = turn
-    np.tan(np.multiply(angle, 0.5, out=t), out=t)
-    np.multiply(t, t, out=double)
-    np.add(double, 1.0, out=double)
-    np.divide(2.0, double, out=double)
-    return np.subtract(double, 1.0, out=cosine), np.multiply(double, t, out=sine)
-
-
 def _add_rates(joint: TreeJoint, motion: FloatArray, v: FloatArray, a: FloatArray) -> None:
     """Add the joint's own velocity S v and acceleration S a + ν × S v, and turn an oblique axis back."""
     i, j, k = CYCLIC[joint.axis]
@@ -236,8 +199,7 @@ def _add_rates(joint: TreeJoint, motion: FloatArray, v: FloatArray, a: FloatArra
     for target, source in ((0, 0), (1, 1)) if joint.turns else ((0, 1),):
         parts[target, j, ACCELERATION] += parts[source, k, VELOCITY] * v
         parts[target, k, ACCELERATION] -= parts[source, j, VELOCITY] * v
-    if joint.after is not None:
-        motion.reshape(6, -1)[:] = joint.after @ motion.reshape(6, -1)
+    turned(joint, motion)
 
 
 def _fill_body(motion: FloatArray, layout: _Layout, work: _Workspace, out: FloatArray) -> None:

@@ -1,0 +1,76 @@
+"""Frame of a link of the URDF: the joint whose body carries it, and its place there."""
+
+from __future__ import annotations
+
+import re
+from difflib import get_close_matches
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from ._typing import FloatArray
+from .description import Description
+from .errors import ExoidError
+from .reduction import Plane
+
+
+class LinkFrame(NamedTuple):
+    """Frame of a link.
+
+    Attributes:
+        body: Index of the joint that carries the link, −1 for the root link and links that are fixed to it.
+        placement: Place of the link in the frame of that joint, or of the root link.
+    """
+
+    body: int
+    placement: pin.SE3
+
+
+def link_frame(model: pin.Model, description: Description, link: str) -> LinkFrame:
+    """Find the frame of a link, which may be the root link, or one fixed to another link.
+
+    Args:
+        model: Model of the moving joints.
+        description: The URDF.
+        link: Name of the link.
+
+    Returns:
+        Its frame.
+
+    Raises:
+        ExoidError: The URDF has no such link.
+    """
+    names = [element.get("name", "") for element in description.parse().findall("link")]
+    if link not in names:
+        close = get_close_matches(str(link), names, n=1)
+        hint = f"did you mean {close[0]!r}? " if close else ""
+        raise ExoidError(
+            f"no link {link!r} in the URDF", where=description.name, remedy=f"{hint}it has {', '.join(names)}"
+        )
+    bodies = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
+    numbered = re.compile(rf"{re.escape(link)} \d+")  # a link with the name of a joint, see build_model
+    same = [frame for frame in bodies if frame.name == link] or [f for f in bodies if numbered.fullmatch(f.name)]
+    return LinkFrame(same[0].parentJoint - 1, same[0].placement.copy())
+
+
+def planar_directions(model: pin.Model, description: Description, link: str, plane: Plane) -> FloatArray:
+    """Pick the part of a link's twist that lies in a plane.
+
+    Args:
+        model: Model of the moving joints.
+        description: The URDF.
+        link: Name of the link.
+        plane: Plane of motion.
+
+    Returns:
+        Matrix from the twist in the axes of the link to the velocity forward and up, in axes that turn with the link
+        and are those of the base at the zero pose, and the rate of turn about −lateral, (3, 6).
+    """
+    body, placement = link_frame(model, description, link)
+    data = model.createData()
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    rotation = (data.oMi[body + 1] * placement).rotation
+    out = np.zeros((3, 6))
+    out[0, :3], out[1, :3], out[2, 3:] = plane.forward @ rotation, plane.up @ rotation, -plane.lateral @ rotation
+    return out
