@@ -8,10 +8,10 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
+from exoid.link_frames import link_frame
 from exoid.reduction import GRAVITY
 
-from .mujoco_model import RAIL_JOINTS, build_mujoco_model, geometry_name, parent_body, require_mujoco
+from .mujoco_model import RAIL_JOINTS, build_mujoco_model, geometry_name, require_mujoco
 from .plant import GroundPlant
 
 
@@ -80,7 +80,8 @@ class Engine:
             for link, sole in plant.soles.items()
             for number in range(len(sole.points))
         }
-        self._bodies = {link: parent_body(plant.leg.model, link) for link in plant.soles}
+        frames = {link: link_frame(plant.leg.model, plant.leg.description, link) for link in plant.soles}
+        self._bodies = {link: (joint + 2, placement) for link, (joint, placement) in frames.items()}
         self._rows = tuple(k for k, name in enumerate(("forward", "up", "pitch")) if name in RAIL_JOINTS)
 
     def place(self, q: FloatArray, base: FloatArray) -> None:

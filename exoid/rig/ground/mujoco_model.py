@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.link_frames import link_frame
 from exoid.reduction import GRAVITY
 
 from .plant import GroundPlant
@@ -108,20 +109,6 @@ def geometry_name(link: str, number: int) -> str:
     return f"exoid sole {number} {link}"
 
 
-def parent_body(model: pin.Model, link: str) -> tuple[int, pin.SE3]:
-    """Find the body that a link belongs to.
-
-    Args:
-        model: Pinocchio model.
-        link: Name of the link.
-
-    Returns:
-        Number of MuJoCo's body, and place of the link in its axes.
-    """
-    frame = model.frames[model.getFrameId(link)]
-    return frame.parentJoint + 1, frame.placement
-
-
 def _base_joint(name: str) -> str:
     return f"exoid base {name}"
 
@@ -166,9 +153,9 @@ def _set_inertia(body: Any, inertia: pin.Inertia, plant: GroundPlant, rotation: 
 
 
 def _add_sole(bodies: list[Any], mujoco: Any, plant: GroundPlant, link: str, sole: Sole) -> None:  # noqa: ANN401
-    body, placement = parent_body(plant.leg.model, link)
+    joint, placement = link_frame(plant.leg.model, plant.leg.description, link)
     for number, point in enumerate(sole.points + np.array([0.0, 0.0, sole.radius])):
-        bodies[body - 1].add_geom(
+        bodies[joint + 1].add_geom(
             name=geometry_name(link, number),
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
             size=[sole.radius, 0.0, 0.0],

@@ -11,6 +11,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
+from exoid.link_frames import link_frame
 from exoid.reduction import Plane
 
 from .sole import Sole
@@ -107,12 +108,12 @@ class GroundPlant:
     @property
     def plane(self) -> Plane:
         """Directions forward, lateral and up in the axes of the root link, which is parallel to the laboratory."""
-        return self.leg.plane
+        return Plane(*np.eye(3)) if self.leg.machine is None else self.leg.machine.plane
 
     @property
     def root_link(self) -> str:
         """Name of the root link, the torso."""
-        return self.leg.root_link
+        return self.leg.description.root_link
 
     def resistance(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Compute the torque of friction and springs, which actuators overcome.
@@ -158,9 +159,5 @@ def _refuse_values(
 
 
 def _refuse_soles(leg: Leg, soles: Mapping[str, Sole]) -> None:
-    links = sorted(frame.name for frame in leg.model.frames)
     for link in soles:
-        if link not in links:
-            raise ExoidError(
-                f"no link {link!r} for a sole", where=leg.description.name, remedy=f"links are {', '.join(links)}"
-            )
+        link_frame(leg.model, leg.description, link)

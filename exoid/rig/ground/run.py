@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from exoid._typing import BoolArray, FloatArray, IntArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.base_kinematics import BaseKinematics
+from exoid.errors import ExoidError
 from exoid.signals import Recording, Wrench
 
 from .audit import Audit
 from .plant import GroundPlant
-from .readings import read
 from .sensors import GroundSensors
 
 STILL = 0.005
@@ -37,7 +38,7 @@ class Footing:
     moment: FloatArray
     position: FloatArray
     rotation: FloatArray
-    points: IntArray
+    points: NDArray[np.intp]
     slip: FloatArray
 
     @property
@@ -116,9 +117,66 @@ class GroundRun:
         return self.feet[link].fixed(len(self.plant.soles[link].points))
 
     def recording(
-        self, sensors: GroundSensors | None = None, seed: int | np.random.Generator = 0, **changes: object
+        self,
+        sensors: GroundSensors | None = None,
+        seed: int | np.random.Generator = 0,
+        *,
+        wrenches: Collection[str] | None = None,
     ) -> Recording:
-        return read(self, sensors or GroundSensors(), seed)
+        """Return the readings of the sensors.
+
+        ``contacts`` are those of foot switches: closed while the foot bears load, also on its heel or its toe alone, so
+        that an open one means no force.
+
+        Args:
+            sensors: Sensors; None for the default ones.
+            seed: Seed or generator of noise, bias and mistakes.
+            wrenches: Links whose wrench is logged; None for all, () for none.
+
+        Returns:
+            Log with angles, torques, IMU, wrenches and contacts.
+
+        Raises:
+            ExoidError: Nothing acts on one of the links, or the sensors do not fit the joints.
+        """
+        sensors, rng = sensors or GroundSensors(), np.random.default_rng(seed)
+        logged = tuple(self.wrenches) if wrenches is None else tuple(wrenches)
+        for link in logged:
+            if link not in self.wrenches:
+                known = ", ".join(self.wrenches)
+                raise ExoidError(f"no wrench on {link!r} in the run", remedy=f"wrenches act on {known}")
+        q, tau = sensors.angles(self.q, rng), sensors.torques(self.tau, rng)
+        world = sensors.wrench_axes == "world"
+        pose = sensors.pose(self.position, self.rotation, rng) if world else None
+        rate = 1.0 / float(self.time[1] - self.time[0])
+        return Recording(
+            self.time,
+            q,
+            tau=tau,
+            joint_names=self.plant.leg.joint_names,
+            base=sensors.imu(self.base, rng, pose),
+            wrenches={link: sensors.wrench(self.wrench(link, world=world), rng) for link in logged},
+            contacts={link: sensors.switch(foot.force[:, 2], rate, rng) for link, foot in self.feet.items()},
+        )
+
+    def wrench(self, link: str, *, world: bool = False) -> Wrench:
+        """Return the true wrench on a link.
+
+        Args:
+            link: The link.
+            world: Whether force and moment are in the laboratory, about its origin, as of a force plate; otherwise they
+                are in the axes of the link.
+
+        Returns:
+            The wrench.
+        """
+        own = self.wrenches[link]
+        if not world:
+            return own
+        foot = self.feet.get(link)
+        position, rotation = (self.position, self.rotation) if foot is None else (foot.position, foot.rotation)
+        force, moment = (np.einsum("nij,nj->ni", rotation, x) for x in (own.force, own.moment))
+        return Wrench(force, moment + np.cross(position + rotation @ own.point, force), axes="world")
 
     def __repr__(self) -> str:
         """Name the machine and the size of the log."""
