@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.link_frames import link_frame
@@ -13,20 +13,6 @@ from exoid.reduction import GRAVITY
 
 from .mujoco_model import RAIL_JOINTS, build_mujoco_model, geometry_name, require_mujoco
 from .plant import GroundPlant
-
-
-class Load(NamedTuple):
-    """Force on one sole at one step.
-
-    Attributes:
-        force: Force of the ground on the foot, in the laboratory [N], (3,).
-        moment: Its moment about the origin of the laboratory [N·m], (3,).
-        points: Number of points of the sole that bear load.
-    """
-
-    force: FloatArray
-    moment: FloatArray
-    points: int
 
 
 class Pose(NamedTuple):
@@ -61,6 +47,8 @@ class Engine:
         v: Joint velocities [rad/s], (n,), a view.
         rate: Velocities of base and joints, (base + n,), a view. Of a base in space: linear in the laboratory, angular
             in its own axes.
+        acceleration: Accelerations of the last step in the coordinates of ``rate``, (base + n,), a view.
+        spheres: Place of the points of each sole among all of them.
         applied: Forces that are applied in this step, in these coordinates, a view.
 
     Raises:
@@ -74,14 +62,14 @@ class Engine:
         self.data = self._mujoco.MjData(self.model)
         n = len(plant.leg.joint_names)
         self.q, self.v = self.data.qpos[-n:], self.data.qvel[-n:]
-        self.rate, self.applied = self.data.qvel, self.data.qfrc_applied
-        self._foot_of = {
-            self.model.geom(geometry_name(link, number)).id: link
-            for link, sole in plant.soles.items()
-            for number in range(len(sole.points))
-        }
-        frames = {link: link_frame(plant.leg.model, plant.leg.description, link) for link in plant.soles}
-        self._bodies = {link: (joint + 2, placement) for link, (joint, placement) in frames.items()}
+        self.rate, self.acceleration, self.applied = self.data.qvel, self.data.qacc, self.data.qfrc_applied
+        frames = [link_frame(plant.leg.model, plant.leg.description, link) for link in (plant.root_link, *plant.soles)]
+        self._bodies = np.array([frame.body + 2 for frame in frames])  # body 0 is the laboratory, body 1 the root link
+        self._offsets = np.array([frame.placement.translation for frame in frames])
+        self._turns = np.array([frame.placement.rotation for frame in frames])
+        counts = np.cumsum([0, *(len(sole.points) for sole in plant.soles.values())])
+        self.spheres = {link: slice(*ends) for link, ends in zip(plant.soles, pairwise(counts), strict=True)}
+        self._first_sphere = int(self.model.geom(geometry_name(next(iter(plant.soles)), 0)).id)
         self._rows = tuple(k for k, name in enumerate(("forward", "up", "pitch")) if name in RAIL_JOINTS)
 
     def place(self, q: FloatArray, base: FloatArray) -> None:
@@ -108,31 +96,35 @@ class Engine:
         """Compute accelerations and contact forces, and advance the state."""
         self._mujoco.mj_step2(self.model, self.data)
 
-    def pose(self, link: str | None = None) -> Pose:
-        """Locate a link at the beginning of the step.
+    @property
+    def torso(self) -> Pose:
+        """Place of the root link at the beginning of the step."""
+        return Pose(self.data.xpos[1], self.data.xmat[1].reshape(3, 3))
 
-        Args:
-            link: Link with a sole; None for the root link.
-
-        Returns:
-            Its place.
-        """
-        body, placement = (1, pin.SE3.Identity()) if link is None else self._bodies[link]
-        position, rotation = self.data.xpos[body], self.data.xmat[body].reshape(3, 3)
-        return Pose(position + rotation @ placement.translation, rotation @ placement.rotation)
-
-    def twist(self, link: str | None = None) -> FloatArray:
-        """Compute the velocity of a link.
-
-        Args:
-            link: Link with a sole; None for the root link.
+    def twist(self) -> FloatArray:
+        """Compute the velocity of the root link.
 
         Returns:
-            Angular velocity [rad/s] and velocity of the origin of its body [m/s] in the laboratory, (6,).
+            Angular velocity [rad/s] and velocity of the origin [m/s] in the laboratory, (6,).
         """
-        body, out = 1 if link is None else self._bodies[link][0], np.zeros(6)
-        self._mujoco.mj_objectVelocity(self.model, self.data, self._mujoco.mjtObj.mjOBJ_XBODY, body, out, 0)
+        out = np.zeros(6)
+        self._mujoco.mj_objectVelocity(self.model, self.data, self._mujoco.mjtObj.mjOBJ_XBODY, 1, out, 0)
         return out
+
+    def placements(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Locate the root link and the links with soles at the beginning of the step.
+
+        Returns:
+            Their origins [m], (F, 3), axes as columns, (F, 3, 3), and velocities: angular [rad/s] and of the origin
+            [m/s], (F, 6), all in the laboratory.
+        """
+        data = self.data
+        turns = data.xmat[self._bodies].reshape(-1, 3, 3)
+        origin = data.xpos[self._bodies] + np.einsum("fij,fj->fi", turns, self._offsets)
+        twist = data.cvel[self._bodies]  # about the centre of mass
+        arm = origin - data.subtree_com[1]
+        twist[:, 3:] += _cross(twist[:, :3], arm)
+        return origin, turns @ self._turns, twist
 
     def push(self, force: FloatArray, moment: FloatArray, point: FloatArray) -> FloatArray:
         """Convert a force on the torso to the coordinates of :attr:`applied`.
@@ -149,43 +141,22 @@ class Engine:
         self._mujoco.mj_applyFT(self.model, self.data, force, moment, point, 1, out)
         return out
 
-    def base_motion(self, rate: FloatArray, acceleration: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Describe the motion of the base by what an IMU at its origin measures.
-
-        Args:
-            rate: Velocities at the beginning of the step, (base + n,).
-            acceleration: Accelerations in the step, (base + n,).
-
-        Returns:
-            Angular velocity [rad/s], angular acceleration [rad/s²] and specific force [m/s²] in its axes, (3,) each.
-        """
-        plane, rotation = self.plant.plane, self.pose().rotation
-        if self.plant.is_planar:
-            linear = acceleration[0] * plane.forward + acceleration[1] * plane.up
-            turning = rate[2] * -plane.lateral, acceleration[2] * -plane.lateral
-        else:
-            linear, turning = acceleration[:3], (rate[3:6], acceleration[3:6])
-        force = rotation.T @ (linear + GRAVITY * plane.up)
-        return (*turning, force)
-
-    def loads(self) -> dict[str, Load]:
+    def loads(self) -> tuple[FloatArray, FloatArray]:
         """Read the contact forces of the step.
 
         Returns:
-            Load of each sole.
+            Force on each sphere of :attr:`spheres` [N], (K, 3), and the point where it acts [m], (K, 3), in the
+            laboratory; zero without contact.
         """
-        data = self.data
-        found = {link: (np.zeros(3), np.zeros(3), [0]) for link in self.plant.soles}
-        for contact in data.contact[: data.ncon]:
-            if contact.efc_address < 0:
-                continue
-            local = data.efc_force[contact.efc_address : contact.efc_address + 3]
-            force = contact.frame.reshape(3, 3).T @ local  # on the second geometry: the ground is the first
-            total, moment, points = found[self._foot_of[contact.geom2]]
-            total += force
-            moment += np.cross(contact.pos, force)
-            points[0] += int(local[0] > 0.0)
-        return {link: Load(total, moment, points[0]) for link, (total, moment, points) in found.items()}
+        contact, count = self.data.contact, sum(len(sole.points) for sole in self.plant.soles.values())
+        force, place = np.zeros((2, count, 3))
+        own = contact.efc_address >= 0
+        if own.any():
+            local = self.data.efc_force[contact.efc_address[own][:, None] + np.arange(3)]
+            rows = contact.geom[own, 1] - self._first_sphere  # the ground is the first geometry of each contact
+            force[rows] = np.einsum("kj,kji->ki", local, contact.frame[own].reshape(-1, 3, 3))
+            place[rows] = contact.pos[own]
+        return force, place
 
     def turn_to(self, target: FloatArray) -> FloatArray:
         """Find the rotation from the root link to another orientation.
@@ -255,3 +226,8 @@ def quaternion(axis: FloatArray, angle: float) -> FloatArray:
         Quaternion (w, x, y, z), as MuJoCo has it, (4,).
     """
     return np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * axis])
+
+
+def _cross(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Cross product of rows, faster than NumPy's on few of them."""
+    return x[:, [1, 2, 0]] * y[:, [2, 0, 1]] - x[:, [2, 0, 1]] * y[:, [1, 2, 0]]

@@ -51,7 +51,7 @@ class Holder:
             Generalised force, (base + n,).
         """
         engine, spring = self._engine, self.spring
-        position, rotation = engine.pose()
+        position, rotation = engine.torso
         twist, arm = engine.twist(), rotation @ self._point
         place = position + arm
         force = self._stiffness @ (self._place[step] - place)

@@ -6,10 +6,11 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.base_kinematics import BaseKinematics
+from exoid.reduction import GRAVITY
 from exoid.signals import Wrench
 
 from .audit import Audit
-from .engine import Engine, Load, Pose
+from .engine import Engine
 from .holder import Holder
 from .run import Footing, GroundRun
 
@@ -24,16 +25,13 @@ class Samples:
 
     def __init__(self, engine: Engine, holder: Holder | None) -> None:
         self._engine, self._holder = engine, holder
-        self._rows: list[tuple[FloatArray | float, ...]] = []
-        self._base: list[tuple[FloatArray, ...]] = []
-        self._torso: list[Pose] = []
-        self._feet: dict[str, list[tuple[FloatArray | int, ...]]] = {link: [] for link in engine.plant.soles}
-        self._held: list[FloatArray] = []
-        self._before: tuple[FloatArray, FloatArray] = (engine.q, engine.rate)
+        self._states: list[tuple[FloatArray, ...]] = []
+        self._steps: list[tuple[FloatArray, ...]] = []
+        self._times: list[float] = []
 
     def begin(self) -> None:
         """Note the state that the step begins with."""
-        self._before = self._engine.q.copy(), self._engine.rate.copy()
+        self._states.append((self._engine.q.copy(), self._engine.rate.copy()))
 
     def finish(self, time: float, torque: FloatArray) -> None:
         """Note acceleration and forces of the step.
@@ -42,14 +40,10 @@ class Samples:
             time: Time [s].
             torque: Torque of the actuators [N·m], (n,).
         """
-        engine, (q, rate), base = self._engine, self._before, self._engine.base
-        acceleration = engine.data.qacc.copy()
-        self._rows.append((time, q, rate[base:], acceleration[base:], torque))
-        self._base.append(engine.base_motion(rate, acceleration))
-        self._torso.append(engine.pose())
-        for link, load in engine.loads().items():
-            self._feet[link].append(_footing(load, engine.pose(link), engine.twist(link)))
-        self._held.append(engine.rail_wrench if self._holder is None else self._holder.wrench)
+        engine = self._engine
+        held = engine.rail_wrench if self._holder is None else self._holder.wrench
+        self._times.append(time)
+        self._steps.append((engine.acceleration.copy(), torque, held, *engine.placements(), *engine.loads()))
 
     def run(self, audit: Audit) -> GroundRun:
         """Return all samples.
@@ -60,26 +54,43 @@ class Samples:
         Returns:
             The run.
         """
-        time, q, v, a, tau = (np.array(x, dtype=np.float64) for x in zip(*self._rows, strict=True))
-        base = BaseKinematics(*(np.array(x) for x in zip(*self._base, strict=True)))
-        torso = Pose(*(np.array(x) for x in zip(*self._torso, strict=True)))
-        feet = {link: Footing(*(np.array(x) for x in zip(*rows, strict=True))) for link, rows in self._feet.items()}
+        engine, plant, b = self._engine, self._engine.plant, self._engine.base
+        q, rate = (np.array(x) for x in zip(*self._states, strict=True))
+        a, tau, held, position, rotation, twist, force, place = (np.array(x) for x in zip(*self._steps, strict=True))
+        feet = {
+            link: _footing(position[:, i], rotation[:, i], twist[:, i], force[:, own], place[:, own])
+            for i, (link, own) in enumerate(engine.spheres.items(), start=1)
+        }
+        torso, turn = position[:, 0], rotation[:, 0]
         wrenches = {link: foot.wrench for link, foot in feet.items()}
-        engine, held = self._engine, np.array(self._held)
         if engine.has_rail or self._holder is not None:
             point = (0.0, 0.0, 0.0) if self._holder is None else self._holder.spring.point
-            force, moment = (np.einsum("nij,ni->nj", torso.rotation, held[:, part]) for part in (0, 1))
-            wrenches[engine.plant.root_link] = Wrench(force, moment, np.array(point))
-        return GroundRun(engine.plant, time, q, v, a, tau, base, torso.position, torso.rotation, wrenches, feet, audit)
+            pulled, moment = (np.einsum("nij,ni->nj", turn, held[:, part]) for part in (0, 1))
+            wrenches[plant.root_link] = Wrench(pulled, moment, np.array(point))
+        base = _base_kinematics(engine, rate[:, :b], a[:, :b], turn)
+        time = np.array(self._times)
+        return GroundRun(plant, time, q, rate[:, b:], a[:, b:], tau, base, torso, turn, wrenches, feet, audit)
 
 
-def _footing(load: Load, place: Pose, twist: FloatArray) -> tuple[FloatArray | int, ...]:
-    """Force on a foot, the moment about its origin, and how fast its centre of pressure slips."""
-    moment = load.moment - np.cross(place.position, load.force)
-    slip = np.zeros(3)
-    if load.force[2] > 0.0:
-        arm = np.array([-moment[1], moment[0], 0.0]) / load.force[2]  # from the origin, in the height of the ground
-        arm[2] = -place.position[2]
-        arm[:2] += arm[2] * load.force[:2] / load.force[2]
-        slip = twist[3:] + np.cross(twist[:3], arm)
-    return load.force, moment, place.position, place.rotation, load.points, np.hypot(slip[0], slip[1])
+def _base_kinematics(engine: Engine, rate: FloatArray, change: FloatArray, turn: FloatArray) -> BaseKinematics:
+    """Motion of the root link as an IMU at its origin measures it."""
+    plane = engine.plant.plane
+    if engine.plant.is_planar:
+        linear = change[:, :2] @ np.array([plane.forward, plane.up])
+        turning = [np.outer(x[:, 2], -plane.lateral) for x in (rate, change)]
+    else:  # MuJoCo's free joint: linear in the laboratory, angular in the axes of the body
+        linear, turning = change[:, :3], [rate[:, 3:], change[:, 3:]]
+    return BaseKinematics(*turning, np.einsum("nij,ni->nj", turn, linear + GRAVITY * plane.up))
+
+
+def _footing(
+    position: FloatArray, rotation: FloatArray, twist: FloatArray, forces: FloatArray, places: FloatArray
+) -> Footing:
+    """Sum up the forces on the points of a sole, (N, K, 3) at places (N, K, 3)."""
+    force = forces.sum(axis=1)
+    moment = np.cross(places - position[:, None], forces).sum(axis=1)
+    points = np.count_nonzero(forces[..., 2] > 0.0, axis=1)
+    foot = Footing(force, moment, position, rotation, points, np.zeros(len(force)))
+    arm = foot.centre_of_pressure - position
+    slip = np.nan_to_num(twist[:, 3:] + np.cross(twist[:, :3], arm))
+    return Footing(force, moment, position, rotation, points, np.hypot(slip[:, 0], slip[:, 1]))
