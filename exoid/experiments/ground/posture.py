@@ -73,6 +73,19 @@ class PlanarLeg:
         turns = np.column_stack([thigh - pitch, shank - thigh, tilt - shank])
         return np.asarray(self.signs * np.angle(np.exp(1j * turns)))
 
+    def flexion(self, hip: float, knee: float, ankle: float) -> FloatArray:
+        """Convert flexion to joint angles.
+
+        Args:
+            hip: Flexion of the hip, forward [rad].
+            knee: Flexion of the knee, backward [rad].
+            ankle: Flexion of the ankle, upward [rad].
+
+        Returns:
+            Joint angles [rad], (3,).
+        """
+        return np.array([self.signs[0] * hip, self.knee * knee, self.signs[2] * ankle])
+
     def points(self, base: FloatArray, q: FloatArray) -> ComplexArray:
         """Locate the points of the sole.
 
@@ -154,3 +167,15 @@ def centre_of_mass(plant: GroundPlant, base: FloatArray, q: FloatArray) -> Float
     moment = moment + model.inertias[0].mass * model.inertias[0].lever
     within = moment @ (plane.forward + 1j * plane.up) / (masses.sum() + model.inertias[0].mass)
     return np.asarray(base[:, 0] + (np.exp(1j * base[:, 2]) * within).real)
+
+
+def total_mass(plant: GroundPlant) -> float:
+    """Sum up the masses of all bodies.
+
+    Args:
+        plant: The machine.
+
+    Returns:
+        Mass [kg].
+    """
+    return float(sum(body.mass for body in plant.leg.model.inertias))

@@ -12,7 +12,7 @@ from exoid.rig import Rates
 from exoid.rig.ground import GroundPlant, GroundRun, JointGains, Spring, simulate_on_ground
 from exoid.rig.ground.simulate import RATES
 
-from .feedforward import planned_motion
+from .feedforward import Bearing, planned_motion
 from .posture import PlanarLeg, centre_of_mass, planar_legs
 from .waves import knots, wave
 
@@ -77,9 +77,9 @@ def rail_squats(
     base = np.column_stack([np.zeros_like(time), height, np.zeros_like(time)])
     hip = legs[0].hip.real
     q = _standing(plant, legs, base, np.full(len(time), hip))
-    shares = {leg.foot: np.ones_like(time) for leg in legs}
+    feet = {leg.foot: _bearing(plant, leg, time) for leg in legs}
     return simulate_on_ground(
-        plant, planned_motion(plant, time, q, base, shares, rail=True), GAINS, rail=True, rates=rates
+        plant, planned_motion(plant, time, q, base, feet, held=True), GAINS, rail=True, rates=rates
     )
 
 
@@ -108,8 +108,8 @@ def squats_and_shifts(
         q = _standing(plant, legs, base, np.zeros_like(time))
         base[:, 0] += target - centre_of_mass(plant, base, q)
     q = _standing(plant, legs, base, np.zeros_like(time))
-    shares = {leg.foot: np.ones_like(time) for leg in legs}
-    return simulate_on_ground(plant, planned_motion(plant, time, q, base, shares), GAINS, rates=rates)
+    feet = {leg.foot: _bearing(plant, leg, time) for leg in legs}
+    return simulate_on_ground(plant, planned_motion(plant, time, q, base, feet), GAINS, rates=rates)
 
 
 def single_support(
@@ -153,7 +153,7 @@ def single_support(
         base[:, 0] += target - centre_of_mass(plant, base, q)
     q[:, stands[0].joints] = stands[0].angles(base, np.zeros_like(time, dtype=complex), np.zeros_like(time))
     refuse_touching(legs, swings, base, q)
-    motion = planned_motion(plant, time, q, base, {stands[0].foot: np.ones_like(time)})
+    motion = planned_motion(plant, time, q, base, {stands[0].foot: _bearing(plant, stands[0], time)})
     return simulate_on_ground(plant, motion, GAINS, spring=hand_rail, rates=rates)
 
 
@@ -177,7 +177,7 @@ def _torso(time: FloatArray, stance: Stance, rng: np.random.Generator) -> tuple[
 
 def _swinging(leg: PlanarLeg, time: FloatArray, stance: Stance, rng: np.random.Generator) -> FloatArray:
     """Angles of a leg with a bent knee that swings, (K, 3)."""
-    centre = leg.signs * np.array([1.2, leg.knee * leg.signs[1] * 1.8, 0.5])
+    centre = leg.flexion(1.2, 1.8, 0.5)
     waves = [wave(time, size * stance.swing, (1.6 + 0.2 * k) * stance.frequency, rng) for k, size in enumerate((1.0, 1.2, 1.0))]
     return centre + np.column_stack(waves)
 
@@ -188,3 +188,7 @@ def _standing(plant: GroundPlant, legs: tuple[PlanarLeg, ...], base: FloatArray,
     for leg in legs:
         q[:, leg.joints] = leg.angles(base, place.astype(complex), np.zeros(len(base)))
     return q
+
+
+def _bearing(plant: GroundPlant, leg: PlanarLeg, time: FloatArray) -> Bearing:
+    return Bearing(np.ones_like(time), plant.soles[leg.foot].centre)

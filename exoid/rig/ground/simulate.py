@@ -16,10 +16,10 @@ from .plant import GroundPlant
 from .run import GroundRun
 from .samples import Samples
 
-STEP = 2.5e-4
+STEP = 5e-4
 """Default step [s]."""
 
-RATES = Rates(control=4000.0, log=500.0, step=STEP)
+RATES = Rates(control=2000.0, log=500.0, step=STEP)
 """Default rates: the controller acts at every step, so that torque and motion of a sample are of one time."""
 
 
