@@ -15,8 +15,11 @@ from exoid.reduction import GRAVITY
 from .plant import GroundPlant
 from .sole import Sole
 
-CONTACT_TIME = 0.004
-"""Time constant of contacts [s], MuJoCo's `solref`; at least twice the step."""
+SOLE_TIME = 0.015
+"""Time constant of contacts [s], MuJoCo's `solref`: of a rubber sole, with twice the weight at touch-down."""
+
+RAIL_TIME = 0.004
+"""Time constant of the constraint that holds a torso on its rail [s]; at least twice the step."""
 
 IMPEDANCE = (0.95, 0.99, 0.001, 0.5, 2.0)
 """Impedance of contacts, MuJoCo's `solimp`."""
@@ -85,7 +88,7 @@ def build_mujoco_model(plant: GroundPlant, step: float, *, rail: bool = False) -
         _add_sole(bodies, mujoco, plant, link, sole)
     for name in RAIL_JOINTS if rail else ():
         held = spec.add_equality(name=f"exoid rail {name}", type=mujoco.mjtEq.mjEQ_JOINT)
-        held.name1, held.solref, held.solimp = _base_joint(name), [CONTACT_TIME, 1.0], RAIL_IMPEDANCE
+        held.name1, held.solref, held.solimp = _base_joint(name), [RAIL_TIME, 1.0], RAIL_IMPEDANCE
     try:
         return spec.compile()
     except ValueError as error:
@@ -165,6 +168,6 @@ def _add_sole(bodies: list[Any], mujoco: Any, plant: GroundPlant, link: str, sol
             condim=3,
             contype=2,  # touches the ground, but no other sole
             conaffinity=1,
-            solref=[CONTACT_TIME, 1.0],
+            solref=[SOLE_TIME, 1.0],
             solimp=IMPEDANCE,
         )
