@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.spatial.transform import Rotation
+import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.base_kinematics import BaseKinematics
@@ -63,7 +62,7 @@ def planned_motion(
         The motion with its torques.
     """
     leg, b = plant.leg, plant.leg.base_rows
-    joints, torso = CubicSpline(time, q), CubicSpline(time, base)
+    joints, torso = scipy.interpolate.CubicSpline(time, q), scipy.interpolate.CubicSpline(time, base)
     v, a = joints(time, 1), joints(time, 2)
     rows = leg.inverse_dynamics(q, v, a, _base_kinematics(plant, base, torso(time, 1), torso(time, 2)))
     torque = rows[:, b:] + plant.resistance(q, v) + plant.armature * a
@@ -85,7 +84,7 @@ def planned_motion(
 def _bearing(
     plant: GroundPlant, q: FloatArray, base: FloatArray, link: str, bearing: Bearing, *, held: bool
 ) -> tuple[FloatArray, FloatArray]:
-    """Jacobian of a point of a foot along forward, up and pitch of the laboratory, (K, 3, base + n), and its weights."""
+    """Jacobian of a point along the laboratory's forward, up and pitch, (K, 3, base + n), and weights of a foot."""
     leg, plane = plant.leg, plant.plane
     J = leg.frame_jacobian(q, link)
     point = np.broadcast_to(bearing.point, (len(q), 3))
@@ -104,7 +103,8 @@ def _turn(plant: GroundPlant, q: FloatArray, base: FloatArray, link: str) -> Flo
     leg, lateral = plant.leg, plant.plane.lateral
     frame = link_frame(leg.model, leg.description, link)
     rotation = leg.forward_kinematics(q).rotation[:, frame.body] @ frame.placement.rotation
-    return np.asarray(Rotation.from_rotvec(np.outer(base[:, 2], -lateral)).as_matrix() @ rotation)
+    torso = scipy.spatial.transform.Rotation.from_rotvec(np.outer(base[:, 2], -lateral)).as_matrix()
+    return np.asarray(torso @ rotation)
 
 
 def _base_kinematics(plant: GroundPlant, base: FloatArray, rate: FloatArray, change: FloatArray) -> BaseKinematics:

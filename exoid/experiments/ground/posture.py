@@ -142,9 +142,7 @@ def _planar_leg(plant: GroundPlant, limb: Limb) -> PlanarLeg:
     limits = leg.limits
     middle = float(limits.lower[joints[1]] + limits.upper[joints[1]])
     knee_sign = float(np.sign(middle)) if np.isfinite(middle) and middle else -1.0
-    return PlanarLeg(
-        feet[0], limb.joints, hip, knee - hip, ankle - knee, sole - ankle, limb.chain.signs, knee_sign
-    )
+    return PlanarLeg(feet[0], limb.joints, hip, knee - hip, ankle - knee, sole - ankle, limb.chain.signs, knee_sign)
 
 
 def centre_of_mass(plant: GroundPlant, base: FloatArray, q: FloatArray) -> FloatArray:

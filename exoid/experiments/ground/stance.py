@@ -1,7 +1,8 @@
-"""Stance: squats and weight shifts on one leg or two."""
+"""Stance: squats and weight shifts on one foot or two."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,25 +10,26 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.rig import Rates
-from exoid.rig.ground import GroundPlant, GroundRun, JointGains, Spring, simulate_on_ground
-from exoid.rig.ground.simulate import RATES
+from exoid.rig.ground import RATES, GroundPlant, GroundRun, JointGains, Spring
 
 from .feedforward import Bearing, planned_motion
+from .follow import follow
 from .posture import PlanarLeg, centre_of_mass, planar_legs
 from .waves import knots, wave
 
 GAINS = JointGains(stiffness=(2000.0, 2000.0, 1500.0), damping=(60.0, 60.0, 40.0))
 """Gains of the joints while they bear the machine, an assumption: stiff enough to stand."""
 
-HAND_RAIL = Spring(
-    point=(0.1, 0.0, 0.35), stiffness=(3000.0, 0.0, 1000.0), damping=(200.0, 0.0, 100.0), turning_stiffness=0.0
-)
-"""Hand rail, an assumption: a hand on a bar in front of the chest."""
+HAND_RAIL = Spring(point=(0.1, 0.0, 0.35), stiffness=(3000.0, 0.0, 1000.0), damping=(200.0, 0.0, 100.0))
+"""Hand on a bar in front of the chest, an assumption."""
+
+BENT = (1.2, 1.65, 0.4)
+"""Mean flexion of hip, knee and ankle of a leg that does not stand [rad]."""
 
 CLEARANCE = 0.01
 """Smallest height of a foot that does not stand [m]."""
 
-STEPS = 6
+CORRECTIONS = 6
 """Corrections of the place of the torso over its feet."""
 
 
@@ -42,7 +44,7 @@ class Stance:
         bow: Amplitude of the pitch of the torso [rad]; without effect on a rail.
         lean: Mean pitch [rad]; negative leans forward. A rail keeps the torso upright.
         swing: Amplitude of the joints of a leg that does not stand [rad].
-        frequency: Main frequency [Hz].
+        frequency: Main frequency [Hz]; the others are from a third of it to twice as high.
     """
 
     height: float = 0.88
@@ -54,8 +56,15 @@ class Stance:
     frequency: float = 0.5
 
 
+ON_RAIL = Stance(squat=0.06)
+"""Squats of a leg on a rail."""
+
+ON_ONE_FOOT = Stance(shift=0.01, bow=0.05)
+"""Motion on one foot."""
+
+
 def rail_squats(
-    plant: GroundPlant, duration: float = 30.0, *, stance: Stance = Stance(squat=0.06), seed: int = 0, rates: Rates = RATES
+    plant: GroundPlant, duration: float = 30.0, *, stance: Stance = ON_RAIL, seed: int = 0, rates: Rates = RATES
 ) -> GroundRun:
     """Let a leg squat while a vertical rail holds the torso, which neither moves forward nor pitches.
 
@@ -70,28 +79,27 @@ def rail_squats(
         The run, with the wrench of the rail on the torso.
 
     Raises:
-        ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, or a foot is out of reach.
+        ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, or the motion cannot be
+            followed.
     """
     rng, time, legs = np.random.default_rng(seed), knots(duration), planar_legs(plant)
     height = stance.height + wave(time, stance.squat, stance.frequency, rng)
     base = np.column_stack([np.zeros_like(time), height, np.zeros_like(time)])
-    hip = legs[0].hip.real
-    q = _standing(plant, legs, base, np.full(len(time), hip))
-    feet = {leg.foot: _bearing(plant, leg, time) for leg in legs}
-    return simulate_on_ground(
-        plant, planned_motion(plant, time, q, base, feet, held=True), GAINS, rail=True, rates=rates
-    )
+    q = np.zeros((len(time), len(plant.leg.joint_names)))
+    _stand(q, legs, base, legs[0].hip.real)
+    motion = planned_motion(plant, time, q, base, _bearings(plant, legs, time), held=True)
+    return follow(plant, motion, GAINS, rates, rail=True)
 
 
 def squats_and_shifts(
-    plant: GroundPlant, duration: float = 30.0, *, stance: Stance = Stance(), seed: int = 0, rates: Rates = RATES
+    plant: GroundPlant, duration: float = 30.0, *, stance: Stance | None = None, seed: int = 0, rates: Rates = RATES
 ) -> GroundRun:
     """Let a free machine squat on both feet, shift its weight fore and aft, and bow.
 
     Args:
         plant: Torso and legs.
         duration: Duration of the log [s].
-        stance: Size and frequency of the motions.
+        stance: Size and frequency of the motions; None for the default ones.
         seed: Seed of the phases.
         rates: Rates and step of the simulation.
 
@@ -99,24 +107,22 @@ def squats_and_shifts(
         The run.
 
     Raises:
-        ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, a foot is out of reach, or
-            the machine would fall.
+        ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, or the motion cannot be
+            followed.
     """
     rng, time, legs = np.random.default_rng(seed), knots(duration), planar_legs(plant)
-    base, target = _torso(time, stance, rng)
-    for _ in range(STEPS):
-        q = _standing(plant, legs, base, np.zeros_like(time))
-        base[:, 0] += target - centre_of_mass(plant, base, q)
-    q = _standing(plant, legs, base, np.zeros_like(time))
-    feet = {leg.foot: _bearing(plant, leg, time) for leg in legs}
-    return simulate_on_ground(plant, planned_motion(plant, time, q, base, feet), GAINS, rates=rates)
+    base, target = _torso(time, stance or Stance(), rng)
+    q = np.zeros((len(time), len(plant.leg.joint_names)))
+    _balance(plant, q, legs, base, target)
+    motion = planned_motion(plant, time, q, base, _bearings(plant, legs, time))
+    return follow(plant, motion, GAINS, rates)
 
 
 def single_support(
     plant: GroundPlant,
     duration: float = 30.0,
     *,
-    stance: Stance = Stance(shift=0.01, bow=0.05),
+    stance: Stance = ON_ONE_FOOT,
     standing: int = 0,
     hand_rail: Spring = HAND_RAIL,
     seed: int = 0,
@@ -137,34 +143,23 @@ def single_support(
         The run, with the wrench of the hand rail on the torso.
 
     Raises:
-        ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, a foot is out of reach, or
-            the swinging foot would touch the ground.
+        ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, there is no such leg, or
+            the motion cannot be followed.
     """
     rng, time, legs = np.random.default_rng(seed), knots(duration), planar_legs(plant)
-    stands = legs[standing : standing + 1]
+    if not 0 <= standing < len(legs):
+        raise ExoidError(f"no leg {standing} of {len(legs)}", remedy="count from 0")
     base, target = _torso(time, stance, rng)
-    swings = {leg.foot: _swinging(leg, time, stance, rng) for leg in legs if leg not in stands}
     q = np.zeros((len(time), len(plant.leg.joint_names)))
-    for leg in legs:
-        if leg.foot in swings:
-            q[:, leg.joints] = swings[leg.foot]
-    for _ in range(STEPS):
-        q[:, stands[0].joints] = stands[0].angles(base, np.zeros_like(time, dtype=complex), np.zeros_like(time))
-        base[:, 0] += target - centre_of_mass(plant, base, q)
-    q[:, stands[0].joints] = stands[0].angles(base, np.zeros_like(time, dtype=complex), np.zeros_like(time))
-    refuse_touching(legs, swings, base, q)
-    motion = planned_motion(plant, time, q, base, {stands[0].foot: _bearing(plant, stands[0], time)})
-    return simulate_on_ground(plant, motion, GAINS, spring=hand_rail, rates=rates)
-
-
-def refuse_touching(legs: tuple[PlanarLeg, ...], feet: object, base: FloatArray, q: FloatArray) -> None:
-    """Refuse a motion in which a foot that should swing comes near the ground."""
-    for leg in legs:
-        height = float(leg.points(base, q).imag.min())
-        if leg.foot in feet and height < CLEARANCE:
-            raise ExoidError(
-                f"{leg.foot} swings {1e3 * height:.3g} mm above the ground", remedy="raise the torso, or swing less"
-            )
+    stands, swings = legs[standing : standing + 1], [leg for leg in legs if leg is not legs[standing]]
+    for leg in swings:
+        sizes = ((1.0, 1.6), (1.2, 1.8), (1.0, 2.0))  # of amplitude and frequency
+        waves = [wave(time, size * stance.swing, f * stance.frequency, rng) for size, f in sizes]
+        q[:, leg.joints] = leg.flexion(*BENT) + np.column_stack(waves)
+    _balance(plant, q, stands, base, target)
+    _refuse_touching(swings, base, q)
+    motion = planned_motion(plant, time, q, base, _bearings(plant, stands, time))
+    return follow(plant, motion, GAINS, rates, spring=hand_rail)
 
 
 def _torso(time: FloatArray, stance: Stance, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
@@ -175,20 +170,31 @@ def _torso(time: FloatArray, stance: Stance, rng: np.random.Generator) -> tuple[
     return np.column_stack([np.zeros_like(time), height, pitch]), target
 
 
-def _swinging(leg: PlanarLeg, time: FloatArray, stance: Stance, rng: np.random.Generator) -> FloatArray:
-    """Angles of a leg with a bent knee that swings, (K, 3)."""
-    centre = leg.flexion(1.2, 1.8, 0.5)
-    waves = [wave(time, size * stance.swing, (1.6 + 0.2 * k) * stance.frequency, rng) for k, size in enumerate((1.0, 1.2, 1.0))]
-    return centre + np.column_stack(waves)
-
-
-def _standing(plant: GroundPlant, legs: tuple[PlanarLeg, ...], base: FloatArray, place: FloatArray) -> FloatArray:
-    """Angles of legs that stand flat at a place."""
-    q = np.zeros((len(base), len(plant.leg.joint_names)))
+def _stand(q: FloatArray, legs: Sequence[PlanarLeg], base: FloatArray, place: float) -> None:
+    """Set the angles of legs that stand flat, with the middle of their soles at a place."""
     for leg in legs:
-        q[:, leg.joints] = leg.angles(base, place.astype(complex), np.zeros(len(base)))
-    return q
+        q[:, leg.joints] = leg.angles(base, np.full(len(base), place + 0j), np.zeros(len(base)))
 
 
-def _bearing(plant: GroundPlant, leg: PlanarLeg, time: FloatArray) -> Bearing:
-    return Bearing(np.ones_like(time), plant.soles[leg.foot].centre)
+def _balance(
+    plant: GroundPlant, q: FloatArray, legs: Sequence[PlanarLeg], base: FloatArray, target: FloatArray
+) -> None:
+    """Move the torso until the centre of mass is over its target, counted from the middle of the soles."""
+    for _ in range(CORRECTIONS):
+        _stand(q, legs, base, 0.0)
+        base[:, 0] += target - centre_of_mass(plant, base, q)
+    _stand(q, legs, base, 0.0)
+
+
+def _bearings(plant: GroundPlant, legs: Sequence[PlanarLeg], time: FloatArray) -> dict[str, Bearing]:
+    return {leg.foot: Bearing(np.ones_like(time), plant.soles[leg.foot].centre) for leg in legs}
+
+
+def _refuse_touching(swings: Sequence[PlanarLeg], base: FloatArray, q: FloatArray) -> None:
+    for leg in swings:
+        height = float(leg.points(base, q).imag.min())
+        if height < CLEARANCE:
+            raise ExoidError(
+                f"{leg.foot} would swing {1e3 * height:.3g} mm above the ground",
+                remedy="raise the torso, or swing less",
+            )

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from exoid.rig import Rates
-from exoid.rig.ground import GroundPlant, GroundRun, JointGains, Spring, simulate_on_ground
-from exoid.rig.ground.simulate import RATES
+from exoid.rig.ground import RATES, GroundPlant, GroundRun, JointGains, Spring
 
 from .feedforward import planned_motion
+from .follow import follow
 from .posture import planar_legs
 from .waves import knots, wave
 
@@ -68,4 +68,4 @@ def swing(
         for k, amplitude in enumerate(AMPLITUDE):
             q[:, leg.joints.start + k] = centre[k] + wave(time, scale * amplitude, (1 + 0.2 * k) * frequency, rng)
     base = np.tile([0.0, HEIGHT, 0.0], (len(time), 1))
-    return simulate_on_ground(plant, planned_motion(plant, time, q, base, {}), GAINS, spring=clamp, rates=rates)
+    return follow(plant, planned_motion(plant, time, q, base, {}), GAINS, rates, spring=clamp)

@@ -5,17 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
+import scipy  # its parts load when they are first used
 
 from exoid._typing import ComplexArray, FloatArray
 from exoid.experiments.gait import gait_for_leg, norm_gait
 from exoid.leg import Leg
 from exoid.reduction import GRAVITY
 from exoid.rig import Rates
-from exoid.rig.ground import GroundPlant, GroundRun, JointGains, Spring, simulate_on_ground
-from exoid.rig.ground.simulate import RATES
+from exoid.rig.ground import RATES, GroundPlant, GroundRun, JointGains, Spring
 
 from .feedforward import Bearing, planned_motion
+from .follow import follow
 from .posture import PlanarLeg, planar_legs, total_mass
 from .waves import KNOTS, knots, rise
 
@@ -61,7 +61,7 @@ def walking(
     plant: GroundPlant,
     duration: float = 30.0,
     *,
-    gait: Gait = Gait(),
+    gait: Gait | None = None,
     harness: Spring = HARNESS,
     rates: Rates = RATES,
 ) -> GroundRun:
@@ -72,7 +72,7 @@ def walking(
     Args:
         plant: Torso and two legs.
         duration: Duration of the log [s].
-        gait: The gait.
+        gait: The gait; None for the default one.
         harness: Spring between torso and carriage.
         rates: Rates and step of the simulation.
 
@@ -82,7 +82,7 @@ def walking(
     Raises:
         ExoidError: MuJoCo is not installed, there is no such norm, or a leg does not have hip, knee, ankle and a sole.
     """
-    time, legs = knots(duration), planar_legs(plant)
+    gait, time, legs = gait or Gait(), knots(duration), planar_legs(plant)
     q = np.zeros((len(time), len(plant.leg.joint_names)))
     for number, leg in enumerate(legs):
         q[:, leg.joints] = _strides(plant.leg, leg, time, gait, number / len(legs))
@@ -92,11 +92,11 @@ def walking(
     bearing = _bearings(plant, places, window)
     low = np.min([place.imag.min(axis=1) for place in places.values()], axis=0)
     base[:, 0] = _travel(places, bearing, window)
-    base[:, 1] = gaussian_filter1d(-low, window)
+    base[:, 1] = scipy.ndimage.gaussian_filter1d(-low, window)
     motion = planned_motion(plant, time, q, base, bearing, held=True, borne=1.0 - gait.support)
     weight = GRAVITY * total_mass(plant)
     motion.base[:, 1] += gait.support * weight / harness.stiffness[2]
-    return simulate_on_ground(plant, motion, GAINS, spring=harness, rates=rates)
+    return follow(plant, motion, GAINS, rates, spring=harness)
 
 
 def _strides(machine: Leg, leg: PlanarLeg, time: FloatArray, gait: Gait, phase: float) -> FloatArray:
@@ -119,8 +119,8 @@ def _bearings(plant: GroundPlant, places: dict[str, ComplexArray], window: float
     out = {}
     for foot, load in loads.items():
         point = load @ plant.soles[foot].points / load.sum(axis=1, keepdims=True)
-        share = np.clip(load.sum(axis=1) / total, 1e-3, 1.0)
-        out[foot] = Bearing(gaussian_filter1d(share, window), gaussian_filter1d(point, window, axis=0))
+        share = scipy.ndimage.gaussian_filter1d(np.clip(load.sum(axis=1) / total, 1e-3, 1.0), window)
+        out[foot] = Bearing(share, scipy.ndimage.gaussian_filter1d(point, window, axis=0))
     return out
 
 
@@ -128,4 +128,4 @@ def _travel(places: dict[str, ComplexArray], bearing: dict[str, Bearing], window
     """Place of a torso whose bearing feet stand still [m], (K,)."""
     speeds = [np.gradient(place.real.mean(axis=1), 1.0 / KNOTS) * bearing[foot].share for foot, place in places.items()]
     speed = -np.sum(speeds, axis=0) / np.sum([each.share for each in bearing.values()], axis=0)
-    return np.asarray(np.cumsum(gaussian_filter1d(speed, window)) / KNOTS)
+    return np.asarray(np.cumsum(scipy.ndimage.gaussian_filter1d(speed, window)) / KNOTS)

@@ -5,11 +5,12 @@ from .motion import GroundMotion, JointGains, Spring
 from .plant import GroundPlant
 from .run import Footing, GroundRun
 from .sensors import GroundSensors
-from .simulate import simulate_on_ground
+from .simulate import RATES, simulate_on_ground
 from .sole import BLEEX_SOLES, Sole
 
 __all__ = [
     "BLEEX_SOLES",
+    "RATES",
     "Audit",
     "Footing",
     "GroundMotion",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
@@ -49,10 +49,8 @@ class GroundMotion:
         Returns:
             Targets of the joints and of the torso.
         """
-        joints, base = CubicSpline(self.time, self.q), CubicSpline(self.time, self.base)
-        return JointTargets(
-            joints(time), joints(time, 1), CubicSpline(self.time, self.torque)(time), base(time), base(time, 1)
-        )
+        joints, torque, base = (scipy.interpolate.CubicSpline(self.time, x) for x in (self.q, self.torque, self.base))
+        return JointTargets(joints(time), joints(time, 1), torque(time), base(time), base(time, 1))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -19,6 +19,9 @@ from .sole import Sole
 SYMBOLS = ("c0", "d", "Ia", "b1", "b0")
 """Symbols of what acts on a joint: Coulomb and viscous friction, rotor, spring and its torque at zero."""
 
+NOT_NEGATIVE = ("c0", "d", "Ia")
+"""Symbols of friction and inertia."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GroundPlant:
@@ -94,11 +97,23 @@ class GroundPlant:
         bodies = [values.get(name, x) for name, x in zip(leg.parameter_names, leg.parameters, strict=True)]
         if set(values) & set(leg.parameter_names):
             leg = leg.with_parameters(bodies)
-        each = [np.array([values.get(f"{symbol}_{label}", 0.0) for label in labels]) for symbol in SYMBOLS]
-        positive = dict(zip(SYMBOLS[:3], each[:3], strict=True))
-        _refuse_values(positive, np.array(each), smoothing, ground_friction)
-        _refuse_soles(leg, soles)
-        return cls(leg, MappingProxyType(dict(soles)), *each, smoothing, ground_friction)
+        each = {symbol: np.array([values.get(f"{symbol}_{label}", 0.0) for label in labels]) for symbol in SYMBOLS}
+        _refuse_values(each, smoothing, ground_friction)
+        if not soles:
+            raise ExoidError("the machine has no sole", remedy='give soles={"left_foot": Sole.flat(...)}')
+        for link in soles:
+            link_frame(leg.model, leg.description, link)
+        return cls(
+            leg=leg,
+            soles=MappingProxyType(dict(soles)),
+            coulomb=each["c0"],
+            viscous=each["d"],
+            armature=each["Ia"],
+            stiffness=each["b1"],
+            constant=each["b0"],
+            smoothing=smoothing,
+            ground_friction=ground_friction,
+        )
 
     @property
     def is_planar(self) -> bool:
@@ -140,24 +155,15 @@ class GroundPlant:
 
     def __repr__(self) -> str:
         """Name the machine, its joints and its feet."""
-        return f"GroundPlant({self.leg.description.name}: {', '.join(self.leg.joint_names)}; on {', '.join(self.soles)})"
+        joints, feet = (", ".join(names) for names in (self.leg.joint_names, self.soles))
+        return f"GroundPlant({self.leg.description.name}: {joints}; on {feet})"
 
 
-def _refuse_values(
-    positive: Mapping[str, FloatArray], values: FloatArray, smoothing: float, ground_friction: float
-) -> None:
-    wrong = [symbol for symbol, each in positive.items() if (each < 0.0).any()]
-    if wrong or not np.isfinite(values).all():
-        raise ExoidError(
-            f"{', '.join(wrong) or 'a value'} of the plant is negative or not finite",
-            remedy="give friction and rotor inertia ≥ 0",
-        )
+def _refuse_values(each: Mapping[str, FloatArray], smoothing: float, ground_friction: float) -> None:
+    for symbol, values in each.items():
+        if not np.isfinite(values).all() or (symbol in NOT_NEGATIVE and (values < 0.0).any()):
+            raise ExoidError(f"{symbol} of the plant is {values.tolist()}", remedy="give finite values; friction ≥ 0")
     if not 0.0 < smoothing < np.inf:
         raise ExoidError(f"a smoothing of {smoothing:g} rad/s", remedy="give a positive velocity, such as 0.02 rad/s")
     if not 0.0 < ground_friction < np.inf:
         raise ExoidError(f"a friction coefficient of the ground of {ground_friction:g}", remedy="give one such as 0.8")
-
-
-def _refuse_soles(leg: Leg, soles: Mapping[str, Sole]) -> None:
-    for link in soles:
-        link_frame(leg.model, leg.description, link)

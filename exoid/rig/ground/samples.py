@@ -77,10 +77,10 @@ def _base_kinematics(engine: Engine, rate: FloatArray, change: FloatArray, turn:
     plane = engine.plant.plane
     if engine.plant.is_planar:
         linear = change[:, :2] @ np.array([plane.forward, plane.up])
-        turning = [np.outer(x[:, 2], -plane.lateral) for x in (rate, change)]
+        spin, turning = (np.outer(x[:, 2], -plane.lateral) for x in (rate, change))
     else:  # MuJoCo's free joint: linear in the laboratory, angular in the axes of the body
-        linear, turning = change[:, :3], [rate[:, 3:], change[:, 3:]]
-    return BaseKinematics(*turning, np.einsum("nij,ni->nj", turn, linear + GRAVITY * plane.up))
+        linear, spin, turning = change[:, :3], rate[:, 3:], change[:, 3:]
+    return BaseKinematics(spin, turning, np.einsum("nij,ni->nj", turn, linear + GRAVITY * plane.up))
 
 
 def _footing(

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy  # its parts load when they are first used
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.base_kinematics import BaseKinematics
@@ -21,8 +21,20 @@ Axes = Literal["link", "world"]
 MISLABELLED_TIME = 0.05
 """Length of a stretch of wrong labels [s]."""
 
-NOT_NEGATIVE = ("angle_noise", "force_noise", "moment_noise", "gyro_noise", "acceleration_noise", "gyro_bias")
-NOT_NEGATIVE += ("acceleration_bias", "position_noise", "turn_noise", "switch_force", "switch_delay")
+NOT_NEGATIVE = (
+    "angle_noise",
+    "force_noise",
+    "moment_noise",
+    "gyro_noise",
+    "acceleration_noise",
+    "gyro_bias",
+    "acceleration_bias",
+    "position_noise",
+    "turn_noise",
+    "switch_force",
+    "switch_delay",
+)
+"""Numbers of sensors that are zero or positive."""
 
 
 @dataclass(frozen=True)
@@ -91,8 +103,7 @@ class GroundSensors:
         Returns:
             Sensors that read the truth.
         """
-        noises = {field.name: 0.0 for field in fields(cls) if field.name.endswith("_noise")}
-        return cls(**noises, wrench_axes=wrench_axes)
+        return cls(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, position_noise=0.0, turn_noise=0.0, wrench_axes=wrench_axes)
 
     def angles(self, q: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Read joint angles.
@@ -133,7 +144,7 @@ class GroundSensors:
             Readings.
         """
         place = np.array(self.imu_position)
-        turn = Rotation.from_rotvec(self.imu_misalignment).as_matrix()
+        turn = scipy.spatial.transform.Rotation.from_rotvec(self.imu_misalignment).as_matrix()
         gyro, force = base.angular_velocity @ turn, base.specific_force_at(place) @ turn
         biases = (size * rng.standard_normal(3) for size in (self.gyro_bias, self.acceleration_bias))
         gyro_bias, force_bias = biases
@@ -155,8 +166,10 @@ class GroundSensors:
         Returns:
             Readings.
         """
-        turn = Rotation.from_rotvec(self.turn_noise * rng.standard_normal((len(position), 3)))
-        return BasePose(_noisy(position, self.position_noise, rng), (Rotation.from_matrix(rotation) * turn).as_quat())
+        orientation = scipy.spatial.transform.Rotation
+        turn = orientation.from_rotvec(self.turn_noise * rng.standard_normal((len(position), 3)))
+        place = _noisy(position, self.position_noise, rng)
+        return BasePose(place, (orientation.from_matrix(rotation) * turn).as_quat())
 
     def wrench(self, wrench: Wrench, rng: np.random.Generator) -> Wrench:
         """Read a force plate, an instrumented sole or the sensor of a hand rail.

@@ -10,7 +10,7 @@ from exoid.rig.simulate import DIVERGED_SPEED, Rates
 
 from .audit import Audit
 from .engine import Engine
-from .holder import Holder
+from .holder import hold
 from .motion import GroundMotion, JointGains, Spring
 from .plant import GroundPlant
 from .run import GroundRun
@@ -63,10 +63,10 @@ def simulate_on_ground(
             f"the reference is from {motion.time[0]:g} to {motion.time[-1]:g} s",
             remedy="begin at zero or before, and end after zero",
         )
-    targets = motion.at(rates.step * np.arange(first, last + 1))
+    targets = motion.at(rates.step * np.arange(first, last + 1, dtype=np.float64))
     engine = Engine(plant, rates.step, rail=rail)
     engine.place(targets.q[0], targets.base[0])
-    holder = Holder(engine, spring, targets) if spring is not None else None
+    holder = hold(engine, spring, targets) if spring is not None else None
     limit, (stiffness, damping) = plant.leg.limits.effort, gains.arrays(len(engine.q))
     ledger, samples, torque = _Ledger(engine, last), Samples(engine, holder), np.zeros(len(engine.q))
     for k in range(last - first + 1):
@@ -79,8 +79,9 @@ def simulate_on_ground(
         applied = engine.applied
         applied[engine.base :] = torque - plant.resistance(q, v)
         applied[: engine.base] = 0.0
-        if holder is not None:
-            applied += holder.force(k)
+        held = None if holder is None else holder.force(k)
+        if held is not None:
+            applied += held
         logs = now >= 0 and now % every_log == 0
         if now >= 0:
             ledger.begin(now)
@@ -88,7 +89,7 @@ def simulate_on_ground(
             samples.begin()
         engine.finish()
         if now >= 0:
-            ledger.finish(now, torque, None if holder is None else holder.last)
+            ledger.finish(now, torque, held)
         if logs:
             samples.finish(now * rates.step, torque)
             _refuse_divergence(engine, now * rates.step)
