@@ -1,6 +1,6 @@
 """Experiments: protocols of both documents as data, references, and execution on virtual rigs."""
 
-from . import bleex, cuhk
+from . import bleex, cuhk, ground
 from .bench import Bench, stiff_servo
 from .dynamic import run_motion
 from .followed_log import FollowedLog, follow_log
@@ -23,6 +23,7 @@ __all__ = [
     "fit_harmonics",
     "follow_log",
     "gait_for_leg",
+    "ground",
     "healthy_gait",
     "joint_roles",
     "norm_gait",

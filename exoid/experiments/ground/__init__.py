@@ -1,0 +1,18 @@
+"""Scenarios of a machine on the ground: squats, weight shifts, one foot on the ground, walking, swinging."""
+
+from .stance import HAND_RAIL, Stance, rail_squats, single_support, squats_and_shifts
+from .swing import CLAMP, swing
+from .walking import HARNESS, Gait, walking
+
+__all__ = [
+    "CLAMP",
+    "HAND_RAIL",
+    "HARNESS",
+    "Gait",
+    "Stance",
+    "rail_squats",
+    "single_support",
+    "squats_and_shifts",
+    "swing",
+    "walking",
+]

@@ -1,0 +1,50 @@
+"""Execution of a planned motion: refused beyond the limits of the joints, and where the machine falls."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exoid.errors import ExoidError
+from exoid.experiments.limits import refuse_poses_beyond_limits
+from exoid.rig import Rates
+from exoid.rig.ground import GroundMotion, GroundPlant, GroundRun, JointGains, Spring, simulate_on_ground
+
+FALLEN = 0.15
+"""Distance of the torso from the planned height from which the machine counts as fallen [m]."""
+
+
+def follow(
+    plant: GroundPlant,
+    motion: GroundMotion,
+    gains: JointGains,
+    rates: Rates,
+    *,
+    rail: bool = False,
+    spring: Spring | None = None,
+) -> GroundRun:
+    """Let a machine follow a planned motion.
+
+    Args:
+        plant: The machine.
+        motion: The motion.
+        gains: Gains of the joints.
+        rates: Rates and step of the simulation.
+        rail: Whether a vertical rail holds the torso.
+        spring: Spring and damper that hold the torso; None for none.
+
+    Returns:
+        The run.
+
+    Raises:
+        ExoidError: A joint is beyond its limits, or the machine falls.
+    """
+    refuse_poses_beyond_limits(plant.leg, motion.q)
+    run = simulate_on_ground(plant, motion, gains, rail=rail, spring=spring, rates=rates)
+    planned = np.interp(run.time, motion.time, motion.base[:, 1])
+    far = np.abs(run.position @ plant.plane.up - planned) > FALLEN
+    if far.any():
+        raise ExoidError(
+            f"the machine falls: at {run.time[np.argmax(far)]:.3g} s its torso is {FALLEN:g} m off the planned height",
+            remedy="take smaller or slower motions, or more friction of the ground",
+        )
+    return run

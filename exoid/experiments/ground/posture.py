@@ -1,0 +1,179 @@
+"""Postures of a planar machine: joint angles that put its soles where they should be, and its centre of mass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import ComplexArray, FloatArray
+from exoid.errors import ExoidError
+from exoid.link_frames import link_frame
+from exoid.reduction import Limb
+from exoid.rig.ground import GroundPlant
+
+JOINTS = 3
+"""Number of joints of a leg: hip, knee and ankle."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarLeg:
+    """Leg of three joints in the plane, where a vector (forward, up) is the complex number x + i z.
+
+    Angles are positive about −lateral, so that a body that turns by φ multiplies its vectors by e^{iφ}.
+
+    Attributes:
+        foot: Link of the foot.
+        joints: Place of its joints among all joints.
+        hip: Place of the hip in the axes of the root link [m].
+        thigh: Vector from hip to knee at the zero pose [m].
+        shank: Vector from knee to ankle at the zero pose [m].
+        sole: Vectors from the ankle to the points of the sole at the zero pose [m], (K,).
+        signs: Signs of the joint axes, (3,).
+        knee: Sign of the knee angle of a leg that can walk.
+    """
+
+    foot: str
+    joints: slice
+    hip: complex
+    thigh: complex
+    shank: complex
+    sole: ComplexArray
+    signs: FloatArray
+    knee: float
+
+    def angles(self, base: FloatArray, centre: ComplexArray, tilt: FloatArray) -> FloatArray:
+        """Find the joint angles that put the sole at a place.
+
+        Args:
+            base: Position forward and up [m] and pitch [rad] of the root link's origin, (N, 3).
+            centre: Place of the middle of the sole in the laboratory [m], (N,).
+            tilt: Angle of the sole to the ground [rad], (N,).
+
+        Returns:
+            Angles of hip, knee and ankle [rad], (N, 3).
+
+        Raises:
+            ExoidError: The place is out of reach.
+        """
+        pitch = base[:, 2]
+        ankle = centre - np.exp(1j * tilt) * self.sole.mean()
+        way = ankle - (base[:, 0] + 1j * base[:, 1] + np.exp(1j * pitch) * self.hip)
+        upper, lower = abs(self.thigh), abs(self.shank)
+        cosine = (np.abs(way) ** 2 - upper**2 - lower**2) / (2.0 * upper * lower)
+        if not (np.abs(cosine) < 1.0).all():
+            raise ExoidError(
+                f"{self.foot} is {np.abs(way).max():.3g} m from the hip, a leg of {upper + lower:.3g} m",
+                remedy="lower the torso, or take smaller shifts",
+            )
+        turn = self.signs[1] * self.knee * np.arccos(cosine)  # from the thigh's line to the shank's
+        thigh = np.angle(way) - np.angle(upper + lower * np.exp(1j * turn)) - np.angle(self.thigh)
+        shank = thigh + turn + np.angle(self.thigh) - np.angle(self.shank)
+        turns = np.column_stack([thigh - pitch, shank - thigh, tilt - shank])
+        return np.asarray(self.signs * np.angle(np.exp(1j * turns)))
+
+    def flexion(self, hip: float, knee: float, ankle: float) -> FloatArray:
+        """Convert flexion to joint angles.
+
+        Args:
+            hip: Flexion of the hip, forward [rad].
+            knee: Flexion of the knee, backward [rad].
+            ankle: Flexion of the ankle, upward [rad].
+
+        Returns:
+            Joint angles [rad], (3,).
+        """
+        return np.array([self.signs[0] * hip, self.knee * knee, self.signs[2] * ankle])
+
+    def points(self, base: FloatArray, q: FloatArray) -> ComplexArray:
+        """Locate the points of the sole.
+
+        Args:
+            base: Position forward and up [m] and pitch [rad] of the root link's origin, (N, 3).
+            q: Angles of all joints [rad], (N, n).
+
+        Returns:
+            Places in the laboratory [m], (N, K).
+        """
+        turns = base[:, 2:] + np.cumsum(self.signs * q[:, self.joints], axis=1)
+        thigh, shank, foot = np.exp(1j * turns).T
+        hip = base[:, 0] + 1j * base[:, 1] + np.exp(1j * base[:, 2]) * self.hip
+        ankle = hip + thigh * self.thigh + shank * self.shank
+        return np.asarray(ankle[:, None] + foot[:, None] * self.sole)
+
+
+def planar_legs(plant: GroundPlant) -> tuple[PlanarLeg, ...]:
+    """Read the legs of a machine.
+
+    Args:
+        plant: The machine.
+
+    Returns:
+        Its legs, in the order of its joints.
+
+    Raises:
+        ExoidError: A leg is not planar, does not have three joints, or has no sole.
+    """
+    leg = plant.leg
+    legs = tuple(_planar_leg(plant, limb) for limb in leg.limbs)
+    if not legs:
+        raise ExoidError("the machine is not planar", where=leg.description.name, remedy="use legs in parallel planes")
+    return legs
+
+
+def _planar_leg(plant: GroundPlant, limb: Limb) -> PlanarLeg:
+    leg, joints = plant.leg, range(limb.joints.start, limb.joints.stop)
+    feet = [link for link in plant.soles if link_frame(leg.model, leg.description, link).body in joints]
+    if len(joints) != JOINTS or len(feet) != 1:
+        raise ExoidError(
+            f"the leg with {', '.join(leg.joint_names[limb.joints])} has {len(feet)} soles",
+            where=leg.description.name,
+            remedy="scenarios are made for legs with hip, knee, ankle and one sole",
+        )
+    plane = plant.plane
+    forward_up = plane.forward + 1j * plane.up
+    data = leg.model.createData()
+    pin.forwardKinematics(leg.model, data, pin.neutral(leg.model))
+    body, placement = link_frame(leg.model, leg.description, feet[0])
+    foot = data.oMi[body + 1] * placement
+    sole = np.array([foot.act(point) for point in plant.soles[feet[0]].points]) @ forward_up
+    hip, knee, ankle = (complex(data.oMi[j + 1].translation @ forward_up) for j in joints)
+    limits = leg.limits
+    middle = float(limits.lower[joints[1]] + limits.upper[joints[1]])
+    knee_sign = float(np.sign(middle)) if np.isfinite(middle) and middle else -1.0
+    return PlanarLeg(feet[0], limb.joints, hip, knee - hip, ankle - knee, sole - ankle, limb.chain.signs, knee_sign)
+
+
+def centre_of_mass(plant: GroundPlant, base: FloatArray, q: FloatArray) -> FloatArray:
+    """Locate the centre of mass.
+
+    Args:
+        plant: The machine.
+        base: Position forward and up [m] and pitch [rad] of the root link's origin, (N, 3).
+        q: Joint angles [rad], (N, n).
+
+    Returns:
+        Its place forward in the laboratory [m], (N,).
+    """
+    model, plane = plant.leg.model, plant.plane
+    rotation, translation = plant.leg.forward_kinematics(q)
+    bodies = [model.inertias[j] for j in range(1, model.njoints)]
+    levers = np.array([body.lever for body in bodies])
+    masses = np.array([body.mass for body in bodies])
+    moment = np.einsum("j,njk->nk", masses, np.einsum("njkl,jl->njk", rotation, levers) + translation)
+    moment = moment + model.inertias[0].mass * model.inertias[0].lever
+    within = moment @ (plane.forward + 1j * plane.up) / (masses.sum() + model.inertias[0].mass)
+    return np.asarray(base[:, 0] + (np.exp(1j * base[:, 2]) * within).real)
+
+
+def total_mass(plant: GroundPlant) -> float:
+    """Sum up the masses of all bodies.
+
+    Args:
+        plant: The machine.
+
+    Returns:
+        Mass [kg].
+    """
+    return float(sum(body.mass for body in plant.leg.model.inertias))

@@ -1,0 +1,200 @@
+"""Stance: squats and weight shifts on one foot or two."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.rig import Rates
+from exoid.rig.ground import RATES, GroundPlant, GroundRun, JointGains, Spring
+
+from .feedforward import Bearing, planned_motion
+from .follow import follow
+from .posture import PlanarLeg, centre_of_mass, planar_legs
+from .waves import knots, wave
+
+GAINS = JointGains(stiffness=(2000.0, 2000.0, 1500.0), damping=(60.0, 60.0, 40.0))
+"""Gains of the joints while they bear the machine, an assumption: stiff enough to stand."""
+
+HAND_RAIL = Spring(point=(0.1, 0.0, 0.35), stiffness=(3000.0, 0.0, 1000.0), damping=(200.0, 0.0, 100.0))
+"""Hand on a bar in front of the chest, an assumption."""
+
+BENT = (1.2, 1.65, 0.4)
+"""Mean flexion of hip, knee and ankle of a leg that does not stand [rad]."""
+
+CLEARANCE = 0.01
+"""Smallest height of a foot that does not stand [m]."""
+
+CORRECTIONS = 6
+"""Corrections of the place of the torso over its feet."""
+
+
+@dataclass(frozen=True)
+class Stance:
+    """Size and frequency of squats and weight shifts.
+
+    Attributes:
+        height: Mean height of the root link's origin above the ground [m].
+        squat: Amplitude of the height [m].
+        shift: Amplitude of the centre of mass forward [m]; without effect on a rail.
+        bow: Amplitude of the pitch of the torso [rad]; without effect on a rail.
+        lean: Mean pitch [rad]; negative leans forward. A rail keeps the torso upright.
+        swing: Amplitude of the joints of a leg that does not stand [rad].
+        frequency: Main frequency [Hz]; the others are from a third of it to twice as high.
+    """
+
+    height: float = 0.88
+    squat: float = 0.04
+    shift: float = 0.02
+    bow: float = 0.08
+    lean: float = -0.25
+    swing: float = 0.25
+    frequency: float = 0.5
+
+
+ON_RAIL = Stance(squat=0.06)
+"""Squats of a leg on a rail."""
+
+ON_ONE_FOOT = Stance(shift=0.01, bow=0.05)
+"""Motion on one foot."""
+
+
+def rail_squats(
+    plant: GroundPlant, duration: float = 30.0, *, stance: Stance = ON_RAIL, seed: int = 0, rates: Rates = RATES
+) -> GroundRun:
+    """Let a leg squat while a vertical rail holds the torso, which neither moves forward nor pitches.
+
+    Args:
+        plant: Torso and one leg, or two.
+        duration: Duration of the log [s].
+        stance: Size and frequency of the squats.
+        seed: Seed of the phases.
+        rates: Rates and step of the simulation.
+
+    Returns:
+        The run, with the wrench of the rail on the torso.
+
+    Raises:
+        ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, or the motion cannot be
+            followed.
+    """
+    rng, time, legs = np.random.default_rng(seed), knots(duration), planar_legs(plant)
+    height = stance.height + wave(time, stance.squat, stance.frequency, rng)
+    base = np.column_stack([np.zeros_like(time), height, np.zeros_like(time)])
+    q = np.zeros((len(time), len(plant.leg.joint_names)))
+    _stand(q, legs, base, legs[0].hip.real)
+    motion = planned_motion(plant, time, q, base, _bearings(plant, legs, time), held=True)
+    return follow(plant, motion, GAINS, rates, rail=True)
+
+
+def squats_and_shifts(
+    plant: GroundPlant, duration: float = 30.0, *, stance: Stance | None = None, seed: int = 0, rates: Rates = RATES
+) -> GroundRun:
+    """Let a free machine squat on both feet, shift its weight fore and aft, and bow.
+
+    Args:
+        plant: Torso and legs.
+        duration: Duration of the log [s].
+        stance: Size and frequency of the motions; None for the default ones.
+        seed: Seed of the phases.
+        rates: Rates and step of the simulation.
+
+    Returns:
+        The run.
+
+    Raises:
+        ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, or the motion cannot be
+            followed.
+    """
+    rng, time, legs = np.random.default_rng(seed), knots(duration), planar_legs(plant)
+    base, target = _torso(time, stance or Stance(), rng)
+    q = np.zeros((len(time), len(plant.leg.joint_names)))
+    _balance(plant, q, legs, base, target)
+    motion = planned_motion(plant, time, q, base, _bearings(plant, legs, time))
+    return follow(plant, motion, GAINS, rates)
+
+
+def single_support(
+    plant: GroundPlant,
+    duration: float = 30.0,
+    *,
+    stance: Stance = ON_ONE_FOOT,
+    standing: int = 0,
+    hand_rail: Spring = HAND_RAIL,
+    seed: int = 0,
+    rates: Rates = RATES,
+) -> GroundRun:
+    """Let a machine stand on one foot and swing the other leg, with a hand on a rail.
+
+    Args:
+        plant: Torso and two legs.
+        duration: Duration of the log [s].
+        stance: Size and frequency of the motions.
+        standing: Number of the leg that stands, in the order of the joints.
+        hand_rail: Spring between torso and rail.
+        seed: Seed of the phases.
+        rates: Rates and step of the simulation.
+
+    Returns:
+        The run, with the wrench of the hand rail on the torso.
+
+    Raises:
+        ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, there is no such leg, or
+            the motion cannot be followed.
+    """
+    rng, time, legs = np.random.default_rng(seed), knots(duration), planar_legs(plant)
+    if not 0 <= standing < len(legs):
+        raise ExoidError(f"no leg {standing} of {len(legs)}", remedy="count from 0")
+    base, target = _torso(time, stance, rng)
+    q = np.zeros((len(time), len(plant.leg.joint_names)))
+    stands, swings = legs[standing : standing + 1], [leg for leg in legs if leg is not legs[standing]]
+    for leg in swings:
+        sizes = ((1.0, 1.6), (1.2, 1.8), (1.0, 2.0))  # of amplitude and frequency
+        waves = [wave(time, size * stance.swing, f * stance.frequency, rng) for size, f in sizes]
+        q[:, leg.joints] = leg.flexion(*BENT) + np.column_stack(waves)
+    _balance(plant, q, stands, base, target)
+    _refuse_touching(swings, base, q)
+    motion = planned_motion(plant, time, q, base, _bearings(plant, stands, time))
+    return follow(plant, motion, GAINS, rates, spring=hand_rail)
+
+
+def _torso(time: FloatArray, stance: Stance, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
+    """Reference of the torso, and place of the centre of mass forward."""
+    height = stance.height + wave(time, stance.squat, stance.frequency, rng)
+    pitch = stance.lean + wave(time, stance.bow, 0.83 * stance.frequency, rng)
+    target = wave(time, stance.shift, 1.21 * stance.frequency, rng)
+    return np.column_stack([np.zeros_like(time), height, pitch]), target
+
+
+def _stand(q: FloatArray, legs: Sequence[PlanarLeg], base: FloatArray, place: float) -> None:
+    """Set the angles of legs that stand flat, with the middle of their soles at a place."""
+    for leg in legs:
+        q[:, leg.joints] = leg.angles(base, np.full(len(base), place + 0j), np.zeros(len(base)))
+
+
+def _balance(
+    plant: GroundPlant, q: FloatArray, legs: Sequence[PlanarLeg], base: FloatArray, target: FloatArray
+) -> None:
+    """Move the torso until the centre of mass is over its target, counted from the middle of the soles."""
+    for _ in range(CORRECTIONS):
+        _stand(q, legs, base, 0.0)
+        base[:, 0] += target - centre_of_mass(plant, base, q)
+    _stand(q, legs, base, 0.0)
+
+
+def _bearings(plant: GroundPlant, legs: Sequence[PlanarLeg], time: FloatArray) -> dict[str, Bearing]:
+    return {leg.foot: Bearing(np.ones_like(time), plant.soles[leg.foot].centre) for leg in legs}
+
+
+def _refuse_touching(swings: Sequence[PlanarLeg], base: FloatArray, q: FloatArray) -> None:
+    for leg in swings:
+        height = float(leg.points(base, q).imag.min())
+        if height < CLEARANCE:
+            raise ExoidError(
+                f"{leg.foot} would swing {1e3 * height:.3g} mm above the ground",
+                remedy="raise the torso, or swing less",
+            )

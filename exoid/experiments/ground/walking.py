@@ -1,0 +1,131 @@
+"""Walking in a harness: both legs follow a norm of healthy gait."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import ComplexArray, FloatArray
+from exoid.experiments.gait import gait_for_leg, norm_gait
+from exoid.leg import Leg
+from exoid.reduction import GRAVITY
+from exoid.rig import Rates
+from exoid.rig.ground import RATES, GroundPlant, GroundRun, JointGains, Spring
+
+from .feedforward import Bearing, planned_motion
+from .follow import follow
+from .posture import PlanarLeg, planar_legs, total_mass
+from .waves import KNOTS, knots, rise
+
+GAINS = JointGains(stiffness=(1500.0, 1200.0, 400.0), damping=(50.0, 40.0, 12.0))
+"""Gains of the joints, an assumption: soft enough for a foot that the ground turns."""
+
+HARNESS = Spring(
+    point=(-0.1, 0.0, 0.3),
+    stiffness=(10000.0, 0.0, 10000.0),
+    damping=(600.0, 0.0, 600.0),
+    turning_stiffness=4000.0,
+    turning_damping=150.0,
+)
+"""Harness between torso and carriage, an assumption."""
+
+SMOOTHING = 0.03
+"""Standard deviation of the window that smooths speed and height of the torso, over the stride time."""
+
+NEAR = 0.004
+"""Height over which load passes from one point of a sole to another [m]."""
+
+
+@dataclass(frozen=True)
+class Gait:
+    """Gait of a machine.
+
+    Attributes:
+        speed: Norm of healthy gait, see :func:`exoid.datasets.gait_norm`: "VerySlow", "Slow", "Free" or "Fast".
+        period: Time of a stride [s].
+        scale: Factor of the amplitudes about the mean.
+        lean: Pitch of the torso [rad]; negative leans forward.
+        support: Share of the weight that the harness bears.
+    """
+
+    speed: str = "Slow"
+    period: float = 1.4
+    scale: float = 0.9
+    lean: float = -0.19
+    support: float = 0.2
+
+
+def walking(
+    plant: GroundPlant,
+    duration: float = 30.0,
+    *,
+    gait: Gait | None = None,
+    harness: Spring = HARNESS,
+    rates: Rates = RATES,
+) -> GroundRun:
+    """Let a machine walk in a harness whose carriage moves over the ground, which is the same as a treadmill.
+
+    Height and speed of the carriage are those at which the lowest point of the soles would stand still.
+
+    Args:
+        plant: Torso and two legs.
+        duration: Duration of the log [s].
+        gait: The gait; None for the default one.
+        harness: Spring between torso and carriage.
+        rates: Rates and step of the simulation.
+
+    Returns:
+        The run, with the wrench of the harness on the torso.
+
+    Raises:
+        ExoidError: MuJoCo is not installed, there is no such norm, or a leg does not have hip, knee, ankle and a sole.
+    """
+    gait, time, legs = gait or Gait(), knots(duration), planar_legs(plant)
+    q = np.zeros((len(time), len(plant.leg.joint_names)))
+    for number, leg in enumerate(legs):
+        q[:, leg.joints] = _strides(plant.leg, leg, time, gait, number / len(legs))
+    base = np.column_stack([np.zeros_like(time), np.zeros_like(time), np.full_like(time, gait.lean)])
+    places = {leg.foot: leg.points(base, q) for leg in legs}
+    window = SMOOTHING * gait.period * KNOTS
+    bearing = _bearings(plant, places, window)
+    low = np.min([place.imag.min(axis=1) for place in places.values()], axis=0)
+    base[:, 0] = _travel(places, bearing, window)
+    base[:, 1] = scipy.ndimage.gaussian_filter1d(-low, window)
+    motion = planned_motion(plant, time, q, base, bearing, held=True, borne=1.0 - gait.support)
+    weight = GRAVITY * total_mass(plant)
+    motion.base[:, 1] += gait.support * weight / harness.stiffness[2]
+    return follow(plant, motion, GAINS, rates, spring=harness)
+
+
+def _strides(machine: Leg, leg: PlanarLeg, time: FloatArray, gait: Gait, phase: float) -> FloatArray:
+    """Angles of one leg, (K, 3), which grow from a mean posture."""
+    own = Leg.from_description(machine.description, machine.joint_names[leg.joints])
+    roles = dict(zip(own.joint_names, ("hip", "knee", "ankle"), strict=True))
+    motion = gait_for_leg(own, norm_gait(gait.speed, gait.scale, gait.period), roles)
+    argument = motion.frequency * (time + phase * gait.period)[:, None, None, None] + motion.phase
+    return np.asarray(
+        (motion.centre + rise(time)[:, None, None] * (motion.amplitude * np.sin(argument)).sum(axis=1))[..., 0]
+    )
+
+
+def _bearings(plant: GroundPlant, places: dict[str, ComplexArray], window: float) -> dict[str, Bearing]:
+    """Plan which points of the soles bear the machine: the lowest ones."""
+    heights = {foot: place.imag for foot, place in places.items()}
+    low = np.min([height.min(axis=1) for height in heights.values()], axis=0)
+    loads = {foot: np.exp(-(height - low[:, None]) / NEAR) for foot, height in heights.items()}
+    total = np.sum([load.sum(axis=1) for load in loads.values()], axis=0)
+    out = {}
+    for foot, load in loads.items():
+        point = load @ plant.soles[foot].points / load.sum(axis=1, keepdims=True)
+        share = scipy.ndimage.gaussian_filter1d(np.clip(load.sum(axis=1) / total, 1e-3, 1.0), window)
+        out[foot] = Bearing(share, scipy.ndimage.gaussian_filter1d(point, window, axis=0))
+    return out
+
+
+def _travel(places: dict[str, ComplexArray], bearing: dict[str, Bearing], window: float) -> FloatArray:
+    """Place of a torso whose bearing feet stand still [m], (K,)."""
+    speeds = [np.gradient(place.real.mean(axis=1), 1.0 / KNOTS) * bearing[foot].share for foot, place in places.items()]
+    speed = -np.sum(speeds, axis=0) / np.sum([each.share for each in bearing.values()], axis=0)
+    return np.asarray(np.cumsum(scipy.ndimage.gaussian_filter1d(speed, window)) / KNOTS)

@@ -1,0 +1,24 @@
+"""Virtual rig with ground: torso and legs that stand or walk, simulated by MuJoCo (extra ``ground``)."""
+
+from .audit import Audit
+from .motion import GroundMotion, JointGains, Spring
+from .plant import GroundPlant
+from .run import Footing, GroundRun
+from .sensors import GroundSensors
+from .simulate import RATES, simulate_on_ground
+from .sole import BLEEX_SOLES, Sole
+
+__all__ = [
+    "BLEEX_SOLES",
+    "RATES",
+    "Audit",
+    "Footing",
+    "GroundMotion",
+    "GroundPlant",
+    "GroundRun",
+    "GroundSensors",
+    "JointGains",
+    "Sole",
+    "Spring",
+    "simulate_on_ground",
+]

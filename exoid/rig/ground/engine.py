@@ -1,0 +1,233 @@
+"""MuJoCo with one machine on flat ground: its state, its steps, and the forces that it computes."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.link_frames import link_frame
+from exoid.reduction import GRAVITY
+
+from .mujoco_model import RAIL_JOINTS, build_mujoco_model, geometry_name, require_mujoco
+from .plant import GroundPlant
+
+
+class Pose(NamedTuple):
+    """Place of a link in the laboratory.
+
+    Attributes:
+        position: Its origin [m], (3,).
+        rotation: Its axes as columns, (3, 3).
+    """
+
+    position: FloatArray
+    rotation: FloatArray
+
+
+class Engine:
+    """Machine on flat ground; the laboratory has z up and the ground at z = 0.
+
+    A step k begins with positions q_k and velocities v_k. :meth:`begin` computes what depends on them, then forces are
+    applied, and :meth:`finish` computes the acceleration a_k and the contact forces, and advances the state.
+
+    Args:
+        plant: The machine.
+        step: Step of the simulation [s].
+        rail: Whether a vertical rail holds the torso of a planar machine: it does not move forward and does not pitch.
+
+    Attributes:
+        plant: The machine.
+        base: Number of velocities of the base, 3 or 6.
+        model: MuJoCo's model.
+        data: MuJoCo's state.
+        q: Joint angles [rad], (n,), a view.
+        v: Joint velocities [rad/s], (n,), a view.
+        rate: Velocities of base and joints, (base + n,), a view. Of a base in space: linear in the laboratory, angular
+            in its own axes.
+        acceleration: Accelerations of the last step in the coordinates of ``rate``, (base + n,), a view.
+        spheres: Place of the points of each sole among all of them.
+        applied: Forces that are applied in this step, in these coordinates, a view.
+
+    Raises:
+        ExoidError: MuJoCo is not installed, a body cannot exist, or a machine that is not planar is on a rail.
+    """
+
+    def __init__(self, plant: GroundPlant, step: float, *, rail: bool = False) -> None:
+        self._mujoco = require_mujoco()
+        self.plant, self.base = plant, 3 if plant.is_planar else 6
+        self.model = build_mujoco_model(plant, step, rail=rail)
+        self.data = self._mujoco.MjData(self.model)
+        n = len(plant.leg.joint_names)
+        self.q, self.v = self.data.qpos[-n:], self.data.qvel[-n:]
+        self.rate, self.acceleration, self.applied = self.data.qvel, self.data.qacc, self.data.qfrc_applied
+        frames = [link_frame(plant.leg.model, plant.leg.description, link) for link in (plant.root_link, *plant.soles)]
+        self._bodies = np.array([frame.body + 2 for frame in frames])  # body 0 is the laboratory, body 1 the root link
+        self._offsets = np.array([frame.placement.translation for frame in frames])
+        self._turns = np.array([frame.placement.rotation for frame in frames])
+        counts = np.cumsum([0, *(len(sole.points) for sole in plant.soles.values())])
+        self.spheres = {link: slice(*ends) for link, ends in zip(plant.soles, pairwise(counts), strict=True)}
+        self._first_sphere = int(self.model.geom(geometry_name(next(iter(plant.soles)), 0)).id)
+        self._rows = tuple(k for k, name in enumerate(("forward", "up", "pitch")) if name in RAIL_JOINTS)
+
+    def place(self, q: FloatArray, base: FloatArray) -> None:
+        """Set the state at rest.
+
+        Args:
+            q: Joint angles [rad], (n,).
+            base: Position forward and up [m] and pitch [rad] of the root link's origin, (3,).
+        """
+        data, plane = self.data, self.plant.plane
+        self._mujoco.mj_resetData(self.model, data)
+        if self.plant.is_planar:
+            data.qpos[:3] = base
+        else:
+            data.qpos[:3] = base[0] * plane.forward + base[1] * plane.up
+            data.qpos[3:7] = quaternion(-plane.lateral, base[2])
+        self.q[:] = q
+
+    def begin(self) -> None:
+        """Compute what depends on positions and velocities."""
+        self._mujoco.mj_step1(self.model, self.data)
+
+    def finish(self) -> None:
+        """Compute accelerations and contact forces, and advance the state."""
+        self._mujoco.mj_step2(self.model, self.data)
+
+    @property
+    def torso(self) -> Pose:
+        """Place of the root link at the beginning of the step."""
+        return Pose(self.data.xpos[1], self.data.xmat[1].reshape(3, 3))
+
+    def twist(self) -> FloatArray:
+        """Compute the velocity of the root link.
+
+        Returns:
+            Angular velocity [rad/s] and velocity of the origin [m/s] in the laboratory, (6,).
+        """
+        out = np.zeros(6)
+        self._mujoco.mj_objectVelocity(self.model, self.data, self._mujoco.mjtObj.mjOBJ_XBODY, 1, out, 0)
+        return out
+
+    def placements(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Locate the root link and the links with soles at the beginning of the step.
+
+        Returns:
+            Their origins [m], (F, 3), axes as columns, (F, 3, 3), and velocities: angular [rad/s] and of the origin
+            [m/s], (F, 6), all in the laboratory.
+        """
+        data = self.data
+        turns = data.xmat[self._bodies].reshape(-1, 3, 3)
+        origin = data.xpos[self._bodies] + np.einsum("fij,fj->fi", turns, self._offsets)
+        twist = data.cvel[self._bodies]  # about the centre of mass
+        arm = origin - data.subtree_com[1]
+        twist[:, 3:] += _cross(twist[:, :3], arm)
+        return origin, turns @ self._turns, twist
+
+    def push(self, force: FloatArray, moment: FloatArray, point: FloatArray) -> FloatArray:
+        """Convert a force on the torso to the coordinates of :attr:`applied`.
+
+        Args:
+            force: Force in the laboratory [N], (3,).
+            moment: Moment about the point [N·m], (3,).
+            point: Point in the laboratory [m], (3,).
+
+        Returns:
+            Generalised force, (base + n,).
+        """
+        out = np.zeros(len(self.rate))
+        self._mujoco.mj_applyFT(self.model, self.data, force, moment, point, 1, out)
+        return out
+
+    def loads(self) -> tuple[FloatArray, FloatArray]:
+        """Read the contact forces of the step.
+
+        Returns:
+            Force on each sphere of :attr:`spheres` [N], (K, 3), and the point where it acts [m], (K, 3), in the
+            laboratory; zero without contact.
+        """
+        contact, count = self.data.contact, sum(len(sole.points) for sole in self.plant.soles.values())
+        force, place = np.zeros((2, count, 3))
+        own = contact.efc_address >= 0
+        if own.any():
+            local = self.data.efc_force[contact.efc_address[own][:, None] + np.arange(3)]
+            rows = contact.geom[own, 1] - self._first_sphere  # the ground is the first geometry of each contact
+            force[rows] = np.einsum("kj,kji->ki", local, contact.frame[own].reshape(-1, 3, 3))
+            place[rows] = contact.pos[own]
+        return force, place
+
+    def turn_to(self, target: FloatArray) -> FloatArray:
+        """Find the rotation from the root link to another orientation.
+
+        Args:
+            target: Quaternion of that orientation (w, x, y, z), (4,).
+
+        Returns:
+            Rotation vector in the laboratory [rad], (3,).
+        """
+        own, inverse, out = self.data.xquat[1], np.zeros(4), np.zeros(3)
+        self._mujoco.mju_negQuat(inverse, own)
+        turn = np.zeros(4)
+        self._mujoco.mju_mulQuat(turn, target, inverse)
+        self._mujoco.mju_quat2Vel(out, turn, 1.0)
+        return out
+
+    @property
+    def has_rail(self) -> bool:
+        """Whether a rail holds the torso."""
+        return bool(self.model.neq)
+
+    @property
+    def rail_wrench(self) -> FloatArray:
+        """Force and moment of the rail about the root link's origin in the laboratory [N, N·m], (2, 3)."""
+        plane, rail = self.plant.plane, self.rail
+        if not self.has_rail:
+            return np.zeros((2, 3))
+        return np.array([rail[0] * plane.forward + rail[1] * plane.up, -rail[2] * plane.lateral])
+
+    @property
+    def rail(self) -> FloatArray:
+        """Generalised force of the rail in the step, (base + n,); zero without a rail."""
+        out = np.zeros(len(self.rate))
+        if self.model.neq:
+            out[list(self._rows)] = self.data.efc_force[: self.model.neq]  # equalities are MuJoCo's first constraints
+        return out
+
+    @property
+    def energy(self) -> float:
+        """Kinetic and potential energy at the beginning of the step, rotors and springs of the joints included [J]."""
+        self._mujoco.mj_energyPos(self.model, self.data)
+        self._mujoco.mj_energyVel(self.model, self.data)
+        springs = 0.5 * self.plant.stiffness * self.q**2 + self.plant.constant * self.q
+        return float(self.data.energy.sum() + springs.sum())
+
+    @property
+    def momentum(self) -> FloatArray:
+        """Linear momentum at the beginning of the step [N·s], (3,)."""
+        self._mujoco.mj_subtreeVel(self.model, self.data)
+        return np.asarray(self.model.body_subtreemass[1] * self.data.subtree_linvel[1])
+
+    @property
+    def weight(self) -> float:
+        """Weight of the machine [N]."""
+        return float(GRAVITY * self.model.body_subtreemass[1])
+
+
+def quaternion(axis: FloatArray, angle: float) -> FloatArray:
+    """Write a rotation as a quaternion.
+
+    Args:
+        axis: Axis, (3,).
+        angle: Angle [rad].
+
+    Returns:
+        Quaternion (w, x, y, z), as MuJoCo has it, (4,).
+    """
+    return np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * axis])
+
+
+def _cross(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Cross product of rows, faster than NumPy's on few of them."""
+    return x[:, [1, 2, 0]] * y[:, [2, 0, 1]] - x[:, [2, 0, 1]] * y[:, [1, 2, 0]]

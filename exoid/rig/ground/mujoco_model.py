@@ -1,0 +1,173 @@
+"""MuJoCo's model of a machine on flat ground."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.link_frames import link_frame
+from exoid.reduction import GRAVITY
+
+from .plant import GroundPlant
+from .sole import Sole
+
+SOLE_TIME = 0.015
+"""Time constant of contacts [s], MuJoCo's `solref`: of a rubber sole, with twice the weight at touch-down."""
+
+RAIL_TIME = 0.004
+"""Time constant of the constraint that holds a torso on its rail [s]; at least twice the step."""
+
+IMPEDANCE = (0.95, 0.99, 0.001, 0.5, 2.0)
+"""Impedance of contacts, MuJoCo's `solimp`."""
+
+RAIL_IMPEDANCE = (0.9999, 0.9999, 0.001, 0.5, 2.0)
+"""Impedance of the constraint that holds a torso on its rail."""
+
+FRICTION_IMPEDANCE = 100.0
+"""Impedance of friction over that of the normal force, `impratio`: the larger, the less a loaded foot creeps."""
+
+TOLERANCE = 1e-14
+"""Tolerance of MuJoCo's solver."""
+
+BASE_JOINTS = ("forward", "up", "pitch")
+"""Coordinates of the base of a planar machine."""
+
+RAIL_JOINTS = ("forward", "pitch")
+"""Coordinates of the base that a vertical rail holds."""
+
+
+def require_mujoco() -> Any:  # noqa: ANN401 - a module
+    """Import MuJoCo, an extra of exoid.
+
+    Returns:
+        The module.
+
+    Raises:
+        ExoidError: It is not installed.
+    """
+    try:
+        import mujoco  # noqa: PLC0415 - an extra
+    except ImportError:
+        raise ExoidError("MuJoCo is not installed", remedy="pip install 'exoid[ground]'") from None
+    return mujoco
+
+
+def build_mujoco_model(plant: GroundPlant, step: float, *, rail: bool = False) -> Any:  # noqa: ANN401 - MuJoCo's class
+    """Build MuJoCo's model of a machine: joints of the base, one body for each joint, spheres under the soles.
+
+    The bodies are in Pinocchio's order: body 1 is the root link, body j + 1 that of joint j.
+
+    Args:
+        plant: The machine.
+        step: Step of the simulation [s].
+        rail: Whether a vertical rail holds the torso of a planar machine.
+
+    Returns:
+        The model.
+
+    Raises:
+        ExoidError: MuJoCo is not installed, a body cannot exist, or a machine that is not planar is on a rail.
+    """
+    mujoco = require_mujoco()
+    if rail and not plant.is_planar:
+        raise ExoidError("a vertical rail holds a machine that moves in a plane", remedy="hold others by a spring")
+    spec = mujoco.MjSpec()
+    option = spec.option
+    option.timestep, option.gravity = step, -GRAVITY * plant.plane.up
+    option.integrator, option.solver = mujoco.mjtIntegrator.mjINT_EULER, mujoco.mjtSolver.mjSOL_NEWTON
+    option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, FRICTION_IMPEDANCE
+    option.tolerance, option.iterations = TOLERANCE, 100
+    spec.compiler.degree = False
+    bodies = _add_bodies(spec, mujoco, plant)
+    spec.worldbody.add_geom(name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[50.0, 50.0, 1.0])
+    for link, sole in plant.soles.items():
+        _add_sole(bodies, mujoco, plant, link, sole)
+    for name in RAIL_JOINTS if rail else ():
+        held = spec.add_equality(name=f"exoid rail {name}", type=mujoco.mjtEq.mjEQ_JOINT)
+        held.name1, held.solref, held.solimp = _base_joint(name), [RAIL_TIME, 1.0], RAIL_IMPEDANCE
+    try:
+        return spec.compile()
+    except ValueError as error:
+        raise ExoidError(
+            f"MuJoCo cannot simulate these bodies ({error})",
+            where=plant.leg.description.name,
+            remedy="check masses and moments of inertia: no link can have those given",
+        ) from error
+
+
+def geometry_name(link: str, number: int) -> str:
+    """Name a sphere of a sole.
+
+    Args:
+        link: Link of the foot.
+        number: Number of the point.
+
+    Returns:
+        Name of MuJoCo's geometry.
+    """
+    return f"exoid sole {number} {link}"
+
+
+def _base_joint(name: str) -> str:
+    return f"exoid base {name}"
+
+
+def _add_bodies(spec: Any, mujoco: Any, plant: GroundPlant) -> list[Any]:  # noqa: ANN401
+    model, kinds = plant.leg.model, mujoco.mjtJoint
+    torso = spec.worldbody.add_body(name="exoid torso")
+    bodies, data = [torso], model.createData()
+    pin.computeJointJacobians(model, data, pin.neutral(model))
+    _set_inertia(torso, model.inertias[0], plant, np.eye(3))
+    if plant.is_planar:
+        axes = plant.plane.forward, plant.plane.up, -plant.plane.lateral
+        for name, kind, axis in zip(BASE_JOINTS, (kinds.mjJNT_SLIDE,) * 2 + (kinds.mjJNT_HINGE,), axes, strict=True):
+            torso.add_joint(name=_base_joint(name), type=kind, axis=axis)
+    else:
+        torso.add_freejoint(name=_base_joint("free"))
+    for j in range(1, model.njoints):
+        place = model.jointPlacements[j]
+        x, y, z, w = pin.Quaternion(place.rotation).coeffs()
+        body = bodies[model.parents[j]].add_body(name=f"exoid {j}", pos=place.translation, quat=[w, x, y, z])
+        _set_inertia(body, model.inertias[j], plant, data.oMi[j].rotation)
+        twist = pin.getJointJacobian(model, data, j, pin.LOCAL)[:, model.joints[j].idx_v]
+        turns = bool(twist[3:].any())
+        body.add_joint(
+            name=model.names[j],
+            type=kinds.mjJNT_HINGE if turns else kinds.mjJNT_SLIDE,
+            axis=twist[3:] if turns else twist[:3],
+            armature=plant.armature[j - 1],
+        )
+        bodies.append(body)
+    return bodies
+
+
+def _set_inertia(body: Any, inertia: pin.Inertia, plant: GroundPlant, rotation: FloatArray) -> None:  # noqa: ANN401
+    """Give a body its inertia; in a plane only that about the lateral axis acts, and the others are set equal to it."""
+    matrix = inertia.inertia
+    if plant.is_planar:
+        lateral = rotation.T @ plant.plane.lateral
+        matrix = float(lateral @ matrix @ lateral) * np.eye(3)
+    body.explicitinertial, body.mass, body.ipos = True, inertia.mass, inertia.lever
+    body.fullinertia = [matrix[0, 0], matrix[1, 1], matrix[2, 2], matrix[0, 1], matrix[0, 2], matrix[1, 2]]
+
+
+def _add_sole(bodies: list[Any], mujoco: Any, plant: GroundPlant, link: str, sole: Sole) -> None:  # noqa: ANN401
+    joint, placement = link_frame(plant.leg.model, plant.leg.description, link)
+    for number, point in enumerate(sole.points + np.array([0.0, 0.0, sole.radius])):
+        bodies[joint + 1].add_geom(
+            name=geometry_name(link, number),
+            type=mujoco.mjtGeom.mjGEOM_SPHERE,
+            size=[sole.radius, 0.0, 0.0],
+            pos=placement.act(point),
+            friction=[plant.ground_friction, 0.0, 0.0],
+            priority=1,  # friction and stiffness of the sole, not of the ground
+            condim=3,
+            contype=2,  # touches the ground, but no other sole
+            conaffinity=1,
+            solref=[SOLE_TIME, 1.0],
+            solimp=IMPEDANCE,
+        )

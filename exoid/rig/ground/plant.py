@@ -1,0 +1,169 @@
+"""True parameters of a machine on the ground: bodies, soles, friction, rotors, springs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+from exoid.link_frames import link_frame
+from exoid.reduction import Plane
+
+from .sole import Sole
+
+SYMBOLS = ("c0", "d", "Ia", "b1", "b0")
+"""Symbols of what acts on a joint: Coulomb and viscous friction, rotor, spring and its torque at zero."""
+
+NOT_NEGATIVE = ("c0", "d", "Ia")
+"""Symbols of friction and inertia."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GroundPlant:
+    """Torso and legs that stand or walk on flat ground, with their true parameters.
+
+    Joints have friction c0 tanh(v / smoothing) + d v, a rotor Ia and a spring b1 q + b0, all relative to the link
+    above, so that
+
+        [W_b; W_q] π = [0; τ − c0 tanh(v / smoothing) − d v − Ia a − b1 q − b0] + Σ Jᵀ w.
+
+    Attributes:
+        leg: True rigid bodies, with ``base="floating"``. A planar machine moves forward, up and in pitch, any other in
+            space.
+        soles: Sole of each foot by the name of its link.
+        coulomb: Coulomb friction c0 [N·m], (n,).
+        viscous: Viscous friction d [N·m·s/rad], (n,).
+        armature: Rotor inertia Ia at the joint [kg·m²], (n,).
+        stiffness: Stiffness b1 [N·m/rad], (n,).
+        constant: Torque b0 of the spring at zero [N·m], (n,).
+        smoothing: Velocity over which Coulomb friction changes its sign [rad/s].
+        ground_friction: Coefficient of friction of the ground.
+    """
+
+    leg: Leg
+    soles: Mapping[str, Sole]
+    coulomb: FloatArray
+    viscous: FloatArray
+    armature: FloatArray
+    stiffness: FloatArray
+    constant: FloatArray
+    smoothing: float = 0.02
+    ground_friction: float = 0.8
+
+    @classmethod
+    def build(
+        cls,
+        leg: Leg,
+        soles: Mapping[str, Sole],
+        values: Mapping[str, float] | None = None,
+        *,
+        smoothing: float = 0.02,
+        ground_friction: float = 0.8,
+    ) -> GroundPlant:
+        """Build a plant from parameter values by name, such as those of an estimate.
+
+        Args:
+            leg: Legs on a floating base, with the true inertias.
+            soles: Sole of each foot by the name of its link.
+            values: Values of ``symbol_joint`` with the symbols :data:`SYMBOLS` (``c0_left_hip``), zero if not given,
+                and rigid-body parameters by name (``X1_left``), those of ``leg`` if not given.
+            smoothing: Velocity over which Coulomb friction changes its sign [rad/s].
+            ground_friction: Coefficient of friction of the ground.
+
+        Returns:
+            The plant.
+
+        Raises:
+            ExoidError: The base of the leg does not float, a name is unknown, a link is missing, or a value has the
+                wrong sign.
+        """
+        if leg.base != "floating":
+            raise ExoidError(
+                f"a machine on the ground needs a floating base, not {leg.base!r}",
+                where=leg.description.name,
+                remedy='load it with exoid.load_exo("bleex", base="floating") or Leg.from_urdf(..., base="floating")',
+            )
+        values, labels = dict(values or {}), leg.joint_labels
+        named = {f"{symbol}_{label}" for symbol in SYMBOLS for label in labels}
+        unknown = sorted(set(values) - named - set(leg.parameter_names))
+        if unknown:
+            known = ", ".join((*leg.parameter_names, *sorted(named)))
+            raise ExoidError(f"the plant has no {', '.join(unknown)}", remedy=f"names are {known}")
+        bodies = [values.get(name, x) for name, x in zip(leg.parameter_names, leg.parameters, strict=True)]
+        if set(values) & set(leg.parameter_names):
+            leg = leg.with_parameters(bodies)
+        each = {symbol: np.array([values.get(f"{symbol}_{label}", 0.0) for label in labels]) for symbol in SYMBOLS}
+        _refuse_values(each, smoothing, ground_friction)
+        if not soles:
+            raise ExoidError("the machine has no sole", remedy='give soles={"left_foot": Sole.flat(...)}')
+        for link in soles:
+            link_frame(leg.model, leg.description, link)
+        return cls(
+            leg=leg,
+            soles=MappingProxyType(dict(soles)),
+            coulomb=each["c0"],
+            viscous=each["d"],
+            armature=each["Ia"],
+            stiffness=each["b1"],
+            constant=each["b0"],
+            smoothing=smoothing,
+            ground_friction=ground_friction,
+        )
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether the machine moves in a plane."""
+        return self.leg.base_rows == 3
+
+    @property
+    def plane(self) -> Plane:
+        """Directions forward, lateral and up in the axes of the root link, which is parallel to the laboratory."""
+        return Plane(*np.eye(3)) if self.leg.machine is None else self.leg.machine.plane
+
+    @property
+    def root_link(self) -> str:
+        """Name of the root link, the torso."""
+        return self.leg.description.root_link
+
+    def resistance(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Compute the torque of friction and springs, which actuators overcome.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+
+        Returns:
+            Torque c0 tanh(v / smoothing) + d v + b1 q + b0 [N·m], (N, n).
+        """
+        return self.friction(v) + self.stiffness * q + self.constant
+
+    def friction(self, v: FloatArray) -> FloatArray:
+        """Compute the torque of friction.
+
+        Args:
+            v: Joint velocities [rad/s], (N, n).
+
+        Returns:
+            Torque c0 tanh(v / smoothing) + d v [N·m], (N, n).
+        """
+        return np.asarray(self.coulomb * np.tanh(v / self.smoothing) + self.viscous * v)
+
+    def __repr__(self) -> str:
+        """Name the machine, its joints and its feet."""
+        joints, feet = (", ".join(names) for names in (self.leg.joint_names, self.soles))
+        return f"GroundPlant({self.leg.description.name}: {joints}; on {feet})"
+
+
+def _refuse_values(each: Mapping[str, FloatArray], smoothing: float, ground_friction: float) -> None:
+    for symbol, values in each.items():
+        if not np.isfinite(values).all() or (symbol in NOT_NEGATIVE and (values < 0.0).any()):
+            raise ExoidError(f"{symbol} of the plant is {values.tolist()}", remedy="give finite values; friction ≥ 0")
+    if not 0.0 < smoothing < np.inf:
+        raise ExoidError(f"a smoothing of {smoothing:g} rad/s", remedy="give a positive velocity, such as 0.02 rad/s")
+    if not 0.0 < ground_friction < np.inf:
+        raise ExoidError(f"a friction coefficient of the ground of {ground_friction:g}", remedy="give one such as 0.8")

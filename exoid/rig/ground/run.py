@@ -1,0 +1,187 @@
+"""Run of a machine on the ground: true motion, torques and wrenches, and its log."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import BoolArray, FloatArray
+from exoid.base_kinematics import BaseKinematics
+from exoid.errors import ExoidError
+from exoid.signals import Recording, Wrench
+
+from .audit import Audit
+from .plant import GroundPlant
+from .sensors import GroundSensors
+
+STILL = 0.005
+"""Largest speed at which a loaded foot counts as fixed to the ground [m/s]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Footing:
+    """True load and place of one foot at N samples, in the laboratory.
+
+    Attributes:
+        force: Force of the ground on the foot [N], (N, 3).
+        moment: Its moment about the origin of the foot's link [N·m], (N, 3).
+        position: Origin of the link [m], (N, 3).
+        rotation: Axes of the link as columns, (N, 3, 3).
+        points: Number of points of the sole that bear load, (N,).
+        slip: Speed of the centre of pressure along the ground [m/s], (N,); zero without load.
+    """
+
+    force: FloatArray
+    moment: FloatArray
+    position: FloatArray
+    rotation: FloatArray
+    points: NDArray[np.intp]
+    slip: FloatArray
+
+    @property
+    def wrench(self) -> Wrench:
+        """Wrench in the axes of the link, about its origin."""
+        return Wrench(*(np.einsum("nij,ni->nj", self.rotation, x) for x in (self.force, self.moment)))
+
+    @property
+    def touching(self) -> BoolArray:
+        """Whether any point of the sole bears load, (N,)."""
+        return np.asarray(self.points > 0)
+
+    def fixed(self, points: int) -> BoolArray:
+        """Find the samples at which the foot is flat on the ground and does not slip.
+
+        Args:
+            points: Number of points of the sole.
+
+        Returns:
+            Whether all of them bear load at less than 5 mm/s, (N,).
+        """
+        return np.asarray((self.points == points) & (self.slip < STILL))
+
+    @property
+    def centre_of_pressure(self) -> FloatArray:
+        """Point of the ground about which the moment of the force is vertical [m], (N, 3); NaN without load."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            vertical = np.where(self.force[:, 2] > 0.0, self.force[:, 2], np.nan)
+            height = self.position[:, 2]
+            x = (-self.moment[:, 1] - height * self.force[:, 0]) / vertical
+            y = (self.moment[:, 0] - height * self.force[:, 1]) / vertical
+        return np.column_stack([self.position[:, 0] + x, self.position[:, 1] + y, np.where(np.isnan(x), np.nan, 0.0)])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GroundRun:
+    """Truth about a machine on the ground at N samples; its log is :meth:`recording`.
+
+    Attributes:
+        plant: The machine with its true parameters.
+        time: Time [s], (N,).
+        q: Joint angles [rad], (N, n).
+        v: Joint velocities [rad/s], (N, n).
+        a: Joint accelerations [rad/s²], (N, n).
+        tau: Torques of the actuators, before friction and springs of the joints [N·m], (N, n).
+        base: Motion of the root link as an IMU at its origin measures it.
+        position: Origin of the root link in the laboratory [m], (N, 3).
+        rotation: Axes of the root link as columns, (N, 3, 3).
+        wrenches: Wrench on each foot, and on the root link where a rail or a spring holds it, in the axes of the link.
+        feet: Load and place of each foot.
+        audit: Balance of energy and momentum.
+    """
+
+    plant: GroundPlant
+    time: FloatArray
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    tau: FloatArray
+    base: BaseKinematics
+    position: FloatArray
+    rotation: FloatArray
+    wrenches: Mapping[str, Wrench]
+    feet: Mapping[str, Footing]
+    audit: Audit
+
+    def fixed(self, link: str) -> BoolArray:
+        """Find the samples at which a foot is flat on the ground and does not slip.
+
+        Args:
+            link: Link of the foot.
+
+        Returns:
+            Whether it is, (N,).
+        """
+        return self.feet[link].fixed(len(self.plant.soles[link].points))
+
+    def recording(
+        self,
+        sensors: GroundSensors | None = None,
+        seed: int | np.random.Generator = 0,
+        *,
+        wrenches: Collection[str] | None = None,
+    ) -> Recording:
+        """Return the readings of the sensors.
+
+        ``contacts`` are those of foot switches: closed while the foot bears load, also on its heel or its toe alone, so
+        that an open one means no force.
+
+        Args:
+            sensors: Sensors; None for the default ones.
+            seed: Seed or generator of noise, bias and mistakes.
+            wrenches: Links whose wrench is logged; None for all, () for none.
+
+        Returns:
+            Log with angles, torques, IMU, wrenches and contacts.
+
+        Raises:
+            ExoidError: Nothing acts on one of the links, or the sensors do not fit the joints.
+        """
+        sensors, rng = sensors or GroundSensors(), np.random.default_rng(seed)
+        logged = tuple(self.wrenches) if wrenches is None else tuple(wrenches)
+        for link in logged:
+            if link not in self.wrenches:
+                known = ", ".join(self.wrenches)
+                raise ExoidError(f"no wrench on {link!r} in the run", remedy=f"wrenches act on {known}")
+        q, tau = sensors.angles(self.q, rng), sensors.torques(self.tau, rng)
+        world = sensors.wrench_axes == "world"
+        pose = sensors.pose(self.position, self.rotation, rng) if world else None
+        rate = 1.0 / float(self.time[1] - self.time[0])
+        return Recording(
+            self.time,
+            q,
+            tau=tau,
+            joint_names=self.plant.leg.joint_names,
+            base=sensors.imu(self.base, rng, pose),
+            wrenches={link: sensors.wrench(self.wrench(link, world=world), rng) for link in logged},
+            contacts={link: sensors.switch(foot.force[:, 2], rate, rng) for link, foot in self.feet.items()},
+        )
+
+    def wrench(self, link: str, *, world: bool = False) -> Wrench:
+        """Return the true wrench on a link.
+
+        Args:
+            link: The link.
+            world: Whether force and moment are in the laboratory, about its origin, as of a force plate; otherwise they
+                are in the axes of the link.
+
+        Returns:
+            The wrench.
+        """
+        own = self.wrenches[link]
+        if not world:
+            return own
+        foot = self.feet.get(link)
+        position, rotation = (self.position, self.rotation) if foot is None else (foot.position, foot.rotation)
+        force, moment = (np.einsum("nij,nj->ni", rotation, x) for x in (own.force, own.moment))
+        return Wrench(force, moment + np.cross(position + rotation @ own.point, force), axes="world")
+
+    def __repr__(self) -> str:
+        """Name the machine and the size of the log."""
+        rate = 1.0 / (self.time[1] - self.time[0])
+        return (
+            f"GroundRun({self.plant.leg.description.name}: {len(self.time)} samples at {rate:.4g} Hz, "
+            f"{self.time[-1]:.4g} s; on {', '.join(self.plant.soles)})"
+        )
