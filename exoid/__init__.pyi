@@ -29,7 +29,7 @@ from .findings import Finding
 from .identification import check, identify
 from .leg import Leg
 from .payload import Payload
-from .signals import BaseMotion, Recording, Recordings
+from .signals import BaseMotion, BasePose, Recording, Recordings, Wrench
 from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
 from .torso import TorsoMotion
 
@@ -38,6 +38,7 @@ __version__: str
 __all__ = [
     "Armature",
     "BaseMotion",
+    "BasePose",
     "Comparison",
     "Coulomb",
     "Estimate",
@@ -53,6 +54,7 @@ __all__ = [
     "TorsoMotion",
     "Validation",
     "Viscous",
+    "Wrench",
     "actuators",
     "catalog",
     "check",

@@ -13,7 +13,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.signals import Cluster, Poses, Recording, Recordings, central_difference, smooth_motion
-from exoid.signals.recording import PREFIXES
+from exoid.signals.quantities import PREFIXES
 
 from .coupling import Coupling
 from .drive import Drive

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.findings import Finding
 from exoid.signals import Recording
-from exoid.signals.recording import UNITS
+from exoid.signals.quantities import UNITS
 
 from .runs import Runs, noise_size, quantum
 

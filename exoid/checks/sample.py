@@ -16,6 +16,7 @@ from exoid.estimate.alternative_friction import AlternativeFriction
 from exoid.estimate.motion_ranges import MotionRanges
 from exoid.regression.rows import Prepared, Rows, chain, decimated, for_leg, form_rows, prepare
 from exoid.signals import Poses, Preparation, Recording, Recordings, ZeroPhase
+from exoid.signals.external import average
 from exoid.torques import TorqueModel
 from exoid.torques.payloads import payload_parameters
 from exoid.torques.with_columns import WithColumns
@@ -119,7 +120,8 @@ def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Po
     }
     mask = None if one.mask is None else np.asarray(one.mask[:count].reshape(-1, size).all(axis=1))
     base = None if one.base is None else one.base.averaged(size)
-    return replace(one, **means, mask=mask, base=base)
+    external = average({"wrenches": one.wrenches, "contacts": one.contacts}, size)
+    return replace(one, **means, mask=mask, base=base, **external)
 
 
 def few_of(data: Sequence[Recording | Poses]) -> Sequence[Recording | Poses]:

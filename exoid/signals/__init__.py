@@ -1,6 +1,7 @@
 """Signals: recordings, log files, checks, filters and derivatives."""
 
 from .base_motion import BASE_COLUMNS, BaseMotion
+from .base_pose import BasePose, turn_upright
 from .cluster import Cluster
 from .column import Column
 from .default_preparation import ZeroPhase, choose_cutoff
@@ -15,12 +16,14 @@ from .recording import Recording
 from .recordings import Recordings
 from .source import Source
 from .torque_delay import without_torque_delay
+from .wrench import Wrench
 
 __all__ = [
     "BASE_COLUMNS",
     "PREPARATIONS",
     "Approaches",
     "BaseMotion",
+    "BasePose",
     "Cluster",
     "Column",
     "FiniteDifference",
@@ -33,6 +36,7 @@ __all__ = [
     "Recordings",
     "Smoothed",
     "Source",
+    "Wrench",
     "ZeroPhase",
     "base_during",
     "central_difference",
@@ -46,6 +50,7 @@ __all__ = [
     "register_preparation",
     "second_difference",
     "smooth_motion",
+    "turn_upright",
     "without_torque_delay",
     "zero_phase",
 ]

@@ -9,8 +9,11 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.torso import TorsoMotion
 
-from .base_motion import BaseMotion
+from . import checks
+from .base_motion import BASE_COLUMNS, BaseMotion
+from .base_pose import BasePose, refuse_jumps
 
 STANDARD_GRAVITY = 9.81
 """Gravity [m/s²]."""
@@ -49,6 +52,13 @@ SMALLEST_RATE = 0.01
 """Least slow angular velocity about an axis, root mean square [rad/s]."""
 
 
+LARGEST_TILT = 0.35
+"""Largest angle between the mean specific force in the laboratory and its z axis [rad].
+
+Over :data:`SHORTEST` the mean is gravity and the change of velocity: 2 m/s within 10 s move it by 0.02 rad.
+"""
+
+
 class AxisAgreement(NamedTuple):
     """Fit of the rate of the vertical's direction by the gyroscope, d f̂/dt = −c ω × f̂.
 
@@ -59,6 +69,38 @@ class AxisAgreement(NamedTuple):
 
     coefficient: float
     explained: float
+
+
+def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | None, where: str) -> None:
+    """Refuse a base motion that does not belong to a recording, or is wrong.
+
+    Args:
+        time: Time stamps [s], (N,).
+        base: The motion.
+        torso: Tilt of the torso; None if it is upright.
+        where: Name of the file.
+
+    Raises:
+        ExoidError: It is of another type, has another length, stands beside a torso tilt, jumps, or its units or axes
+            are wrong.
+    """
+    if not isinstance(base, BaseMotion):
+        raise ExoidError(f"base is of type {type(base).__name__}", where=where, remedy="pass BaseMotion.from_imu(...)")
+    if torso is not None:
+        raise ExoidError(
+            "the recording has a torso tilt and a base motion",
+            where=where,
+            remedy="leave out torso: the accelerometer measures the tilt",
+        )
+    checks.refuse_shape(base.columns, (len(time), len(BASE_COLUMNS)), "the base motion")
+    refuse_wrong_base(time, base, where)
+    if base.pose is not None:
+        try:
+            refuse_jumps(time, base.pose.position, base.pose.quaternion)
+        except ExoidError as error:
+            raise error.within(where) from None
+        if time[-1] - time[0] >= SHORTEST:
+            _refuse_other_vertical(base, base.pose, where)
 
 
 def refuse_wrong_base(time: FloatArray, base: BaseMotion, where: str) -> None:
@@ -110,6 +152,19 @@ def refuse_wrong_base(time: FloatArray, base: BaseMotion, where: str) -> None:
                 remedy="give both sensors the axes of the root link: check the mounting (rotation=) and all signs",
                 command=f"check the mounting; a negative scale changes a sign: --column base_gyro_{axis}=HEADER:-1",
             )
+
+
+def _refuse_other_vertical(base: BaseMotion, pose: BasePose, where: str) -> None:
+    """Refuse a pose by which gravity does not point down."""
+    mean = np.einsum("nij,nj->i", pose.rotation, base.specific_force)
+    angle = float(np.arctan2(np.linalg.norm(mean[:2]), mean[2]))
+    if angle > LARGEST_TILT:
+        raise ExoidError(
+            f"by the pose of the base, gravity is {np.rad2deg(angle):.0f}° off the vertical of the laboratory",
+            where=where,
+            remedy="give the orientation of the root link as quaternions (x, y, z, w), laboratory from root link, in a "
+            "laboratory whose z axis points up (exoid.signals.turn_upright)",
+        )
 
 
 def agreements(time: FloatArray, base: BaseMotion) -> tuple[AxisAgreement, ...]:

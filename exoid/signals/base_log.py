@@ -10,10 +10,8 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .base_motion import BASE_COLUMNS, BaseMotion
+from .base_pose import POSE_COLUMNS
 from .formats import Table, TextTable
-
-POSE_COLUMNS = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
-"""Columns of a pose: position [m] and quaternion of the root link in the laboratory, whose z axis points up."""
 
 ORIGIN = (0.0, 0.0, 0.0)
 

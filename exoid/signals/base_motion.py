@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import ExoidError
 
 from . import checks, timebase
-from .base_pose import STANDARD_CUTOFF, motion_of_pose
+from .base_pose import BasePose, turn_upright
+from .pose_motion import STANDARD_CUTOFF, motion_of_pose
 from .source_location import SourceLocation
 
 BASE_COLUMNS = ("base_gyro_x", "base_gyro_y", "base_gyro_z", "base_acc_x", "base_acc_y", "base_acc_z")
@@ -39,6 +41,8 @@ class BaseMotion:
         angular_velocity: ω [rad/s], (N, 3).
         specific_force: f, what an accelerometer reads [m/s²], (N, 3): (0, 0, 9.81) at rest.
         position: Position r of the sensor in the axes of the root link [m], (3,).
+        pose: Pose of the root link in the laboratory, which only wrenches in axes of the laboratory need; None where it
+            was not recorded, as by an IMU.
 
     Raises:
         ExoidError: Shapes do not fit, a number is missing, or the position is not in m.
@@ -51,6 +55,7 @@ class BaseMotion:
     angular_velocity: FloatArray
     specific_force: FloatArray
     position: FloatArray = (0.0, 0.0, 0.0)  # type: ignore[assignment]  # an array once it is made
+    pose: BasePose | None = None
 
     def __post_init__(self) -> None:
         """Copy and check."""
@@ -67,6 +72,11 @@ class BaseMotion:
                 f"the sensor of the base is at {_point(self.position)} m of the root link",
                 remedy=f"give its position in m, at most {FARTHEST:g} m from the origin of the root link",
             )
+        if self.pose is not None and len(self.pose) != samples:
+            raise ExoidError(
+                f"the pose of the base has {len(self.pose)} samples, and its motion {samples}",
+                remedy="give both at the same time stamps",
+            )
 
     @classmethod
     def from_imu(
@@ -76,6 +86,7 @@ class BaseMotion:
         *,
         position: ArrayLike = (0.0, 0.0, 0.0),
         rotation: ArrayLike | None = None,
+        pose: BasePose | None = None,
     ) -> BaseMotion:
         """Turn the readings of an IMU into the axes of the base.
 
@@ -85,6 +96,7 @@ class BaseMotion:
             position: Position of the sensor in the axes of the root link [m], (3,).
             rotation: Mounting: axes of the sensor as columns, in the axes of the root link, (3, 3); None if they are
                 parallel.
+            pose: Pose of the root link where something else measured it; None otherwise.
 
         Returns:
             The motion of the base.
@@ -98,7 +110,7 @@ class BaseMotion:
         if rotation is not None:
             mounting = _mounting(rotation)
             readings = [reading @ mounting.T for reading in readings]
-        return cls(readings[0], readings[1], checks.as_numbers(position, "position"))
+        return cls(readings[0], readings[1], checks.as_numbers(position, "position"), pose)
 
     @classmethod
     def from_pose(
@@ -127,7 +139,8 @@ class BaseMotion:
             up: Direction against gravity in the laboratory, (3,); some systems have y up.
 
         Returns:
-            The motion of the base.
+            The motion of the base, with its smoothed pose in a laboratory whose z axis points up: where ``up`` is
+            another direction, the laboratory is turned by :func:`exoid.signals.turn_upright`.
 
         Raises:
             ExoidError: Shapes do not fit, a number is missing, a quaternion is not of norm 1, the pose jumps, time is
@@ -135,8 +148,13 @@ class BaseMotion:
         """
         stamps, points = checks.as_numbers(time, "time"), checks.as_numbers(position, "position of the base")
         turns, vertical = checks.as_numbers(quaternion, "quaternion"), checks.as_numbers(up, "up")
-        gyro, force = motion_of_pose(stamps, points, turns, cutoff, vertical)
-        return cls.from_imu(gyro, force, position=at, rotation=rotation)
+        mounting = np.eye(3) if rotation is None else _mounting(rotation)
+        upright, body = turn_upright(vertical), scipy.spatial.transform.Rotation
+        moved = motion_of_pose(stamps, points, turns, cutoff, vertical)
+        motion = cls.from_imu(moved.angular_velocity, moved.specific_force, position=at, rotation=mounting)
+        root = upright @ body.from_quat(moved.quaternion).as_matrix() @ mounting.T
+        origin = moved.position @ upright.T - root @ motion.position
+        return replace(motion, pose=BasePose(origin, body.from_matrix(root).as_quat()))
 
     @property
     def columns(self) -> FloatArray:
@@ -152,7 +170,8 @@ class BaseMotion:
         Returns:
             Their motion.
         """
-        return BaseMotion(self.angular_velocity[rows], self.specific_force[rows], self.position)
+        pose = None if self.pose is None else self.pose.rows(rows)
+        return BaseMotion(self.angular_velocity[rows], self.specific_force[rows], self.position, pose)
 
     def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> BaseMotion:
         """Interpolate at other time stamps: ω by a cubic spline, f by a monotone cubic, as impacts make it jump.
@@ -169,6 +188,7 @@ class BaseMotion:
             timebase.interpolate(time, self.angular_velocity[rows], grid, smooth=True),
             timebase.interpolate(time, self.specific_force[rows], grid, smooth=False),
             self.position,
+            None if self.pose is None else self.pose.interpolated(time, grid, rows),
         )
 
     def averaged(self, size: int) -> BaseMotion:
@@ -182,7 +202,8 @@ class BaseMotion:
         """
         count = len(self) // size * size
         means = self.columns[:count].reshape(-1, size, 6).mean(axis=1)
-        return BaseMotion(means[:, :3], means[:, 3:], self.position)
+        pose = None if self.pose is None else self.pose.averaged(size)
+        return BaseMotion(means[:, :3], means[:, 3:], self.position, pose)
 
     def __len__(self) -> int:
         return len(self.angular_velocity)

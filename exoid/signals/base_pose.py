@@ -1,27 +1,27 @@
-"""Angular velocity and specific force of a body from its poses: a smoothing differentiator."""
+"""Pose of the base in the laboratory during a recording."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import FloatArray
+from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import ExoidError
 
 from . import checks, timebase
 from .source_location import SourceLocation
 
-STANDARD_GRAVITY = 9.81
-"""Gravity, as in the models [m/s²]."""
-
-STANDARD_CUTOFF = 10.0
-"""Default cut-off frequency [Hz], above that of the filter that a recording passes later."""
-
-DEGREE = 5
-"""Degree of the polynomials."""
+POSE_COLUMNS = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
+"""Columns of a pose: position [m] and quaternion of the root link in the laboratory, whose z axis points up."""
 
 NORM_ERROR = 1e-2
 """Largest error of the norm of a quaternion that counts as rounding."""
+
+EXACT = 1e-14
+"""Error of the norm below which a quaternion is left as it is, so that files read back exactly."""
 
 FASTEST_TURN = 35.0
 """Largest plausible angular velocity of a base [rad/s], about 2000 deg/s."""
@@ -29,66 +29,114 @@ FASTEST_TURN = 35.0
 FASTEST = 20.0
 """Largest plausible velocity of a base [m/s]."""
 
-STRONGEST = 100.0
-"""Largest plausible acceleration of a base, root mean square [m/s²]."""
-
 SMALLEST = 1e-9
 """Norm of a vertical below which it has no direction."""
 
 
-def motion_of_pose(
-    time: FloatArray, position: FloatArray, quaternion: FloatArray, cutoff: float, up: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Differentiate poses by polynomials of degree 5 over a window (Savitzky and Golay 1964).
+@dataclass(frozen=True, eq=False, repr=False)
+class BasePose:
+    """Position and orientation of the root link in the laboratory, at the samples of a recording.
 
-    The window has 2 m + 1 samples with m = (6 · rate / (2 cutoff) + 4.6) / 3.2 (Schafer 2011).
+    The z axis of the laboratory points up. Quaternions are normalised when the pose is made, and their signs are
+    chosen such that they do not jump: q and −q are one orientation.
 
-    Args:
-        time: Time stamps [s], (N,).
-        position: Positions in the laboratory [m], (N, 3).
-        quaternion: Orientations (x, y, z, w), laboratory from body, (N, 4).
-        cutoff: −3 dB frequency [Hz].
-        up: Direction against gravity in the laboratory, (3,).
-
-    Returns:
-        Angular velocity [rad/s] and specific force [m/s²] in the axes of the body, (N, 3) each.
+    Attributes:
+        position: Position of the root link's origin [m], (N, 3).
+        quaternion: Orientation (x, y, z, w), laboratory from root link, (N, 4).
 
     Raises:
-        ExoidError: As for :meth:`exoid.BaseMotion.from_pose`.
+        ExoidError: Shapes do not fit, a number is missing, or a quaternion is not of norm 1.
+
+    Example:
+        >>> BasePose(np.zeros((10, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (10, 1))).rotation[0]
+        array([[1., 0., 0.],
+               [0., 1., 0.],
+               [0., 0., 1.]])
     """
-    where, samples = SourceLocation(), time.size
-    checks.refuse_shape(time, (samples,), "time")
-    checks.refuse_shape(position, (samples, 3), "position of the base")
-    checks.refuse_shape(quaternion, (samples, 4), "quaternion")
-    checks.refuse_shape(up, (3,), "up")
-    checks.refuse_too_few(samples, where)
-    columns = ("time", "base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
-    checks.refuse_not_finite(np.column_stack([time, position, quaternion]), columns, where)
-    checks.refuse_time_disorder(time, where)
-    if not np.isfinite(up).all() or not np.linalg.norm(up) > SMALLEST:
-        raise ExoidError("up has no direction", remedy="pass the direction against gravity, such as (0, 0, 1)")
-    if not timebase.is_uniform(time):
-        raise ExoidError("time stamps of the poses are uneven", remedy="resample the poses, as motion capture does")
-    rate = timebase.sampling_rate(time)
-    turns = _continuous(quaternion)
-    _refuse_jumps(position, turns, rate)
-    half = _half_window(rate, cutoff, samples)
-    smooth, slope = (_savgol(turns, half, rate, deriv=order) for order in (0, 1))
-    norm = np.linalg.norm(smooth, axis=1, keepdims=True)
-    smooth, slope = smooth / norm, slope / norm
-    body = scipy.spatial.transform.Rotation.from_quat(smooth)
-    acceleration = _savgol(position, half, rate, deriv=2)
-    if np.sqrt(np.mean(np.sum(acceleration**2, axis=1))) > STRONGEST:
-        raise ExoidError(
-            f"the poses accelerate by more than {STRONGEST:g} m/s²",
-            remedy="give positions in m, or a lower cutoff",
-        )
-    gravity = -STANDARD_GRAVITY * up / np.linalg.norm(up)
-    return _angular_velocity(smooth, slope), body.inv().apply(acceleration - gravity)
+
+    position: FloatArray
+    quaternion: FloatArray
+
+    def __post_init__(self) -> None:
+        """Copy and check."""
+        for name in ("position", "quaternion"):
+            object.__setattr__(self, name, checks.as_numbers(getattr(self, name), f"{name} of the base"))
+        samples = len(np.atleast_1d(self.position))
+        checks.refuse_shape(self.position, (samples, 3), "position of the base")
+        checks.refuse_shape(self.quaternion, (samples, 4), "quaternion")
+        checks.refuse_not_finite(self.columns, POSE_COLUMNS, SourceLocation())
+        checks.refuse_absurd(self.columns, POSE_COLUMNS, SourceLocation())
+        object.__setattr__(self, "quaternion", checks.as_numbers(continuous(self.quaternion), "quaternion"))
+
+    @cached_property
+    def rotation(self) -> FloatArray:
+        """Rotation matrices, laboratory from root link, (N, 3, 3)."""
+        return np.asarray(scipy.spatial.transform.Rotation.from_quat(self.quaternion.copy()).as_matrix())
+
+    @property
+    def columns(self) -> FloatArray:
+        """Columns in the order of :data:`POSE_COLUMNS`, (N, 7)."""
+        return np.hstack([self.position, self.quaternion])
+
+    def rows(self, rows: slice | BoolArray) -> BasePose:
+        """Select samples.
+
+        Args:
+            rows: The samples.
+
+        Returns:
+            Their pose.
+        """
+        return BasePose(self.position[rows], self.quaternion[rows])
+
+    def interpolated(self, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)) -> BasePose:
+        """Interpolate at other time stamps by cubic splines.
+
+        Args:
+            time: Time stamps of the samples that are used [s], (K,).
+            grid: New time stamps [s], (M,).
+            rows: Samples that are used, K of them.
+
+        Returns:
+            The pose at the new time stamps.
+        """
+        columns = timebase.interpolate(time, self.columns[rows], grid, smooth=True)
+        return BasePose(columns[:, :3], _unit(columns[:, 3:]))
+
+    def averaged(self, size: int) -> BasePose:
+        """Average neighbouring samples.
+
+        Args:
+            size: Number of samples that become one.
+
+        Returns:
+            The shorter pose; samples that do not fill a group are left out.
+        """
+        count = len(self) // size * size
+        means = self.columns[:count].reshape(-1, size, 7).mean(axis=1)
+        return BasePose(means[:, :3], _unit(means[:, 3:]))
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+    def __repr__(self) -> str:
+        return f"BasePose({len(self)} samples)"
 
 
-def _continuous(quaternion: FloatArray) -> FloatArray:
-    """Normalise quaternions, and choose signs such that they do not jump: q and −q are one orientation."""
+def continuous(quaternion: FloatArray) -> FloatArray:
+    """Normalise quaternions, and choose signs such that they do not jump.
+
+    Args:
+        quaternion: Quaternions (x, y, z, w), (N, 4).
+
+    Returns:
+        Unit quaternions of the same orientations, (N, 4).
+
+    Raises:
+        ExoidError: The norm of one is not 1; names its row.
+    """
+    if not len(quaternion):
+        return quaternion
     norm = np.linalg.norm(quaternion, axis=1)
     worst = int(np.argmax(np.abs(norm - 1.0)))
     if abs(norm[worst] - 1.0) > NORM_ERROR:
@@ -96,16 +144,27 @@ def _continuous(quaternion: FloatArray) -> FloatArray:
             f"the quaternion of the base in row {worst} has norm {norm[worst]:.4g}",
             remedy="pass unit quaternions (x, y, z, w)",
         )
-    unit = quaternion / norm[:, np.newaxis]
+    unit = np.where(np.abs(norm - 1.0)[:, np.newaxis] < EXACT, quaternion, quaternion / norm[:, np.newaxis])
     flips = np.sum(unit[1:] * unit[:-1], axis=1) < 0.0
     signs = np.concatenate([[1.0], np.cumprod(np.where(flips, -1.0, 1.0))])
     return np.asarray(unit * signs[:, np.newaxis])
 
 
-def _refuse_jumps(position: FloatArray, turns: FloatArray, rate: float) -> None:
-    """Refuse poses that move faster than a base can."""
-    overlap = np.clip(np.sum(turns[1:] * turns[:-1], axis=1), -1.0, 1.0)
-    turning, moving = 2.0 * np.arccos(overlap) * rate, np.linalg.norm(np.diff(position, axis=0), axis=1) * rate
+def refuse_jumps(time: FloatArray, position: FloatArray, quaternion: FloatArray) -> None:
+    """Refuse poses that move faster than a base can.
+
+    Args:
+        time: Time stamps [s], (N,).
+        position: Positions [m], (N, 3).
+        quaternion: Unit quaternions without changes of sign, (N, 4).
+
+    Raises:
+        ExoidError: Names the row before which the pose jumps.
+    """
+    interval = np.diff(time)
+    overlap = np.clip(np.sum(quaternion[1:] * quaternion[:-1], axis=1), -1.0, 1.0)
+    turning = 2.0 * np.arccos(overlap) / interval
+    moving = np.linalg.norm(np.diff(position, axis=0), axis=1) / interval
     for speeds, limit, unit, what in (
         (turning, FASTEST_TURN, "rad/s", "orientation"),
         (moving, FASTEST, "m/s", "position"),
@@ -117,26 +176,38 @@ def _refuse_jumps(position: FloatArray, turns: FloatArray, rate: float) -> None:
             )
 
 
-def _half_window(rate: float, cutoff: float, samples: int) -> int:
-    """Samples on each side, for a −3 dB frequency."""
-    if not 0.0 < cutoff < 0.5 * rate:
-        raise ExoidError(f"a cutoff of {cutoff} Hz at {rate:.4g} Hz", remedy="pass one below half the rate")
-    half = max(DEGREE // 2 + 1, round(((DEGREE + 1) * rate / (2.0 * cutoff) + 4.6) / 3.2))
-    if 2 * half + 1 > samples:
-        raise ExoidError(
-            f"{samples} poses are too few for a cutoff of {cutoff:g} Hz", remedy="record longer, or raise the cutoff"
-        )
-    return half
+def turn_upright(up: ArrayLike) -> FloatArray:
+    """Compute the shortest rotation that turns the vertical of a laboratory to z.
 
+    Args:
+        up: Direction against gravity in the laboratory, (3,): (0, 1, 0) where y points up.
 
-def _savgol(x: FloatArray, half: int, rate: float, *, deriv: int) -> FloatArray:
-    """Derivative of the polynomials that fit the neighbours of each sample best."""
-    return np.asarray(
-        scipy.signal.savgol_filter(x, 2 * half + 1, DEGREE, deriv=deriv, delta=1.0 / rate, axis=0, mode="interp")
+    Returns:
+        Rotation matrix, (3, 3): ``vectors @ matrix.T`` are vectors in axes whose z points up.
+
+    Raises:
+        ExoidError: It has no direction.
+
+    Example:
+        >>> turn_upright((0.0, 1.0, 0.0)) @ (0.1, 1.0, 0.2)
+        array([ 0.1, -0.2,  1. ])
+    """
+    vertical = checks.as_numbers(up, "up")
+    checks.refuse_shape(vertical, (3,), "up")
+    if not np.isfinite(vertical).all() or not np.linalg.norm(vertical) > SMALLEST:
+        raise ExoidError("up has no direction", remedy="pass the direction against gravity, such as (0, 0, 1)")
+    x, y, z = vertical / np.linalg.norm(vertical)
+    if z < -1.0 + SMALLEST:
+        return np.diag([1.0, -1.0, -1.0])
+    # Rodrigues' formula about up × z = (y, −x, 0)
+    return np.array(
+        [
+            [1.0 - x * x / (1.0 + z), -x * y / (1.0 + z), -x],
+            [-x * y / (1.0 + z), 1.0 - y * y / (1.0 + z), -y],
+            [x, y, z],
+        ]
     )
 
 
-def _angular_velocity(turns: FloatArray, slope: FloatArray) -> FloatArray:
-    """Vector part of 2 q̄ q̇, in the axes of the body, (N, 3)."""
-    vector, scalar = turns[:, :3], turns[:, 3:]
-    return np.asarray(2.0 * (scalar * slope[:, :3] - slope[:, 3:] * vector - np.cross(vector, slope[:, :3])))
+def _unit(quaternion: FloatArray) -> FloatArray:
+    return np.asarray(quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True))

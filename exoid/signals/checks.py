@@ -211,11 +211,12 @@ def as_segments(segments: Iterable[tuple[float, float]]) -> FloatArray:
     return times
 
 
-def refuse_names(names: tuple[object, ...]) -> None:
-    """Refuse joint names that are not unique, printable strings that can head a column.
+def refuse_names(names: tuple[object, ...], kind: str = "joint") -> None:
+    """Refuse names of joints or links that are not unique, printable strings that can head a column.
 
     Args:
-        names: Joint names.
+        names: The names.
+        kind: What they name, for messages.
 
     Raises:
         ExoidError: A name is unfit.
@@ -223,13 +224,15 @@ def refuse_names(names: tuple[object, ...]) -> None:
     for name in names:
         if not isinstance(name, str) or not name.isprintable() or not name.strip() or name != name.strip():
             raise ExoidError(
-                f"joint name {name!r} is not a printable, non-empty string without outer spaces",
-                remedy="pass joint_names as a tuple such as ('hip', 'knee')",
+                f"{kind} name {name!r} is not a printable, non-empty string without outer spaces",
+                remedy="pass joint_names as a tuple such as ('hip', 'knee')"
+                if kind == "joint"
+                else f"name each {kind} as the URDF does",
             )
         if set(name) & set(',;"'):
-            raise ExoidError(f'joint name {name!r} contains one of , ; "', remedy="rename it: names head CSV columns")
+            raise ExoidError(f'{kind} name {name!r} contains one of , ; "', remedy="rename it: names head CSV columns")
         if names.count(name) > 1:
-            raise ExoidError(f"joint name {name!r} occurs {names.count(name)} times", remedy="name each joint once")
+            raise ExoidError(f"{kind} name {name!r} occurs {names.count(name)} times", remedy=f"name each {kind} once")
 
 
 def refuse_shape(values: FloatArray | BoolArray, shape: tuple[int, ...], name: str) -> None:

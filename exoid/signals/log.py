@@ -13,8 +13,9 @@ from exoid.errors import ExoidError
 from exoid.payload import Payload, as_payloads
 
 from . import checks
-from .base_log import POSE_COLUMNS, base_columns, matrix_headers
+from .base_log import base_columns, matrix_headers
 from .base_motion import BASE_COLUMNS
+from .base_pose import POSE_COLUMNS
 from .column import Column
 from .formats import QUANTITIES, TRANSLATIONS, Table, TextTable
 from .source import Source

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -17,37 +17,18 @@ from exoid.tables import html_table
 from exoid.torso import TorsoMotion
 
 from . import checks, timebase
-from .base_checks import refuse_wrong_base
+from .base_checks import refuse_unfit_base
 from .base_log import read_base
 from .base_motion import BASE_COLUMNS, BaseMotion
 from .column import Column, as_text
 from .csv_writer import write_csv
+from .external import External, as_external, interpolate, refuse_world_axes_without_pose, select_rows
 from .formats import BASE_POSITION, PAYLOAD, ReadOptions, Table, open_table, read_text_table
 from .log import payloads_of, read_log, read_mask
+from .quantities import OF_SOME_JOINTS, PREFIXES, UNITS, USUAL
 from .source import Source
 from .source_location import SourceLocation
-
-UNITS = {
-    "q": "rad",
-    "v": "rad/s",
-    "a": "rad/s²",
-    "tau": "N·m",
-    "current": "A",
-    "force": "N",
-    "motor_torque": "N·m",
-    "motor_angle": "rad",
-    "temperature": "°C",
-}
-"""Unit of each quantity of a joint."""
-
-OF_SOME_JOINTS = ("tau", "current", "force", "motor_torque", "motor_angle", "temperature")
-"""Quantities that need not be measured at all joints: their other columns are NaN throughout."""
-
-USUAL = ("q", "v", "a", "tau")
-"""Quantities that a table of a recording shows even if they were not recorded."""
-
-PREFIXES = {"current": "i", "force": "f", "motor_torque": "tm", "motor_angle": "qm", "temperature": "temp"}
-"""Beginning of the column names of each quantity whose name differs."""
+from .wrench import Wrench
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,6 +65,10 @@ class Recording:
             one.
         base: Motion of the base, for a leg whose torso moves, such as that of a walking wearer; None if it stands
             still. It excludes ``torso``.
+        wrenches: Measured forces and moments of the surroundings on links, by name of the link in the URDF: the ground
+            on a foot, a hand rail or harness on the root link.
+        contacts: Samples at which a link is fixed to the ground, flat and without slip, by name of the link, (N,) each.
+            A link that is here and not in ``wrenches`` has an unknown wrench while True, and none while False.
 
     Raises:
         ExoidError: Shapes do not fit, values are missing, time does not increase, units look wrong, or there are too
@@ -115,6 +100,8 @@ class Recording:
     payloads: tuple[Payload, ...] = ()
     computed: tuple[str, ...] = ()
     base: BaseMotion | None = None
+    wrenches: Mapping[str, Wrench] = field(default_factory=dict)
+    contacts: Mapping[str, BoolArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._freeze()
@@ -143,6 +130,9 @@ class Recording:
             object.__setattr__(self, "tau", tau)
         if self.mask is not None:
             object.__setattr__(self, "mask", checks.as_mask(self.mask))
+        external = as_external(self.wrenches, self.contacts, self.time.size, self._file)
+        for name, values_by_link in external.items():
+            object.__setattr__(self, name, values_by_link)
 
     def _check(self) -> None:
         where, names, samples = SourceLocation(), self.joint_names, self.time.size
@@ -168,26 +158,20 @@ class Recording:
         checks.refuse_time_disorder(self.time, where)
         checks.refuse_degrees(self.q, tuple(f"q_{name}" for name in names), self.largest_angle, where)
         checks.refuse_moving_torso(self.torso)
-        self._check_base()
+        if self.base is not None:
+            refuse_unfit_base(self.time, self.base, self.torso, self._file)
+        refuse_world_axes_without_pose(self.wrenches, self.base is None or self.base.pose is not None, self._file)
         if self.v is not None:
             checks.refuse_velocity_in_other_unit(self.time, self.q, self.v, names, where)
 
-    def _check_base(self) -> None:
-        where = self.source.name if self.source else ""
-        if self.base is None:
-            return
-        if not isinstance(self.base, BaseMotion):
-            raise ExoidError(
-                f"base is of type {type(self.base).__name__}", where=where, remedy="pass BaseMotion.from_imu(...)"
-            )
-        if self.torso is not None:
-            raise ExoidError(
-                "the recording has a torso tilt and a base motion",
-                where=where,
-                remedy="leave out torso: the accelerometer measures the tilt",
-            )
-        checks.refuse_shape(self.base.columns, (len(self.time), len(BASE_COLUMNS)), "the base motion")
-        refuse_wrong_base(self.time, self.base, where)
+    @property
+    def _file(self) -> str:
+        """Name of the file, for messages."""
+        return self.source.name if self.source else ""
+
+    @property
+    def _external(self) -> External:
+        return {"wrenches": self.wrenches, "contacts": self.contacts}
 
     def _arrays(self) -> dict[str, FloatArray]:
         arrays = {name: getattr(self, name) for name in UNITS}
@@ -212,8 +196,12 @@ class Recording:
         passive = f"; passive: {', '.join(self.passive)}" if self.passive else ""
         payloads = f"; payloads: {', '.join(map(str, self.payloads))}" if self.payloads else ""
         joints = ", ".join(self.joint_names)
-        rest = f"{unmeasured}{passive}{payloads}{'' if self.base is None else '; moving base'}"
+        rest = f"{unmeasured}{passive}{payloads}{'' if self.base is None else '; moving base'}{self._ground()}"
         return f"Recording({self._size()}; joints: {joints}; {named}{rest})"
+
+    def _ground(self) -> str:
+        wrenches = f"; wrenches: {', '.join(self.wrenches)}" if self.wrenches else ""
+        return f"{wrenches}; contacts: {', '.join(self.contacts)}" if self.contacts else wrenches
 
     def _repr_html_(self) -> str:
         """Table for notebooks: smallest and largest value of each quantity, joint by joint."""
@@ -279,7 +267,7 @@ class Recording:
             if name not in self.joint_names:
                 raise ExoidError(
                     f"no joint {name!r} in the recording; it has: {', '.join(self.joint_names)}",
-                    where=self.source.name if self.source else "",
+                    where=self._file,
                     remedy="select among those, or read the log with columns={'q_<joint>': <header>}",
                     command=f"record it, or map its columns, e.g. --column q_{name}=HEADER --column tau_{name}=HEADER",
                 )
@@ -305,7 +293,8 @@ class Recording:
         arrays = {quantity: values[start:stop] for quantity, values in self._arrays().items()}
         mask = None if self.mask is None else self.mask[start:stop]
         base = None if self.base is None else self.base.rows(slice(start, stop))
-        return self._with(time=self.time[start:stop], mask=mask, base=base, **arrays)
+        external = select_rows(self._external, slice(start, stop))
+        return self._with(time=self.time[start:stop], mask=mask, base=base, **arrays, **external)
 
     def segments(self, segments: Iterable[tuple[float, float]]) -> Recording:
         """Let only samples in some segments count, such as the swing phases of a walk.
@@ -328,7 +317,7 @@ class Recording:
             if first == last:
                 raise ExoidError(
                     f"no sample in the segment from {start:.6g} s to {stop:.6g} s",
-                    where=self.source.name if self.source else "",
+                    where=self._file,
                     remedy=f"the recording lasts from {self.time[0]:.6g} s to {self.time[-1]:.6g} s",
                 )
             inside[first:last] = True
@@ -356,7 +345,7 @@ class Recording:
         Raises:
             ExoidError: A time is no number, or fewer than 10 samples are left; names the times of the recording.
         """
-        where = self.source.name if self.source else ""
+        where = self._file
         low = -np.inf if start is None else start
         high = np.inf if stop is None else stop
         for limit in (low, high):
@@ -409,7 +398,8 @@ class Recording:
         }
         mask = None if self.mask is None else timebase.interpolate_mask(self.time, self.mask, grid)
         base = None if self.base is None else self.base.interpolated(time, grid, rows)
-        return self._with(time=grid, mask=mask, base=base, **arrays)
+        external = interpolate(self._external, self.time, grid, rows)
+        return self._with(time=grid, mask=mask, base=base, **arrays, **external)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write columns ``time, q_<joint>, …``, which `from_csv` reads back exactly.

@@ -1,0 +1,196 @@
+"""Wrenches and contacts of a recording: what the surroundings do to the links, link by link."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, TypedDict, TypeVar
+
+import numpy as np
+
+from exoid._typing import ArrayLike, BoolArray, FloatArray
+from exoid.errors import ExoidError
+
+from . import checks, timebase
+from .wrench import Wrench
+
+V = TypeVar("V")
+
+
+class ByLink(Mapping[str, V]):
+    """Read-only mapping from links to what acts on them, which pickle can send to other processes.
+
+    Args:
+        items: Values by name of the link.
+    """
+
+    __slots__ = ("_items",)
+
+    def __init__(self, items: Mapping[str, V]) -> None:
+        self._items = dict(items)
+
+    def __getitem__(self, link: str) -> V:
+        """Value of a link."""
+        return self._items[link]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __repr__(self) -> str:
+        return repr(self._items)
+
+
+class External(TypedDict):
+    """Fields of a recording for what acts on its links.
+
+    Attributes:
+        wrenches: Measured wrenches by link.
+        contacts: Samples at which a link is fixed to the ground, by link.
+    """
+
+    wrenches: Mapping[str, Wrench]
+    contacts: Mapping[str, BoolArray]
+
+
+def as_external(wrenches: Any, contacts: Any, samples: int, where: str) -> External:  # noqa: ANN401 - not yet checked
+    """Check and freeze wrenches and contacts.
+
+    Args:
+        wrenches: Measured wrenches by link.
+        contacts: Bools or 0 and 1 by link, (N,) each.
+        samples: Number of samples, N.
+        where: Name of the file.
+
+    Returns:
+        Both, read-only.
+
+    Raises:
+        ExoidError: A type, a name, a length or a value is wrong.
+    """
+    measured = _mapping(wrenches, "wrenches", '{"left_foot": exoid.Wrench(...)}', where)
+    for link, wrench in measured.items():
+        if not isinstance(wrench, Wrench):
+            raise ExoidError(
+                f"the wrench on {link} is of type {type(wrench).__name__}",
+                where=where,
+                remedy="pass exoid.Wrench(force, moment)",
+            )
+        _refuse_length(len(wrench), samples, f"the wrench on {link}", where)
+    touching = _mapping(contacts, "contacts", '{"left_foot": bools}', where)
+    return {
+        "wrenches": ByLink(measured),
+        "contacts": ByLink({link: _contact(values, link, samples, where) for link, values in touching.items()}),
+    }
+
+
+def refuse_world_axes_without_pose(wrenches: Mapping[str, Wrench], has_pose: bool, where: str) -> None:
+    """Refuse wrenches in axes of the laboratory where nothing says how the base stands in it.
+
+    Args:
+        wrenches: Measured wrenches by link.
+        has_pose: Whether the pose of the base is known, or it stands still.
+        where: Name of the file.
+
+    Raises:
+        ExoidError: There is such a wrench.
+    """
+    for link, wrench in wrenches.items():
+        if wrench.axes == "world" and not has_pose:
+            raise ExoidError(
+                f"the wrench on {link} is in axes of the laboratory, and an IMU does not give the pose of the base",
+                where=where,
+                remedy="record the pose, BaseMotion.from_pose(...) or from_imu(..., pose=BasePose(...)), or give the "
+                'wrench in axes of the link (axes="link")',
+                command="add the columns base_x…z, base_qx…w of a pose, or give the wrench in axes of the link",
+            )
+
+
+def select_rows(external: External, rows: slice | BoolArray) -> External:
+    """Select samples.
+
+    Args:
+        external: Wrenches and contacts.
+        rows: The samples.
+
+    Returns:
+        Those of the samples.
+    """
+    return {
+        "wrenches": {link: wrench.rows(rows) for link, wrench in external["wrenches"].items()},
+        "contacts": {link: contact[rows] for link, contact in external["contacts"].items()},
+    }
+
+
+def interpolate(
+    external: External, time: FloatArray, grid: FloatArray, rows: slice | BoolArray = slice(None)
+) -> External:
+    """Interpolate at other time stamps; a new sample is in contact if both of its neighbours are.
+
+    Args:
+        external: Wrenches and contacts.
+        time: Time stamps [s], (N,).
+        grid: New time stamps [s], (M,).
+        rows: Samples that wrenches are interpolated from.
+
+    Returns:
+        Those at the new time stamps.
+    """
+    return {
+        "wrenches": {link: one.interpolated(time[rows], grid, rows) for link, one in external["wrenches"].items()},
+        "contacts": {link: timebase.interpolate_mask(time, one, grid) for link, one in external["contacts"].items()},
+    }
+
+
+def average(external: External, size: int) -> External:
+    """Average neighbouring samples; a group is in contact if all of its samples are.
+
+    Args:
+        external: Wrenches and contacts.
+        size: Number of samples that become one.
+
+    Returns:
+        The shorter ones; samples that do not fill a group are left out.
+    """
+    return {
+        "wrenches": {link: one.averaged(size) for link, one in external["wrenches"].items()},
+        "contacts": {
+            link: np.asarray(one[: len(one) // size * size].reshape(-1, size).all(axis=1))
+            for link, one in external["contacts"].items()
+        },
+    }
+
+
+def _mapping(values: Any, argument: str, example: str, where: str) -> dict[str, Any]:  # noqa: ANN401
+    """Check the names of links."""
+    if values is None:
+        return {}
+    if not isinstance(values, Mapping):
+        raise ExoidError(
+            f"{argument} is of type {type(values).__name__}", where=where, remedy=f"pass {argument}={example}"
+        )
+    checks.refuse_names(tuple(values), "link")
+    return dict(values)
+
+
+def _contact(values: ArrayLike, link: str, samples: int, where: str) -> BoolArray:
+    raw = np.asarray(values)
+    if raw.dtype.kind not in "biuf" or not np.isin(raw, (0, 1)).all():
+        raise ExoidError(
+            f"the contact of {link} has values other than 0 and 1",
+            where=where,
+            remedy="pass a bool for each sample; exoid.signals.contact_from_switch turns a pressure into bools",
+        )
+    _refuse_length(raw.shape[0] if raw.ndim == 1 else raw.shape, samples, f"the contact of {link}", where)
+    contact = np.array(raw, dtype=np.bool_)
+    contact.flags.writeable = False
+    return contact
+
+
+def _refuse_length(length: int | tuple[int, ...], samples: int, what: str, where: str) -> None:
+    if length != samples:
+        shape = f"{length} samples" if isinstance(length, int) else f"shape {length}"
+        raise ExoidError(
+            f"{what} has {shape}, and the recording {samples}", where=where, remedy="give one row per time stamp"
+        )

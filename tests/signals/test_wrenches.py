@@ -1,0 +1,266 @@
+"""Wrenches and contacts of a recording: mechanics of a wrench, what is carried along, and what is refused."""
+
+import copy
+import dataclasses
+import pickle
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from walking import IMU, Walk
+
+import exoid
+from exoid import BaseMotion, BasePose, ExoidError, Recording, Wrench
+from exoid.signals import turn_upright
+
+N = 400
+TIME = np.arange(N) / 100.0
+
+
+def standing(axes="link", moving=False, seed=0):
+    """A ground force of about 400 N under a foot."""
+    rng = np.random.default_rng(seed)
+    force = rng.normal(size=(N, 3)) * 20.0 + (0.0, 0.0, 400.0)
+    point = rng.normal(size=(N, 3)) * 0.05 if moving else (0.05, 0.0, -0.08)
+    return Wrench(force, np.cross(rng.normal(size=(N, 3)) * 0.1, force), point, axes)
+
+
+def recording(**changes):
+    stance = np.sin(2.0 * TIME) > 0.0
+    return Recording(
+        TIME,
+        0.3 * np.sin(TIME)[:, None],
+        joint_names=("knee",),
+        **{"wrenches": {"left_foot": standing()}, "contacts": {"left_foot": stance, "right_foot": ~stance}, **changes},
+    )
+
+
+# --- A wrench -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("moving", [False, True])
+def test_a_wrench_about_another_point_has_the_same_power_for_every_twist(moving):
+    """P = f · v(p) + m · ω does not depend on the point, with v(p) = v + ω × p."""
+    wrench = standing("world", moving)
+    velocity, omega = np.random.default_rng(3).normal(size=(2, N, 3))
+
+    def power(one):
+        at_point = velocity + np.cross(omega, one.point)
+        return np.sum(one.force * at_point + one.moment * omega, axis=1)
+
+    for point in ((0.3, -0.2, 1.0), np.random.default_rng(4).normal(size=(N, 3))):
+        assert np.allclose(power(wrench.about(point)), power(wrench), rtol=0, atol=1e-9)
+
+
+def test_arrays_of_a_wrench_are_copies_and_read_only():
+    force = np.ones((N, 3))
+    wrench = Wrench(force, np.zeros((N, 3)))
+    force[:] = 7.0
+    assert (wrench.force == 1.0).all()
+    for array in (wrench.force, wrench.moment, wrench.point):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        wrench.axes = "world"
+
+
+def test_a_wrench_is_averaged_and_interpolated_about_one_point():
+    """A centre of pressure that jumps where the foot lifts must not become a moment."""
+    loaded = TIME < 2.0
+    centre = np.where(loaded[:, None], (0.1, 0.0, 0.0), (0.0, 0.0, 0.0))
+    wrench = Wrench(np.where(loaded, 500.0, 0.0)[:, None] * (0.0, 0.0, 1.0), np.zeros((N, 3)), centre, "world")
+    for one in (wrench.averaged(7), wrench.interpolated(TIME, np.arange(0.0, 3.9, 0.003))):
+        assert np.allclose(one.point, (0.1, 0.0, 0.0))
+        assert np.allclose(one.moment, 0.0, atol=1e-12)
+        assert one.force[:, 2].max() <= 500.0 + 1e-9
+    averaged = standing().averaged(4)
+    assert np.allclose(averaged.force[1], standing().force[4:8].mean(axis=0))
+    assert len(averaged) == N // 4
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"axes": "plate"}, "axes 'plate'"),
+        ({"force": np.zeros((N, 2))}, "force of a wrench has shape"),
+        ({"moment": np.zeros((N - 1, 3))}, "moment of a wrench has shape"),
+        ({"moment": np.full((N, 3), np.nan)}, "row 0, column mx: nan is not a finite number"),
+        ({"point": (0.0, 0.0)}, "point of a wrench has shape"),
+        ({"point": (0.0, np.inf, 0.0)}, "column py: inf"),
+        ({"point": np.zeros((N, 3))}, "link axes has shape"),
+        ({"point": np.zeros((N - 1, 3)), "axes": "world"}, "point of a wrench has shape"),
+        ({"point": (50.0, 0.0, -80.0)}, "94.34 m from the origin"),
+        ({"force": np.full((N, 3), 4e5)}, "a force of 6.928e\\+05 N in row 0"),
+        ({"moment": np.full((N, 3), 3e4)}, "moments look like N·mm"),
+        ({"force": "much"}, "force of a wrench is not an array of real numbers"),
+    ],
+)
+def test_a_wrench_that_cannot_be_is_refused(changes, message):
+    whole = {"force": standing().force, "moment": standing().moment, **changes}
+    with pytest.raises(ExoidError, match=message) as error:
+        Wrench(**whole)
+    assert error.value.remedy
+
+
+@pytest.mark.parametrize(("of_force", "of_moment"), [(1e-3, 1.0), (1.0, 1e3), (0.1, 100.0)])
+def test_force_plates_in_kilonewtons_or_newton_millimetres_are_refused(of_force, of_moment):
+    wrench = standing()
+    with pytest.raises(ExoidError, match="moments look like N·mm, or forces like kN"):
+        Wrench(of_force * wrench.force, of_moment * wrench.moment)
+
+
+def test_a_rail_that_nobody_touches_is_a_wrench():
+    noise = np.random.default_rng(0).normal(size=(2, N, 3)) * 0.02
+    assert len(Wrench(noise[0], noise[1])) == N
+    assert not Wrench(np.zeros((N, 3)), np.zeros((N, 3))).columns.any()
+
+
+# --- A recording with wrenches and contacts ---------------------------------------------------------------------------
+
+
+def equal(one, other):
+    assert np.array_equal(one.columns, other.columns)
+    assert np.array_equal(one.point, other.point)
+    assert one.axes == other.axes
+
+
+def test_wrenches_and_contacts_are_sliced_selected_and_masked_with_the_rest():
+    whole = recording()
+    wrench, contact = whole.wrenches["left_foot"], whole.contacts["left_foot"]
+    for part, rows in ((whole.slice(50, 90), slice(50, 90)), (whole.between(1.0, 2.0), slice(100, 200))):
+        equal(part.wrenches["left_foot"], wrench.rows(rows))
+        assert np.array_equal(part.contacts["left_foot"], contact[rows])
+        assert list(part.contacts) == ["left_foot", "right_foot"]
+    for same in (whole.select(("knee",)), whole.segments([(1.0, 2.0)]), dataclasses.replace(whole, passive=("knee",))):
+        equal(same.wrenches["left_foot"], wrench)
+        assert np.array_equal(same.contacts["right_foot"], ~contact)
+    assert "; wrenches: left_foot; contacts: left_foot, right_foot" in repr(whole)
+
+
+def test_a_recording_without_ground_has_empty_mappings():
+    plain = recording(wrenches=None, contacts={})
+    assert dict(plain.wrenches) == dict(plain.contacts) == {}
+    assert "wrenches" not in repr(plain)
+
+
+def test_resampling_interpolates_wrenches_and_shortens_contacts():
+    whole = recording()
+    fine = whole.resampled(300.0)
+    rows = np.arange(0, len(fine), 3)
+    assert np.allclose(fine.wrenches["left_foot"].columns[rows], whole.wrenches["left_foot"].columns)
+    contact = fine.contacts["left_foot"]
+    assert np.array_equal(contact[rows], whole.contacts["left_foot"])
+    assert np.array_equal(contact[1::3], whole.contacts["left_foot"][:-1] & whole.contacts["left_foot"][1:])
+
+
+def test_mappings_cannot_be_changed_and_can_be_sent_to_other_processes():
+    whole = recording()
+    with pytest.raises(TypeError):
+        whole.wrenches["right_foot"] = standing()
+    with pytest.raises(ValueError, match="read-only"):
+        whole.contacts["left_foot"][0] = True
+    for twin in (pickle.loads(pickle.dumps(whole)), copy.deepcopy(whole)):
+        equal(twin.wrenches["left_foot"], whole.wrenches["left_foot"])
+        assert np.array_equal(twin.contacts["left_foot"], whole.contacts["left_foot"])
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"wrenches": [standing()]}, "wrenches is of type list"),
+        ({"wrenches": {"left_foot": np.zeros((N, 6))}}, "the wrench on left_foot is of type ndarray"),
+        ({"wrenches": {"left_foot": standing().rows(slice(9))}}, "left_foot has 9 samples, and the recording 400"),
+        ({"wrenches": {"left,foot": standing()}}, "link name 'left,foot' contains"),
+        ({"contacts": {"left_foot": np.full(N, 0.5)}}, "the contact of left_foot has values other than 0 and 1"),
+        ({"contacts": {"left_foot": np.full(N, np.nan)}}, "values other than 0 and 1"),
+        ({"contacts": {"left_foot": np.ones(N - 1)}}, "the contact of left_foot has 399 samples"),
+        ({"contacts": {"left_foot": np.ones((N, 1))}}, "the contact of left_foot has shape"),
+        ({"contacts": {"": np.ones(N)}}, "link name ''"),
+    ],
+)
+def test_wrenches_and_contacts_that_do_not_fit_are_refused(changes, message):
+    with pytest.raises(ExoidError, match=message) as error:
+        recording(**changes)
+    assert error.value.remedy
+
+
+# --- The pose of the base ---------------------------------------------------------------------------------------------
+
+
+def walk():
+    return Walk(exoid.load_leg("cuhk"), seconds=12.0, sideways=0.1)
+
+
+def test_a_pose_is_that_of_the_root_link_whatever_was_tracked():
+    walked = walk()
+    position, turn = walked.pose
+    lab, body = Rotation.from_euler("x", -90, degrees=True), Rotation.from_euler("z", 70, degrees=True)
+    base = BaseMotion.from_pose(
+        lab.apply(position + turn.apply(IMU)),
+        (lab * turn * body).as_quat(),
+        walked.time,
+        at=IMU,
+        rotation=body.as_matrix(),
+        up=lab.apply([0.0, 0.0, 1.0]),
+    )
+    inner = slice(50, -50)
+    assert np.abs(base.pose.position - position)[inner].max() < 1e-4
+    assert np.abs(base.pose.rotation - turn.as_matrix())[inner].max() < 1e-4
+    assert np.array_equal(base.rows(slice(3, 20)).pose.position, base.pose.position[3:20])
+    assert np.allclose(base.averaged(5).pose.position[2], base.pose.position[10:15].mean(axis=0))
+    grid = np.arange(1.0, 11.0, 0.0013)
+    between = base.interpolated(walked.time, grid).pose
+    true = Rotation.from_quat(base.pose.quaternion.copy())
+    nearest = np.searchsorted(walked.time, grid).clip(max=len(true) - 1)
+    error = (true[nearest].inv() * Rotation.from_quat(between.quaternion.copy())).magnitude()
+    assert error.max() < 0.02  # what the base turns in a sample
+    assert np.allclose(np.linalg.norm(between.quaternion, axis=1), 1.0)
+
+
+@pytest.mark.parametrize("up", [(0.0, 0.0, 2.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (0.3, -0.5, -0.2), (0.0, 0.0, -1.0)])
+def test_a_laboratory_is_turned_upright_by_a_rotation(up):
+    turn = turn_upright(up)
+    assert np.allclose(turn @ turn.T, np.eye(3), atol=1e-14)
+    assert np.isclose(np.linalg.det(turn), 1.0)
+    assert np.allclose(turn @ up, (0.0, 0.0, np.linalg.norm(up)))
+
+
+def test_wrenches_of_the_laboratory_need_the_pose_of_a_base_that_moves():
+    walked = walk().recording()
+    force = np.tile([0.0, 0.0, 300.0], (len(walked), 1))
+    of_lab = {"left_foot": Wrench(force, 0.0 * force, axes="world")}
+    with pytest.raises(ExoidError, match="an IMU does not give the pose of the base") as error:
+        dataclasses.replace(walked, wrenches=of_lab)
+    assert "base_qx" in error.value.for_command()
+    still = dataclasses.replace(walked, base=None, wrenches=of_lab)
+    assert still.wrenches["left_foot"].axes == "world"
+    position, turn = walk().pose
+    posed = dataclasses.replace(walked.base, pose=BasePose(position, turn.as_quat()))
+    moving = dataclasses.replace(walked, base=posed, wrenches=of_lab)
+    assert np.array_equal(moving.slice(20, 60).base.pose.columns, posed.pose.columns[20:60])
+    assert len(moving.resampled(400.0).base.pose) == len(moving.resampled(400.0))
+
+
+def test_a_pose_that_contradicts_the_imu_or_jumps_is_refused():
+    walked = walk().recording()
+    position, turn = walk().pose
+    quaternion = turn.as_quat()
+
+    def posed(position, quaternion):
+        pose = BasePose(position, quaternion)
+        return dataclasses.replace(walked, base=dataclasses.replace(walked.base, pose=pose))
+
+    assert posed(position, quaternion).base.pose is not None
+    with pytest.raises(ExoidError, match="off the vertical of the laboratory"):
+        posed(position, (Rotation.from_euler("x", 90, degrees=True) * turn).as_quat())
+    with pytest.raises(ExoidError, match="off the vertical of the laboratory"):
+        posed(position, np.roll(quaternion, 1, axis=1))  # w first
+    with pytest.raises(ExoidError, match=r"row 30 has norm 1\.5"):
+        posed(position, np.where(np.arange(len(quaternion))[:, None] == 30, 1.5 * quaternion, quaternion))
+    bowed = (turn * Rotation.from_rotvec(np.outer(np.arange(len(quaternion)) >= 30, (0.0, 0.6, 0.0)))).as_quat()
+    with pytest.raises(ExoidError, match="orientation of the base jumps before row 30"):
+        posed(position, bowed)
+    with pytest.raises(ExoidError, match=r"position of the base jumps before row \d+: .* in m"):
+        posed(1000.0 * position, quaternion)
+    with pytest.raises(ExoidError, match="9 samples, and its motion"):
+        posed(position[:9], quaternion[:9])
