@@ -36,8 +36,8 @@ FOOT = "contact"
 """Link that stands on the sensor."""
 
 CITATION = (
-    "Machines in Motion (New York University and Max Planck Gesellschaft), mim_estimation, 2019-07-04, and Open Dynamic "
-    "Robot Initiative, robot_properties_teststand; BSD-3-Clause"
+    "Machines in Motion (New York University and Max Planck Gesellschaft), mim_estimation, 2019-07-04, and Open "
+    "Dynamic Robot Initiative, robot_properties_teststand; BSD-3-Clause"
 )
 
 

@@ -9,6 +9,8 @@ from .differentiation import Kinematics, central_difference, motion_edge, second
 from .filters import ParallelFilter, edge_length, exponential_moving_average, noise_bandwidth, zero_phase
 from .formats import register_format
 from .moving_base import base_during
+from .opensim import PelvisPose, read_opensim, read_opensim_pelvis
+from .opensim_forces import GroundForces, read_opensim_forces
 from .poses import Approaches, Poses
 from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed
 from .preparation_names import PREPARATIONS, preparation_by_name, register_preparation
@@ -27,9 +29,11 @@ __all__ = [
     "Cluster",
     "Column",
     "FiniteDifference",
+    "GroundForces",
     "Kinematics",
     "MovingAverage",
     "ParallelFilter",
+    "PelvisPose",
     "Poses",
     "Preparation",
     "Recording",
@@ -46,6 +50,9 @@ __all__ = [
     "motion_edge",
     "noise_bandwidth",
     "preparation_by_name",
+    "read_opensim",
+    "read_opensim_forces",
+    "read_opensim_pelvis",
     "register_format",
     "register_preparation",
     "second_difference",

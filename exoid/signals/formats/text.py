@@ -184,8 +184,8 @@ def read_text_table(path: str | os.PathLike[str], names: Sequence[str] | None = 
     rows = [(number, line) for number, line in content if line.strip(f'{delimiter}" \t')]
     lines = np.array([number for number, _ in rows], dtype=np.int64)
     data_line = rows[0][0] if rows else number
-    said = [_said(text, word, data_line) for word in (PAYLOAD, BASE_POSITION)]
-    return TextTable(file, source, tuple(header), [line for _, line in rows], lines, delimiter, *said)
+    payloads, positions = (_said(text, word, data_line) for word in (PAYLOAD, BASE_POSITION))
+    return TextTable(file, source, tuple(header), [line for _, line in rows], lines, delimiter, payloads, positions)
 
 
 def refuse_repeated(header: Sequence[str], file: str) -> None:
