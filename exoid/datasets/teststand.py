@@ -114,7 +114,7 @@ def aligned(*logs: FloatArray) -> tuple[FloatArray, ...]:
     """Select the samples that all logs have.
 
     Args:
-        logs: Matrices whose first column counts samples, in increasing order, (N, 1 + k) each.
+        *logs: Matrices whose first column counts samples, in increasing order, (N, 1 + k) each.
 
     Returns:
         The other columns of each log at the common counts, (K, k) each.
