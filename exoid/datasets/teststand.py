@@ -11,7 +11,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.leg import Leg
-from exoid.signals import Recording, Source
+from exoid.signals import Recording, Source, Wrench
 
 from .dataset import Dataset
 from .download import find_or_download
@@ -86,12 +86,13 @@ class ForceDataset(Dataset):
 def teststand_leg() -> ForceDataset:
     """Load the recording from ``$EXOID_DATA_DIR`` or, after one download, from the cache.
 
-    A person moves the base up and down its rail three times while the foot stays on the sensor, so that the leg is
-    pressed and pulled by up to 22 N. Torque is current times the nominal constant of the motors (0.025 N·m/A, ratio 9);
+    The base moves up and down its rail three times, slowly, while the foot stays on the sensor: the leg is pressed and
+    pulled by up to 22 N. Torque is current times the nominal constant of the motors (0.025 N·m/A, ratio 9);
     the knee's is limited to 2.7 N·m (12 A) and stays there for 35 % of the time. The driver of the stand takes the zero
     of the sensor at its start, with the leg on it, and changes the signs of x and z such that pressing is positive. A
-    reading is then the force on the foot, in axes that are parallel to those of the root link (x forward, z up). See
-    ``docs/teststand.md`` for what can be said of it.
+    reading is then the force on the foot, in axes that are parallel to those of the root link (x forward, z up) to
+    about 0.04 rad. The recording has it as the wrench on the link ``contact``, as read: zero and tilt are not
+    corrected. ``docs/teststand.md`` says what is known of them, and of the torque of the knee.
 
     Returns:
         Leg with joints HFE and KFE, the recording at 1 kHz, its halves and the force.
@@ -104,10 +105,20 @@ def teststand_leg() -> ForceDataset:
     listed = "".join(f"{log.sha256}  {log.name}\n" for log in sorted(LOGS, key=lambda log: log.name))
     source = Source(LOG_NAME, hashlib.sha256(listed.encode()).hexdigest())
     time = np.arange(len(q)) / RATE
-    recording = Recording(time, q, tau=tau, joint_names=JOINTS, source=source)
+    wrenches = {FOOT: _on_foot(q, force)}
+    recording = Recording(time, q, tau=tau, joint_names=JOINTS, source=source, wrenches=wrenches)
     half = len(recording) // 2
     force.flags.writeable = False
     return ForceDataset(leg, recording.slice(None, half), recording.slice(half, None), CITATION, recording, force)
+
+
+def _on_foot(q: FloatArray, force: FloatArray) -> Wrench:
+    """Turn readings into the axes of the foot: both joints turn about y, and no moment was logged."""
+    turn = q.sum(axis=1)
+    cos, sin = np.cos(turn), np.sin(turn)
+    x, y, z = force.T
+    on_foot = np.stack([cos * x - sin * z, y, sin * x + cos * z], axis=1)
+    return Wrench(on_foot, np.zeros_like(on_foot))
 
 
 def aligned(*logs: FloatArray) -> tuple[FloatArray, ...]:

@@ -59,6 +59,19 @@ def test_the_force_is_one_on_the_foot_in_the_axes_of_the_root_link(data):
     assert error[1, 1][1] < 0.2 * tau[:, 1].std()
 
 
+def test_the_wrench_on_the_foot_is_the_force_in_axes_of_the_foot(data):
+    """Pinocchio's placement of the foot turns it back."""
+    model = data.leg.model
+    state, foot = model.createData(), model.getFrameId(teststand.FOOT)
+    wrench = data.recording.wrenches[teststand.FOOT]
+    assert wrench.axes == "link"
+    assert not wrench.moment.any()
+    for k in range(0, len(data.force), 997):
+        pin.framesForwardKinematics(model, state, data.recording.q[k])
+        np.testing.assert_allclose(state.oMf[foot].rotation @ wrench.force[k], data.force[k], atol=1e-12)
+    assert len(data.test.wrenches[teststand.FOOT]) == len(data.test)
+
+
 def test_the_torque_of_the_knee_stays_at_the_limit_of_its_current(data):
     limit = 12.0 * 0.025 * 9.0  # A, N·m/A, ratio
     at_limit = np.abs(data.recording.tau[:, 1] - limit) < 0.03
