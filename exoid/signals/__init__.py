@@ -18,11 +18,13 @@ from .recording import Recording
 from .recordings import Recordings
 from .source import Source
 from .torque_delay import without_torque_delay
-from .wrench import Wrench
+from .wrench import WRENCH_PARTS, Wrench
+from .wrench_frame import WrenchFrame
 
 __all__ = [
     "BASE_COLUMNS",
     "PREPARATIONS",
+    "WRENCH_PARTS",
     "Approaches",
     "BaseMotion",
     "BasePose",
@@ -41,6 +43,7 @@ __all__ = [
     "Smoothed",
     "Source",
     "Wrench",
+    "WrenchFrame",
     "ZeroPhase",
     "base_during",
     "central_difference",

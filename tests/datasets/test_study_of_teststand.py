@@ -1,4 +1,4 @@
-"""The study of the test stand: the model is Pinocchio's, it can be turned round, and its figures are those of the page."""
+"""The study of the test stand: its model is Pinocchio's, it can be turned round, and its figures are the page's."""
 
 from __future__ import annotations
 

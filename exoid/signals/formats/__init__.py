@@ -4,7 +4,7 @@ from .by_ending import READERS, register_format
 from .kinds import open_table
 from .opensim import TRANSLATIONS
 from .table import QUANTITIES, ArrayTable, ReadOptions, Table, header_in
-from .text import BASE_POSITION, PAYLOAD, TextTable, read_text_table
+from .text import BASE_POSITION, PAYLOAD, WRENCH, TextTable, read_text_table
 
 __all__ = [
     "BASE_POSITION",
@@ -12,6 +12,7 @@ __all__ = [
     "QUANTITIES",
     "READERS",
     "TRANSLATIONS",
+    "WRENCH",
     "ArrayTable",
     "ReadOptions",
     "Table",
