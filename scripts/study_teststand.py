@@ -1,6 +1,7 @@
 """What can be said of the test stand's force sensor and of the torque of its knee?
 
     python scripts/study_teststand.py              # all tables: a quarter of a minute on one core
+    python scripts/study_teststand.py --exchange   # the second half identifies, the first one tests
 
 The data are :func:`exoid.datasets.teststand_leg`: the first half identifies, the second tests. Angles, torques and
 forces pass a zero-phase low-pass of 5 Hz. NRMSE is the root mean square of the error of a torque over its standard
@@ -135,6 +136,14 @@ def samples_of(data: ForceDataset) -> Samples:
     return Samples(data.leg, q[rows], v[rows], rubbing[rows], tau[rows], force[rows], lengths)
 
 
+def exchanged(samples: Samples) -> Samples:
+    """The second half before the first."""
+    signals = {
+        name: np.roll(getattr(samples, name), -samples.half, axis=0) for name in ("q", "v", "rubbing", "tau", "force")
+    }
+    return replace(samples, **signals)
+
+
 def arms(samples: Samples, values: Mapping[str, float]) -> FloatArray:
     """Position of the foot seen from hip and knee, (N, 2, 2): x and z, behind the joints."""
     thigh, shank = samples.lengths[0] + values["thigh"], samples.lengths[1] + values["shank"]
@@ -232,7 +241,7 @@ def linear(samples: Samples, joint: int, columns: FloatArray) -> tuple[FloatArra
 
 def without_physics(samples: Samples) -> None:
     """Print what fits the torques as well without the force."""
-    print("NRMSE of the second half (first half in brackets), Coulomb and viscous friction and offset in all rows")
+    print("NRMSE of the half that tests (the other in brackets), friction and offset in all rows")
     angle = (samples.q[:, 1] - samples.q[:, 1].mean()) / np.ptp(samples.q[:, 1])
     still = np.zeros_like(samples.q)
     regressor = samples.leg.regressor(samples.q, still, still)
@@ -282,7 +291,7 @@ def same_pose(data: ForceDataset) -> None:
 def hypotheses(samples: Samples) -> Fit:
     """Print the fit of each sign and of each calibration; the chosen one is returned."""
     print(
-        "NRMSE of the first and second half; x: lateral motion of the foot; torque of the knee where 2.70 N·m is logged"
+        "NRMSE of the half that identifies, and of the other; lateral motion x of the foot; torque of the knee at 2.70"
     )
     chosen = None
     cases = [(name, replace(samples, force=change(samples.force)), FRICTION) for name, change in SIGNS.items()]
@@ -311,7 +320,7 @@ def forces(samples: Samples, chosen: Fit) -> None:
     angle = (samples.q[:, 1] - samples.q[:, 1].mean()) / np.ptp(samples.q[:, 1])
     powers = angle[:, None] ** np.arange(9)
     of_angle = powers @ np.linalg.lstsq(powers[: samples.half], read[: samples.half])[0]
-    print("\nForce on the second half, error in N rms and as a share of its range")
+    print("\nForce on the half that tests, error in N rms and as a share of its range")
     for name, force in (
         ("from torques, URDF and log as they are", predicted_force(samples, uncalibrated)),
         ("from torques, chosen calibration", predicted_force(samples, chosen.values)),
@@ -324,9 +333,11 @@ def forces(samples: Samples, chosen: Fit) -> None:
 
 def main() -> None:
     """Print all tables."""
-    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--exchange", action="store_true", help="exchange the halves")
+    exchange = parser.parse_args().exchange
     data = exoid.datasets.teststand_leg()
-    samples = samples_of(data)
+    samples = exchanged(samples_of(data)) if exchange else samples_of(data)
     at_limit = np.abs(data.recording.tau[:, 1] - 2.7) < 0.03
     print(f"{len(data.recording)} samples; knee within 0.03 N·m of its limit of 2.7 N·m for {at_limit.mean():.0%}\n")
     without_physics(samples)
