@@ -21,6 +21,7 @@ from .base_checks import refuse_unfit_base
 from .base_log import log_of_base
 from .base_motion import BaseMotion
 from .column import Column, as_text
+from .contact_checks import refuse_contradictions
 from .csv_writer import LogPart, write_parts
 from .external import External, as_external, interpolate, refuse_world_axes_without_pose, select_rows
 from .external_log import log_of_external
@@ -236,6 +237,12 @@ class Recording:
         return np.array(
             [there and name not in self.passive for name, there in zip(self.joint_names, self.measured, strict=True)]
         )
+
+    @property
+    def loaded_links(self) -> tuple[str, ...]:
+        """Links on which the surroundings act at some sample: with a wrench, or in contact with the ground."""
+        pulled = [link for link, wrench in self.wrenches.items() if wrench.columns.any()]
+        return tuple(dict.fromkeys([*pulled, *(link for link, contact in self.contacts.items() if contact.any())]))
 
     @property
     def duration(self) -> float:
@@ -559,6 +566,7 @@ class Recording:
     @classmethod
     def _from_table(cls, table: Table, said: LogOptions) -> Recording:
         recording = cls(**fields_of(table, said))
+        refuse_contradictions(recording.time, recording.wrenches, recording.contacts, table.file)
         return recording.resampled() if said.resample else recording
 
 
