@@ -67,6 +67,7 @@ PARAMETERS = {
     "zero2": Parameter(0.0, 0.05, "zero of the knee's angle [rad]"),
     "thigh": Parameter(0.0, 0.003, "thigh longer than in the URDF [m]"),
     "shank": Parameter(0.0, 0.010, "shank with foot longer than in the URDF [m]"),
+    "radius": Parameter(0.0, 0.010, "radius of a foot that rolls [m]"),
     "tilt": Parameter(0.0, 0.05, "tilt of the sensor about y [rad]"),
     "fx0": Parameter(0.0, 0.5, "zero of the sensor along x [N]"),
     "fz0": Parameter(0.0, 3.0, "zero of the sensor along z [N]"),
@@ -94,6 +95,7 @@ CALIBRATIONS: Mapping[str, Sequence[str]] = {
     "geometry, mounting, falling constant (chosen)": CHOSEN,
     "chosen, scale of the knee": (*CHOSEN, "k2"),
     "chosen, scale of the hip": (*CHOSEN, "k1"),
+    "chosen, the foot rolls": (*CHOSEN, "radius"),
 }
 
 SIGNS: Mapping[str, Callable[[FloatArray], FloatArray]] = {
@@ -145,12 +147,17 @@ def exchanged(samples: Samples) -> Samples:
 
 
 def arms(samples: Samples, values: Mapping[str, float]) -> FloatArray:
-    """Position of the foot seen from hip and knee, (N, 2, 2): x and z, behind the joints."""
+    """Point of contact seen from hip and knee, (N, 2, 2): x and z, behind the joints."""
     thigh, shank = samples.lengths[0] + values["thigh"], samples.lengths[1] + values["shank"]
     hip = samples.q[:, 0] + values["zero1"]
     both = hip + samples.q[:, 1] + values["zero2"]
-    from_knee = -shank * np.stack([np.sin(both), np.cos(both)], axis=1)
+    from_knee = -shank * np.stack([np.sin(both), np.cos(both)], axis=1) - np.array([0.0, values["radius"]])
     return np.stack([from_knee - thigh * np.stack([np.sin(hip), np.cos(hip)], axis=1), from_knee], axis=1)
+
+
+def lateral(samples: Samples, values: Mapping[str, float]) -> FloatArray:
+    """Lateral position of the foot [m], less what it rolls, (N,): constant on a straight rail."""
+    return np.asarray(arms(samples, values)[:, 0, 0] - values["radius"] * samples.q.sum(axis=1))
 
 
 def force_of(samples: Samples, values: Mapping[str, float]) -> FloatArray:
@@ -212,8 +219,8 @@ def fit(samples: Samples, free: Sequence[str]) -> Fit:
     def residuals(x: FloatArray) -> FloatArray:
         values = values_of(free, x)
         torque = (samples.tau - predicted(samples, values))[first] / (HIP, KNEE)
-        lateral = (arms(samples, values)[first, 0, 0] - values["x0"]) / LATERAL
-        return np.concatenate([torque.ravel() / rows, lateral / rows, (x - start) / width])
+        aside = (lateral(samples, values)[first] - values["x0"]) / LATERAL
+        return np.concatenate([torque.ravel() / rows, aside / rows, (x - start) / width])
 
     found = scipy.optimize.least_squares(residuals, start, x_scale=width)
     std = np.sqrt(np.diag(np.linalg.inv(found.jac.T @ found.jac)))
@@ -301,10 +308,10 @@ def hypotheses(samples: Samples) -> Fit:
         chosen = found if free is CHOSEN else chosen
         error, half = those.tau - predicted(those, found.values), those.half
         halves = [nrmse(error[part], those.tau[part]) for part in (slice(None, half), slice(half, None))]
-        lateral, limit = 1e3 * arms(those, found.values)[:, 0, 0].std(), motor_torque(2.7, found.values, 1)
+        aside, limit = 1e3 * lateral(those, found.values).std(), motor_torque(2.7, found.values, 1)
         print(
             f"  {name:48s} chi² {found.chi2:7.0f}  hip {halves[0][0]:.3f} {halves[1][0]:.3f}"
-            f"  knee {halves[0][1]:.3f} {halves[1][1]:.3f}  x {lateral:.1f} mm  {limit:.2f} N·m"
+            f"  knee {halves[0][1]:.3f} {halves[1][1]:.3f}  x {aside:.1f} mm  {limit:.2f} N·m"
         )
     assert chosen is not None
     print("\nThe chosen calibration")

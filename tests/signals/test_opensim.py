@@ -11,7 +11,8 @@ from log_writers import write_mot, write_opensim
 
 import exoid
 from exoid import ExoidError, Recording
-from exoid.signals import Column, read_opensim, read_opensim_forces, read_opensim_pelvis
+from exoid.catalog import urdf_folder
+from exoid.signals import Column, read_opensim, read_opensim_forces, read_opensim_pelvis, wrenches_on_links
 
 TIME = np.arange(200) / 100.0
 ANGLE = 30.0 * np.sin(TIME)
@@ -342,6 +343,39 @@ def test_a_trial_has_angles_the_motion_of_the_pelvis_and_wrenches(tmp_path):
     assert recording.wrenches["right_foot"].axes == "world"
     still = read_opensim(tmp_path / "ik.mot", {"q_knee": "knee_angle_r"}, pelvis=False)
     assert still.base is None
+
+
+def test_ground_forces_reach_the_foot_through_pelvis_and_joints(tmp_path):
+    """The wrench in axes of the foot, by Pinocchio with a free-flying root at the pose of the pelvis."""
+    leg = exoid.load_leg("bleex", side="left")
+    tilt, list_, rotation, angles = 12.0, -7.0, 25.0, (20.0, -35.0, 8.0)
+    ones = np.ones(len(TIME))
+    joints = {f"angle_{name}": angle * ones for name, angle in zip(leg.joint_names, angles, strict=True)}
+    pelvis = pelvis_columns(tilt, list_, rotation, (0.4, 0.95, -0.2))
+    write_opensim(tmp_path / "ik.mot", TIME, joints | pelvis, degrees=True)
+    force, point, moment = step(TIME)
+    write_opensim(tmp_path / "grf.mot", TIME, plate(force, point, moment), degrees=True)
+    columns = {f"q_{name}": f"angle_{name}" for name in leg.joint_names}
+    link = "left_foot"
+    recording = read_opensim(tmp_path / "ik.mot", columns, forces=tmp_path / "grf.mot", links={"1": link})
+    found = wrenches_on_links(leg, recording)[link]
+
+    model = pin.buildModelFromUrdf(str(urdf_folder() / "bleex.urdf"), pin.JointModelFreeFlyer())
+    q, up = pin.neutral(model), pin.utils.rotate("x", np.pi / 2)
+    turn = np.deg2rad([tilt, list_, rotation])
+    opensim = pin.utils.rotate("z", turn[0]) @ pin.utils.rotate("x", turn[1]) @ pin.utils.rotate("y", turn[2])
+    q[:7] = pin.SE3ToXYZQUAT(pin.SE3(up @ opensim @ up.T, np.array([0.4, 0.2, 0.95])))
+    for name, angle in zip(leg.joint_names, np.deg2rad(angles), strict=True):
+        q[model.joints[model.getJointId(name)].idx_q] = angle
+    state = model.createData()
+    pin.framesForwardKinematics(model, state, q)
+    foot = state.oMf[model.getFrameId(link)]
+    for k in range(0, len(TIME), 13):
+        at_origin = pin.Force(force[k], moment[k] + np.cross(point[k], force[k]))
+        expected = foot.actInv(at_origin)
+        one = found.about((0.0, 0.0, 0.0))
+        np.testing.assert_allclose(one.force[k], expected.linear, atol=1e-6)
+        np.testing.assert_allclose(one.moment[k], expected.angular, atol=1e-6)
 
 
 def test_a_trial_says_what_is_missing(tmp_path):
