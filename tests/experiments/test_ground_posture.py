@@ -55,7 +55,7 @@ def test_the_centre_of_mass_is_pinocchios():
 
 def test_what_is_out_of_reach_or_not_planar_is_refused():
     leg = planar_legs(PLANT)[0]
-    with pytest.raises(ExoidError, match="a leg of 0.86 m"):
+    with pytest.raises(ExoidError, match=r"a leg of 0\.86 m"):
         leg.angles(BASES, np.full(3, 3.0 + 0.0j), np.zeros(3))
     with pytest.raises(ExoidError, match="not planar"):
         planar_legs(spatial_plant())

@@ -1,7 +1,5 @@
 """Scenarios on the ground: each run obeys the equation of motion, and moves as its name says."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from ground_machines import inverse_dynamics_residual, residual
@@ -144,9 +142,12 @@ def test_one_leg_carries_the_other_without_moving_it():
     ("mistake", "message"),
     [
         (lambda: squats_and_shifts(EXO, 1.0, stance=Stance(height=1.0)), "m from the hip, a leg of 0.86 m"),
-        (lambda: squats_and_shifts(EXO, 1.0, stance=Stance(height=0.5)), "ankle for .*To fix it: stay between"),
-        (lambda: squats_and_shifts(EXO, 3.0, stance=Stance(shift=0.3, height=0.8)), "machine falls|m from the hip|for"),
-        (lambda: single_support(EXO, 1.0, stance=Stance(swing=1.0)), "would swing -?[0-9.]+ mm above|asks"),
+        (
+            lambda: squats_and_shifts(EXO, 1.0, stance=Stance(height=0.5)),
+            r"asks left_knee for -126.6°. To fix it: stay between",
+        ),
+        (lambda: squats_and_shifts(EXO, 6.0, stance=Stance(frequency=1.6)), r"machine falls: at 5\.\d+ s its torso is"),
+        (lambda: single_support(EXO, 1.0, stance=Stance(height=0.75)), r"right_foot would swing -48.4 mm above"),
         (lambda: single_support(EXO, 1.0, standing=2), "no leg 2 of 2"),
         (lambda: walking(EXO, 1.0, gait=Gait(speed="Running")), "Running"),
         (lambda: bleex_machine("three"), "legs 'three'"),
@@ -162,8 +163,3 @@ def test_one_leg_carries_the_other_without_moving_it():
 def test_motions_that_cannot_be_followed_are_refused(mistake, message):
     with pytest.raises(ExoidError, match=message):
         mistake()
-
-
-def test_ground_without_friction_lets_the_machine_fall():
-    with pytest.raises(ExoidError, match=r"the machine falls: at [0-9.]+ s"):
-        walking(replace(EXO, ground_friction=0.01), 10.0, gait=Gait(support=0.0))

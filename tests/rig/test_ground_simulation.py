@@ -100,8 +100,7 @@ def test_so_does_a_machine_in_space(in_space):
 
 def test_the_residual_sees_wrong_parameters_and_wrong_wrenches():
     run = simulate_on_ground(PLANT, motion(squat=0.08, seconds=0.5), GAINS)
-    heavier = exoid.Leg.with_parameters(PLANT.leg, PLANT.leg.parameters * 1.001)
-    assert np.abs((run.plant.leg.regressor(run.q, run.v, run.a, run.base) @ heavier.parameters)).max() > 0.0
+    heavier = PLANT.leg.with_parameters(PLANT.leg.parameters * 1.001)
     rows = run.plant.leg.regressor(run.q, run.v, run.a, run.base) @ (heavier.parameters - PLANT.leg.parameters)
     assert np.abs(residual(run) + rows).max() > 0.4  # a thousandth of the weight
 

@@ -126,7 +126,7 @@ class GroundRun:
         """Return the readings of the sensors.
 
         ``contacts`` are those of foot switches: closed while the foot bears load, also on its heel or its toe alone, so
-        that an open one means no force. A torso that a rail or a spring holds counts as in contact if that wrench is not
+        that an open one means no force. A torso that a rail or a spring holds is in ``contacts`` if its wrench is not
         logged: it is unknown at all samples.
 
         Args:
