@@ -27,6 +27,7 @@ from .inputs import (
     Stop,
     Topic,
     Unmeasured,
+    WrenchFrames,
     find_leg,
     given_terms,
     read_drives,
@@ -62,6 +63,7 @@ def check(
     unmeasured: Unmeasured = None,
     payload: PayloadOptions = None,
     base_position: BasePosition = None,
+    wrench: WrenchFrames = None,
     moving_base: MovingBase = False,
     actuators: DriveFile = None,
     as_json: AsJson = False,
@@ -83,6 +85,7 @@ def check(
             unmeasured=unmeasured,
             payloads=payload,
             base_position=base_position,
+            wrenches=wrench,
         ),
     )
     found_leg = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names, moving_base=moving_base)

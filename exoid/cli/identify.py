@@ -34,6 +34,7 @@ from .inputs import (
     Stop,
     Topic,
     Unmeasured,
+    WrenchFrames,
     find_leg,
     given_terms,
     read_drives,
@@ -114,6 +115,7 @@ def identify(
     unmeasured: Unmeasured = None,
     payload: PayloadOptions = None,
     base_position: BasePosition = None,
+    wrench: WrenchFrames = None,
     moving_base: MovingBase = False,
     actuators: DriveFile = None,
     as_json: AsJson = False,
@@ -136,6 +138,7 @@ def identify(
         unmeasured=unmeasured,
         payloads=payload,
         base_position=base_position,
+        wrenches=wrench,
     )
     remote = scheduler is not None or (own is None and any(map(is_folder_of_logs, logs)))
     logs = each_log(logs)

@@ -19,7 +19,8 @@ from exoid.catalog import SEGMENTS, load_leg
 from exoid.description import read_description
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.signals import Column, Recording
+from exoid.signals import Column, Recording, WrenchFrame
+from exoid.signals.wrench_frame import frame_of_link
 from exoid.torques import DEFAULT_TERMS, Term, term_by_name
 
 from .payloads import payloads_in
@@ -54,6 +55,15 @@ BasePosition = Annotated[
         "--base-position",
         metavar="X,Y,Z",
         help="Position of the IMU of base_gyro_x and base_acc_x in the axes of the root link [m].",
+    ),
+]
+WrenchFrames = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--wrench",
+        metavar="LINK:AXES[@X,Y,Z]",
+        help="Axes (link or world) of the wrench on a link, and the point its moment is about [m], e.g. "
+        "left_foot:link@0,0,-0.08. Repeatable.",
     ),
 ]
 MovingBase = Annotated[
@@ -105,6 +115,7 @@ class LogOptions(NamedTuple):
         unmeasured: Joints whose torque column is not read, separated by commas.
         payloads: "LOG=SEGMENT:KG@X,Y,Z" of payloads.
         base_position: Position of the sensor on the base [m], "X,Y,Z".
+        wrenches: "LINK:AXES@X,Y,Z" of wrenches.
     """
 
     columns: Sequence[str] | None = None
@@ -120,6 +131,7 @@ class LogOptions(NamedTuple):
     unmeasured: str | None = None
     payloads: Sequence[str] | None = None
     base_position: str | None = None
+    wrenches: Sequence[str] | None = None
 
 
 def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] | None = None) -> list[Recording]:
@@ -325,6 +337,30 @@ def parse_numbers(text: str | None, option: str) -> tuple[float, ...] | None:
         raise ExoidError(f"{option} {text}", remedy="write numbers, separated by commas, e.g. 0.3,0.2,0.1") from None
 
 
+def parse_frames(texts: Sequence[str] | None) -> dict[str, WrenchFrame]:
+    """Turn "left_foot:link@0,0,-0.08" into axes and points by link.
+
+    Args:
+        texts: Values of ``--wrench``.
+
+    Returns:
+        The frames.
+
+    Raises:
+        ExoidError: A text has another form, or a link occurs twice.
+    """
+    frames: dict[str, WrenchFrame] = {}
+    for text in texts or ():
+        try:
+            link, frame = frame_of_link(text)
+        except ExoidError as error:
+            raise ExoidError(f"--wrench {error.what}", remedy=error.remedy) from None
+        if link in frames:
+            raise ExoidError(f"--wrench {text}: {link} is given twice", remedy="give each link once")
+        frames[link] = frame
+    return frames
+
+
 def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None) -> Recording:
     """Read a log, or a part of a built-in dataset; arguments as for :func:`read_logs`."""
     dataset, _, part = name.partition(":")
@@ -336,6 +372,7 @@ def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None
             "--unmeasured": options.unmeasured,
             "--payload": payloads_in(name, options.payloads),
             "--base-position": options.base_position,
+            "--wrench": options.wrenches,
         }
         refuse(without_effect, f"{name} is a dataset")
         data = DATASETS[dataset]()
@@ -356,6 +393,7 @@ def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None
             unmeasured=split_names(options.unmeasured) or (),
             payloads=payloads_in(name, options.payloads),
             base_position=parse_numbers(options.base_position, "--base-position"),
+            wrench_frames=parse_frames(options.wrenches),
         )
     if options.segments is not None:
         recording = recording.segments(read_segments(Path(options.segments), name))

@@ -24,6 +24,7 @@ from .inputs import (
     Start,
     Stop,
     Unmeasured,
+    WrenchFrames,
     find_leg,
     read_drives,
     read_logs,
@@ -73,6 +74,7 @@ def select(
     payload: PayloadOptions = None,
     actuators: DriveFile = None,
     base_position: BasePosition = None,
+    wrench: WrenchFrames = None,
     as_json: AsJson = False,
 ) -> None:
     """Select terms, filter and estimator for LEG by blocked cross-validation inside the LOGs."""
@@ -87,6 +89,7 @@ def select(
         unmeasured=unmeasured,
         payloads=payload,
         base_position=base_position,
+        wrenches=wrench,
     )
     recordings = read_logs(logs, options._replace(start=start, stop=stop))
     tested = None if test is None else read_logs([test], options)[0]

@@ -25,6 +25,7 @@ from .inputs import (
     Stop,
     Topic,
     Unmeasured,
+    WrenchFrames,
     read_drives,
     read_logs,
     refuse_other_segments,
@@ -56,6 +57,7 @@ def validate(
     unmeasured: Unmeasured = None,
     payload: PayloadOptions = None,
     base_position: BasePosition = None,
+    wrench: WrenchFrames = None,
     actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
@@ -82,6 +84,7 @@ def validate(
             unmeasured=unmeasured,
             payloads=payload,
             base_position=base_position,
+            wrenches=wrench,
         ),
     )
     result = estimates.validate(loaded, recordings, cutoff=cutoff, actuators=read_drives(actuators, loaded.model.leg))

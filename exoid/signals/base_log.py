@@ -10,14 +10,15 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .base_motion import BASE_COLUMNS, BaseMotion
-from .base_pose import POSE_COLUMNS
-from .formats import Table, TextTable
+from .base_pose import POSE_COLUMNS, BasePose
+from .csv_writer import LogPart
+from .formats import BASE_POSITION, Table, TextTable
 
 ORIGIN = (0.0, 0.0, 0.0)
 
 
 def base_columns(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
-    """Find the columns of the base: those of an IMU, or else those of a pose.
+    """Find the columns of the base: those of an IMU, of a pose, or of both.
 
     Matrices of three columns, ``base_gyro`` and ``base_acc``, count as well.
 
@@ -31,6 +32,9 @@ def base_columns(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
     Raises:
         ExoidError: Some columns of a sensor are there, and others are not.
     """
+    whole = tuple(name for name in (*BASE_COLUMNS, *POSE_COLUMNS) if name in headers)
+    if whole == (*BASE_COLUMNS, *POSE_COLUMNS):
+        return whole
     for names in (BASE_COLUMNS, POSE_COLUMNS):
         absent = [name for name in names if name not in headers]
         if not absent:
@@ -63,6 +67,8 @@ def read_base(
 ) -> BaseMotion | None:
     """Make the base motion of a log.
 
+    With the columns of an IMU, those of a pose say only how the root link stands in the laboratory.
+
     Args:
         table: Table of the file, a line of which may give the position of the sensor.
         time: Time stamps [s], (N,).
@@ -94,12 +100,30 @@ def read_base(
         )
     place = position if position is not None else said or ORIGIN
     values = np.column_stack(list(columns.values()))
+    imu, pose = values[:, :-7], values[:, -7:]
     try:
         if tuple(columns) == BASE_COLUMNS:
             return BaseMotion.from_imu(values[:, :3], values[:, 3:], position=place)
-        return BaseMotion.from_pose(values[:, :3], values[:, 3:], time, at=place)
+        if tuple(columns) == POSE_COLUMNS:
+            return BaseMotion.from_pose(pose[:, :3], pose[:, 3:], time, at=place)
+        return BaseMotion.from_imu(imu[:, :3], imu[:, 3:], position=place, pose=BasePose(pose[:, :3], pose[:, 3:]))
     except ExoidError as error:
         raise error.within(table.file) from error
+
+
+def log_of_base(base: BaseMotion) -> LogPart:
+    """Name the columns of a base motion, and write the position of its sensor as a line above the header.
+
+    Args:
+        base: The motion.
+
+    Returns:
+        What :func:`read_base` reads back exactly.
+    """
+    comment = f"{BASE_POSITION} {','.join(map(repr, base.position.tolist()))}"
+    if base.pose is None:
+        return LogPart(BASE_COLUMNS, [base.columns], [comment])
+    return LogPart((*BASE_COLUMNS, *POSE_COLUMNS), [base.columns, base.pose.columns], [comment])
 
 
 def _said_position(table: Table) -> tuple[float, ...] | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, TypeVar
 
@@ -14,6 +14,8 @@ from exoid._typing import ArrayLike
 from exoid.errors import ExoidError
 
 from .base_motion import BASE_COLUMNS, BaseMotion
+from .base_pose import POSE_COLUMNS, BasePose
+from .external_log import external_columns, external_of
 from .formats import QUANTITIES
 from .log import FIELDS, PARTIAL
 from .recording import Recording
@@ -85,6 +87,7 @@ class Cluster:
             client: A ``distributed.Client``, or the address of a scheduler.
             array: Samples, (N, k), in chunks of many seconds, as the filters distort the ends of each.
             columns: Names of the k columns as in a CSV file: "time", "q_hip", …, "tau_hip", …, "i_hip", "f_hip", ….
+                Wrenches are in the axes of their links, about their origins.
 
         Returns:
             The recordings on the cluster.
@@ -212,4 +215,8 @@ def _recorded(part: ArrayLike, columns: tuple[str, ...]) -> Recording:
     if base and len(base) < len(BASE_COLUMNS):
         raise ExoidError("some columns of the base are missing", remedy=f"give all of {', '.join(BASE_COLUMNS)}")
     moving = BaseMotion(np.column_stack(base[:3]), np.column_stack(base[3:])) if base else None
-    return Recording(table["time"], **arrays, joint_names=joints, base=moving)
+    if moving is not None and set(POSE_COLUMNS) <= table.keys():
+        pose = np.column_stack([table[name] for name in POSE_COLUMNS])
+        moving = replace(moving, pose=BasePose(pose[:, :3], pose[:, 3:]))
+    external = external_of({name: table[name] for name in external_columns(columns, "")}, {})
+    return Recording(table["time"], **arrays, joint_names=joints, base=moving, **external)

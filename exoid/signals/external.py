@@ -180,7 +180,7 @@ def _contact(values: ArrayLike, link: str, samples: int, where: str) -> BoolArra
         raise ExoidError(
             f"the contact of {link} has values other than 0 and 1",
             where=where,
-            remedy="pass a bool for each sample; exoid.signals.contact_from_switch turns a pressure into bools",
+            remedy="pass a bool for each sample; exoid.signals.contacts_from_switch turns a pressure into bools",
         )
     _refuse_length(raw.shape[0] if raw.ndim == 1 else raw.shape, samples, f"the contact of {link}", where)
     contact = np.array(raw, dtype=np.bool_)

@@ -17,6 +17,7 @@ from .base_log import base_columns, matrix_headers
 from .base_motion import BASE_COLUMNS
 from .base_pose import POSE_COLUMNS
 from .column import Column
+from .external_log import external_columns, is_external, wrench_headers
 from .formats import QUANTITIES, Table, TextTable
 from .source import Source
 from .source_location import SourceLocation
@@ -31,7 +32,7 @@ PARTIAL = ("tau", "i", "f", "tm", "qm", "temp")
 PARTIAL_PREFIXES = tuple(f"{quantity}_" for quantity in PARTIAL)
 
 OF_NO_JOINT = ("time", *BASE_COLUMNS, *POSE_COLUMNS)
-"""Columns that are of no joint."""
+"""Columns that are of no joint; others are those of wrenches and contacts."""
 
 KINEMATIC = ("q", "v", "a", "qm")
 """Quantities that may be in degrees."""
@@ -48,6 +49,7 @@ class Log(NamedTuple):
         source: File name and SHA-256.
         where: Location of the rows in the file.
         base: Columns of the base in SI units, (N,) each; empty for a base that was not recorded.
+        external: Columns of wrenches and contacts in SI units, (N,) each; empty if none was recorded.
     """
 
     time: FloatArray
@@ -56,6 +58,7 @@ class Log(NamedTuple):
     source: Source
     where: SourceLocation
     base: Mapping[str, FloatArray]
+    external: Mapping[str, FloatArray]
 
 
 def read_log(
@@ -89,8 +92,8 @@ def read_log(
     joints = _joints(table, headers) if joint_names is None else _named(joint_names)
     headers = {name: header for name, header in headers.items() if name not in _left_out(joints, unmeasured)}
     present = _present(table, headers, joints)
-    of_base = base_columns(table, headers)
-    names = ("time", *(name for of_quantity in present.values() for name in of_quantity), *of_base)
+    of_base, of_links = base_columns(table, headers), external_columns(headers, table.file)
+    names = ("time", *(name for of_quantity in present.values() for name in of_quantity), *of_base, *of_links)
     where = SourceLocation(table.file, table.lines, headers, table.row_name)
     checks.refuse_too_few(len(table), where)
     numbers = _numbers(table, names, headers, given, angle_unit == "deg")
@@ -110,7 +113,8 @@ def read_log(
     checks.refuse_degrees(arrays["q"], names[1 : 1 + len(joints)], largest_angle, where)
     if "v" in arrays:
         checks.refuse_velocity_in_other_unit(time, arrays["q"], arrays["v"], joints, where)
-    return Log(time, arrays, joints, table.source, where, {name: found[name] for name in of_base})
+    base, external = ({name: found[name] for name in part} for part in (of_base, of_links))
+    return Log(time, arrays, joints, table.source, where, base, external)
 
 
 def payloads_of(table: Table, given: Sequence[Payload] | None) -> tuple[Payload, ...]:
@@ -173,12 +177,13 @@ def read_mask(table: Table, column: str) -> BoolArray:
 def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
     """Map exoid's column names to headers of the file: by ``columns``, and by equal name for the others."""
     for name, header in columns.items():
-        if name not in OF_NO_JOINT and not (name.startswith(tuple(f"{quantity}_" for quantity in QUANTITIES))):
+        if not _is_of_no_joint(name) and not name.startswith(tuple(f"{quantity}_" for quantity in QUANTITIES)):
             raise ExoidError(
                 f"a header is given for {name!r}, which is not an exoid column",
                 where=table.file,
                 remedy="exoid columns are time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>, i_<joint>, f_<joint>, "
-                f"tm_<joint>, qm_<joint>, temp_<joint>, {', '.join(BASE_COLUMNS)}",
+                f"tm_<joint>, qm_<joint>, temp_<joint>, {', '.join(BASE_COLUMNS)}, wrench_<link>_fx, …, "
+                "wrench_<link>_mz, contact_<link>",
             )
         if header not in table.header:
             raise _missing(header, f"to be read as {name}", table, name)
@@ -191,7 +196,11 @@ def _own_names(table: Table, columns: Mapping[str, str]) -> dict[str, str]:
             )
     taken = {header for name, header in columns.items() if not _may_share((name, header))}
     own = {header: header for header in table.header if header and header not in taken}
-    return {**matrix_headers(table.header), **own, **columns}
+    return {**matrix_headers(table.header), **wrench_headers(table.header), **own, **columns}
+
+
+def _is_of_no_joint(name: str) -> bool:
+    return name in OF_NO_JOINT or is_external(name)
 
 
 def _joints(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
@@ -201,7 +210,7 @@ def _joints(table: Table, headers: Mapping[str, str]) -> tuple[str, ...]:
         raise _missing("q_<joint>", "no joint angle", table)
     joints = _named([name[2:] for name in sorted(angles, key=lambda name: table.header.index(headers[name]))])
     for name, header in headers.items():
-        if name not in (header, *OF_NO_JOINT) and name.partition("_")[2] not in joints:
+        if name != header and not _is_of_no_joint(name) and name.partition("_")[2] not in joints:
             raise ExoidError(
                 f"columns names {name!r}, but no column gives the angle of that joint",
                 where=table.file,

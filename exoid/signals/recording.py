@@ -18,17 +18,20 @@ from exoid.torso import TorsoMotion
 
 from . import checks, timebase
 from .base_checks import refuse_unfit_base
-from .base_log import read_base
-from .base_motion import BASE_COLUMNS, BaseMotion
+from .base_log import log_of_base
+from .base_motion import BaseMotion
 from .column import Column, as_text
-from .csv_writer import write_csv
+from .contact_checks import refuse_contradictions
+from .csv_writer import LogPart, write_parts
 from .external import External, as_external, interpolate, refuse_world_axes_without_pose, select_rows
-from .formats import BASE_POSITION, PAYLOAD, ReadOptions, Table, open_table, read_text_table
-from .log import payloads_of, read_log, read_mask
+from .external_log import log_of_external
+from .formats import PAYLOAD, ReadOptions, Table, open_table, read_text_table
+from .from_table import LogOptions, fields_of
 from .quantities import OF_SOME_JOINTS, PREFIXES, UNITS, USUAL
 from .source import Source
 from .source_location import SourceLocation
 from .wrench import Wrench
+from .wrench_frame import WrenchFrame
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -236,6 +239,12 @@ class Recording:
         )
 
     @property
+    def loaded_links(self) -> tuple[str, ...]:
+        """Links on which the surroundings act at some sample: with a wrench, or in contact with the ground."""
+        pulled = [link for link, wrench in self.wrenches.items() if wrench.columns.any()]
+        return tuple(dict.fromkeys([*pulled, *(link for link, contact in self.contacts.items() if contact.any())]))
+
+    @property
     def duration(self) -> float:
         """Time from the first to the last sample [s]."""
         return float(self.time[-1] - self.time[0])
@@ -407,7 +416,8 @@ class Recording:
         A mask becomes a column ``mask`` of 0 and 1, which ``from_csv(path, mask="mask")`` reads. What was not measured
         has no column. The torque of a passive joint is a column of zeros, which ``from_csv(path, passive=...)`` reads.
         Each payload becomes a line ``# payload: knee:3.0@0.0,0.0,-0.3`` above the header, which ``from_csv`` reads. So
-        does the position of the sensor of a base motion: ``# base position: 0.1,0.0,0.2``.
+        does the position of the sensor of a base motion: ``# base position: 0.1,0.0,0.2``, and axes and point of a
+        wrench: ``# wrench: left_foot:link@0.0,0.0,-0.08``.
 
         Args:
             path: File to write; an existing one is replaced only when the new one is complete.
@@ -415,18 +425,19 @@ class Recording:
         Raises:
             ExoidError: The file cannot be written.
         """
-        header, columns = ["time"], [self.time]
-        for quantity, values in self._arrays().items():
-            there = np.flatnonzero(~_absent(values))
-            header += [f"{PREFIXES.get(quantity, quantity)}_{self.joint_names[joint]}" for joint in there]
-            columns.append(values[:, there])
-        comments = [f"{PAYLOAD} {payload}" for payload in self.payloads]
-        if self.base is not None:
-            header, columns = [*header, *BASE_COLUMNS], [*columns, self.base.columns]
-            comments.append(f"{BASE_POSITION} {','.join(map(repr, self.base.position.tolist()))}")
-        if self.mask is not None:
-            header, columns = [*header, "mask"], [*columns, self.mask.astype(np.float64)]
-        write_csv(path, header, np.column_stack(columns), comments)
+        arrays = {PREFIXES.get(quantity, quantity): values for quantity, values in self._arrays().items()}
+        there = {prefix: np.flatnonzero(~_absent(values)) for prefix, values in arrays.items()}
+        parts = [
+            LogPart(["time"], [self.time], [f"{PAYLOAD} {payload}" for payload in self.payloads]),
+            *(
+                LogPart([f"{prefix}_{self.joint_names[k]}" for k in there[prefix]], [values[:, there[prefix]]])
+                for prefix, values in arrays.items()
+            ),
+            *([] if self.base is None else [log_of_base(self.base)]),
+            log_of_external(self.wrenches, self.contacts),
+            *([] if self.mask is None else [LogPart(["mask"], [self.mask.astype(np.float64)])]),
+        ]
+        write_parts(path, parts)
 
     @classmethod
     def from_csv(
@@ -444,6 +455,7 @@ class Recording:
         unmeasured: Sequence[str] = (),
         payloads: Sequence[Payload] | None = None,
         base_position: Sequence[float] | None = None,
+        wrench_frames: Mapping[str, WrenchFrame | str] | None = None,
     ) -> Recording:
         """Read a CSV log with columns ``time, q_<joint>, v_<joint>, a_<joint>, tau_<joint>``, of drives and base.
 
@@ -451,7 +463,9 @@ class Recording:
         ``#`` are skipped. Velocity and acceleration may be absent, but each for all joints. Torque τ, and of drives
         current ``i_`` [A], force ``f_`` [N], motor torque ``tm_`` [N·m], motor angle ``qm_`` [rad] and temperature
         ``temp_`` [°C] may be absent for any joint. A base that moves has ``base_gyro_x…z`` [rad/s] and
-        ``base_acc_x…z`` [m/s²], see :class:`BaseMotion`. Other columns are ignored.
+        ``base_acc_x…z`` [m/s²], or a pose ``base_x…z`` [m], ``base_qx…w``, see :class:`BaseMotion`. What acts on links
+        is ``wrench_<link>_fx…fz`` [N], ``wrench_<link>_mx…mz`` [N·m] and ``contact_<link>`` (0 or 1), see
+        :class:`Wrench`; a point that moves in the laboratory is ``wrench_<link>_px…pz`` [m]. Other columns are ignored.
 
         Args:
             path: The file.
@@ -469,6 +483,9 @@ class Recording:
                 :meth:`to_csv`.
             base_position: Position of the sensor of ``base_gyro_x…z`` and ``base_acc_x…z`` in the axes of the root link
                 [m], (3,); None for that of the line ``# base position: …``, or else the origin of the root link.
+            wrench_frames: Axes of the wrench on each link and the point its moment is about [m], such as
+                ``{"left_foot": "link@0,0,-0.08"}`` or ``{"left_foot": "world"}``; None for those of the lines
+                ``# wrench: left_foot:world``, or else axes and origin of the link.
 
         Returns:
             The recording.
@@ -476,8 +493,9 @@ class Recording:
         Raises:
             ExoidError: The file cannot be read, or its data fail a check. The error names file, line and column.
         """
-        table, declared = read_text_table(path, names), (passive, unmeasured, payloads, base_position)
-        return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample, mask, *declared)
+        declared = (passive, unmeasured, payloads, base_position, wrench_frames)
+        said = LogOptions(joint_names, columns, angle_unit, largest_angle, resample, mask, *declared)
+        return cls._from_table(read_text_table(path, names), said)
 
     @classmethod
     def from_file(
@@ -497,6 +515,7 @@ class Recording:
         unmeasured: Sequence[str] = (),
         payloads: Sequence[Payload] | None = None,
         base_position: Sequence[float] | None = None,
+        wrench_frames: Mapping[str, WrenchFrame | str] | None = None,
     ) -> Recording:
         """Read a log of any format: its first bytes say which, or an ending of :func:`register_format`.
 
@@ -525,6 +544,7 @@ class Recording:
             unmeasured: See :meth:`from_csv`.
             payloads: See :meth:`from_csv`; only text names any.
             base_position: See :meth:`from_csv`.
+            wrench_frames: See :meth:`from_csv`.
 
         Returns:
             The recording.
@@ -537,42 +557,15 @@ class Recording:
         """
         headers = {name: as_text(column) for name, column in (columns or {}).items()}
         table = open_table(path, ReadOptions(joint_names, headers, topic, stamps, names))
-        declared = (passive, unmeasured, payloads, base_position)
-        return cls._from_table(table, joint_names, columns, angle_unit, largest_angle, resample, mask, *declared)
+        declared = (passive, unmeasured, payloads, base_position, wrench_frames)
+        said = LogOptions(joint_names, columns, angle_unit, largest_angle, resample, mask, *declared)
+        return cls._from_table(table, said)
 
     @classmethod
-    def _from_table(
-        cls,
-        table: Table,
-        joint_names: Sequence[str] | None,
-        columns: Mapping[str, str | Column] | None,
-        angle_unit: Literal["rad", "deg"],
-        largest_angle: float,
-        resample: bool,
-        mask: str | None,
-        passive: Sequence[str],
-        unmeasured: Sequence[str],
-        payloads: Sequence[Payload] | None,
-        base_position: Sequence[float] | None,
-    ) -> Recording:
-        """Make a recording of a table."""
-        log = read_log(table, joint_names, columns, angle_unit, largest_angle, unmeasured)
-        loads = payloads_of(table, payloads)
-        if resample and not timebase.is_uniform(log.time):
-            timebase.refuse_gaps(log.time, log.where)
-        arrays: dict[str, Any] = dict(log.arrays)
-        recording = cls(
-            log.time,
-            **arrays,
-            joint_names=log.joint_names,
-            source=log.source,
-            mask=None if mask is None else read_mask(table, mask),
-            largest_angle=largest_angle,
-            passive=checks.as_joints(passive, log.joint_names, "passive"),
-            payloads=loads,
-            base=read_base(table, log.time, log.base, base_position),
-        )
-        return recording.resampled() if resample else recording
+    def _from_table(cls, table: Table, said: LogOptions) -> Recording:
+        recording = cls(**fields_of(table, said))
+        refuse_contradictions(recording.time, recording.wrenches, recording.contacts, table.file)
+        return recording.resampled() if said.resample else recording
 
 
 def _absent(values: FloatArray) -> BoolArray:

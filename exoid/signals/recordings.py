@@ -18,6 +18,7 @@ from .column import Column
 from .formats import READERS
 from .poses import Poses
 from .recording import Recording
+from .wrench_frame import WrenchFrame
 
 
 class RecordingFile(NamedTuple):
@@ -77,6 +78,7 @@ class Recordings(Sequence[Recording | Poses]):
         unmeasured: Sequence[str] = (),
         payloads: Sequence[Payload] | None = None,
         base_position: Sequence[float] | None = None,
+        wrench_frames: Mapping[str, WrenchFrame | str] | None = None,
     ) -> Recordings:
         """Find the logs in a folder, without its subfolders; ``part.10.csv`` comes after ``part.9.csv``.
 
@@ -94,6 +96,7 @@ class Recordings(Sequence[Recording | Poses]):
             unmeasured: See :meth:`Recording.from_file`.
             payloads: See :meth:`Recording.from_file`; those of every file.
             base_position: See :meth:`Recording.from_file`; that in every file.
+            wrench_frames: See :meth:`Recording.from_file`; those in every file.
 
         Returns:
             The recordings; no file is read yet.
@@ -115,6 +118,7 @@ class Recordings(Sequence[Recording | Poses]):
             unmeasured=unmeasured,
             payloads=payloads,
             base_position=base_position,
+            wrench_frames=wrench_frames,
         )
 
     @staticmethod
@@ -133,6 +137,7 @@ class Recordings(Sequence[Recording | Poses]):
         unmeasured: Sequence[str] = (),
         payloads: Sequence[Payload] | None = None,
         base_position: Sequence[float] | None = None,
+        wrench_frames: Mapping[str, WrenchFrame | str] | None = None,
     ) -> Recordings:
         """Make a sequence of files.
 
@@ -150,6 +155,7 @@ class Recordings(Sequence[Recording | Poses]):
             unmeasured: See :meth:`Recording.from_file`.
             payloads: See :meth:`Recording.from_file`; those of every file.
             base_position: See :meth:`Recording.from_file`; that in every file.
+            wrench_frames: See :meth:`Recording.from_file`; those in every file.
 
         Returns:
             The recordings; no file is read yet.
@@ -168,6 +174,7 @@ class Recordings(Sequence[Recording | Poses]):
             unmeasured=unmeasured,
             payloads=payloads,
             base_position=base_position,
+            wrench_frames=wrench_frames,
         )
         return Recordings(tuple(RecordingFile(Path(path), read) for path in paths))
 

@@ -11,6 +11,9 @@ from exoid.errors import ExoidError
 _ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "°": math.pi / 180.0, "rev": 2.0 * math.pi}
 _TORQUES = {"N·m": 1.0, "mN·m": 1e-3, "N·mm": 1e-3, "N·cm": 1e-2, "kN·m": 1e3}
 
+_FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3}
+_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
+
 UNITS: Mapping[str, Mapping[str, float]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0},
     "q": _ANGLES,
@@ -18,14 +21,18 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "a": {f"{unit}/s²": size for unit, size in _ANGLES.items()},
     "tau": _TORQUES,
     "i": {"A": 1.0, "mA": 1e-3},
-    "f": {"N": 1.0, "mN": 1e-3, "kN": 1e3},
+    "f": _FORCES,
     "tm": _TORQUES,
     "qm": _ANGLES,
     "temp": {"°C": 1.0, "K": 1.0, "°F": 5.0 / 9.0},
     "base_gyro": {f"{unit}/s": size for unit, size in _ANGLES.items()},
     "base_acc": {"m/s²": 1.0, "mm/s²": 1e-3, "g": 9.80665, "mg": 9.80665e-3},
     "base_q": {},
-    "base": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
+    "base": _LENGTHS,
+    "wrench_f": _FORCES,
+    "wrench_m": _TORQUES,
+    "wrench_p": _LENGTHS,
+    "contact": {},
 }
 """Factor to SI of each unit, by the quantity of a column: "time", or the part of its name before ``_<joint>``."""
 
@@ -50,6 +57,10 @@ MEANINGS = {
     "base_acc": "specific force of the base",
     "base_q": "a quaternion, which has none",
     "base": "position of the base",
+    "wrench_f": "force on a link",
+    "wrench_m": "moment on a link",
+    "wrench_p": "point of a wrench",
+    "contact": "a contact, which has none",
 }
 """Word for each quantity."""
 
@@ -122,6 +133,8 @@ def quantity_of(name: str) -> str:
     """
     if name.startswith("base_"):
         return next(quantity for quantity in OF_BASE if name.startswith(quantity))
+    if name.startswith("wrench_"):
+        return f"wrench_{name.rpartition('_')[2][0]}"
     return name if name == "time" else name.partition("_")[0]
 
 

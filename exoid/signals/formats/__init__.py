@@ -3,13 +3,14 @@
 from .by_ending import READERS, register_format
 from .kinds import open_table
 from .table import QUANTITIES, ArrayTable, ReadOptions, Table, header_in
-from .text import BASE_POSITION, PAYLOAD, TextTable, read_text_table
+from .text import BASE_POSITION, PAYLOAD, WRENCH, TextTable, read_text_table
 
 __all__ = [
     "BASE_POSITION",
     "PAYLOAD",
     "QUANTITIES",
     "READERS",
+    "WRENCH",
     "ArrayTable",
     "ReadOptions",
     "Table",

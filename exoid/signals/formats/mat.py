@@ -84,6 +84,6 @@ def _flat(variables: Mapping[str, Any], file: str, depth: int = 0) -> dict[str, 
         array = np.asarray(value) if not isinstance(value, list) else np.array(value, dtype=object)
         if array.dtype.kind == "O" and array.size and all(isinstance(item, str) for item in array.flat):
             array = np.array([str(item) for item in array.flat])
-        if array.dtype.kind in "iufU":
+        if array.dtype.kind in "biufU":
             found[name] = array
     return found

@@ -124,9 +124,9 @@ def parquet_columns(file: str, names: Sequence[str]) -> Content:
 
 
 def _column(series: Any, where: str) -> FloatArray:  # noqa: ANN401 - a polars.Series
-    if series.dtype.is_decimal():
-        import polars  # noqa: PLC0415 - an extra
+    import polars  # noqa: PLC0415 - an extra
 
+    if series.dtype.is_decimal() or series.dtype == polars.Boolean:
         series = series.cast(polars.Float64)
     if not (series.dtype.is_numeric() or series.dtype.is_temporal()):
         raise ExoidError(f"holds {series.dtype}, not real numbers", where=where, remedy="write numbers in SI units")

@@ -189,7 +189,7 @@ def as_column(values: NDArray[Any], where: str) -> FloatArray:
         ticks, missing = values.astype(f"{values.dtype.kind}8[ns]").astype(np.int64), np.isnat(values)
         first = ticks[0] if values.dtype.kind == "M" and len(ticks) else 0
         return np.where(missing, np.nan, (ticks - first) / 1e9)
-    if values.dtype.kind not in "iuf":
+    if values.dtype.kind not in "biuf":
         raise ExoidError(f"holds {values.dtype}, not real numbers", where=where, remedy="write numbers in SI units")
     return np.asarray(values, dtype=np.float64)
 

@@ -27,6 +27,12 @@ PAYLOAD = "# payload:"
 BASE_POSITION = "# base position:"
 """Beginning of a line that gives the position of the sensor on the base [m], ``# base position: 0.1,0,0.2``."""
 
+WRENCH = "# wrench:"
+"""Beginning of a line that gives the axes of a wrench and its point [m], ``# wrench: left_foot:link@0,0,-0.08``."""
+
+SAID = (PAYLOAD, BASE_POSITION, WRENCH)
+"""Beginnings of lines that are read."""
+
 BLOCK = 2**20
 """Least number of characters that are split into lines at once."""
 
@@ -44,6 +50,7 @@ class TextTable:
         delimiter: Delimiter, one of ``DELIMITERS``.
         payloads: Text of each payload that a line ``# payload: …`` above the data names.
         base_positions: Text of each line ``# base position: …``.
+        wrenches: Text of each line ``# wrench: …``.
     """
 
     file: str
@@ -54,6 +61,7 @@ class TextTable:
     delimiter: str
     payloads: tuple[str, ...] = ()
     base_positions: tuple[str, ...] = ()
+    wrenches: tuple[str, ...] = ()
 
     @property
     def row_name(self) -> str:
@@ -186,7 +194,7 @@ def read_text_table(path: str | os.PathLike[str], names: Sequence[str] | None = 
     rows = [(number, line) for number, line in content if line.strip(f'{delimiter}" \t')]
     lines = np.array([number for number, _ in rows], dtype=np.int64)
     data_line = rows[0][0] if rows else number
-    said = [_said(text, word, data_line) for word in (PAYLOAD, BASE_POSITION)]
+    said = [_said(text, word, data_line) for word in SAID]
     return TextTable(file, source, tuple(header), [line for _, line in rows], lines, delimiter, *said)
 
 
@@ -241,7 +249,7 @@ def _split_lines(text: str, file: str) -> tuple[list[tuple[int, str]], list[str]
                 continue
             if not plain.startswith("#"):
                 content.append((number, line))
-            elif not content and not plain.startswith(PAYLOAD):
+            elif not content and not plain.startswith(SAID):
                 comments = [line]
         if number - len(content) > MOST_BLANK_LINES + len(content):
             raise ExoidError(

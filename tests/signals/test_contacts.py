@@ -1,0 +1,170 @@
+"""Contacts from a force or a switch, the margin at touch-down and lift-off, and contacts that contradict a force."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from exoid import ExoidError, Recording, Wrench
+from exoid.signals import contacts_from_switch, contacts_from_wrench, refuse_contradictions, settled
+
+TIME = np.arange(14700) / 1000.0
+STEPS = np.maximum(0.0, np.sin(2.0 * np.pi * 0.9 * TIME))
+"""Load of a foot, from 0 to 1: in the air every other half period."""
+
+
+def foot(load, noise=0.0, up=(0.0, 0.0, 1.0), seed=0):
+    rng = np.random.default_rng(seed)
+    force = np.outer(load, up) + noise * rng.standard_normal((len(load), 3))
+    return Wrench(force, np.zeros_like(force))
+
+
+def changes(contact):
+    return np.count_nonzero(np.diff(contact))
+
+
+# --- From a wrench ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_hysteresis_finds_each_step_once_in_noise(seed):
+    """Noise of 10 N around one threshold of 10 % (80 N) switches a contact many times; two thresholds do not."""
+    load = 800.0 * STEPS
+    contact = contacts_from_wrench(foot(load, noise=10.0, seed=seed))
+    steps = changes(load > 0.0)
+    assert changes(contact) == steps
+    assert changes(foot(load, 10.0, seed=seed).force[:, 2] > 80.0) > steps
+    assert load[contact].min() > 0.05 * 800.0 - 50.0
+    assert load[~contact].max() < 0.1 * 800.0 + 50.0
+
+
+def test_the_normal_force_is_along_up():
+    up = np.array([0.6, 0.0, 0.8])
+    tilted = foot(800.0 * STEPS, up=up)
+    assert np.array_equal(contacts_from_wrench(tilted, up=2.0 * up), contacts_from_wrench(foot(800.0 * STEPS)))
+
+
+def test_an_impact_does_not_raise_the_thresholds():
+    hit = 800.0 * STEPS
+    hit[200:210] = 8000.0
+    assert np.array_equal(contacts_from_wrench(foot(hit)), contacts_from_wrench(foot(800.0 * STEPS)))
+
+
+@pytest.mark.parametrize(
+    ("wrench", "options", "message"),
+    [
+        (foot(800.0 * STEPS), {"touch": 0.05, "lift": 0.1}, "thresholds touch=0.05 and lift=0.1"),
+        (foot(800.0 * STEPS), {"touch": 0.05, "lift": 0.05}, "thresholds"),
+        (foot(800.0 * STEPS), {"touch": 80.0, "lift": 40.0}, "shares of the largest force"),
+        (foot(0.0 * STEPS, noise=2.0), {}, "nobody stands on the link"),
+        (foot(-800.0 * STEPS), {}, "it points into the ground"),
+        (foot(800.0 * STEPS), {"up": (1.0, 0.0, 0.0)}, "nobody stands on the link"),
+        (foot(400.0 + 300.0 * STEPS), {}, "normal force stays above 3"),
+        (foot(800.0 * STEPS), {"up": (0.0, 0.0, 0.0)}, "up has no direction"),
+    ],
+)
+def test_forces_that_never_cross_a_threshold_are_refused(wrench, options, message):
+    with pytest.raises(ExoidError, match=message) as error:
+        contacts_from_wrench(wrench, **options)
+    assert error.value.remedy
+
+
+# --- From a switch ----------------------------------------------------------------------------------------------------
+
+
+def test_a_switch_may_close_upwards_or_downwards():
+    volts = 5.0 * STEPS
+    pressed = contacts_from_switch(volts, on=3.0, off=1.0)
+    assert np.array_equal(contacts_from_switch(5.0 - volts, on=2.0, off=4.0), pressed)
+    assert np.array_equal(contacts_from_switch((volts > 2.0).astype(float), on=0.6, off=0.4), volts > 2.0)
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.lists(st.sampled_from([0.0, 1.0, 2.0, 3.0, 4.0]), min_size=1, max_size=40))
+def test_a_contact_lasts_until_the_other_threshold(values):
+    """On beyond `on`, off beyond `off`, and unchanged between."""
+    readings = np.array(values)
+    if not ((readings > 2.5).any() and (readings < 1.5).any()):
+        with pytest.raises(ExoidError, match="never"):
+            contacts_from_switch(readings, on=2.5, off=1.5)
+        return
+    contact = contacts_from_switch(readings, on=2.5, off=1.5)
+    assert contact[readings > 2.5].all()
+    assert not contact[readings < 1.5].any()
+    between = readings[1:] == 2.0
+    assert (contact[1:] == contact[:-1])[between].all()
+
+
+@pytest.mark.parametrize(
+    ("values", "on", "off", "message"),
+    [
+        (STEPS, 2.0, 0.5, "never pressed: readings of 0 to 1, and on=2"),
+        (1.0 + STEPS, 1.5, 0.5, "never released"),
+        (STEPS, 0.5, 0.5, "thresholds on=0.5 and off=0.5"),
+        (np.where(TIME > 3.0, np.nan, STEPS), 0.5, 0.2, "reading 3001 of a foot switch is nan"),
+        (STEPS[:, None], 0.5, 0.2, "readings of a foot switch has shape"),
+        ([], 0.5, 0.2, "never pressed"),
+    ],
+)
+def test_switches_that_say_nothing_are_refused(values, on, off, message):
+    with pytest.raises(ExoidError, match=message) as error:
+        contacts_from_switch(values, on, off)
+    assert error.value.remedy
+
+
+# --- Margins ----------------------------------------------------------------------------------------------------------
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.lists(st.booleans(), min_size=2, max_size=60), st.integers(0, 6))
+def test_settled_samples_have_contact_on_both_sides_for_the_margin(values, margin):
+    """What a loop over neighbours finds: all samples within the margin exist and touch."""
+    contact, time = np.array(values), np.arange(len(values)) * 0.01
+    found = settled(contact, time, 0.01 * margin)
+    for k in range(len(values)):
+        around = range(k - margin, k + margin + 1)
+        assert found[k] == all(0 <= i < len(values) and contact[i] for i in around)
+
+
+def test_a_margin_without_time_is_refused():
+    with pytest.raises(ExoidError, match=r"a margin of -0\.1 s"):
+        settled(STEPS > 0.0, TIME, -0.1)
+    with pytest.raises(ExoidError, match="contact has shape"):
+        settled(STEPS[1:] > 0.0, TIME, 0.1)
+
+
+# --- Contradictions ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("force", "contact", "message"),
+    [
+        (800.0 * STEPS, np.zeros_like(STEPS), "never 1, and its wrench exceeds 50 N for"),
+        (800.0 * STEPS, STEPS == 0.0, "is inverted: its wrench has 0 N .* where it is 1, and"),
+        (0.8 * STEPS, STEPS > 0.0, "looks like kN"),
+    ],
+)
+def test_contacts_that_contradict_the_force_are_refused(force, contact, message, tmp_path):
+    log = Recording(
+        TIME,
+        STEPS[:, None],
+        joint_names=("knee",),
+        wrenches={"left_foot": foot(force)},
+        contacts={"left_foot": contact},
+    )
+    with pytest.raises(ExoidError, match=message) as error:
+        refuse_contradictions(log.time, log.wrenches, log.contacts)
+    assert error.value.remedy
+    log.to_csv(tmp_path / "log.csv")
+    with pytest.raises(ExoidError, match=message) as error:
+        Recording.from_csv(tmp_path / "log.csv")
+    assert str(tmp_path / "log.csv") in error.value.where
+
+
+def test_contacts_with_some_errors_and_swings_without_contact_are_read():
+    contact = STEPS > 0.0
+    wrong = np.random.default_rng(0).random(len(contact)) < 0.05
+    swing = foot(np.zeros_like(STEPS), noise=3.0)
+    for force, touching in ((foot(800.0 * STEPS), contact ^ wrong), (swing, 0.0 * STEPS), (swing, 0.0 * STEPS)):
+        refuse_contradictions(TIME, {"left_foot": force}, {"left_foot": np.asarray(touching, dtype=bool)})
+    refuse_contradictions(TIME, {"left_foot": foot(800.0 * STEPS)}, {"right_foot": ~contact})

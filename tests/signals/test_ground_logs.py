@@ -1,0 +1,258 @@
+"""Wrenches, contacts and poses in log files: every format reads them, CSV keeps them exactly, mistakes are named."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.io import savemat
+from walking import Walk
+
+import exoid
+from exoid import BaseMotion, BasePose, ExoidError, Recording, Wrench
+from exoid.signals import Column, WrenchFrame
+from exoid.signals.cluster import _recorded
+
+N = 40
+TIME = np.arange(N) / 50.0
+PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
+
+RNG = np.random.default_rng(5)
+FORCE, MOMENT = RNG.normal(size=(2, N, 3)) * np.array([30.0, 5.0])[:, None, None]
+FORCE[:, 2] += 500.0
+STANCE = np.arange(N) % 7 < 3
+
+
+def recording(wrenches=None, contacts=None, base=None):
+    q = 0.2 * np.sin(TIME)[:, None]
+    return Recording(TIME, q, joint_names=("knee",), wrenches=wrenches, contacts=contacts, base=base)
+
+
+def same(one, other):
+    assert list(one.wrenches) == list(other.wrenches)
+    for link, wrench in one.wrenches.items():
+        twin = other.wrenches[link]
+        assert wrench.columns.tobytes() == twin.columns.tobytes()
+        assert wrench.point.tobytes() == twin.point.tobytes()
+        assert wrench.axes == twin.axes
+    assert list(one.contacts) == list(other.contacts)
+    assert all(np.array_equal(values, other.contacts[link]) for link, values in one.contacts.items())
+
+
+# --- CSV reads back exactly -------------------------------------------------------------------------------------------
+
+finite = st.floats(-1e3, 1e3)
+links = st.text(st.sampled_from("abwx_:@. é"), min_size=1, max_size=9).filter(lambda name: name == name.strip())
+
+
+@st.composite
+def wrenches(draw):
+    """Any wrench whose line of force is not metres away."""
+    force = np.array(draw(st.lists(st.tuples(finite, finite, finite), min_size=10, max_size=10)))
+    arm = np.array(draw(st.tuples(*[st.floats(-1.0, 1.0)] * 3)))
+    axes = draw(st.sampled_from(["link", "world"]))
+    place = st.tuples(*[st.floats(-2.0, 2.0)] * 3)
+    point = draw(st.lists(place, min_size=10, max_size=10) if axes == "world" and draw(st.booleans()) else place)
+    return Wrench(force, np.cross(arm, force), point, axes)
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    acting=st.dictionaries(links, wrenches(), max_size=3),
+    contacts=st.dictionaries(links, st.lists(st.booleans(), min_size=10, max_size=10), max_size=2),
+)
+def test_any_wrenches_and_contacts_read_back_exactly(tmp_path_factory, acting, contacts):
+    path = tmp_path_factory.mktemp("logs") / "log.csv"
+    time = np.arange(10) * 0.1
+    before = Recording(time, np.zeros((10, 1)), joint_names=("knee",), wrenches=acting, contacts=contacts)
+    before.to_csv(path)
+    same(Recording.from_csv(path, resample=False), before)
+
+
+def test_a_pose_beside_an_imu_reads_back_exactly(tmp_path):
+    walked = Walk(exoid.load_leg("cuhk"), seconds=12.0, sideways=0.2)
+    position, turn = walked.pose
+    log = walked.recording()
+    from_pose = BaseMotion.from_pose(position, turn.as_quat(), walked.time, at=(0.1, 0.0, 0.2))
+    for base in (from_pose, dataclasses.replace(log.base, pose=BasePose(position, turn.as_quat()))):
+        whole = dataclasses.replace(log, base=base)
+        whole.to_csv(tmp_path / "walk.csv")
+        read = Recording.from_csv(tmp_path / "walk.csv")
+        assert read.base.pose.columns.tobytes() == base.pose.columns.tobytes()
+        assert read.base.columns.tobytes() == base.columns.tobytes()
+        assert read.base.position.tobytes() == base.position.tobytes()
+
+
+# --- Every format -----------------------------------------------------------------------------------------------------
+
+
+def arrays():
+    return {
+        "time": TIME,
+        "q": 0.2 * np.sin(TIME)[:, None],
+        "joint_names": np.array(["knee"]),
+        "wrench_left_foot": np.hstack([FORCE, MOMENT]),
+        **{
+            f"wrench_rail_{part}": column
+            for part, column in zip(PARTS, 0.1 * np.hstack([FORCE, MOMENT]).T, strict=True)
+        },
+        "contact_left_foot": STANCE,
+    }
+
+
+FRAMES = {"left_foot": "link@0.05,0,-0.08", "rail": WrenchFrame("world", (0.0, 0.5, 1.0))}
+EXPECTED = {
+    "wrenches": {
+        "left_foot": Wrench(FORCE, MOMENT, (0.05, 0.0, -0.08)),
+        "rail": Wrench(0.1 * FORCE, 0.1 * MOMENT, (0.0, 0.5, 1.0), "world"),
+    },
+    "contacts": {"left_foot": STANCE},
+}
+
+
+@pytest.mark.parametrize("ending", ["npz", "mat", "parquet", "csv"])
+def test_each_format_has_wrenches_as_columns_or_matrices_and_contacts_as_bools_or_numbers(tmp_path, ending):
+    path = tmp_path / f"log.{ending}"
+    if ending == "npz":
+        np.savez(path, **arrays())
+    elif ending == "mat":
+        savemat(path, {**arrays(), "joint_names": np.array(["knee"], dtype=object)})
+    else:
+        polars = pytest.importorskip("polars")
+        columns = {name: values for name, values in arrays().items() if values.ndim == 1 and len(values) == N}
+        columns |= {"q_knee": arrays()["q"][:, 0], "contact_left_foot": STANCE if ending == "parquet" else STANCE + 0}
+        foot = dict(zip((f"wrench_left_foot_{part}" for part in PARTS), np.hstack([FORCE, MOMENT]).T, strict=True))
+        frame = polars.DataFrame({**columns, **foot})
+        (frame.write_parquet if ending == "parquet" else frame.write_csv)(path)
+    read = Recording.from_file(path, wrench_frames=FRAMES)
+    assert set(read.wrenches) == {"left_foot", "rail"}
+    same(read, recording({link: EXPECTED["wrenches"][link] for link in read.wrenches}, EXPECTED["contacts"]))
+    (one,) = exoid.Recordings.from_files([path], wrench_frames=FRAMES)
+    same(one, read)
+
+
+def test_headers_units_and_signs_of_wrenches_are_mapped(tmp_path):
+    names = ["time", "q_knee", "Fx", "Fy", "Fz [kN]", "Mx", "My", "Mz", "px", "py", "pz", "switch"]
+    point = np.tile([500.0, 20.0, 0.0], (N, 1))
+    force = FORCE * (1.0, 1.0, 1e-3)
+    table = np.column_stack([TIME, 0.2 * np.sin(TIME), force, 1e3 * MOMENT, point, 5.0 * STANCE])
+    path = tmp_path / "plate.csv"
+    np.savetxt(path, table, delimiter=",", header=",".join(names), comments="", fmt="%.17g")
+    columns = {
+        "wrench_left_foot_fx": "Fx",
+        "wrench_left_foot_fy": "Fy",
+        "wrench_left_foot_fz": Column("Fz [kN]", unit="kN"),
+        **{f"wrench_left_foot_m{axis}": Column(f"M{axis}", scale=-1.0, unit="N·mm") for axis in "xyz"},
+        **{f"wrench_left_foot_p{axis}": Column(f"p{axis}", unit="mm") for axis in "xyz"},
+        "contact_left_foot": Column("switch", scale=0.2),
+    }
+    read = Recording.from_csv(path, columns=columns)
+    wrench = read.wrenches["left_foot"]
+    assert np.allclose(wrench.columns, np.hstack([FORCE, -MOMENT]))
+    assert np.allclose(wrench.point, 1e-3 * point)
+    assert wrench.axes == "world"
+    assert np.array_equal(read.contacts["left_foot"], STANCE)
+    with pytest.raises(ExoidError, match=r"column 'Fz \[kN\]' says kN, and would be read as wrench_left_foot_fz in N"):
+        Recording.from_csv(path, columns={**columns, "wrench_left_foot_fz": "Fz [kN]"})
+    with pytest.raises(ExoidError, match="'A' is not a unit of moment on a link"):
+        Recording.from_csv(path, columns={**columns, "wrench_left_foot_mx": Column("Mx", unit="A")})
+
+
+def test_a_chunk_of_an_array_on_a_cluster_has_wrenches_contacts_and_pose():
+    quaternion = np.tile([0.0, 0.0, 0.0, 1.0], (N, 1))
+    still = np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 9.81], (N, 1))
+    names = ["time", "q_knee", *(f"wrench_left_foot_{part}" for part in PARTS), "contact_left_foot"]
+    names += [*exoid.signals.BASE_COLUMNS, "base_x", "base_y", "base_z", *(f"base_q{axis}" for axis in "xyzw")]
+    part = np.column_stack([TIME, TIME, FORCE, MOMENT, STANCE, still, 0.0 * FORCE, quaternion])
+    read = _recorded(part, tuple(names))
+    same(read, recording({"left_foot": Wrench(FORCE, MOMENT)}, {"left_foot": STANCE}))
+    assert np.array_equal(read.base.pose.quaternion, quaternion)
+
+
+# --- Mistakes ---------------------------------------------------------------------------------------------------------
+
+
+def write(path, **changes):
+    """Write a log; a column that is None is left out."""
+    foot = dict(zip((f"wrench_left_foot_{part}" for part in PARTS), np.hstack([FORCE, MOMENT]).T, strict=True))
+    columns = {"time": TIME, "q_knee": 0.1 * TIME, **foot, "contact_left_foot": STANCE + 0.0, **changes}
+    comment = columns.pop("comment", None)
+    there = {name: values for name, values in columns.items() if values is not None}
+    lines = [",".join(there), *(",".join(map(repr, row)) for row in np.column_stack(list(there.values())).tolist())]
+    path.write_text("\n".join([*([comment] if comment else []), *lines]) + "\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("changes", "message", "command"),
+    [
+        (
+            {"wrench_left_foot_my": None},
+            "the wrench on left_foot lacks wrench_left_foot_my",
+            "--column wrench_left_foot_my=",
+        ),
+        (
+            {"wrench_left_foot_px": TIME},
+            "lacks wrench_left_foot_py, wrench_left_foot_pz",
+            "--column wrench_left_foot_py=",
+        ),
+        ({"contact_left_foot": 0.5 * STANCE}, "column contact_left_foot: a contact of 0.5 in sample 0", "in Python"),
+        ({"contact_left_foot": np.where(STANCE, 1.0, np.nan)}, "line 5, column contact_left_foot: nan is not", "drop"),
+        ({"wrench_left_foot_fz": np.where(STANCE, 500.0, np.nan)}, "line 5, column wrench_left_foot_fz: nan", "drop"),
+        ({"wrench_left_foot_fz": np.full(N, np.nan)}, "line 2, column wrench_left_foot_fz: nan", "drop"),
+        (
+            {"wrench_left_foot_mx": np.full(N, 1e5)},
+            "log.csv, wrench on left_foot: a wrench has a moment",
+            "HEADER:N·mm",
+        ),
+        ({"wrench_left_foot_fz": np.full(N, 6e5)}, "log.csv, wrench on left_foot: a wrench has a force", "HEADER:mN"),
+        ({"comment": "# wrench: left_foot:plate"}, "line '# wrench:': 'plate' is no axes", "LINK:AXES"),
+        ({"comment": "# wrench: left_foot"}, "does not say the axes of a wrench", "LINK:AXES"),
+        ({"comment": "# wrench: left_foot:link@0,0"}, "'link@0,0' is no axes and point", "LINK:AXES@X,Y,Z"),
+        ({"comment": "# wrench: left_foot:link@nan,0,0"}, "wrench on left_foot, row 0, column px: nan", "drop"),
+        (
+            {"comment": "# wrench: left_foot:link\n# wrench: left_foot:world"},
+            "two frames of the wrench on left_foot: link and world",
+            "one line",
+        ),
+    ],
+)
+def test_mistakes_in_a_log_name_file_and_column(tmp_path, changes, message, command):
+    with pytest.raises(ExoidError) as error:
+        Recording.from_csv(write(tmp_path / "log.csv", **changes))
+    assert message in str(error.value)
+    assert "log.csv" in error.value.where
+    assert command in error.value.for_command()
+
+
+@pytest.mark.parametrize(
+    ("frames", "comment", "message"),
+    [
+        ({"left_foot": "plate"}, None, "wrench_frames: 'plate' is no axes"),
+        ({"right_foot": "link"}, None, "axes of the wrench on right_foot, which the log does not have"),
+        ({"left_foot": "world"}, "# wrench: left_foot:link", "gives the wrench on left_foot as link, and not as world"),
+    ],
+)
+def test_axes_that_contradict_the_log_are_refused(tmp_path, frames, comment, message):
+    path = write(tmp_path / "log.csv", **({"comment": comment} if comment else {}))
+    with pytest.raises(ExoidError) as error:
+        Recording.from_csv(path, wrench_frames=frames)
+    assert message in str(error.value)
+    assert error.value.remedy
+
+
+def test_a_moving_point_belongs_to_the_laboratory(tmp_path):
+    points = dict.fromkeys(("wrench_left_foot_px", "wrench_left_foot_py", "wrench_left_foot_pz"), 0.1 * TIME)
+    path = write(tmp_path / "log.csv", **points)
+    assert Recording.from_csv(path, wrench_frames={"left_foot": "world"}).wrenches["left_foot"].moving_point
+    for frame in ("link", "world@0,0,0"):
+        with pytest.raises(ExoidError, match="the point of the wrench is given by columns wrench_left_foot_px"):
+            Recording.from_csv(path, wrench_frames={"left_foot": frame})
+
+
+def test_a_column_that_is_no_component_of_a_wrench_cannot_be_mapped(tmp_path):
+    path = write(tmp_path / "log.csv")
+    for name in ("wrench_left_foot", "wrench_fx", "contact_"):
+        with pytest.raises(ExoidError, match=f"a header is given for '{name}', which is not an exoid column"):
+            Recording.from_csv(path, columns={name: "q_knee"})

@@ -1,0 +1,163 @@
+"""Wrenches of the laboratory on links of a leg: statics, power, Pinocchio's own placements, unknown links."""
+
+import dataclasses
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from arms import urdf_of
+from scipy.spatial.transform import Rotation
+from walking import Walk
+
+import exoid
+from exoid import BaseMotion, BasePose, ExoidError, Leg, Recording, TorsoMotion, Wrench
+from exoid.description import describe
+from exoid.signals import link_placement, refuse_unknown_links, wrench_on_link, wrenches_on_links
+from exoid.signals.link_wrenches import links_of
+
+N = 60
+
+TWINS = """<robot name="twins"><link name="base"/>
+<link name="knee"><inertial><origin xyz="0.01 0 -0.2"/><mass value="2"/>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="sole"><inertial><mass value="1"/>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="knee" type="revolute"><parent link="base"/><child link="knee"/><origin xyz="0 0 -1"/><axis xyz="0 1 0"/>
+<limit lower="-1" upper="1" effort="9" velocity="9"/></joint>
+<joint name="sole" type="fixed"><parent link="knee"/><child link="sole"/><origin xyz="0 0 -0.4"/></joint></robot>"""
+"""A link that is named like the joint that carries it, and one on a fixed joint."""
+
+TIME = np.arange(N) / 50.0
+
+
+def posed(leg, seed=0, torso=None, moving=True):
+    """A recording of random postures, on a base with a slow random pose."""
+    rng = np.random.default_rng(seed)
+    q = rng.uniform(-0.8, 0.8, len(leg.joint_names)) + 0.1 * np.sin(
+        np.outer(TIME, rng.uniform(1, 3, len(leg.joint_names)))
+    )
+    turn = Rotation.from_rotvec(0.3 * np.sin(np.outer(TIME, rng.uniform(0.5, 2, 3))))
+    position = rng.normal(size=3) + 0.2 * np.sin(np.outer(TIME, rng.uniform(0.5, 2, 3)))
+    force = turn.inv().apply(np.tile([0.0, 0.0, 9.81], (N, 1)))
+    base = BaseMotion(np.zeros((N, 3)), force, pose=BasePose(position, turn.as_quat()))
+    return Recording(TIME, q, joint_names=leg.joint_names, base=base if moving else None, torso=torso)
+
+
+def by_pinocchio(leg, recording, link):
+    """Placements of a link by a model whose root is a free-flyer joint."""
+    base = pin.Model()
+    joint = base.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "free")
+    frame = base.addFrame(pin.Frame("free", joint, 0, pin.SE3.Identity(), pin.FrameType.BODY))
+    model = pin.appendModel(base, leg.model, frame, pin.SE3.Identity())
+    data, wanted = model.createData(), model.getFrameId(link, pin.FrameType.BODY)
+    pose = recording.base.pose
+    for k in range(N):
+        pin.framesForwardKinematics(model, data, np.r_[pose.position[k], pose.quaternion[k], recording.q[k]])
+        yield data.oMf[wanted].copy()
+
+
+@pytest.mark.parametrize("name", ["bleex", "ur5"])
+def test_links_are_where_pinocchio_puts_them(name):
+    leg = exoid.load_leg("bleex") if name == "bleex" else Leg.from_urdf(urdf_of(name), base="moving")
+    recording = posed(leg)
+    for link in links_of(leg):
+        found = link_placement(leg, recording, link)
+        for k, true in enumerate(by_pinocchio(leg, recording, link)):
+            assert np.abs(found.rotation[k] - true.rotation).max() < 1e-12
+            assert np.abs(found.translation[k] - true.translation).max() < 1e-12
+
+
+@pytest.mark.parametrize("moving_point", [False, True])
+def test_a_wrench_of_the_laboratory_is_turned_as_pinocchio_turns_forces(moving_point):
+    leg = exoid.load_leg("bleex")
+    recording, rng = posed(leg), np.random.default_rng(1)
+    force, moment = 300.0 * rng.normal(size=(N, 3)), 20.0 * rng.normal(size=(N, 3))
+    point = rng.normal(size=(N, 3)) if moving_point else rng.normal(size=3)
+    link = leg.link_names[-1]
+    world = dataclasses.replace(recording, wrenches={link: Wrench(force, moment, point, "world")})
+    found = wrenches_on_links(leg, world)[link]
+    assert found.axes == "link"
+    assert not found.point.any()
+    points = np.broadcast_to(point, (N, 3))
+    for k, place in enumerate(by_pinocchio(leg, recording, link)):
+        at_point = pin.SE3(np.eye(3), points[k])
+        true = place.actInv(at_point.act(pin.Force(force[k], moment[k])))
+        assert np.allclose(found.columns[k], true.vector, rtol=0, atol=1e-9)
+
+
+def test_a_weight_hung_on_a_fixed_leg_is_its_joint_torque():
+    """Jᵀ of the wrench on the link equals the change of gravity torque by a mass there."""
+    leg, mass = exoid.load_leg("bleex"), 3.0
+    at_rest = posed(leg, moving=False)
+    link = leg.link_names[-1]
+    place = link_placement(leg, at_rest, link)
+    weight = Wrench(np.tile([0.0, 0.0, -9.81 * mass], (N, 1)), np.zeros((N, 3)), place.translation, "world")
+    local = wrench_on_link(weight, place)
+    assert np.abs(local.moment).max() < 1e-9
+    model = leg.model.copy()
+    joint = model.getJointId(leg.joint_names[-1])
+    model.appendBodyToJoint(joint, pin.Inertia(mass, np.zeros(3), np.zeros((3, 3))), pin.SE3.Identity())
+    for k in range(0, N, 7):
+        data, loaded = leg.model.createData(), model.createData()
+        more = pin.computeGeneralizedGravity(model, loaded, at_rest.q[k]) - pin.computeGeneralizedGravity(
+            leg.model, data, at_rest.q[k]
+        )
+        jacobian = pin.computeJointJacobian(leg.model, data, at_rest.q[k], joint)
+        assert np.allclose(jacobian.T @ local.columns[k], -more, atol=1e-9)
+
+
+def test_a_tilted_torso_stands_in_the_laboratory_where_its_kinematics_put_it():
+    leg = exoid.load_leg("bleex")
+    tilted = posed(leg, torso=TorsoMotion(pitch=0.2), moving=False)
+    placements = leg.forward_kinematics(tilted.q, TorsoMotion(pitch=0.2))
+    for joint, link in enumerate(leg.link_names):
+        found = link_placement(leg, tilted, link)
+        assert np.allclose(found.rotation, placements.rotation[:, joint], atol=1e-12)
+        assert np.allclose(found.translation, placements.translation[:, joint], atol=1e-12)
+    root = link_placement(leg, tilted, links_of(leg)[0])
+    assert np.allclose(np.trace(root.rotation[0]), 1.0 + 2.0 * np.cos(0.2))
+
+
+def test_wrenches_in_link_axes_stay_and_lengths_must_fit():
+    leg = exoid.load_leg("bleex")
+    link = leg.link_names[-1]
+    own = Wrench(np.ones((N, 3)), np.zeros((N, 3)), (0.1, 0.0, 0.0))
+    recording = dataclasses.replace(posed(leg), wrenches={link: own})
+    assert wrenches_on_links(leg, recording)[link] is own
+    with pytest.raises(ExoidError, match="samples on a link with"):
+        wrench_on_link(Wrench(np.ones((9, 3)), np.zeros((9, 3)), axes="world"), link_placement(leg, recording, link))
+
+
+def test_links_that_the_leg_does_not_have_are_refused_by_name():
+    leg = exoid.load_leg("bleex")
+    recording = posed(leg)
+    own = Wrench(np.ones((N, 3)), np.zeros((N, 3)))
+    for link in links_of(leg):
+        refuse_unknown_links(leg, dataclasses.replace(recording, wrenches={link: own}, contacts={link: np.ones(N)}))
+    for changes in ({"wrenches": {"left_fot": own}}, {"contacts": {"left_fot": np.ones(N)}}):
+        wrong = dataclasses.replace(recording, **changes)
+        with pytest.raises(ExoidError, match="of 'left_fot', which is no link of the leg; closest") as error:
+            refuse_unknown_links(leg, wrong)
+        assert "--column" in error.value.for_command()
+        assert "left_thigh" in error.value.remedy
+    with pytest.raises(ExoidError, match="'left_fot'"):
+        wrenches_on_links(leg, dataclasses.replace(recording, wrenches={"left_fot": own}))
+    with pytest.raises(ExoidError, match="no link 'left_fot'"):
+        link_placement(leg, recording, "left_fot")
+
+
+def test_links_may_be_named_like_joints_and_be_fixed_to_others():
+    leg = Leg.from_description(describe(TWINS), ("knee",))
+    bent = Recording(TIME, np.full((N, 1), 0.4), joint_names=("knee",))
+    for link, height in (("knee", 0.0), ("sole", -0.4)):
+        refuse_unknown_links(leg, dataclasses.replace(bent, contacts={link: np.ones(N)}))
+        place = link_placement(leg, bent, link)
+        assert np.allclose(place.rotation, Rotation.from_rotvec([0.0, 0.4, 0.0]).as_matrix())
+        assert np.allclose(place.translation, [height * np.sin(0.4), 0.0, height * np.cos(0.4) - 1.0])
+
+
+def test_the_pose_of_a_base_with_an_imu_alone_is_not_known():
+    leg = exoid.load_leg("cuhk")
+    walked = Walk(leg, seconds=12.0).recording()
+    with pytest.raises(ExoidError, match="an IMU does not measure it"):
+        link_placement(leg, walked, leg.link_names[-1])
