@@ -24,7 +24,7 @@ class ByLink(dict[str, V]):
     def _refuse(self, *_: object, **__: object) -> NoReturn:
         raise TypeError("wrenches and contacts of a recording cannot be changed; use dataclasses.replace")
 
-    __setitem__ = __delitem__ = __ior__ = update = pop = popitem = clear = setdefault = _refuse  # type: ignore[assignment]
+    __setitem__ = __delitem__ = __ior__ = update = pop = popitem = clear = setdefault = _refuse
 
     def __reduce__(self) -> tuple[type[ByLink[V]], tuple[dict[str, V]]]:
         """Pickle as a call of the constructor, as items cannot be set."""
