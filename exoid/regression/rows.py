@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals import ParallelFilter, Poses, Preparation, Recording, base_during
-from exoid.signals.filters import around_stops, without_reversals
+from exoid.signals.reversals import around_stops, without_reversals
 
 from .model import MotionSamples, RegressorModel
 
@@ -290,29 +290,11 @@ def _filtered(
     known = np.ones((len(columns) - acting.shape[1], columns.shape[1]), dtype=np.bool_)
     places = np.argwhere(np.vstack([acting.T, known]))
     distinct, twins = _distinct([*(columns[parameter, joint] for parameter, joint in places), *tau])
-    distinct[:, ~inside] = 0.0
-    filtered = among_zeros(parallel, distinct, rows)
+    filtered = parallel.among_zeros(distinct, rows, inside)
     out = np.zeros((*columns.shape[:2], len(rows)))
     for (parameter, joint), twin in zip(places, twins, strict=False):
         out[parameter, joint] = filtered[twin]
     return out, filtered[twins[len(places) :]]
-
-
-def among_zeros(parallel: ParallelFilter, signals: FloatArray, rows: range) -> FloatArray:
-    """Filter signals that are zero before and after, as samples that do not count are.
-
-    Args:
-        parallel: The filter.
-        signals: Signals in any unit, (K, N).
-        rows: Requested samples, evenly spaced, R of them.
-
-    Returns:
-        Filtered signals at these samples, (K, R).
-    """
-    before = max(0, parallel.reach - rows[0])
-    after = max(0, rows[-1] + 1 + parallel.reach - signals.shape[1])
-    padded = np.pad(signals, ((0, 0), (before, after))) if before or after else signals
-    return parallel(padded, range(rows.start + before, rows.stop + before, rows.step))
 
 
 def _take_out_reversals(
@@ -333,7 +315,7 @@ def _take_out_reversals(
     return found
 
 
-def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
+def _distinct(signals: Sequence[FloatArray]) -> tuple[list[FloatArray], list[int]]:
     """Signals that differ, and which of them each one is: filters are slow, and some parameters act on joints alike."""
     kept: list[FloatArray] = []
     alike: dict[bytes, list[int]] = {}
@@ -345,7 +327,7 @@ def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
         if twin == len(kept):
             candidates.append(twin)
             kept.append(signal)
-    return np.array(kept), twins
+    return kept, twins
 
 
 def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Preparation) -> Rows:
@@ -381,7 +363,7 @@ def each_row(model: RegressorModel, prepared: Prepared) -> Iterator[Rows]:
         rows = form_rows(model, prepared, stretch)
         counted = prepared.inside[stretch.start : stretch.stop]
         if prepared.parallel is not None:
-            gain = np.where(counted, among_zeros(prepared.parallel, ones, stretch)[0], 1.0)
+            gain = np.where(counted, prepared.parallel.among_zeros(ones, stretch)[0], 1.0)
             payload = None if rows.payload is None else rows.payload / gain[:, None]
             rows = rows._replace(W=rows.W / gain[:, None, None], tau=rows.tau / gain[:, None], payload=payload)
         if not counted.all():
