@@ -587,7 +587,8 @@ class Recording:
 
 def _absent(values: FloatArray) -> BoolArray:
     """Columns that are NaN throughout, (n,)."""
-    return np.asarray(np.isnan(values).all(axis=0))
+    first = np.isnan(values[:1]).any(axis=0)
+    return np.asarray(np.isnan(values).all(axis=0)) if first.any() else first
 
 
 def _interpolated(time: FloatArray, values: FloatArray, grid: FloatArray, *, smooth: bool) -> FloatArray:
