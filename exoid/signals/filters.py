@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -90,7 +90,7 @@ def both_passes(
     Returns:
         Filtered signals, of the shape of ``x``.
     """
-    sections = scipy.signal.butter(order, design_frequency(rate, cutoff, order), fs=rate, output="sos")
+    sections = _sections(rate, cutoff, order).copy()  # SciPy wants to be able to write into it
     signals = x.reshape(len(x), -1).T
     out = np.empty(signals.shape)
     width = max(1, BLOCK_BYTES // (8 * len(x)))
@@ -99,6 +99,14 @@ def both_passes(
         filtered = scipy.signal.sosfiltfilt(sections, extend(signals[rows]), padtype=None, padlen=0)
         out[rows] = filtered[:, pad:-pad]
     return out.T.reshape(x.shape)
+
+
+@lru_cache(maxsize=16)
+def _sections(rate: float, cutoff: float, order: int) -> FloatArray:
+    """Second-order sections of one pass."""
+    sections = scipy.signal.butter(order, design_frequency(rate, cutoff, order), fs=rate, output="sos")
+    sections.flags.writeable = False
+    return np.asarray(sections)
 
 
 def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = TOLERANCE) -> int:
@@ -132,6 +140,7 @@ def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = T
     return max(1, math.ceil(math.log(tolerance / envelope) / math.log(radius)))
 
 
+@lru_cache(maxsize=16)
 def zero_phase_modes(rate: float, cutoff: float, order: int = 4) -> tuple[ComplexArray, ComplexArray, float]:
     """Decompose the impulse response of `zero_phase` into decaying modes, h_k = Re Σ c_i p_i^(|k| − 1) for k ≠ 0.
 
@@ -155,7 +164,9 @@ def zero_phase_modes(rate: float, cutoff: float, order: int = 4) -> tuple[Comple
     weights = residues * mirrored
     middle = 1.0 - 2.0 * float((weights / (1 - poles)).sum().real)  # a constant passes unchanged: Σ h_k = 1
     kept = poles.imag >= 0.0
-    return poles[kept], np.where(poles.imag > 0.0, 2.0, 1.0)[kept] * weights[kept], middle
+    poles, weights = poles[kept], np.where(poles.imag > 0.0, 2.0, 1.0)[kept] * weights[kept]
+    poles.flags.writeable = weights.flags.writeable = False
+    return poles, weights, middle
 
 
 def reach(rate: float, cutoff: float, order: int = 4) -> int:
@@ -177,6 +188,7 @@ def reach(rate: float, cutoff: float, order: int = 4) -> int:
     return edge_length(rate, cutoff, order, ROUNDING)
 
 
+@lru_cache(maxsize=16)
 def noise_bandwidth(rate: float, cutoff: float, order: int = 4) -> float:
     """Compute the fraction of white-noise power that `zero_phase` passes, 2/rate · ∫ |H|⁴ df up to rate/2.
 
