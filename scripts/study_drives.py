@@ -251,13 +251,13 @@ def wrist_run(seed: int, *, duration: float = 120.0) -> Run:
 def wrist_log(run: Run, drives: Actuators) -> exoid.Recording:
     """Log angles and motor torques at 1 kHz.
 
-    A torque is held until the controller gives the next one. What acts around a sample is therefore the mean of the
-    torques before and after it, and these are half a period late otherwise: 0.25 ms, or 3 % of the friction of pitch.
+    The drive reports the torque that it has just held for half a millisecond. What acts at a sample is therefore the
+    mean of that torque and the next. Unshifted torques are 0.25 ms late, which is 3 % of the viscous friction of pitch.
     """
     log = run.recording(actuators=drives)
     assert log.motor_torque is not None
     held = 0.5 * (log.motor_torque[1:] + log.motor_torque[:-1])
-    return exoid.Recording(log.time[1::2], log.q[1::2], motor_torque=held[::2], joint_names=log.joint_names)
+    return exoid.Recording(log.time[:-1:2], log.q[:-1:2], motor_torque=held[::2], joint_names=log.joint_names)
 
 
 def wrist_truth(model: TorqueModel) -> FloatArray:

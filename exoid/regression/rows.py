@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals import ParallelFilter, Poses, Preparation, Recording, base_during
-from exoid.signals.reversals import around_stops, without_reversals
+from exoid.signals.reversals import around_stops, reversal_pulses, without_reversals
 
 from .model import MotionSamples, RegressorModel
 
@@ -115,7 +115,8 @@ class Prepared(NamedTuple):
         independent_fraction: Share of the rows that carry independent noise.
         parallel: Filter that columns and torque still have to pass; None for none. Samples that do not count are zero
             on both sides of the equation before they pass it.
-        reversals: Mask of samples of each joint whose friction is not known, (N, n); None to take them as they are.
+        reversals: Samples of pulses of unknown friction at the reversals of each joint, see
+            :func:`exoid.signals.reversals.reversal_pulses`; None to take reversals as they are.
     """
 
     time: FloatArray
@@ -126,7 +127,7 @@ class Prepared(NamedTuple):
     inside: NDArray[np.bool_]
     independent_fraction: float = 1.0
     parallel: ParallelFilter | None = None
-    reversals: NDArray[np.bool_] | None = None
+    reversals: tuple[NDArray[np.intp], ...] | None = None
 
     @property
     def reach(self) -> int:
@@ -190,8 +191,16 @@ def prepare(
         inside,
         min(1.0, preparation.independent_fraction(rate) * stride),
         parallel,
-        None if parallel is None or slow is None else around_stops(slow, parallel) & inside[:, None] & measured,
+        None if parallel is None or slow is None else _reversal_pulses(slow, parallel, inside, measured),
     )
+
+
+def _reversal_pulses(
+    slow: NDArray[np.bool_], parallel: ParallelFilter, inside: NDArray[np.bool_], measured: NDArray[np.bool_]
+) -> tuple[NDArray[np.intp], ...]:
+    """Place pulses at the reversals of each joint whose torque was measured, where samples count."""
+    unknown = around_stops(slow, parallel).T & inside & measured[:, None]
+    return tuple(reversal_pulses(of_joint, parallel) for of_joint in unknown)
 
 
 def _without_payload(tau: FloatArray, motion: MotionSamples) -> FloatArray:
@@ -304,10 +313,10 @@ def _take_out_reversals(
     if prepared.parallel is None or prepared.reversals is None:
         return []
     found = []
-    for joint, unknown in enumerate(prepared.reversals.T):
+    for joint, pulses in enumerate(prepared.reversals):
         acting = np.flatnonzero(columns[:, joint].any(axis=1))
         signals = np.vstack([columns[acting, joint], tau[joint]])
-        signals, taken, left = without_reversals(signals, unknown, stretch, prepared.parallel)
+        signals, taken, left = without_reversals(signals, pulses, stretch, prepared.parallel)
         columns[acting, joint], tau[joint] = signals[:-1], signals[-1]
         table = np.zeros((len(columns) + 1, taken.shape[1]))
         table[acting], table[-1] = taken[:-1], taken[-1]

@@ -140,15 +140,20 @@ class _Blocks(NamedTuple):
         """
         rows, modes = self.states.shape[1], len(self.decay)
         own = np.ascontiguousarray(products[..., rows:]).view(np.complex128)
-        after, before = np.zeros((2, *own.shape[:2], modes), dtype=np.complex128)
-        after[1:], before[:-1] = own[:-1, :, :modes], own[1:, :, modes:]
-        power, distance = self.decay, 1
-        while distance < len(products) and np.abs(power).max() > NEGLIGIBLE:  # sums over 2, 4, 8, … blocks
-            after[distance:] += power * after[:-distance]
-            before[:-distance] += power * before[distance:]
-            power, distance = power * power, 2 * distance
-        states = np.concatenate([after, before], axis=2).view(np.float64)
-        return np.asarray(products[..., :rows] + states @ self.states)
+        states = np.zeros_like(own)
+        for mode, decay in enumerate(self.decay):
+            states[1:, :, mode] = _decaying_sum(own[:-1, :, mode].copy(), decay)
+            states[:-1, :, modes + mode] = _decaying_sum(own[:0:-1, :, modes + mode].copy(), decay)[::-1]
+        return np.asarray(products[..., :rows] + states.view(np.float64) @ self.states)
+
+
+def _decaying_sum(x: ComplexArray, decay: complex) -> ComplexArray:
+    """Σ_j decay^(k−j) x_j over j ≤ k for each k, along the first axis, in place: over 2, 4, 8, … terms."""
+    distance = 1
+    while distance < len(x) and abs(decay) > NEGLIGIBLE:
+        x[distance:] += decay * x[:-distance]
+        decay, distance = decay * decay, 2 * distance
+    return x
 
 
 @lru_cache(maxsize=16)

@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
@@ -19,6 +20,9 @@ LONGEST_REVERSAL = 1.0
 
 PIECE = 256
 """Rows that are projected together, about, if they are as far apart as the filter allows."""
+
+LONGEST_PIECE = 2
+"""Such a piece is never longer than so many times that."""
 
 LARGEST_SHARE = 0.7
 """Share of the independent samples of a piece that pulses may take; where there are more, the rows stay."""
@@ -40,7 +44,7 @@ def around_stops(slow: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[n
     Returns:
         Whether the friction of each joint is unknown, (N, n).
     """
-    widened = np.zeros_like(slow)
+    widened = np.zeros(slow.shape, dtype=np.bool_, order="F")
     grown = math.ceil(parallel.rate / (4.0 * math.pi * parallel.cutoff))
     for joint in range(slow.shape[1]):
         for start, end in _runs(slow[:, joint]):
@@ -49,8 +53,25 @@ def around_stops(slow: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[n
     return widened
 
 
+def reversal_pulses(unknown: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.intp]:
+    """Place pulses from end to end of each reversal, at most a quarter of the cut-off's period apart.
+
+    Args:
+        unknown: Whether the friction of a joint is unknown, for all samples, (N,).
+        parallel: Filter of the rows.
+
+    Returns:
+        Samples of the pulses in ascending order, (M,).
+    """
+    start, end = _runs(unknown).T
+    gaps = np.ceil((end - start) * (4.0 * parallel.cutoff / parallel.rate)).astype(np.intp)
+    run = np.repeat(np.arange(len(start)), gaps + 1)
+    number = np.arange(len(run)) - np.repeat(np.cumsum(gaps + 1) - (gaps + 1), gaps + 1)
+    return np.unique(np.rint(start[run] + number * ((end - 1 - start) / gaps)[run]).astype(np.intp))
+
+
 def without_reversals(
-    signals: FloatArray, unknown: NDArray[np.bool_], rows: range, parallel: ParallelFilter
+    signals: FloatArray, pulses: NDArray[np.intp], rows: range, parallel: ParallelFilter
 ) -> tuple[FloatArray, FloatArray, float]:
     """Project the filtered columns and torque of a joint onto the complement of the pulses at its reversals.
 
@@ -66,7 +87,7 @@ def without_reversals(
 
     Args:
         signals: Filtered signals at some samples, (K, R).
-        unknown: Whether the friction of the joint is unknown, for all samples, (N,).
+        pulses: Samples of the pulses of the joint, see :func:`reversal_pulses`.
         rows: These samples, R of them.
         parallel: The filter.
 
@@ -74,23 +95,21 @@ def without_reversals(
         Projected signals, (K, R); what was taken out of them, in an orthonormal basis, (K, M); and the share of the
         energy of filtered white noise that is left.
     """
-    out, response = signals.copy(), _impulse_response(parallel)
-    reach = len(response) // 2
-    margin = reach + 2 * math.ceil(LONGEST_REVERSAL * parallel.rate)  # longer than any reversal that is taken out
-    first = max(0, rows.start - margin)
-    pulses = first + _pulses(unknown[first : rows.stop + margin], parallel)
+    out, size = signals.copy(), max(1, PIECE * parallel.stride // rows.step)
+    reach, responses = _responses(parallel, rows.step, LONGEST_PIECE * size)
     taken, bases = [np.zeros((len(signals), 0))], []
     ends = np.searchsorted(pulses, [rows.start - reach, rows.stop + reach])
     pulses = pulses[ends[0] : ends[1]]
-    for piece in _pieces(rows, pulses, max(1, PIECE * parallel.stride // rows.step)):
+    for piece in _pieces(rows, pulses, size):
         begin, last = rows[piece.start], rows[piece.stop - 1]
         near = slice(*np.searchsorted(pulses, [begin - reach, last + reach + 1]))
         count, number = piece.stop - piece.start, near.stop - near.start
         independent = count * min(1.0, parallel.independent_fraction * rows.step)
         if 0 < number <= LARGEST_SHARE * independent:
-            lags = (begin - pulses[near])[:, None] + rows.step * np.arange(count)
-            B = _padded_response(parallel).take(lags + reach + 1, mode="clip").T
-            Q, *_ = scipy.linalg.lapack.dorgqr(*scipy.linalg.lapack.dgeqrf(B)[:2])  # a third of numpy's time
+            later, phase = np.divmod(begin - pulses[near], rows.step)
+            B = responses[phase, later + responses.shape[1] // 2, :count].T
+            factored, tau, *_ = scipy.linalg.lapack.dgeqrf(B, overwrite_a=1)  # a third of numpy's time
+            Q, *_ = scipy.linalg.lapack.dorgqr(factored, tau, overwrite_a=1)
             taken.append(out[:, piece] @ Q)
             out[:, piece] -= taken[-1] @ Q.T
             bases.append(Q)
@@ -151,18 +170,11 @@ def _noise_correlation(parallel: ParallelFilter, step: int) -> FloatArray:
     return np.asarray(later / later[0])
 
 
-def _pulses(unknown: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.intp]:
-    """Samples of the pulses: from end to end of each reversal, at most a quarter of the cut-off's period apart."""
-    start, end = _runs(unknown).T
-    gaps = np.ceil((end - start) * (4.0 * parallel.cutoff / parallel.rate)).astype(np.intp)
-    run = np.repeat(np.arange(len(start)), gaps + 1)
-    number = np.arange(len(run)) - np.repeat(np.cumsum(gaps + 1) - (gaps + 1), gaps + 1)
-    return np.unique(np.rint(start[run] + number * ((end - 1 - start) / gaps)[run]).astype(np.intp))
-
-
 def _runs(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
     """First sample of each run, and the first behind it, (M, 2)."""
-    return np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)
+    inner = np.flatnonzero(mask[1:] != mask[:-1]) + 1
+    first, last = (np.flatnonzero(mask[edge]) for edge in (slice(0, 1), slice(-1, None)))
+    return np.concatenate([first, inner, last + len(mask)]).reshape(-1, 2)
 
 
 @lru_cache(maxsize=16)
@@ -178,6 +190,22 @@ def _impulse_response(parallel: ParallelFilter) -> FloatArray:
 
 
 @lru_cache(maxsize=16)
-def _padded_response(parallel: ParallelFilter) -> FloatArray:
-    """Impulse response of the filter with a zero before and behind it, (2 M + 3,)."""
-    return np.pad(_impulse_response(parallel), 1)
+def _responses(parallel: ParallelFilter, step: int, count: int) -> tuple[int, FloatArray]:
+    """Impulse response at every ``step``-th sample from each of so many first ones, zero where it is over.
+
+    Args:
+        parallel: The filter.
+        step: Step.
+        count: Largest number of samples that are wanted at once.
+
+    Returns:
+        Its length to each side; and a view of the response at the lags ``step`` k + phase, ``step`` (k + 1) + phase, …
+        for each phase and k from −M, (``step``, 2 M, ``count``).
+    """
+    response = _impulse_response(parallel)
+    reach = len(response) // 2
+    half = count + -(-reach // step) + 1
+    padded = np.zeros((2 * half + count - 1) * step)
+    padded[half * step - reach : half * step + reach + 1] = response
+    by_phase = np.ascontiguousarray(padded.reshape(-1, step).T)
+    return reach, sliding_window_view(by_phase, count, axis=1)

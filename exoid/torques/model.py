@@ -348,10 +348,12 @@ class TorqueModel:
         Returns:
             Whether a sample of a joint is usable, (N, n).
         """
-        usable = np.ones(v.shape, dtype=np.bool_)
+        usable = np.ones(v.shape, dtype=np.bool_, order="F")
         for block in self.blocks:
-            for joint in block.joints:
-                usable[:, joint] &= block.term.usable(_of_joints(v, block.joints))
+            of_term = block.term.usable(_of_joints(v, block.joints))
+            if not of_term.all():
+                for joint in block.joints:
+                    usable[:, joint] &= of_term
         return usable
 
     def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
@@ -366,10 +368,11 @@ class TorqueModel:
         found = [(block.joints, block.term.reversing(_of_joints(v, block.joints))) for block in self.blocks]
         if all(mask is None for _, mask in found):
             return None
-        reversing = np.zeros(v.shape, dtype=np.bool_)
+        reversing = np.zeros(v.shape, dtype=np.bool_, order="F")
         for joints, mask in found:
             if mask is not None:
-                reversing[:, list(joints)] |= mask[:, None]
+                for joint in joints:
+                    reversing[:, joint] |= mask
         return reversing
 
     @cached_property
