@@ -408,7 +408,7 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
     kept = slice((first - before) % step, None, step)
     return Rows(
         rows.time[kept],
-        rows.W[kept].copy(order="A"),
+        rows.W[kept].copy(order="K"),
         rows.tau[kept].copy(),
         rows.q[kept].copy(),
         rows.v[kept].copy(),
