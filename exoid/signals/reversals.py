@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -26,6 +28,9 @@ LONGEST_PIECE = 2
 
 LARGEST_SHARE = 0.7
 """Share of the independent samples of a piece that pulses may take; where there are more, the rows stay."""
+
+COARSE = 64
+"""Lengths of Fourier transforms are rounded up to so many rows, so that several are worked out at once."""
 
 NEGLIGIBLE = 1e-4
 """Part of the largest response below which a response is over."""
@@ -98,23 +103,35 @@ def without_reversals(
     out, size = signals.copy(), max(1, PIECE * parallel.stride // rows.step)
     reach, responses = _responses(parallel, rows.step, LONGEST_PIECE * size)
     taken, bases = [np.zeros((len(signals), 0))], []
-    ends = np.searchsorted(pulses, [rows.start - reach, rows.stop + reach])
-    pulses = pulses[ends[0] : ends[1]]
-    for piece in _pieces(rows, pulses, size):
-        begin, last = rows[piece.start], rows[piece.stop - 1]
-        near = slice(*np.searchsorted(pulses, [begin - reach, last + reach + 1]))
-        count, number = piece.stop - piece.start, near.stop - near.start
-        independent = count * min(1.0, parallel.independent_fraction * rows.step)
-        if 0 < number <= LARGEST_SHARE * independent:
-            later, phase = np.divmod(begin - pulses[near], rows.step)
-            B = responses[phase, later + responses.shape[1] // 2, :count].T
-            factored, tau, *_ = scipy.linalg.lapack.dgeqrf(B, overwrite_a=1)  # a third of numpy's time
-            Q, *_ = scipy.linalg.lapack.dorgqr(factored, tau, overwrite_a=1)
-            taken.append(out[:, piece] @ Q)
-            out[:, piece] -= taken[-1] @ Q.T
-            bases.append(Q)
+    for piece, together in _clusters(rows, pulses, size, reach, parallel.independent_fraction):
+        later, phase = np.divmod(rows[piece.start] - together, rows.step)
+        B = responses[phase, later + responses.shape[1] // 2, : piece.stop - piece.start].T
+        factored, tau, *_ = scipy.linalg.lapack.dgeqrf(B, overwrite_a=1)  # a third of numpy's time
+        Q, *_ = scipy.linalg.lapack.dorgqr(factored[:, : len(factored)], tau, overwrite_a=1)
+        taken.append(out[:, piece] @ Q)
+        out[:, piece] -= taken[-1] @ Q.T
+        bases.append(Q)
     share = _share_of_noise(bases, parallel, rows.step) / max(len(rows), 1)
     return out, np.hstack(taken), 1.0 - share
+
+
+def _clusters(
+    rows: range, pulses: NDArray[np.intp], size: int, reach: int, independent_fraction: float
+) -> Iterator[tuple[slice, NDArray[np.intp]]]:
+    """Go over pulses whose responses overlap, piece by piece, with the rows that they reach: others are orthogonal."""
+    first, end = np.searchsorted(pulses, [rows.start - reach, rows.stop + reach])
+    pulses = pulses[first:end]
+    for piece in _pieces(rows, pulses, size):
+        begin, count = rows[piece.start], piece.stop - piece.start
+        near = pulses[slice(*np.searchsorted(pulses, [begin - reach, rows[piece.stop - 1] + reach + 1]))]
+        if not 0 < len(near) <= LARGEST_SHARE * count * min(1.0, independent_fraction * rows.step):
+            continue
+        cuts = np.flatnonzero(near[1:] - near[:-1] > 2 * reach) + 1
+        for start, stop in pairwise([0, *cuts.tolist(), len(near)]):
+            together = near[start:stop]
+            earliest = max(0, -((begin + reach - together[0]) // rows.step))
+            latest = min(count, (together[-1] + reach - begin) // rows.step + 1)
+            yield slice(piece.start + int(earliest), piece.start + int(latest)), together
 
 
 def _share_of_noise(bases: Sequence[FloatArray], parallel: ParallelFilter, step: int) -> float:
@@ -123,25 +140,22 @@ def _share_of_noise(bases: Sequence[FloatArray], parallel: ParallelFilter, step:
     C is the correlation of the noise. By Parseval's theorem the sum is that of |q̂|² ĉ over the frequencies of an FFT
     that is long enough for each q and every lag.
     """
-    if not bases:
-        return 0.0
-    later = _noise_correlation(parallel, step)
-    length = scipy.fft.next_fast_len(max(len(Q) for Q in bases) + len(later), real=True)
-    padded = np.zeros((sum(Q.shape[1] for Q in bases), length))
-    place = 0
+    by_length: defaultdict[int, list[FloatArray]] = defaultdict(list)
+    lags = len(_noise_correlation(parallel, step))
     for Q in bases:
-        padded[place : place + Q.shape[1], : len(Q)] = Q.T
-        place += Q.shape[1]
-    q = scipy.fft.rfft(padded, axis=1).view(np.float64)
-    power = np.einsum("kf,kf->f", q, q).reshape(-1, 2).sum(axis=1)
-    circular = np.zeros(length)
-    circular[: len(later)] = later
-    circular[length - len(later) + 1 :] += later[:0:-1]
-    both = np.full(len(power), 2.0)  # frequencies above half the rate are those below it, conjugated
-    both[0] = 1.0
-    if length % 2 == 0:
-        both[-1] = 1.0
-    return float((both * power) @ scipy.fft.rfft(circular).real / length)
+        rounded = -(-len(Q) // COARSE) * COARSE
+        by_length[scipy.fft.next_fast_len(rounded + lags, real=True)].append(Q)
+    total = 0.0
+    for length, several in by_length.items():
+        padded = np.zeros((sum(Q.shape[1] for Q in several), length))
+        place = 0
+        for Q in several:
+            padded[place : place + Q.shape[1], : len(Q)] = Q.T
+            place += Q.shape[1]
+        q = scipy.fft.rfft(padded, axis=1).view(np.float64)
+        power = np.einsum("kf,kf->f", q, q).reshape(-1, 2).sum(axis=1)
+        total += float(power @ _noise_spectrum(parallel, step, length))
+    return total
 
 
 def _pieces(rows: range, pulses: NDArray[np.intp], size: int) -> Iterator[slice]:
@@ -160,6 +174,20 @@ def _pieces(rows: range, pulses: NDArray[np.intp], size: int) -> Iterator[slice]
         yield slice(start, cut)
         start = cut
     yield slice(start, len(k))
+
+
+@lru_cache(maxsize=64)
+def _noise_spectrum(parallel: ParallelFilter, step: int, length: int) -> FloatArray:
+    """Weights ĉ of the frequencies of an FFT of real numbers, over its length; those above half the rate are added."""
+    later = _noise_correlation(parallel, step)
+    circular = np.zeros(length)
+    circular[: len(later)] = later
+    circular[length - len(later) + 1 :] += later[:0:-1]
+    spectrum = 2.0 * scipy.fft.rfft(circular).real / length
+    spectrum[0] /= 2.0
+    if length % 2 == 0:
+        spectrum[-1] /= 2.0
+    return np.asarray(spectrum)
 
 
 @lru_cache(maxsize=16)
