@@ -179,7 +179,7 @@ class _Work:
         """Derivative of the rigid-body torque by an angle, (n, N)."""
         if self.of.model.leg.chain is None:
             return self._slopes.q[:, :, j].T
-        return (self._changed[j] - self.of_leg) / STEP
+        return np.asarray((self._changed[j] - self.of_leg) / STEP)
 
     def _by_scale(self, j: int) -> FloatArray:
         """Derivative of the rigid-body torque by the scale of an angle and its derivatives, (n, N)."""
@@ -187,7 +187,7 @@ class _Work:
         if self.of.model.leg.chain is None:
             pairs = zip(self._slopes, (motion.q, motion.v, motion.a), strict=True)
             return np.asarray(sum(slope[:, :, j].T * x[:, j] for slope, x in pairs))
-        return (self._changed[motion.q.shape[1] + j] - self.of_leg) / STEP
+        return np.asarray((self._changed[motion.q.shape[1] + j] - self.of_leg) / STEP)
 
     @cached_property
     def _arm_shapes(self) -> dict[int, FloatArray]:

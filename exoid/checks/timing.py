@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.findings import Finding
 from exoid.signals import Recording, ZeroPhase
 from exoid.signals.differentiation import central_difference
@@ -106,12 +106,13 @@ def missing_samples(recording: Recording, acting: Mapping[str, Sequence[str]], n
     information = weight @ velocity**2
     gap = weight @ (velocity * jump) / np.maximum(information, 1e-300)
     size = gap * np.sqrt(information)
-    odd = (size > GAP_SIZE) & (gap > max(SHORTEST_GAP / rate, SHORTEST_TIME))
+    odd: BoolArray = (size > GAP_SIZE) & (gap > max(SHORTEST_GAP / rate, SHORTEST_TIME))
     if not odd.any():
         return
     inner, steps = slice(WINDOW - 1, q.shape[1] - WINDOW), np.diff(q, axis=1)
     still = (steps == 0.0).astype(np.float64)
-    frozen = np.max([np.convolve(of_joint, np.ones(2 * WINDOW), "same") for of_joint in still], axis=0) >= 5.0
+    near = np.max([np.convolve(of_joint, np.ones(2 * WINDOW), "same") for of_joint in still], axis=0)
+    frozen: BoolArray = np.asarray(near >= 5.0)
     wrapped = (np.abs(steps) > np.pi).any(axis=0)
     odd &= ~frozen[inner] & ~wrapped[inner]
     odd &= weight @ (jump - gap * velocity) ** 2 < 0.3 * size**2
@@ -216,7 +217,7 @@ def _moving_sum(x: FloatArray, weights: FloatArray, count: int) -> FloatArray:
     return np.asarray(total)
 
 
-def _peaks(odd: FloatArray, size: FloatArray) -> list[int]:
+def _peaks(odd: BoolArray, size: FloatArray) -> list[int]:
     """Largest of each group of neighbours."""
     places: list[int] = []
     for k in np.flatnonzero(odd):

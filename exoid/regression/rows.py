@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals import ParallelFilter, Poses, Preparation, Recording, base_during
-from exoid.signals.reversals import around_stops, reversal_pulses, without_reversals
+from exoid.signals.filters import around_stops, reversal_pulses, without_reversals
 
 from .model import MotionSamples, RegressorModel
 
@@ -116,7 +116,7 @@ class Prepared(NamedTuple):
         parallel: Filter that columns and torque still have to pass; None for none. Samples that do not count are zero
             on both sides of the equation before they pass it.
         reversals: Samples of pulses of unknown friction at the reversals of each joint, see
-            :func:`exoid.signals.reversals.reversal_pulses`; None to take reversals as they are.
+            :func:`exoid.signals.filters.reversal_pulses`; None to take reversals as they are.
     """
 
     time: FloatArray

@@ -5,10 +5,9 @@ from .cluster import Cluster
 from .column import Column
 from .default_preparation import ZeroPhase, choose_cutoff
 from .differentiation import Kinematics, central_difference, motion_edge, second_difference, smooth_motion
-from .filters import edge_length, exponential_moving_average, noise_bandwidth, zero_phase
+from .filters import ParallelFilter, edge_length, exponential_moving_average, noise_bandwidth, zero_phase
 from .formats import register_format
 from .moving_base import base_during
-from .parallel_filter import ParallelFilter
 from .poses import Approaches, Poses
 from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed
 from .preparation_names import PREPARATIONS, preparation_by_name, register_preparation

@@ -15,8 +15,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .differentiation import Kinematics, derive, inner_samples, motion_edge, smooth_motion
-from .filters import design_frequency, zero_phase
-from .parallel_filter import ParallelFilter
+from .filters import ParallelFilter, design_frequency, zero_phase
 from .poses import Poses
 from .recording import Recording
 

@@ -1,14 +1,19 @@
-"""Low-pass filters: zero-phase (forward and backward), and the causal moving average of doc. 2."""
+"""Low-pass filters: zero-phase (forward and backward), the parallel filter, and the causal moving average of doc. 2."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from functools import lru_cache, partial
-from typing import Any
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache, partial
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
 from exoid._typing import ComplexArray, FloatArray
 from exoid.errors import ExoidError
@@ -19,6 +24,33 @@ TOLERANCE = 1e-3
 """Relative error of an acceleration that the end of the record may cause; see `edge_length`."""
 ROUNDING = 1e-15
 """The same error where a record is filtered in segments: below the rounding error of the filter."""
+
+OVERSAMPLING = 4.0
+"""Rows per row of independent noise, so that products of two filtered signals do not alias onto frequency zero."""
+
+BLOCK = 128
+"""Samples of a block of the parallel filter, about."""
+
+DECAYED = 1e-20
+"""Part of a state that has decayed."""
+
+LONGEST_REVERSAL = 1.0
+"""A longer stay below the reversal speed is a rest [s]: its rows are kept."""
+
+PIECE = 256
+"""Rows that are projected together, about, if they are as far apart as the filter allows."""
+
+LONGEST_PIECE = 2
+"""Such a piece is never longer than so many times that."""
+
+LARGEST_SHARE = 0.7
+"""Share of the independent samples of a piece that pulses may take; where there are more, the rows stay."""
+
+COARSE = 64
+"""Lengths of Fourier transforms are rounded up to so many rows, so that several are worked out at once."""
+
+NEGLIGIBLE = 1e-4
+"""Part of the largest response below which a response is over."""
 
 REFLECTION: dict[str, Any] = {"mode": "reflect", "reflect_type": "odd"}
 """Arguments of `numpy.pad` that reflect a signal about its end points."""
@@ -273,3 +305,355 @@ def design_frequency(rate: float, cutoff: float, order: int) -> float:
         )
     widened = math.tan(math.pi * cutoff / rate) / (math.sqrt(2.0) - 1.0) ** (0.5 / order)
     return rate / math.pi * math.atan(widened)
+
+
+@dataclass(frozen=True)
+class ParallelFilter:
+    """Zero-phase Butterworth filter, as :func:`exoid.signals.zero_phase`, worked out at the requested rows only.
+
+    Filtered rows are redundant: of 500 a second, filtered at 8 Hz, sixteen carry independent noise. Sums of squares and
+    products over every :attr:`stride`-th row equal those over all rows, so only these are computed. The filter is
+    linear and the same for all rows, so τ = W β still holds after both sides are filtered.
+
+    Attributes:
+        rate: Sampling rate [Hz].
+        cutoff: −3 dB frequency [Hz].
+        order: Order of one of the two passes.
+    """
+
+    rate: float
+    cutoff: float
+    order: int
+
+    @cached_property
+    def reach(self) -> int:
+        """Number of samples to each side that affect a filtered sample, beyond rounding."""
+        return reach(self.rate, self.cutoff, self.order)
+
+    @cached_property
+    def independent_fraction(self) -> float:
+        """Fraction of the filtered samples that carries independent noise."""
+        return noise_bandwidth(self.rate, self.cutoff, self.order)
+
+    @property
+    def stride(self) -> int:
+        """Decimation factor that loses no information."""
+        return max(1, int(1.0 / (OVERSAMPLING * self.independent_fraction)))
+
+    def __call__(self, signals: FloatArray, rows: range) -> FloatArray:
+        """Filter signals and decimate them to the requested rows.
+
+        The signals are extended beyond their ends by point reflection.
+
+        Args:
+            signals: Signals in any unit, (K, N).
+            rows: Requested samples, evenly spaced, R of them.
+
+        Returns:
+            Filtered signals at these samples, (K, R).
+        """
+        first, last = rows[0] - self.reach, rows[-1] + 1 + self.reach
+        beyond = max(0, -first), max(0, last - signals.shape[1])
+        window = signals[:, max(0, first) : last]
+        if any(beyond):
+            window = np.pad(window, ((0, 0), beyond), mode="reflect", reflect_type="odd")
+        return self.among_zeros(window, range(self.reach, self.reach + len(rows) * rows.step, rows.step))
+
+    def among_zeros(
+        self, signals: Sequence[FloatArray] | FloatArray, rows: range, counted: NDArray[np.bool_] | None = None
+    ) -> FloatArray:
+        """Filter signals that are zero before and after, as samples that do not count are.
+
+        Args:
+            signals: Signals in any unit, K of (N,).
+            rows: Requested samples, evenly spaced, R of them.
+            counted: Mask of samples that count: others are taken for zero, (N,). None for all.
+
+        Returns:
+            Filtered signals at these samples, (K, R).
+        """
+        blocks = _blocks(self, rows.step)
+        begin, end = max(0, rows[0] - self.reach), min(len(signals[0]), rows[-1] + 1 + self.reach)
+        lead = -(-(rows[0] - begin) // blocks.size)  # the first row begins a block
+        wanted, behind = -(-len(rows) * rows.step // blocks.size), -(-(end - rows[0]) // blocks.size)
+        padded = np.zeros((lead + max(wanted, behind), blocks.size))
+        place = lead * blocks.size - rows[0]
+        window = padded.reshape(-1)[place + begin : place + end]
+        left_out = None if counted is None or counted[begin:end].all() else ~counted[begin:end]
+        products = np.empty((len(padded), len(signals), blocks.products.shape[1]))
+        for k, signal in enumerate(signals):  # one after the other, in the processor's cache
+            window[:] = signal[begin:end]
+            if left_out is not None:
+                window[left_out] = 0.0
+            np.matmul(padded, blocks.products, out=products[:, k])
+        filtered = blocks.joined(products)[lead : lead + wanted]
+        return np.asarray(filtered.transpose(1, 0, 2).reshape(len(signals), -1)[:, : len(rows)])
+
+
+class _Blocks(NamedTuple):
+    """The filter for blocks of B samples, at every step-th of them.
+
+    The impulse response is a sum of decaying modes, h_k = Re Σ c_i p_i^(|k| − 1) for k ≠ 0. What samples far from a
+    block add to its rows is therefore said by one complex number a mode and side, Σ x_j p_i^j, the *states*.
+
+    Attributes:
+        products: What samples of a block add to its own rows, and to the states of the blocks after and before it,
+            (B, M + 4 m) with M rows a block, m modes, and real and imaginary parts one after the other.
+        states: What states add to the rows of a block, (4 m, M).
+        decay: Factor of a state from block to block, (m,).
+    """
+
+    products: FloatArray
+    states: FloatArray
+    decay: ComplexArray
+
+    @property
+    def size(self) -> int:
+        """Samples of a block."""
+        return len(self.products)
+
+    def joined(self, products: FloatArray) -> FloatArray:
+        """Add what comes from other blocks.
+
+        Args:
+            products: Blocks times :attr:`products`, (blocks, K, M + 4 m).
+
+        Returns:
+            Filtered rows, (blocks, K, M).
+        """
+        rows, modes = self.states.shape[1], len(self.decay)
+        own = np.ascontiguousarray(products[..., rows:]).view(np.complex128)
+        states = np.zeros_like(own)
+        for mode, decay in enumerate(self.decay):
+            states[1:, :, mode] = _decaying_sum(own[:-1, :, mode].copy(), decay)
+            states[:-1, :, modes + mode] = _decaying_sum(own[:0:-1, :, modes + mode].copy(), decay)[::-1]
+        return np.asarray(products[..., :rows] + states.view(np.float64) @ self.states)
+
+
+def _decaying_sum(x: ComplexArray, decay: complex) -> ComplexArray:
+    """Σ_j decay^(k−j) x_j over j ≤ k for each k, along the first axis, in place: over 2, 4, 8, … terms."""
+    distance = 1
+    while distance < len(x) and abs(decay) > DECAYED:
+        x[distance:] += decay * x[:-distance]
+        decay, distance = decay * decay, 2 * distance
+    return x
+
+
+@lru_cache(maxsize=16)
+def _blocks(filter_: ParallelFilter, step: int) -> _Blocks:
+    """Matrices of a filter for every ``step``-th row."""
+    poles, weights, middle = zero_phase_modes(filter_.rate, filter_.cutoff, filter_.order)
+    rows = step * np.arange(max(1, round(BLOCK / step)))
+    size = len(rows) * step
+    k = np.arange(size)
+    response = np.append(middle, (poles ** k[:-1, np.newaxis] @ weights).real)
+    own = response[np.abs(k[:, np.newaxis] - rows)]
+    to_after, to_before = poles ** k[::-1, np.newaxis], poles ** k[:, np.newaxis]
+    from_before, from_after = (weights * poles ** power[:, np.newaxis] for power in (rows, size - 1 - rows))
+    parts = np.hstack([to_after, to_before]).view(np.float64)
+    both = np.hstack([from_before, from_after])
+    states = np.stack([both.real, -both.imag], axis=-1).reshape(len(rows), -1).T
+    return _Blocks(np.hstack([own, parts]), np.ascontiguousarray(states), poles**size)
+
+
+def around_stops(slow: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.bool_]:
+    """Widen the reversals of joints, and leave out rests.
+
+    The kinematics filter has about twice the cut-off f of the parallel filter, and rounds the corner that a stop makes
+    in the angle over 1 / (4π f).
+
+    Args:
+        slow: Whether each joint is slower than its reversal speed, (N, n).
+        parallel: Filter of the rows.
+
+    Returns:
+        Whether the friction of each joint is unknown, (N, n).
+    """
+    widened = np.zeros(slow.shape, dtype=np.bool_, order="F")
+    grown = math.ceil(parallel.rate / (4.0 * math.pi * parallel.cutoff))
+    for joint in range(slow.shape[1]):
+        for start, end in _runs(slow[:, joint]):
+            if end - start <= LONGEST_REVERSAL * parallel.rate:
+                widened[max(0, start - grown) : end + grown, joint] = True
+    return widened
+
+
+def reversal_pulses(unknown: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.intp]:
+    """Place pulses from end to end of each reversal, at most a quarter of the cut-off's period apart.
+
+    Args:
+        unknown: Whether the friction of a joint is unknown, for all samples, (N,).
+        parallel: Filter of the rows.
+
+    Returns:
+        Samples of the pulses in ascending order, (M,).
+    """
+    start, end = _runs(unknown).T
+    gaps = np.ceil((end - start) * (4.0 * parallel.cutoff / parallel.rate)).astype(np.intp)
+    run = np.repeat(np.arange(len(start)), gaps + 1)
+    number = np.arange(len(run)) - np.repeat(np.cumsum(gaps + 1) - (gaps + 1), gaps + 1)
+    return np.unique(np.rint(start[run] + number * ((end - 1 - start) / gaps)[run]).astype(np.intp))
+
+
+def without_reversals(
+    signals: FloatArray, pulses: NDArray[np.intp], rows: range, parallel: ParallelFilter
+) -> tuple[FloatArray, FloatArray, float]:
+    """Project the filtered columns and torque of a joint onto the complement of the pulses at its reversals.
+
+    A joint with sharp friction sticks where it turns round. Its friction is then what holds it, anywhere between −c0
+    and c0, and no term says how much. Doc. 1, sec. III-G, leaves such samples out. Behind a low-pass they cannot be
+    left out: the filter has spread their torque over the rows around them. But it is linear. Unknown friction is a sum
+    of pulses at the reversal, and behind the filter a sum of its impulse responses h:
+
+        (h * τ)_k = (h * W)_k β + Σ_i p_i h(t_k − t_i).
+
+    Both sides are projected onto the complement of these pulses, which is the same as to fit every p_i. Pulses are so
+    close together that the filter could not tell more of them apart.
+
+    Args:
+        signals: Filtered signals at some samples, (K, R).
+        pulses: Samples of the pulses of the joint, see :func:`reversal_pulses`.
+        rows: These samples, R of them.
+        parallel: The filter.
+
+    Returns:
+        Projected signals, (K, R); what was taken out of them, in an orthonormal basis, (K, M); and the share of the
+        energy of filtered white noise that is left.
+    """
+    out, size = signals.copy(), max(1, PIECE * parallel.stride // rows.step)
+    reach, responses = _responses(parallel, rows.step, LONGEST_PIECE * size)
+    taken, bases = [np.zeros((len(signals), 0))], []
+    for piece, together in _clusters(rows, pulses, size, reach, parallel.independent_fraction):
+        later, phase = np.divmod(rows[piece.start] - together, rows.step)
+        B = responses[phase, later + responses.shape[1] // 2, : piece.stop - piece.start].T
+        factored, tau, *_ = scipy.linalg.lapack.dgeqrf(B, overwrite_a=1)  # a third of numpy's time
+        Q, *_ = scipy.linalg.lapack.dorgqr(factored[:, : len(factored)], tau, overwrite_a=1)
+        taken.append(out[:, piece] @ Q)
+        out[:, piece] -= taken[-1] @ Q.T
+        bases.append(Q)
+    share = _share_of_noise(bases, parallel, rows.step) / max(len(rows), 1)
+    return out, np.hstack(taken), 1.0 - share
+
+
+def _clusters(
+    rows: range, pulses: NDArray[np.intp], size: int, reach: int, independent_fraction: float
+) -> Iterator[tuple[slice, NDArray[np.intp]]]:
+    """Go over pulses whose responses overlap, piece by piece, with the rows that they reach: others are orthogonal."""
+    first, end = np.searchsorted(pulses, [rows.start - reach, rows.stop + reach])
+    pulses = pulses[first:end]
+    for piece in _pieces(rows, pulses, size):
+        begin, count = rows[piece.start], piece.stop - piece.start
+        near = pulses[slice(*np.searchsorted(pulses, [begin - reach, rows[piece.stop - 1] + reach + 1]))]
+        if not 0 < len(near) <= LARGEST_SHARE * count * min(1.0, independent_fraction * rows.step):
+            continue
+        cuts = np.flatnonzero(near[1:] - near[:-1] > 2 * reach) + 1
+        for start, stop in pairwise([0, *cuts.tolist(), len(near)]):
+            together = near[start:stop]
+            earliest = max(0, -((begin + reach - together[0]) // rows.step))
+            latest = min(count, (together[-1] + reach - begin) // rows.step + 1)
+            yield slice(piece.start + int(earliest), piece.start + int(latest)), together
+
+
+def _share_of_noise(bases: Sequence[FloatArray], parallel: ParallelFilter, step: int) -> float:
+    """Energy Σ qᵀ C q of filtered white noise of variance 1 along all columns q of orthonormal bases.
+
+    C is the correlation of the noise. By Parseval's theorem the sum is that of |q̂|² ĉ over the frequencies of an FFT
+    that is long enough for each q and every lag.
+    """
+    by_length: defaultdict[int, list[FloatArray]] = defaultdict(list)
+    lags = len(_noise_correlation(parallel, step))
+    for Q in bases:
+        rounded = -(-len(Q) // COARSE) * COARSE
+        by_length[scipy.fft.next_fast_len(rounded + lags, real=True)].append(Q)
+    total = 0.0
+    for length, several in by_length.items():
+        padded = np.zeros((sum(Q.shape[1] for Q in several), length))
+        place = 0
+        for Q in several:
+            padded[place : place + Q.shape[1], : len(Q)] = Q.T
+            place += Q.shape[1]
+        q = scipy.fft.rfft(padded, axis=1).view(np.float64)
+        power = np.einsum("kf,kf->f", q, q).reshape(-1, 2).sum(axis=1)
+        total += float(power @ _noise_spectrum(parallel, step, length))
+    return total
+
+
+def _pieces(rows: range, pulses: NDArray[np.intp], size: int) -> Iterator[slice]:
+    """Cut rows into pieces of half to one and a half times a size, as far from pulses as possible.
+
+    A pulse near a cut is fitted in both pieces, which takes out more than is unknown.
+    """
+    k = np.arange(rows.start, rows.stop, rows.step)
+    after = np.searchsorted(pulses, k)
+    around = np.concatenate([[-np.inf], pulses, [np.inf]])
+    distance = np.minimum(k - around[after], around[after + 1] - k)
+    start = 0
+    while len(k) - start > 3 * size // 2:
+        first = start + max(1, size // 2)
+        cut = first + int(np.argmax(distance[first : start + 3 * size // 2]))
+        yield slice(start, cut)
+        start = cut
+    yield slice(start, len(k))
+
+
+@lru_cache(maxsize=64)
+def _noise_spectrum(parallel: ParallelFilter, step: int, length: int) -> FloatArray:
+    """Weights ĉ of the frequencies of an FFT of real numbers, over its length; those above half the rate are added."""
+    later = _noise_correlation(parallel, step)
+    circular = np.zeros(length)
+    circular[: len(later)] = later
+    circular[length - len(later) + 1 :] += later[:0:-1]
+    spectrum = 2.0 * scipy.fft.rfft(circular).real / length
+    spectrum[0] /= 2.0
+    if length % 2 == 0:
+        spectrum[-1] /= 2.0
+    return np.asarray(spectrum)
+
+
+@lru_cache(maxsize=16)
+def _noise_correlation(parallel: ParallelFilter, step: int) -> FloatArray:
+    """Correlation of filtered white noise with that 0, ``step``, 2 ``step``, … samples later, (M + 1,)."""
+    response = _impulse_response(parallel)
+    later = scipy.signal.fftconvolve(response, response)[len(response) - 1 :: step]
+    return np.asarray(later / later[0])
+
+
+def _runs(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """First sample of each run, and the first behind it, (M, 2)."""
+    inner = np.flatnonzero(mask[1:] != mask[:-1]) + 1
+    first, last = (np.flatnonzero(mask[edge]) for edge in (slice(0, 1), slice(-1, None)))
+    return np.concatenate([first, inner, last + len(mask)]).reshape(-1, 2)
+
+
+@lru_cache(maxsize=16)
+def _impulse_response(parallel: ParallelFilter) -> FloatArray:
+    """Impulse response of the filter, its largest value in the middle, cut off where it is over, (2 M + 1,)."""
+    reach = parallel.reach
+    impulse = np.zeros((1, 2 * reach + 1))
+    impulse[0, reach] = 1.0
+    response = parallel(impulse, range(2 * reach + 1))[0]
+    lasting = np.flatnonzero(np.abs(response) > NEGLIGIBLE * response.max())
+    half = int(np.abs(lasting - reach).max())
+    return np.asarray(response[reach - half : reach + half + 1])
+
+
+@lru_cache(maxsize=16)
+def _responses(parallel: ParallelFilter, step: int, count: int) -> tuple[int, FloatArray]:
+    """Impulse response at every ``step``-th sample from each of so many first ones, zero where it is over.
+
+    Args:
+        parallel: The filter.
+        step: Step.
+        count: Largest number of samples that are wanted at once.
+
+    Returns:
+        Its length to each side; and a view of the response at the lags ``step`` k + phase, ``step`` (k + 1) + phase, …
+        for each phase and k from −M, (``step``, 2 M, ``count``).
+    """
+    response = _impulse_response(parallel)
+    reach = len(response) // 2
+    half = count + -(-reach // step) + 1
+    padded = np.zeros((2 * half + count - 1) * step)
+    padded[half * step - reach : half * step + reach + 1] = response
+    by_phase = np.ascontiguousarray(padded.reshape(-1, step).T)
+    return reach, sliding_window_view(by_phase, count, axis=1)

@@ -10,8 +10,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .differentiation import Kinematics, derive, inner_samples, motion_edge, smooth_motion
-from .filters import TOLERANCE, exponential_moving_average
-from .parallel_filter import ParallelFilter
+from .filters import TOLERANCE, ParallelFilter, exponential_moving_average
 from .recording import Recording
 
 

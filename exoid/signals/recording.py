@@ -587,8 +587,9 @@ class Recording:
 
 def _absent(values: FloatArray) -> BoolArray:
     """Columns that are NaN throughout, (n,)."""
-    first = np.isnan(values[:1]).any(axis=0)
-    return np.asarray(np.isnan(values).all(axis=0)) if first.any() else first
+    if not np.isnan(values[:1]).any():
+        return np.zeros(values.shape[1], dtype=np.bool_)
+    return np.asarray(np.isnan(values).all(axis=0))
 
 
 def _interpolated(time: FloatArray, values: FloatArray, grid: FloatArray, *, smooth: bool) -> FloatArray:

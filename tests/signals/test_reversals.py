@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exoid.signals import ParallelFilter
-from exoid.signals.reversals import around_stops, reversal_pulses, without_reversals
+from exoid.signals.filters import around_stops, reversal_pulses, without_reversals
 
 FILTER = ParallelFilter(500.0, 8.0, 4)
 SAMPLES = 10_000

@@ -15,7 +15,7 @@ from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.least_squares import INVOLVED, UNDETERMINED
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, base_during, choose_cutoff
-from exoid.signals.reversals import around_stops, reversal_pulses, without_reversals
+from exoid.signals.filters import around_stops, reversal_pulses, without_reversals
 from exoid.torques import TorqueModel
 
 from .noise import TorqueNoise
