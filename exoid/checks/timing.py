@@ -113,7 +113,7 @@ def missing_samples(recording: Recording, acting: Mapping[str, Sequence[str]], n
     still = (steps == 0.0).astype(np.float64)
     near = np.max([np.convolve(of_joint, np.ones(2 * WINDOW), "same") for of_joint in still], axis=0)
     frozen: BoolArray = np.asarray(near >= 5.0)
-    wrapped = (np.abs(steps) > np.pi).any(axis=0)
+    wrapped: BoolArray = np.asarray((np.abs(steps) > np.pi).any(axis=0))
     odd &= ~frozen[inner] & ~wrapped[inner]
     odd &= weight @ (jump - gap * velocity) ** 2 < 0.3 * size**2
     places = _peaks(odd, size)
