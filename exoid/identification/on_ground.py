@@ -106,8 +106,6 @@ def _alone(task: Task) -> tuple[tuple[Group], tuple[TorqueModel]]:
     (group,), (model,) = task.groups, task.models
     if isinstance(group.data, Cluster):
         raise ExoidError("recordings on a cluster have no contacts", remedy="pass exoid.signals.Recordings")
-    if any(one.payloads for one in group.data):
-        raise ExoidError("payloads on a leg that stands are not known", remedy="take the payload off")
     rates = [one.sample_rate for one in group.data if isinstance(one, Recording)]
     if any(group.chosen_preparation.parallel(rate) is None for rate in rates):
         raise ExoidError("rows with contacts need the parallel filter", remedy="leave preparation out")
