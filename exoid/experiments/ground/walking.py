@@ -19,7 +19,7 @@ from .follow import follow
 from .posture import PlanarLeg, planar_legs, total_mass
 from .waves import KNOTS, knots, rise
 
-GAINS = JointGains(stiffness=(1500.0, 1200.0, 400.0), damping=(50.0, 40.0, 12.0))
+GAINS = JointGains(stiffness=(1000.0, 800.0, 250.0), damping=(40.0, 30.0, 10.0))
 """Gains of the joints, an assumption: soft enough for a foot that the ground turns."""
 
 HARNESS = Spring(
@@ -34,8 +34,11 @@ HARNESS = Spring(
 SMOOTHING = 0.03
 """Standard deviation of the window that smooths speed and height of the torso, over the stride time."""
 
-NEAR = 0.004
+NEAR = 0.01
 """Height over which load passes from one point of a sole to another [m]."""
+
+LIFT = 0.015
+"""Largest height by which a foot swings above the norm [m]: soles are longer than feet, and legs yield."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +55,7 @@ class Gait:
 
     speed: str = "Slow"
     period: float = 1.4
-    scale: float = 0.9
+    scale: float = 1.0
     lean: float = -0.19
     support: float = 0.2
 
@@ -67,7 +70,8 @@ def walking(
 ) -> GroundRun:
     """Let a machine walk in a harness whose carriage moves over the ground, which is the same as a treadmill.
 
-    Height and speed of the carriage are those at which the lowest point of the soles would stand still.
+    Height and speed of the carriage are those at which the lowest point of the soles would stand still. A foot that
+    swings is lifted by up to 1.5 cm more than in the norm.
 
     Args:
         plant: Torso and two legs.
@@ -93,6 +97,12 @@ def walking(
     low = np.min([place.imag.min(axis=1) for place in places.values()], axis=0)
     base[:, 0] = _travel(places, bearing, window)
     base[:, 1] = scipy.ndimage.gaussian_filter1d(-low, window)
+    for leg in legs:
+        foot = places[leg.foot] + (base[:, :1] + 1j * base[:, 1:2])
+        tilt = np.angle(foot[:, -1] - foot[:, 0]) - np.angle(leg.sole[-1] - leg.sole[0])
+        height = np.maximum(foot.imag.min(axis=1), 0.0)
+        raised = foot.mean(axis=1) + 1j * LIFT * height / (height + NEAR)
+        q[:, leg.joints] = leg.angles(base, raised, tilt)
     motion = planned_motion(plant, time, q, base, bearing, held=True, borne=1.0 - gait.support)
     weight = GRAVITY * total_mass(plant)
     motion.base[:, 1] += gait.support * weight / harness.stiffness[2]
