@@ -1,5 +1,6 @@
 """A machine on the ground obeys the equation of motion, bears its weight, and keeps its books."""
 
+import subprocess
 import sys
 
 import mujoco
@@ -169,6 +170,12 @@ def test_without_mujoco_the_error_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(ExoidError, match=r"MuJoCo is not installed. To fix it: pip install 'exoid\[ground\]'"):
         simulate_on_ground(PLANT, motion(), GAINS)
+
+
+def test_mujoco_is_imported_by_the_first_run_only():
+    program = "import sys, exoid.experiments.ground as g; g.bleex_machine(); print('mujoco' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=120)
+    assert done.stdout.strip() == "False"
 
 
 def simulate_with(**changes):
