@@ -86,7 +86,8 @@ def view(
     ghost, label = None if reference is None else read_logs([reference], options)[0], "reference"
     with Console(stderr=True).status("drawing"):
         estimate = shown.legs[0]
-        if ghost is None and recording is not None and recording.measured.all() and not isinstance(estimate, Leg):
+        free = recording is not None and recording.measured.all() and not recording.loaded_links
+        if ghost is None and recording is not None and free and not isinstance(estimate, Leg):
             ghost, label = estimates.predict_motion(estimate, recording, horizon), "predicted"
         drawn = views.scene(
             *shown.legs,

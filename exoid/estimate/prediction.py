@@ -41,7 +41,8 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
         The predicted motion at the recording's (even) time stamps, which jumps back to the measured one at each start.
 
     Raises:
-        ExoidError: There is no torque, the horizon is shorter than two samples, or the model's motion diverges.
+        ExoidError: There is no torque, a link stands on the ground, the horizon is shorter than two samples, or the
+            model's motion diverges.
 
     Example:
         >>> data = exoid.datasets.bleex_swing()
@@ -59,6 +60,7 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
             f"the torque of {without} was not measured, so that the motion under it cannot be predicted",
             remedy="show the motion without prediction, or declare joints without an actuator passive",
         )
+    _refuse_ground(recording)
     if not 2.0 <= horizon * recording.sample_rate < math.inf:
         raise ExoidError(
             f"a horizon of {horizon:g} s at {recording.sample_rate:.4g} Hz", remedy="let it span two samples or more"
@@ -94,6 +96,17 @@ def predict_motion(estimate: EstimateData, recording: Recording, horizon: float 
     names = recording.joint_names
     about: dict[str, Any] = {"torso": recording.torso, "base": recording.base}
     return Recording(recording.time, predicted, joint_names=names, largest_angle=math.inf, **about)
+
+
+def _refuse_ground(recording: Recording) -> None:
+    """Refuse links on which something acts from outside, as the leg is simulated in the air."""
+    if recording.loaded_links:
+        raise ExoidError(
+            f"the surroundings act on {', '.join(recording.loaded_links)}, and the predicted leg moves in the air",
+            where=recording.source.name if recording.source else "",
+            remedy="show the motion without prediction, or predict a swing: recording.between(start, stop) without its "
+            "wrenches and contacts",
+        )
 
 
 class Surroundings(NamedTuple):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from difflib import get_close_matches
 from typing import NamedTuple
 
@@ -52,7 +53,7 @@ def links_of(leg: Leg) -> tuple[str, ...]:
     Returns:
         Names of all links, those on fixed joints and the root link included.
     """
-    return tuple(frame.name for frame in leg.model.frames if frame.type == pin.FrameType.BODY)
+    return tuple(link.get("name", "") for link in leg.description.parse().findall("link"))
 
 
 def refuse_unknown_links(leg: Leg, recording: Recording) -> None:
@@ -97,11 +98,10 @@ def link_placement(leg: Leg, recording: Recording, link: str) -> LinkPlacement:
     Raises:
         ExoidError: The leg has no such link, a joint is missing, or the pose of the base is not known.
     """
-    frames = {frame.name: frame for frame in leg.model.frames if frame.type == pin.FrameType.BODY}
-    if link not in frames:
-        raise ExoidError(f"no link {link!r}", remedy=f"links of the leg are {', '.join(frames)}")
+    if link not in links_of(leg):
+        raise ExoidError(f"no link {link!r}", remedy=f"links of the leg are {', '.join(links_of(leg))}")
     q = recording.select(leg.joint_names).q
-    frame, root = frames[link], _root_placement(leg, recording)
+    frame, root = _frame(leg, link), _root_placement(leg, recording)
     inside = frame.placement.rotation, frame.placement.translation
     carrier = leg.model.names[frame.parentJoint]
     if carrier not in leg.joint_names:
@@ -156,6 +156,14 @@ def wrenches_on_links(leg: Leg, recording: Recording) -> dict[str, Wrench]:
         link: one if one.axes == "link" else wrench_on_link(one, link_placement(leg, recording, link))
         for link, one in recording.wrenches.items()
     }
+
+
+def _frame(leg: Leg, link: str) -> pin.Frame:
+    """Frame of a link; the model numbers those of links that are named like a joint."""
+    bodies = [frame for frame in leg.model.frames if frame.type == pin.FrameType.BODY]
+    numbered = re.compile(rf"{re.escape(link)} \d+")
+    same = [frame for frame in bodies if frame.name == link]
+    return (same or [frame for frame in bodies if numbered.fullmatch(frame.name)])[0]
 
 
 def _root_placement(leg: Leg, recording: Recording) -> LinkPlacement:

@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import exoid
-from exoid import Armature, Coulomb, Estimate, ExoidError, Recording, TorsoMotion, Viscous
+from exoid import Armature, Coulomb, Estimate, ExoidError, Recording, TorsoMotion, Viscous, Wrench
 from exoid.estimate import predict_motion
 from exoid.signals import FiniteDifference
 from exoid.torques import TorqueModel
@@ -108,3 +108,16 @@ def test_what_cannot_be_predicted_is_refused(leg, exact):
     absurd = replace(exact, values=np.array(pushing))
     with pytest.raises(ExoidError, match="diverges"):
         predict_motion(absurd, recording, 1.5)
+
+
+def test_a_leg_on_the_ground_is_not_predicted_as_one_in_the_air(leg, exact):
+    true = moved(leg)
+    recording = Recording(time=TIME, q=true[:, :3], v=true[:, 3:], tau=torque(TIME), joint_names=leg.joint_names)
+    rail = Wrench(np.ones((len(TIME), 3)), np.zeros((len(TIME), 3)))
+    for changes in ({"wrenches": {"torso": rail}}, {"contacts": {"left_foot": TIME > 1.0}}):
+        with pytest.raises(ExoidError, match=f"the surroundings act on {next(iter(*changes.values()))}"):
+            predict_motion(exact, replace(recording, **changes))
+    unloaded = Wrench(np.zeros((len(TIME), 3)), np.zeros((len(TIME), 3)))
+    swing = replace(recording, wrenches={"torso": unloaded}, contacts={"left_foot": TIME < 0.0})
+    assert not swing.loaded_links
+    assert np.array_equal(predict_motion(exact, swing).q, predict_motion(exact, recording).q)

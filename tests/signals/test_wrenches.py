@@ -11,7 +11,8 @@ from walking import IMU, Walk
 
 import exoid
 from exoid import BaseMotion, BasePose, ExoidError, Recording, Wrench
-from exoid.signals import turn_upright
+from exoid.checks.sample import averaged
+from exoid.signals import ZeroPhase, turn_upright
 
 N = 400
 TIME = np.arange(N) / 100.0
@@ -264,3 +265,29 @@ def test_a_pose_that_contradicts_the_imu_or_jumps_is_refused():
         posed(1000.0 * position, quaternion)
     with pytest.raises(ExoidError, match="9 samples, and its motion"):
         posed(position[:9], quaternion[:9])
+
+
+def test_checks_average_wrenches_contacts_and_pose_with_the_angles():
+    time = np.arange(8000) / 1000.0
+    force = np.random.default_rng(0).normal(size=(len(time), 3)) + np.array([0.0, 0.0, 300.0])
+    contact = np.sin(5.0 * time) > 0.0
+    pose = BasePose(0.1 * np.sin(np.outer(time, (1.0, 2.0, 3.0))), np.tile([0.0, 0.0, 0.0, 1.0], (len(time), 1)))
+    fast = Recording(
+        time,
+        0.3 * np.sin(time)[:, None],
+        joint_names=("knee",),
+        base=BaseMotion(np.zeros((len(time), 3)), np.tile([0.0, 0.0, 9.81], (len(time), 1)), pose=pose),
+        wrenches={"left_foot": Wrench(force, 0.0 * force, axes="world")},
+        contacts={"left_foot": contact},
+    )
+    slow = averaged(fast, ZeroPhase(4.0))
+    size = len(fast) // len(slow)
+    assert size > 1
+    for mean, all_of_them in (
+        (slow.wrenches["left_foot"].force, force),
+        (slow.base.pose.position, pose.position),
+        (slow.contacts["left_foot"], contact),
+    ):
+        groups = all_of_them[: len(slow) * size].reshape(len(slow), size, -1)
+        expected = groups.all(axis=1)[:, 0] if mean.dtype == bool else groups.mean(axis=1)
+        assert np.allclose(mean, expected)

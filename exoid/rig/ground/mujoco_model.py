@@ -81,6 +81,7 @@ def build_mujoco_model(plant: GroundPlant, step: float, *, rail: bool = False) -
     option.integrator, option.solver = mujoco.mjtIntegrator.mjINT_EULER, mujoco.mjtSolver.mjSOL_NEWTON
     option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, FRICTION_IMPEDANCE
     option.tolerance, option.iterations = TOLERANCE, 100
+    option.disableflags = mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a state that diverges stays, and is refused
     spec.compiler.degree = False
     bodies = _add_bodies(spec, mujoco, plant)
     spec.worldbody.add_geom(name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[50.0, 50.0, 1.0])

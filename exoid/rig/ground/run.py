@@ -126,7 +126,8 @@ class GroundRun:
         """Return the readings of the sensors.
 
         ``contacts`` are those of foot switches: closed while the foot bears load, also on its heel or its toe alone, so
-        that an open one means no force.
+        that an open one means no force. A torso that a rail or a spring holds is in ``contacts`` if its wrench is not
+        logged: it is unknown at all samples.
 
         Args:
             sensors: Sensors; None for the default ones.
@@ -149,6 +150,10 @@ class GroundRun:
         world = sensors.wrench_axes == "world"
         pose = sensors.pose(self.position, self.rotation, rng) if world else None
         rate = 1.0 / float(self.time[1] - self.time[0])
+        contacts = {link: sensors.switch(foot.force[:, 2], rate, rng) for link, foot in self.feet.items()}
+        for link in self.wrenches:
+            if link not in logged and link not in contacts:
+                contacts[link] = np.ones(len(self.time), dtype=np.bool_)
         return Recording(
             self.time,
             q,
@@ -156,7 +161,7 @@ class GroundRun:
             joint_names=self.plant.leg.joint_names,
             base=sensors.imu(self.base, rng, pose),
             wrenches={link: sensors.wrench(self.wrench(link, world=world), rng) for link in logged},
-            contacts={link: sensors.switch(foot.force[:, 2], rate, rng) for link, foot in self.feet.items()},
+            contacts=contacts,
         )
 
     def wrench(self, link: str, *, world: bool = False) -> Wrench:

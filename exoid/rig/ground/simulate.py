@@ -92,7 +92,11 @@ def simulate_on_ground(
             ledger.finish(now, torque, held)
         if logs:
             samples.finish(now * rates.step, torque)
-            _refuse_divergence(engine, now * rates.step)
+        if not engine.rate @ engine.rate < DIVERGED_SPEED**2:
+            raise ExoidError(
+                f"the machine diverged before {now * rates.step:.3g} s",
+                remedy="lower the gains, slow the motion, or shorten the step",
+            )
     return samples.run(ledger.audit(rates.step))
 
 
@@ -144,10 +148,3 @@ class _Ledger:
         total, plane = dt * forces.sum(axis=0), self._engine.plant.plane
         planar = self._engine.plant.is_planar
         return np.asarray(total[0] * plane.forward + total[1] * plane.up if planar else total[:3])
-
-
-def _refuse_divergence(engine: Engine, time: float) -> None:
-    if not (np.abs(engine.rate) < DIVERGED_SPEED).all():
-        raise ExoidError(
-            f"the machine diverged before {time:.3g} s", remedy="lower the gains, slow the motion, or shorten the step"
-        )

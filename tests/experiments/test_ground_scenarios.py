@@ -1,0 +1,165 @@
+"""Scenarios on the ground: each run obeys the equation of motion, and moves as its name says."""
+
+import numpy as np
+import pytest
+from ground_machines import inverse_dynamics_residual, residual
+
+import exoid
+from exoid import ExoidError
+from exoid.experiments.ground import (
+    Gait,
+    Stance,
+    bleex_machine,
+    rail_squats,
+    single_support,
+    squats_and_shifts,
+    swing,
+    walking,
+)
+from exoid.rig.ground import BLEEX_SOLES, GroundPlant
+
+EXO, LEG = bleex_machine(), bleex_machine("left")
+WEIGHT = 9.81 * sum(body.mass for body in EXO.leg.model.inertias)
+
+RUNS = {
+    "rail_squats": lambda: rail_squats(LEG, 3.0),
+    "rail_squats of both legs": lambda: rail_squats(EXO, 2.0, seed=1),
+    "squats_and_shifts": lambda: squats_and_shifts(EXO, 3.0),
+    "single_support": lambda: single_support(EXO, 3.0),
+    "single_support of the right leg": lambda: single_support(EXO, 2.0, standing=1, seed=1),
+    "swing": lambda: swing(EXO, 3.0),
+    "walking": lambda: walking(EXO, 5.0),
+}
+
+
+@pytest.fixture(scope="module", params=RUNS)
+def named(request):
+    return request.param, RUNS[request.param]()
+
+
+@pytest.fixture(scope="module")
+def walk():
+    return walking(EXO, 6.0)
+
+
+def test_every_scenario_obeys_the_equation_and_keeps_its_books(named):
+    name, run = named
+    assert np.abs(residual(run)).max() < 1e-6, name  # of forces of up to 1000 N
+    assert np.abs(inverse_dynamics_residual(run)).max() < 1e-6
+    assert run.audit.energy_error < 1e-3
+    assert run.audit.momentum_error < 1e-4
+    assert run.audit.friction > 0.0
+    assert np.abs(run.v).max() > 0.2
+
+
+def test_forces_are_within_the_friction_cone_and_the_sole(named):
+    _, run = named
+    for link, foot in run.feet.items():
+        loaded = foot.force[:, 2] > 1.0
+        tangential = np.hypot(foot.force[:, 0], foot.force[:, 1])
+        assert (tangential <= 0.8 * foot.force[:, 2] + 1e-6).all()
+        arm = np.einsum("nij,ni->nj", foot.rotation, foot.centre_of_pressure - foot.position)[loaded]
+        heel, toe = run.plant.soles[link].points[:, 0]
+        assert (arm[:, 0] > heel - 0.005).all()  # the spheres have a radius of 5 mm
+        assert (arm[:, 0] < toe + 0.005).all()
+
+
+def test_feet_stand_flat_without_slip(named):
+    name, run = named
+    if name == "walking":
+        return
+    standing = {
+        "single_support": ["left_foot"],
+        "single_support of the right leg": ["right_foot"],
+        "swing": [],
+    }.get(name, list(run.feet))
+    for link, foot in run.feet.items():
+        if link in standing:
+            assert run.fixed(link).all()
+            assert foot.slip.max() < 1e-3
+            assert np.ptp(foot.position, axis=0).max() < 1e-3
+        else:
+            assert not foot.touching.any()
+            assert not foot.force.any()
+
+
+def test_every_scenario_gives_a_recording(named):
+    _, run = named
+    log = run.recording(seed=1)
+    assert len(log) == len(run.time)
+    assert set(log.wrenches) == set(run.wrenches)
+    assert log.joint_names == run.plant.leg.joint_names
+
+
+def test_a_walking_machine_walks(walk):
+    assert walk.position[-1, 0] - walk.position[0, 0] > 3.0
+    assert sum(foot.force[:, 2].mean() for foot in walk.feet.values()) > 0.7 * WEIGHT
+    for link, foot in walk.feet.items():
+        touching = foot.touching
+        steps = np.count_nonzero(np.diff(touching.astype(int)) == 1)
+        assert steps >= 4
+        assert 0.4 < touching.mean() < 0.7
+        assert 0.15 < walk.fixed(link).mean() < 0.5  # flat, between heel strike and heel off
+        assert np.median(foot.slip[touching]) < 0.003
+        assert foot.position[:, 2].max() > 0.2  # of the ankle in swing, 0.115 m while it stands
+    both = np.all([foot.touching for foot in walk.feet.values()], axis=0)
+    assert 0.02 < both.mean() < 0.3  # double support
+
+
+def test_the_harness_bears_its_share_of_the_weight(walk):
+    force = np.einsum("nij,nj->ni", walk.rotation, walk.wrenches["torso"].force)
+    assert 0.1 * WEIGHT < force[:, 2].mean() < 0.35 * WEIGHT
+
+
+def test_the_seed_changes_the_motion_and_the_same_seed_does_not():
+    first, same, other = (swing(EXO, 1.0, seed=seed) for seed in (0, 0, 1))
+    assert first.q.tobytes() == same.q.tobytes()
+    assert np.abs(first.q - other.q).max() > 0.05
+
+
+def test_on_ice_feet_slip_and_the_switches_do_not_tell():
+    run = squats_and_shifts(bleex_machine(ground_friction=0.022), 10.0)
+    share = np.mean([~run.fixed(link) for link in run.feet])
+    assert 0.02 < share < 0.1
+    assert np.abs(residual(run)).max() < 1e-6
+    assert all(closed.all() for closed in run.recording().contacts.values())
+
+
+def test_torques_of_the_plan_let_the_machine_follow_closely():
+    run, still = squats_and_shifts(EXO, 3.0), squats_and_shifts(EXO, 3.0, stance=Stance(squat=0.0, shift=0.0, bow=0.0))
+    assert np.abs(np.diff([foot.force[:, 2].sum() for foot in run.feet.values()])) < 1e-6 * WEIGHT * len(run.time)
+    np.testing.assert_allclose(still.q, np.broadcast_to(still.q[0], still.q.shape), rtol=0, atol=1e-4)
+    assert still.q[0, 0] == pytest.approx(still.q[0, 3], abs=1e-9)
+    assert still.position[0, 2] == pytest.approx(0.88, abs=0.005)
+
+
+def test_one_leg_carries_the_other_without_moving_it():
+    assert LEG.leg.joint_names == ("left_hip", "left_knee", "left_ankle")
+    assert sum(body.mass for body in LEG.leg.model.inertias) * 9.81 == pytest.approx(WEIGHT)
+
+
+@pytest.mark.parametrize(
+    ("mistake", "message"),
+    [
+        (lambda: squats_and_shifts(EXO, 1.0, stance=Stance(height=1.0)), "m from the hip, a leg of 0.86 m"),
+        (
+            lambda: squats_and_shifts(EXO, 1.0, stance=Stance(height=0.5)),
+            r"asks left_knee for -126.6°. To fix it: stay between",
+        ),
+        (lambda: squats_and_shifts(EXO, 6.0, stance=Stance(frequency=1.6)), r"machine falls: at 5\.\d+ s its torso is"),
+        (lambda: single_support(EXO, 1.0, stance=Stance(height=0.75)), r"right_foot would swing -48.4 mm above"),
+        (lambda: single_support(EXO, 1.0, standing=2), "no leg 2 of 2"),
+        (lambda: walking(EXO, 1.0, gait=Gait(speed="Running")), "Running"),
+        (lambda: bleex_machine("three"), "legs 'three'"),
+        (
+            lambda: rail_squats(
+                GroundPlant.build(exoid.load_exo("cuhk", base="floating"), {"left_shank": BLEEX_SOLES["left_foot"]}),
+                1.0,
+            ),
+            "hip, knee, ankle and one sole",
+        ),
+    ],
+)
+def test_motions_that_cannot_be_followed_are_refused(mistake, message):
+    with pytest.raises(ExoidError, match=message):
+        mistake()

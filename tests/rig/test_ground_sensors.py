@@ -1,0 +1,116 @@
+"""Sensors on the ground: exact ones read the truth, the others have the noise, bias, delay and mistakes they state."""
+
+import numpy as np
+import pytest
+
+from exoid import ExoidError
+from exoid.experiments.ground import bleex_machine, rail_squats, walking
+from exoid.rig.ground import GroundSensors
+
+
+@pytest.fixture(scope="module")
+def walk():
+    return walking(bleex_machine(), 6.0)
+
+
+@pytest.fixture(scope="module")
+def squats():
+    return rail_squats(bleex_machine("left"), 3.0)
+
+
+def test_exact_sensors_read_the_truth(walk):
+    log = walk.recording(GroundSensors.exact())
+    np.testing.assert_array_equal(log.q, walk.q)
+    np.testing.assert_array_equal(log.tau, walk.tau)
+    for link, wrench in walk.wrenches.items():
+        np.testing.assert_array_equal(log.wrenches[link].force, wrench.force)
+        np.testing.assert_array_equal(log.wrenches[link].moment, wrench.moment)
+    np.testing.assert_array_equal(log.base.angular_velocity, walk.base.angular_velocity)
+    expected = walk.base.specific_force_at(np.array([0.05, 0.0, 0.25]))
+    np.testing.assert_allclose(log.base.specific_force, expected, rtol=0, atol=1e-12)
+    assert log.base.pose is None
+    assert log.joint_names == walk.plant.leg.joint_names
+
+
+def test_noise_has_the_stated_size(walk):
+    sensors = GroundSensors()
+    log, exact = walk.recording(sensors, 1), walk.recording(GroundSensors.exact())
+    assert (log.q - exact.q).std() == pytest.approx(1e-4, rel=0.05)
+    np.testing.assert_allclose((log.tau - exact.tau).std(axis=0), [0.5, 0.4, 0.2] * 2, rtol=0.1)
+    for part, size in (("force", 3.0), ("moment", 0.3)):
+        errors = [getattr(log.wrenches[link], part) - getattr(exact.wrenches[link], part) for link in log.wrenches]
+        assert np.std(errors) == pytest.approx(size, rel=0.05)
+    assert (log.base.angular_velocity - exact.base.angular_velocity).std() == pytest.approx(0.005, rel=0.05)
+    assert (log.base.specific_force - exact.base.specific_force).std() == pytest.approx(0.05, rel=0.05)
+
+
+def test_a_bias_is_constant_and_drawn_for_each_log(walk):
+    sensors = GroundSensors(gyro_bias=0.02, acceleration_bias=0.1, gyro_noise=0.0, acceleration_noise=0.0)
+    exact = walk.recording(GroundSensors.exact()).base
+    biases = []
+    for seed in range(30):
+        base = walk.recording(sensors, seed).base
+        errors = np.hstack([base.angular_velocity - exact.angular_velocity, base.specific_force - exact.specific_force])
+        assert np.ptp(errors, axis=0).max() < 1e-9
+        biases.append(errors[0])
+    np.testing.assert_allclose(np.std(biases, axis=0), [0.02] * 3 + [0.1] * 3, rtol=0.5)
+    assert np.std(biases, axis=0)[:3].mean() == pytest.approx(0.02, rel=0.2)
+
+
+def test_a_mounting_that_is_not_stated_turns_the_readings(walk):
+    exact, angle = walk.recording(GroundSensors.exact()).base, 0.1
+    base = walk.recording(
+        GroundSensors(gyro_noise=0.0, acceleration_noise=0.0, imu_misalignment=(0.0, angle, 0.0))
+    ).base
+    x, z = exact.specific_force[:, 0], exact.specific_force[:, 2]
+    turned = np.cos(angle) * x - np.sin(angle) * z  # the sensor's x axis is turned down
+    np.testing.assert_allclose(base.specific_force[:, 0], turned, rtol=0, atol=1e-9)
+
+
+def test_plates_in_the_laboratory_and_soles_on_the_foot_measure_one_wrench(walk):
+    log = walk.recording(GroundSensors.exact(wrench_axes="world"))
+    assert log.base.pose is not None
+    np.testing.assert_allclose(log.base.pose.position, walk.position, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(log.base.pose.rotation, walk.rotation, rtol=0, atol=1e-9)
+    for link, foot in walk.feet.items():
+        world, own = log.wrenches[link], walk.wrenches[link]
+        assert world.axes == "world"
+        np.testing.assert_allclose(world.force, foot.force, rtol=0, atol=1e-9)
+        turned = np.einsum("nij,nj->ni", foot.rotation, own.moment) + np.cross(foot.position, foot.force)
+        np.testing.assert_allclose(world.moment, turned, rtol=0, atol=1e-9)
+        loaded = foot.force[:, 2] > 50.0  # the vertical line of force goes through the sole
+        arm = np.einsum("nij,ni->nj", foot.rotation, foot.centre_of_pressure - foot.position)[loaded]
+        assert arm[:, 0].min() > -0.085
+        assert arm[:, 0].max() < 0.135
+    noisy = walk.recording(GroundSensors(wrench_axes="world"), 2)
+    assert (noisy.base.pose.position - walk.position).std() == pytest.approx(2e-4, rel=0.05)
+
+
+def test_a_torso_whose_holder_is_not_logged_has_an_unknown_wrench(squats):
+    log = squats.recording(wrenches=("left_foot",))
+    assert set(log.wrenches) == {"left_foot"}
+    assert log.contacts["torso"].all()
+    assert "torso" not in squats.recording().contacts
+    assert set(squats.recording(wrenches=()).contacts) == {"left_foot", "torso"}
+    with pytest.raises(ExoidError, match="no wrench on 'right_foot' in the run"):
+        squats.recording(wrenches=("right_foot",))
+
+
+def test_switches_are_closed_while_a_foot_bears_load_and_late_if_they_are_slow(walk):
+    exact = walk.recording(GroundSensors.exact())
+    late = walk.recording(GroundSensors(switch_delay=0.02))
+    for link, foot in walk.feet.items():
+        np.testing.assert_array_equal(exact.contacts[link], foot.force[:, 2] > 20.0)
+        np.testing.assert_array_equal(late.contacts[link][10:], exact.contacts[link][:-10])
+        assert 0.3 < exact.contacts[link].mean() < 0.7
+
+
+def test_a_share_of_stance_is_mislabelled_in_stretches(walk):
+    exact = walk.recording(GroundSensors.exact())
+    wrong = walk.recording(GroundSensors(mislabelled=0.05), 1)
+    for link in walk.feet:
+        flipped = exact.contacts[link] != wrong.contacts[link]
+        assert flipped.sum() == round(0.05 * exact.contacts[link].sum())
+        assert not (flipped & ~exact.contacts[link]).any()
+        stretches = np.count_nonzero(np.diff(flipped.astype(int)) == 1)
+        assert flipped.sum() / stretches > 10

@@ -1,0 +1,202 @@
+"""A machine on the ground obeys the equation of motion, bears its weight, and keeps its books."""
+
+import sys
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+import pytest
+from ground_machines import inverse_dynamics_residual, residual, spatial_plant
+
+import exoid
+from exoid import ExoidError
+from exoid.experiments.ground import bleex_machine
+from exoid.rig import Rates
+from exoid.rig.ground import (
+    BLEEX_SOLES,
+    GroundMotion,
+    GroundPlant,
+    GroundSensors,
+    JointGains,
+    Sole,
+    Spring,
+    simulate_on_ground,
+)
+from exoid.rig.ground.engine import Engine
+
+PLANT = bleex_machine()
+GAINS = JointGains((2000.0, 2000.0, 1500.0), (60.0, 60.0, 40.0))
+STAND = np.array([0.45, -0.65, 0.45] * 2)
+PITCH = -0.25
+HOLD = Spring((0.0, 0.0, 0.3), (5000.0, 5000.0, 5000.0), (300.0, 300.0, 300.0), 800.0, 60.0)
+
+
+def motion(seconds=2.0, squat=0.0, height=0.912, pitch=PITCH, lead=-1.0):
+    """Squats with flat feet; without a size, standing."""
+    time = np.linspace(lead, seconds, round(100 * (seconds - lead)) + 1)
+    s = squat * np.where(time > 0.0, 1.0 - np.cos(2.0 * np.pi * 0.8 * time), 0.0)
+    q = np.tile(np.column_stack([STAND[0] + s, STAND[1] - 2.0 * s, STAND[2] + s]), 2)
+    base = np.column_stack([np.zeros_like(time), np.full_like(time, height), np.full_like(time, pitch)])
+    return GroundMotion(time, q, np.zeros_like(q), base)
+
+
+@pytest.fixture(scope="module")
+def standing():
+    return simulate_on_ground(PLANT, motion(seconds=4.0, lead=-3.0), GAINS, spring=None)
+
+
+@pytest.fixture(scope="module")
+def in_space():
+    return simulate_on_ground(spatial_plant(), motion(squat=0.05), JointGains(1500.0, 50.0), spring=HOLD)
+
+
+def test_a_standing_machine_bears_its_weight_below_its_centre_of_mass(standing):
+    weight = 9.81 * sum(body.mass for body in PLANT.leg.model.inertias)
+    forces = sum(foot.force[-1] for foot in standing.feet.values())
+    np.testing.assert_allclose(forces, [0.0, 0.0, weight], rtol=0, atol=1e-3 * weight)
+    model, data = PLANT.leg.model, PLANT.leg.model.createData()
+    pin.centerOfMass(model, data, standing.q[-1])
+    legs = sum(body.mass for body in list(model.inertias)[1:])
+    within = (legs * data.com[0] + model.inertias[0].mass * model.inertias[0].lever) / (weight / 9.81)
+    centre = standing.position[-1] + standing.rotation[-1] @ within
+    pressure = np.mean([foot.centre_of_pressure[-1] for foot in standing.feet.values()], axis=0)
+    np.testing.assert_allclose(pressure[0], centre[0], rtol=0, atol=1e-4)
+
+
+def test_the_engine_has_the_mass_matrix_and_the_bias_of_pinocchio():
+    engine, rng = Engine(PLANT, 5e-4), np.random.default_rng(0)
+    q, rate, pitch = rng.normal(size=6), rng.normal(size=9), 0.4
+    engine.place(q, np.array([0.3, 3.0, pitch]))
+    engine.rate[:] = rate
+    engine.begin()
+    M = np.zeros((9, 9))
+    mujoco.mj_fullM(engine.model, engine.data, M)
+    leg = PLANT.leg  # its base rows are forward and up in axes of the torso, and about the hip, here the origin
+    turn = np.eye(9)
+    turn[:2, :2] = [[np.cos(pitch), np.sin(pitch)], [-np.sin(pitch), np.cos(pitch)]]
+    expected = turn.T @ leg.mass_matrix(q[None])[0] @ turn + np.diag([0.0] * 3 + PLANT.armature.tolist())
+    np.testing.assert_allclose(M, expected, rtol=0, atol=1e-12)
+    assert engine.energy == pytest.approx(0.5 * rate @ expected @ rate + engine.data.energy[0], rel=1e-12)
+
+
+@pytest.mark.parametrize("spring", [None, HOLD], ids=["free", "held"])
+def test_a_run_obeys_the_equation_of_motion(spring):
+    run = simulate_on_ground(PLANT, motion(squat=0.08), GAINS, spring=spring)
+    assert np.abs(residual(run)).max() < 1e-7
+    assert np.abs(inverse_dynamics_residual(run)).max() < 1e-7
+    assert np.abs(run.a).max() > 1.0
+    assert run.audit.energy_error < 1e-3
+    assert run.audit.momentum_error < 1e-5
+
+
+def test_so_does_a_machine_in_space(in_space):
+    assert in_space.plant.leg.base_rows == 6
+    assert np.abs(residual(in_space)).max() < 1e-3
+    assert np.abs(inverse_dynamics_residual(in_space)).max() < 1e-3
+    assert in_space.audit.energy_error < 1e-3
+    assert in_space.audit.momentum_error < 1e-5
+    assert (in_space.base.angular_velocity.std(axis=0) > 0.005).all()
+
+
+def test_the_residual_sees_wrong_parameters_and_wrong_wrenches():
+    run = simulate_on_ground(PLANT, motion(squat=0.08, seconds=0.5), GAINS)
+    heavier = PLANT.leg.with_parameters(PLANT.leg.parameters * 1.001)
+    rows = run.plant.leg.regressor(run.q, run.v, run.a, run.base) @ (heavier.parameters - PLANT.leg.parameters)
+    assert np.abs(residual(run) + rows).max() > 0.4  # a thousandth of the weight
+
+
+def test_the_logged_acceleration_is_the_second_difference_of_the_angles():
+    rates = Rates(control=2000.0, log=2000.0, step=5e-4)
+    run = simulate_on_ground(PLANT, motion(squat=0.08, seconds=0.5), GAINS, rates=rates)
+    second = np.diff(run.q, 2, axis=0) * 2000.0**2
+    np.testing.assert_allclose(run.a[1:-1], second, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(run.v[1:], np.diff(run.q, axis=0) * 2000.0, rtol=0, atol=1e-9)
+
+
+def test_half_the_step_has_half_the_error_of_energy():
+    """Swinging in the air, so that no impact hides the order."""
+    errors = [
+        simulate_on_ground(
+            PLANT, motion(squat=0.2, height=1.5), GAINS, spring=HOLD, rates=Rates(1 / step, 500.0, step)
+        ).audit.energy_error
+        for step in (5e-4, 2.5e-4)
+    ]
+    assert 1.7 < errors[0] / errors[1] < 2.3
+
+
+def test_a_rail_lets_the_torso_move_up_and_down_only():
+    plant = bleex_machine("left")
+    time = np.linspace(-0.5, 1.0, 151)
+    q = np.tile([0.3, -0.6, 0.3], (151, 1)) + 0.1 * np.sin(4.0 * time)[:, None] * [1.0, -2.0, 1.0]
+    base = np.tile([0.0, 0.935, 0.0], (151, 1))
+    run = simulate_on_ground(plant, GroundMotion(time, q, 0.0 * q, base), GAINS, rail=True)
+    assert np.abs(run.position[:, 0]).max() < 1e-4
+    assert np.abs(run.rotation - np.eye(3)).max() < 1e-4
+    assert np.ptp(run.position[:, 2]) > 0.01
+    wrench = run.wrenches["torso"]
+    assert np.abs(wrench.force[:, 2]).max() < 1e-2  # it turns with the torso by less than 1e-4 rad
+    assert np.abs(wrench.moment[:, 1]).max() > 10.0
+    assert np.abs(residual(run)).max() < 1e-7
+
+
+def test_the_same_input_gives_the_same_bytes():
+    runs = [simulate_on_ground(PLANT, motion(squat=0.05, seconds=0.3), GAINS) for _ in range(2)]
+    for name in ("q", "v", "a", "tau", "position"):
+        assert getattr(runs[0], name).tobytes() == getattr(runs[1], name).tobytes()
+    logs = [run.recording(seed=3) for run in runs]
+    assert logs[0].q.tobytes() == logs[1].q.tobytes()
+    assert logs[0].wrenches["left_foot"].force.tobytes() == logs[1].wrenches["left_foot"].force.tobytes()
+    assert runs[0].recording(seed=4).q.tobytes() != logs[0].q.tobytes()
+
+
+def test_a_run_and_its_parts_print_in_one_line(standing):
+    assert str(standing) == "GroundRun(bleex.urdf: 2001 samples at 500 Hz, 4 s; on left_foot, right_foot)"
+    assert str(PLANT).startswith("GroundPlant(bleex.urdf: left_hip, left_knee, left_ankle, right_hip")
+    assert "relative errors of energy" in str(standing.audit)
+
+
+def test_without_mujoco_the_error_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(ExoidError, match=r"MuJoCo is not installed. To fix it: pip install 'exoid\[ground\]'"):
+        simulate_on_ground(PLANT, motion(), GAINS)
+
+
+def simulate_with(**changes):
+    return simulate_on_ground(**{"plant": PLANT, "motion": motion(), "gains": GAINS, **changes})
+
+
+STIFF = Spring((0.0, 0.0, 0.3), (1e9, 0.0, 1e9), (0.0, 0.0, 0.0))
+LATE = motion(lead=0.5)
+FIXED = exoid.load_exo("bleex")
+
+
+@pytest.mark.parametrize(
+    ("mistake", "message"),
+    [
+        (lambda: simulate_with(rail=True, spring=HOLD), "a rail and a spring"),
+        (lambda: simulate_with(motion=LATE), "begin at zero or before"),
+        (lambda: simulate_with(gains=JointGains((1.0,) * 4, 1.0)), "stiffness has 4 values for 6 joints"),
+        (lambda: simulate_with(gains=JointGains(1.0, -1.0)), "damping is -1.0"),
+        (lambda: simulate_with(rates=Rates(control=3000.0)), "do not fit a step"),
+        (lambda: simulate_with(plant=spatial_plant(), rail=True), "moves in a plane"),
+        (lambda: simulate_with(spring=STIFF), "the machine diverged before"),
+        (lambda: GroundPlant.build(FIXED, BLEEX_SOLES), "needs a floating base, not 'fixed'"),
+        (lambda: GroundPlant.build(PLANT.leg, {"foot": BLEEX_SOLES["left_foot"]}), "no link 'foot' in the URDF"),
+        (lambda: GroundPlant.build(PLANT.leg, {}), "no sole"),
+        (lambda: GroundPlant.build(PLANT.leg, BLEEX_SOLES, {"c0_hip": 1.0}), "the plant has no c0_hip"),
+        (lambda: GroundPlant.build(PLANT.leg, BLEEX_SOLES, {"c0_left_hip": -1.0}), "c0 of the plant"),
+        (lambda: GroundPlant.build(PLANT.leg, BLEEX_SOLES, ground_friction=0.0), "friction coefficient of the ground"),
+        (lambda: GroundPlant.build(PLANT.leg, BLEEX_SOLES, smoothing=0.0), "a smoothing of 0"),
+        (lambda: Sole(np.zeros((1, 3))), "a sole with points of shape"),
+        (lambda: Sole.flat(-75.0, 130.0, -115.0), "in m"),
+        (lambda: Sole(np.zeros((2, 3)), radius=0.0), "radius 0 m"),
+        (lambda: Spring((0.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), "is not a spring"),
+        (lambda: GroundSensors(angle_noise=-1.0), "angle_noise of the sensors is -1.0"),
+        (lambda: GroundSensors(wrench_axes="plate"), "wrenches in axes 'plate'"),
+        (lambda: GroundSensors(mislabelled=1.0), "mislabelled"),
+        (lambda: GroundSensors(imu_position=(0.0, np.nan, 0.0)), "imu_position"),
+    ],
+)
+def test_bad_input_is_refused(mistake, message):
+    with pytest.raises(ExoidError, match=message):
+        mistake()
