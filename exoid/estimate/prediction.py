@@ -104,8 +104,8 @@ def _refuse_ground(recording: Recording) -> None:
         raise ExoidError(
             f"the surroundings act on {', '.join(recording.loaded_links)}, and the predicted leg moves in the air",
             where=recording.source.name if recording.source else "",
-            remedy="show the motion without prediction, or predict a swing: recording.between(start, stop) without its "
-            "wrenches and contacts",
+            remedy="show the motion without prediction, or cut out a swing and take them off: "
+            "dataclasses.replace(recording.between(start, stop), wrenches={}, contacts={})",
         )
 
 

@@ -216,11 +216,9 @@ def _slipping(
         for other, also in others:
             apart = levers[link] - levers[other]
             slips |= flags & also & _moves(apart, turning)
-        if gyro is not None:
-            turns = np.abs(
-                levers[link][:, turning] - gyro - np.median((levers[link][:, turning] - gyro)[flags], axis=0)
-            )
-            slips |= flags & (turns > TILTING).any(axis=1)
+        if gyro is not None and flags.any():
+            aside = levers[link][:, turning] - gyro
+            slips |= flags & (np.abs(aside - np.median(aside[flags], axis=0)) > TILTING).any(axis=1)
     return _widened(slips, round(0.5 * EDGE * recording.sample_rate))
 
 
