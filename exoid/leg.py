@@ -13,7 +13,6 @@ import numpy as np
 import pinocchio as pin
 
 from ._typing import ArrayLike, FloatArray
-from .base_kinematics import BaseKinematics
 from .description import Description, read_description
 from .dh import Convention, DHBody, DHRow, describe_dh
 from .dynamics import (
@@ -26,37 +25,12 @@ from .dynamics import (
     segment_placements,
 )
 from .errors import ExoidError
-from .floating_base import (
-    floating_mass_matrix,
-    free_flyer_model,
-    planar_coordinates,
-    project_columns,
-    rest,
-)
+from .floating_base import floating_mass_matrix, free_flyer_model, project_columns
 from .leg_data import Base, LegData, to_numbers, without_side
 from .link_frames import link_frame, planar_directions
 from .model import build_model, with_dynamic_parameters
-from .reduction import (
-    PlanarChain,
-    PlanarMachine,
-    TorsoSamples,
-    Tree,
-    documented,
-    documented_machine,
-    fill_reduced_regressor,
-    fill_regressor,
-    numeric,
-    tree_jacobian,
-)
-from .torso import (
-    TORSO_JOINTS,
-    MovingBase,
-    TorsoMotion,
-    base_kinematics,
-    moving_torso_model,
-    torso_coordinates,
-    torso_samples,
-)
+from .reduction import PlanarChain, PlanarMachine, documented, documented_machine, numeric, tree_jacobian
+from .torso import TORSO_JOINTS, MovingBase, TorsoMotion, moving_torso_model, torso_coordinates
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -213,59 +187,6 @@ class Leg(LegData):
             raise ExoidError(f"expected {len(self.parameter_names)} finite values for {self.parameter_names}")
         adjusted = self.reduction.adjust(self.link_parameters, array)
         return replace(self, model=with_dynamic_parameters(self.model, adjusted))
-
-    def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
-        """Form the regressor W of the parameters: τ = W(q, v, a) β. Rows of a floating base come before the joints.
-
-        Args:
-            q: Joint angles [rad], (N, n).
-            v: Joint velocities [rad/s], (N, n).
-            a: Joint accelerations [rad/s²], (N, n).
-            torso: Motion of the torso or of the base in space, of which a planar leg takes the part within its plane;
-                None if it is upright and still.
-
-        Returns:
-            W, (N, base_rows + n, p), each column contiguous in memory.
-
-        Raises:
-            ExoidError: Shapes do not fit, or the base of a leg moves that is neither a planar chain nor made for that.
-        """
-        q, v, a = self.samples(q, v, a)
-        out = np.zeros((len(self.parameter_names), len(self.row_names), len(q)))
-        self.fill_regressor(q, v, a, out, torso)
-        return out.transpose(2, 1, 0)
-
-    def fill_regressor(
-        self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, torso: MovingBase | None = None
-    ) -> None:
-        """Write the regressor into an array.
-
-        Args:
-            q: Joint angles [rad], (N, n).
-            v: Joint velocities [rad/s], (N, n).
-            a: Joint accelerations [rad/s²], (N, n).
-            out: Receives Wᵀ, zeroed, (p, base_rows + n, N).
-            torso: Motion of the torso, or of the base; see :meth:`regressor`.
-
-        Raises:
-            ExoidError: The base of a leg moves that is neither a planar chain nor made for that.
-        """
-        if self.chain is not None:
-            moved = None if torso is None else torso_samples(torso, len(q), self.chain.plane, self.hip)
-            fill_regressor(self.chain, q, v, a, out, cumulative=self.cumulative, torso=moved)
-        elif self.machine is not None:
-            within = None if torso is None else self._within_plane(torso, len(q))
-            self.machine.fill_regressor(q, v, a, out, cumulative=self.cumulative, torso=within)
-        elif torso is None or self.base != "fixed":
-            base = None if torso is None else self._base(torso, len(q)).spatial()
-            fill_reduced_regressor(self.reduction, self._tree, q, v, a, out, base)
-        else:
-            raise ExoidError(
-                "a moving base needs more parameters unless the leg is a planar chain",
-                where=self.description.name,
-                remedy='make the leg with Leg.from_urdf(..., base="moving")',
-                command="give --moving-base",
-            )
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
         """Compute joint torques, and the rows of a floating base, by the recursive Newton-Euler algorithm (RNEA).
@@ -438,31 +359,6 @@ class Leg(LegData):
     @cached_property
     def _on_torso(self) -> pin.Model:
         return moving_torso_model(self.model, self.plane)
-
-    @cached_property
-    def _free(self) -> pin.Model:
-        return free_flyer_model(self.model)
-
-    @cached_property
-    def _tree(self) -> Tree:
-        return Tree.from_model(self._free if self.base == "floating" else self.model)
-
-    @cached_property
-    def _base_coordinates(self) -> FloatArray:
-        """Twist of the root link per unit of each base coordinate, (6, base_rows)."""
-        if self.base != "floating":
-            return np.zeros((6, 0))
-        return np.eye(6) if self.machine is None else planar_coordinates(self.plane, self.hip)
-
-    def _base(self, torso: MovingBase | None, count: int) -> BaseKinematics:
-        if torso is None:
-            return rest(self.model.gravity.linear, count)
-        return base_kinematics(torso, count, self.plane, self.hip)
-
-    def _within_plane(self, torso: MovingBase, count: int) -> TorsoSamples:
-        """Motion within the plane; of a floating torso in axes that turn with it."""
-        base = self._base(torso, count) if self.base == "floating" else torso
-        return torso_samples(base, count, self.plane, self.hip)
 
 
 def _point(point: ArrayLike) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Data of a leg: a Pinocchio model, its geometry, and names and values of its base parameters."""
+"""Data of a leg: a Pinocchio model, its geometry, its base parameters, and the regressor that they multiply."""
 
 from __future__ import annotations
 
@@ -11,11 +11,25 @@ import numpy as np
 import pinocchio as pin
 
 from ._typing import ArrayLike, FloatArray
+from .base_kinematics import BaseKinematics
 from .description import Description
 from .errors import ExoidError
-from .floating_base import FREE_ROWS
+from .floating_base import FREE_ROWS, free_flyer_model, planar_coordinates, rest
 from .model import dynamic_parameters
-from .reduction import PLANAR_ROWS, SIDES, Limb, PlanarChain, PlanarMachine, Plane, Reduction
+from .reduction import (
+    PLANAR_ROWS,
+    SIDES,
+    Limb,
+    PlanarChain,
+    PlanarMachine,
+    Plane,
+    Reduction,
+    TorsoSamples,
+    Tree,
+    fill_reduced_regressor,
+    fill_regressor,
+)
+from .torso import MovingBase, base_kinematics, torso_samples
 
 Base = Literal["fixed", "moving", "floating"]
 """Whether the base of the leg stands, moves in space, or floats: then force and moment on it have rows of their own."""
@@ -39,7 +53,7 @@ class JointLimits(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LegData:
-    """Model, geometry and parameters of a leg; see :class:`exoid.Leg`.
+    """Model, geometry, parameters and regressor of a leg; see :class:`exoid.Leg`.
 
     Attributes:
         description: The URDF.
@@ -153,6 +167,59 @@ class LegData:
         lower, upper = np.where(turning, -np.inf, lower), np.where(turning, np.inf, upper)
         return JointLimits(lower, upper, model.velocityLimit.copy(), model.effortLimit.copy())
 
+    def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
+        """Form the regressor W of the parameters: τ = W(q, v, a) β. Rows of a floating base come before the joints.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            a: Joint accelerations [rad/s²], (N, n).
+            torso: Motion of the torso or of the base in space, of which a planar leg takes the part within its plane;
+                None if it is upright and still.
+
+        Returns:
+            W, (N, base_rows + n, p), each column contiguous in memory.
+
+        Raises:
+            ExoidError: Shapes do not fit, or the base of a leg moves that is neither a planar chain nor made for that.
+        """
+        q, v, a = self.samples(q, v, a)
+        out = np.zeros((len(self.parameter_names), len(self.row_names), len(q)))
+        self.fill_regressor(q, v, a, out, torso)
+        return out.transpose(2, 1, 0)
+
+    def fill_regressor(
+        self, q: FloatArray, v: FloatArray, a: FloatArray, out: FloatArray, torso: MovingBase | None = None
+    ) -> None:
+        """Write the regressor into an array.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+            v: Joint velocities [rad/s], (N, n).
+            a: Joint accelerations [rad/s²], (N, n).
+            out: Receives Wᵀ, zeroed, (p, base_rows + n, N).
+            torso: Motion of the torso, or of the base; see :meth:`regressor`.
+
+        Raises:
+            ExoidError: The base of a leg moves that is neither a planar chain nor made for that.
+        """
+        if self.chain is not None:
+            moved = None if torso is None else torso_samples(torso, len(q), self.chain.plane, self.hip)
+            fill_regressor(self.chain, q, v, a, out, cumulative=self.cumulative, torso=moved)
+        elif self.machine is not None:
+            within = None if torso is None else self._within_plane(torso, len(q))
+            self.machine.fill_regressor(q, v, a, out, cumulative=self.cumulative, torso=within)
+        elif torso is None or self.base != "fixed":
+            base = None if torso is None else self._base(torso, len(q)).spatial()
+            fill_reduced_regressor(self.reduction, self._tree, q, v, a, out, base)
+        else:
+            raise ExoidError(
+                "a moving base needs more parameters unless the leg is a planar chain",
+                where=self.description.name,
+                remedy='make the leg with Leg.from_urdf(..., base="moving")',
+                command="give --moving-base",
+            )
+
     def samples(self, *arrays: ArrayLike) -> tuple[FloatArray, ...]:
         """Check that arrays have the same shape (N, n).
 
@@ -179,6 +246,31 @@ class LegData:
         kind = ("planar" if self.limbs else "numeric") + ", floating base" * (self.base == "floating")
         names = ", ".join(self.parameter_names)
         return f"Leg({self.description.name!r}, joints={self.joint_names}, {kind}: {names})"
+
+    @cached_property
+    def _free(self) -> pin.Model:
+        return free_flyer_model(self.model)
+
+    @cached_property
+    def _tree(self) -> Tree:
+        return Tree.from_model(self._free if self.base == "floating" else self.model)
+
+    @cached_property
+    def _base_coordinates(self) -> FloatArray:
+        """Twist of the root link per unit of each base coordinate, (6, base_rows)."""
+        if self.base != "floating":
+            return np.zeros((6, 0))
+        return np.eye(6) if self.machine is None else planar_coordinates(self.plane, self.hip)
+
+    def _base(self, torso: MovingBase | None, count: int) -> BaseKinematics:
+        if torso is None:
+            return rest(self.model.gravity.linear, count)
+        return base_kinematics(torso, count, self.plane, self.hip)
+
+    def _within_plane(self, torso: MovingBase, count: int) -> TorsoSamples:
+        """Motion within the plane; of a floating torso in axes that turn with it."""
+        base = self._base(torso, count) if self.base == "floating" else torso
+        return torso_samples(base, count, self.plane, self.hip)
 
 
 def to_numbers(values: ArrayLike) -> FloatArray:

@@ -43,6 +43,8 @@ KINDS = (
     "sidecar",
     "stl",
     "ply",
+    "mot",
+    "forces.sto",
 )
 INTERESTING = (0, 1, 0x7F, 0x80, 0xFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 10**12, 2**63 - 1, 2**64 - 1)
 """Numbers at which readers go wrong."""
@@ -83,6 +85,9 @@ def seeds(folder: Path) -> dict[str, bytes]:
     for kind, plugin in (("mcap", StoragePlugin.MCAP), ("db3", StoragePlugin.SQLITE3)):
         log_writers.write_bag(folder / f"{kind}_bag", {"/joints": log_writers.messages(short)}, plugin=plugin)
         next((folder / f"{kind}_bag").glob(f"*.{kind}")).rename(folder / kind)
+    log_writers.write_mot(folder / "mot", short)
+    vectors = {f"ground_force_1_{part}{axis}": 100.0 * short.q[:, 0] for part in "vpm" for axis in "xyz"}
+    log_writers.write_opensim(folder / "forces.sto", short.time, vectors)
     log_writers.write_bag1(folder / "bag", log_writers.messages(short))
     estimate.save(folder / "estimate")
     estimate.to_urdf(folder / "leg.urdf")
@@ -137,6 +142,8 @@ def reader_of(kind: str) -> Callable[[Path], Any]:
         return lambda path: str(exoid.Estimate.load(path))
     if kind == "sidecar":
         return lambda path: read_exported(path.with_name("leg.urdf"))
+    if kind == "forces.sto":
+        return exoid.signals.read_opensim_forces
     if kind in ("stl", "ply"):
         return lambda path: load_mesh(path, np.ones(3))
     return exoid.Recording.from_file

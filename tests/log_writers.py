@@ -30,6 +30,41 @@ def write_parquet(path, recording):
     polars.DataFrame(named_columns(recording)).write_parquet(path)
 
 
+def write_opensim(path, time, columns, *, degrees=False, header=None, separator="\t"):
+    """Write a motion or storage file as OpenSim does.
+
+    Args:
+        path: The file.
+        time: Time stamps.
+        columns: Columns by name.
+        degrees: Whether the header says that angles are in degrees; columns are written as they are.
+        header: Other lines in the place of the usual ones, between the name and ``endheader``.
+        separator: Between cells.
+    """
+    usual = [
+        "version=1",
+        f"nRows={len(time)}",
+        f"nColumns={len(columns) + 1}",
+        f"inDegrees={'yes' if degrees else 'no'}",
+        "",
+        "Units are S.I. units (second, meters, Newtons, ...)",
+        "If the header above contains a line with 'inDegrees', this indicates whether rotational values are in degrees "
+        "(yes) or radians (no).",
+        "",
+    ]
+    table = np.column_stack([time, *columns.values()])
+    rows = [separator.join(map(repr, row)) for row in table.tolist()]
+    lines = ["Coordinates", *(usual if header is None else header), "endheader", separator.join(["time", *columns])]
+    path.write_text("\n".join([*lines, *rows]) + "\n", encoding="utf-8")
+
+
+def write_mot(path, recording):
+    """Angles in degrees, as inverse kinematics writes them, under the names of exoid."""
+    columns = {name: np.rad2deg(x) for name, x in named_columns(recording).items() if name != "time"}
+    columns |= {name: np.deg2rad(x) for name, x in columns.items() if name.startswith("tau_")}
+    write_opensim(path, recording.time, columns, degrees=True)
+
+
 def write_npz(path, recording):
     with path.open("wb") as file:
         np.savez_compressed(file, time=recording.time, joint_names=recording.joint_names, **arrays(recording))

@@ -11,6 +11,8 @@ from public_robots import urdf_of
 import exoid
 from exoid import ExoidError, Leg, TorsoMotion
 from exoid.control.model import ControlModel
+from exoid.experiments.excitation import assess, plan_excitation
+from exoid.experiments.excitation.clearance import Clearance
 from exoid.torso import base_kinematics
 
 TOLERANCE = 1e-12
@@ -333,7 +335,16 @@ def test_what_needs_a_held_base_refuses_one_that_floats():
     exo = exoid.load_exo("bleex", base="floating")
     assert "a rig needs a base that is held" in refusal(lambda: exoid.rig.Plant.build(exo))
     assert "control needs a base that is held" in refusal(lambda: ControlModel.of(exo))
+    assert "a planned excitation needs a base that is held" in refusal(lambda: plan_excitation(exo))
+    recording = exoid.Recording(np.arange(20.0), np.zeros((20, 6)), joint_names=exo.joint_names)
+    assert "an assessment needs a base that is held" in refusal(lambda: assess(exo, recording))
     assert "no Coriolis matrix" in refusal(lambda: exo.coriolis(np.zeros(6), np.zeros(6)))
+
+
+def test_the_clearance_of_a_foot_needs_one_chain_of_joints():
+    clearance = Clearance(np.array([[0.2, -0.1]]))
+    message = refusal(lambda: clearance.margin(exoid.load_exo("bleex"), np.zeros((1, 6))))
+    assert "one chain of joints, and the leg has several" in message
 
 
 def test_a_floating_root_link_needs_a_mass():

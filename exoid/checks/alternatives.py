@@ -112,7 +112,8 @@ def gross_findings(checked: Checked) -> tuple[Finding, ...]:
             misfit = factors.fit(checked, alternative.torque_order, alternative.torques).misfit
             if misfit < least:
                 best, least = alternative, misfit - np.log(CLEARLY)
-        coupled = coupled_joints(trial, as_logged, reference)
+        loaded = any(isinstance(one, Recording) and one.loaded_links for one in trial.data)
+        coupled = None if loaded else coupled_joints(trial, as_logged, reference)  # errors of a force mix torques too
     except (ExoidError, np.linalg.LinAlgError):
         return ()
     if coupled is not None and coupled.misfit < least - np.log(CLEARLY_MIXED):

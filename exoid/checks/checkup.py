@@ -30,6 +30,7 @@ from .alternatives import POOR, gross_findings, negative_parameters
 from .arm_columns import arm_columns
 from .channels import channel_findings
 from .evidence import Evidence
+from .gravity_size import gravity_size_findings
 from .model_checks import Delays, delays, find_faults
 from .out_of_plane import out_of_plane_findings
 from .repeats import repeated_data
@@ -110,6 +111,7 @@ def check_fit(fitted: FittedLeg, data: Sequence[Recording | Poses]) -> Checkup:
     except ExoidError:
         return Checkup(ordered(found))
     found += out_of_plane_findings(model, checked.preparation, checked.data)
+    found += gravity_size_findings(model, checked.data)
     ranges = evidence.ranges[0]
     for other in evidence.ranges[1:]:
         ranges = ranges.joined(other)

@@ -26,7 +26,11 @@ from exoid.torques import DEFAULT_TERMS, Term, term_by_name
 
 from .payloads import payloads_in
 
-DATASETS = {"bleex_swing": datasets.bleex_swing, "dfki_double_pendulum": datasets.dfki_double_pendulum}
+DATASETS = {
+    "bleex_swing": datasets.bleex_swing,
+    "dfki_double_pendulum": datasets.dfki_double_pendulum,
+    "teststand_leg": datasets.teststand_leg,
+}
 """Datasets of exoid, as LEG ``name`` and LOG ``name:train`` or ``name:test``."""
 
 ColumnPairs = Annotated[

@@ -1,8 +1,17 @@
-"""Example data: a real two-link arm (downloaded once), a virtual leg (part of the package), and gait norms."""
+"""Example data: real legs and arms (downloaded once), a virtual leg (part of the package), and gait norms."""
 
 from .bleex_swing import bleex_swing
 from .dataset import Dataset
 from .dfki import dfki_double_pendulum
 from .gait_norms import GaitNorm, gait_norm
+from .teststand import ForceDataset, teststand_leg
 
-__all__ = ["Dataset", "GaitNorm", "bleex_swing", "dfki_double_pendulum", "gait_norm"]
+__all__ = [
+    "Dataset",
+    "ForceDataset",
+    "GaitNorm",
+    "bleex_swing",
+    "dfki_double_pendulum",
+    "gait_norm",
+    "teststand_leg",
+]

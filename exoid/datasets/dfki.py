@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
-import os
 from pathlib import Path
 
 from exoid.catalog import urdf_folder
-from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.signals import Recording
 
 from .dataset import Dataset
+from .download import find_or_download
 
 FILE = "20220812-061157-PM_measured.csv"
 SHA256 = "af4f48db0bb984e527c7155cef9e303343cc958d8c8fc528e465823c51b615e8"
@@ -61,20 +59,4 @@ def recording_path() -> Path:
     Raises:
         ExoidError: The file is missing and cannot be downloaded, or differs from the published one.
     """
-    kept = Path(os.environ.get("EXOID_DATA_DIR", "")) / "dfki_double_pendulum" / FILE
-    if os.environ.get("EXOID_DATA_DIR") and kept.is_file():
-        if hashlib.sha256(kept.read_bytes()).hexdigest() != SHA256:
-            raise ExoidError(
-                "not the published file: its hash differs", where=str(kept), remedy="delete it, or unset EXOID_DATA_DIR"
-            )
-        return kept
-    import pooch  # noqa: PLC0415 - it is needed once, for the download
-
-    try:
-        return Path(pooch.retrieve(URL, f"sha256:{SHA256}", fname=FILE, path=pooch.os_cache("exoid")))
-    except Exception as error:  # pooch passes on any error of its downloader
-        raise ExoidError(
-            f"cannot be downloaded ({' '.join(str(error).split())[:200]})",
-            where=URL,
-            remedy=f"download it to $EXOID_DATA_DIR/dfki_double_pendulum/{FILE}",
-        ) from error
+    return find_or_download(URL, SHA256, f"dfki_double_pendulum/{FILE}")

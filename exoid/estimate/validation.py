@@ -18,6 +18,7 @@ from exoid.signals import Preparation, Recording
 from exoid.tables import DataTable, make_table, to_html, to_text
 
 from .data import EstimateData
+from .ground_validation import Compared, compare_on_ground, stands
 from .motion_ranges import MotionRanges
 from .torque_filter import TorqueFilter
 from .validation_checks import (
@@ -255,24 +256,23 @@ def validate(
 def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFilter) -> Validation:
     """Predict the torque of one recording, block by block."""
     recording = as_trained(estimate, recording)
-    model, preparation, count = estimate.band_model, chosen.preparation, len(estimate.values)
-    prepared = prepare(model, recording, preparation, every=True)
-    rate = 1.0 / float(prepared.time[1] - prepared.time[0])
+    chosen_joints = for_leg(estimate.model, recording)
+    rate = chosen_joints.sample_rate
+    preparation = chosen.preparation
     bandwidth = preparation.independent_fraction(rate) / estimate.preparation.independent_fraction(rate)
-    factor = half_width(LEVEL, estimate.dof)
-    parts = []
-    for rows in each_row(model, prepared):
-        half = factor * np.sqrt(estimate.measured_variance(rows.W, bandwidth))
-        payload = 0.0 if rows.payload is None else rows.payload
-        parts.append((rows.time, rows.tau + payload, rows.W[..., :count] @ estimate.values + payload, half))
-    time, measured, predicted, half = (np.concatenate(part) for part in zip(*parts, strict=True))
+    if stands(estimate, recording):
+        (time, measured, predicted, variance), ranges = (
+            compare_on_ground(estimate, recording, preparation, bandwidth),
+            None,
+        )
+    else:
+        (time, measured, predicted, variance), ranges = _compare(estimate, recording, preparation, bandwidth)
+    half = half_width(LEVEL, estimate.dof) * np.sqrt(variance)
     name = recording.source.name if recording.source else ""
-    chosen_joints = for_leg(model, recording)
     measured[:, ~chosen_joints.measured] = np.nan
     alone = Validation(estimate.joint_names, time, measured, predicted, name or "array", half_width=half, filter=chosen)
-    used = prepared.inside
-    ranges = MotionRanges.of(prepared.motion.q[used], prepared.motion.v[used], prepared.motion.a[used])
-    found = [*shifted_torques(estimate, name), *extrapolations(estimate, ranges, name)]
+    found = list(shifted_torques(estimate, name))
+    found += [] if ranges is None else extrapolations(estimate, ranges, name)
     growth = np.ones_like(alone.rmse)
     if chosen.comparable:
         of_training = np.sqrt(bandwidth) * estimate.residual_rms
@@ -286,3 +286,19 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
         estimate, alone.nrmse, growth, name, passive=chosen_joints.measured & ~chosen_joints.driven
     )
     return replace(alone, findings=ordered(found))
+
+
+def _compare(
+    estimate: EstimateData, recording: Recording, preparation: Preparation, bandwidth: float
+) -> tuple[Compared, MotionRanges]:
+    """Predict the torques of a recording block by block, and measure its motion."""
+    model, count = estimate.band_model, len(estimate.values)
+    prepared = prepare(model, recording, preparation, every=True)
+    parts = []
+    for rows in each_row(model, prepared):
+        payload = 0.0 if rows.payload is None else rows.payload
+        variance = estimate.measured_variance(rows.W, bandwidth)
+        parts.append((rows.time, rows.tau + payload, rows.W[..., :count] @ estimate.values + payload, variance))
+    used = prepared.inside
+    ranges = MotionRanges.of(prepared.motion.q[used], prepared.motion.v[used], prepared.motion.a[used])
+    return Compared(*(np.concatenate(part) for part in zip(*parts, strict=True))), ranges

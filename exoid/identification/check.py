@@ -20,7 +20,7 @@ from .drives import DrivenGroups, Drives
 from .estimators import find_estimator
 from .fitting import Task
 from .group_rows import Group
-from .identify import fit_model
+from .identify import fit_model, fit_on_ground
 from .recording_summary import bases_turn, has_unmeasured_joints, prepare_groups, summarize_groups
 from .repeats import counted_once
 from .rotors_apart import rotors_apart
@@ -93,7 +93,11 @@ def check(
         prepared = prepare_groups(groups, {"": model}, summaries, preparation, cutoff)
         if unknown is not None:
             refuse_unknown_scale(unknown, summaries[""], knowledge)
-        fitted = fit_model(Task(prepared, (model,), used, find_estimator("wls"), (), knowledge, unknown=unknown))
+        task = Task(prepared, (model,), used, find_estimator("wls"), (), knowledge, unknown=unknown)
+        if prepared[0].on_ground:
+            standing = fit_on_ground(task, by_noise=preparation is None and cutoff is None)
+            return ordered((*repeats, *signals, *standing.findings))
+        fitted = fit_model(task)
     except ExoidError as error:
         refused = Finding("not-identifiable", "", 1.0, "1", "error", error.what, error.remedy, parameters=model.names)
         return ordered((*signals, refused))

@@ -22,7 +22,7 @@ from .estimators import Estimator, find_estimator, fit_by, name_of
 from .fitting import Fitted, Start, Task
 from .group_rows import Group, Measured
 from .groups import make_groups, own_parameters, refuse_nonlinear_terms
-from .on_ground import on_ground, without_outliers
+from .on_ground import FittedOnGround, on_ground, without_outliers
 from .problem import Problem
 from .recording_summary import RecordingSummary, bases_turn, has_unmeasured_joints, prepare_groups, summarize_groups
 from .repeats import counted_once
@@ -258,16 +258,37 @@ def _on_ground(
     by_noise: bool,
     white: bool,
 ) -> Estimate:
-    """Identify a leg that stands: once with rows that no outlier moves, and once without the outliers."""
+    """Identify a leg that stands."""
     if delay is not None:
         raise ExoidError("delays are not estimated beside contacts", remedy="leave delay out")
-    standing = on_ground(task, by_noise=by_noise)
-    robust = fit_model(standing.task._replace(estimator=find_estimator("huber")))
-    kept, outliers = without_outliers(standing.task, robust)
-    fitted = fit_model(kept)
-    before = before.beside_others([(*standing.findings, *outliers)])
-    result = Result.of(fitted, [summaries] * len(kept.groups), kept.estimator, white=white, before=before)
+    standing = fit_on_ground(task, by_noise=by_noise)
+    before = before.beside_others([standing.findings])
+    groups = [summaries] * len(standing.task.groups)
+    result = Result.of(standing.fitted, groups, task.estimator, white=white, before=before)
     return result.standing_estimate(standing.model)
+
+
+def fit_on_ground(task: Task, *, by_noise: bool) -> FittedOnGround:
+    """Fit a model to recordings with contacts: once by rows that no outlier moves, and once without the outliers.
+
+    Args:
+        task: Torque model, data and estimator.
+        by_noise: Whether to choose cut-off frequencies by the noise of the angles.
+
+    Returns:
+        The fit, and what was left out.
+
+    Raises:
+        ExoidError: Parameters are not determined by the rows: names them.
+    """
+    standing = on_ground(task, by_noise=by_noise)
+    try:
+        robust = fit_model(standing.task._replace(estimator=find_estimator("huber")))
+    except ExoidError as error:
+        more = "let each foot stand while the other moves, and squat, shift and pitch on both"
+        raise ExoidError(error.what, where=error.where, remedy=f"{error.remedy}; {more}") from error
+    kept, outliers = without_outliers(standing.task, robust)
+    return FittedOnGround(kept, fit_model(kept), standing.model, (*standing.findings, *outliers))
 
 
 def fit_model(task: Task, start: Start | None = None) -> Fitted:

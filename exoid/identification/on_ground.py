@@ -49,6 +49,22 @@ class OnGround(NamedTuple):
     findings: tuple[Finding, ...]
 
 
+class FittedOnGround(NamedTuple):
+    """A fit to recordings with contacts.
+
+    Attributes:
+        task: The task without the samples that do not fit.
+        fitted: The fit to it.
+        model: Torque model of the leg with all its rows.
+        findings: What was left out of the recordings.
+    """
+
+    task: Task
+    fitted: Fitted
+    model: TorqueModel
+    findings: tuple[Finding, ...]
+
+
 def on_ground(task: Task, *, by_noise: bool) -> OnGround:
     """Split the recordings of a task by the links that rest on the ground with an unknown wrench.
 

@@ -128,6 +128,23 @@ class Problem:
                 remedy="use wls, huber, gls or ols",
             )
 
+    def refuse_loaded_links(self, estimator: str) -> None:
+        """Refuse recordings with wrenches or contacts, for estimators that do not fit the rows.
+
+        Args:
+            estimator: Name of the estimator, for the message.
+
+        Raises:
+            ExoidError: Something acts on a link in a recording of the only group.
+        """
+        loaded = next((data for data in self.local_data if isinstance(data, Recording) and data.loaded_links), None)
+        if loaded is not None:
+            raise ExoidError(
+                f"{estimator} fits the leg in the air, and something acts on {', '.join(loaded.loaded_links)}",
+                where=loaded.source.name if loaded.source else "",
+                remedy="use wls, huber, gls or ols",
+            )
+
     @property
     def model(self) -> TorqueModel:
         """Torque model of the only group."""

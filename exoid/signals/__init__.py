@@ -12,6 +12,8 @@ from .filters import ParallelFilter, edge_length, exponential_moving_average, no
 from .formats import register_format
 from .link_wrenches import LinkPlacement, link_placement, refuse_unknown_links, wrench_on_link, wrenches_on_links
 from .moving_base import base_during
+from .opensim import PelvisPose, read_opensim, read_opensim_pelvis
+from .opensim_forces import GroundForces, read_opensim_forces
 from .poses import Approaches, Poses
 from .preparation import FiniteDifference, MovingAverage, Preparation, Smoothed
 from .preparation_names import PREPARATIONS, preparation_by_name, register_preparation
@@ -32,10 +34,12 @@ __all__ = [
     "Cluster",
     "Column",
     "FiniteDifference",
+    "GroundForces",
     "Kinematics",
     "LinkPlacement",
     "MovingAverage",
     "ParallelFilter",
+    "PelvisPose",
     "Poses",
     "Preparation",
     "Recording",
@@ -56,6 +60,9 @@ __all__ = [
     "motion_edge",
     "noise_bandwidth",
     "preparation_by_name",
+    "read_opensim",
+    "read_opensim_forces",
+    "read_opensim_pelvis",
     "refuse_contradictions",
     "refuse_unknown_links",
     "register_format",

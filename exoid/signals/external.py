@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any, TypedDict, TypeVar
+from collections.abc import Mapping
+from typing import Any, NoReturn, TypedDict, TypeVar
 
 import numpy as np
 
@@ -16,30 +16,19 @@ from .wrench import Wrench
 V = TypeVar("V")
 
 
-class ByLink(Mapping[str, V]):
-    """Read-only mapping from links to what acts on them, which pickle can send to other processes.
+class ByLink(dict[str, V]):
+    """Read-only mapping from links to what acts on them, which pickle can send to other processes."""
 
-    Args:
-        items: Values by name of the link.
-    """
+    __slots__ = ()
 
-    __slots__ = ("_items",)
+    def _refuse(self, *_: object, **__: object) -> NoReturn:
+        raise TypeError("wrenches and contacts of a recording cannot be changed; use dataclasses.replace")
 
-    def __init__(self, items: Mapping[str, V]) -> None:
-        self._items = dict(items)
+    __setitem__ = __delitem__ = __ior__ = update = pop = popitem = clear = setdefault = _refuse
 
-    def __getitem__(self, link: str) -> V:
-        """Value of a link."""
-        return self._items[link]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._items)
-
-    def __len__(self) -> int:
-        return len(self._items)
-
-    def __repr__(self) -> str:
-        return repr(self._items)
+    def __reduce__(self) -> tuple[type[ByLink[V]], tuple[dict[str, V]]]:
+        """Pickle as a call of the constructor, as items cannot be set."""
+        return type(self), (dict(self),)
 
 
 class External(TypedDict):

@@ -18,7 +18,7 @@ from .base_motion import BASE_COLUMNS
 from .base_pose import POSE_COLUMNS
 from .column import Column
 from .external_log import external_columns, is_external, wrench_headers
-from .formats import QUANTITIES, Table, TextTable
+from .formats import QUANTITIES, TRANSLATIONS, Table, TextTable
 from .source import Source
 from .source_location import SourceLocation
 from .units import refuse_silent_unit
@@ -96,7 +96,7 @@ def read_log(
     names = ("time", *(name for of_quantity in present.values() for name in of_quantity), *of_base, *of_links)
     where = SourceLocation(table.file, table.lines, headers, table.row_name)
     checks.refuse_too_few(len(table), where)
-    numbers = _numbers(table, names, headers, given, angle_unit == "deg")
+    numbers = _numbers(table, names, headers, given, angle_unit == "deg" or _says_degrees(table))
     missing = np.array([name.startswith(PARTIAL_PREFIXES) for name in names]) & np.isnan(numbers).all(axis=0)
     kept = tuple(name for name, is_missing in zip(names, missing, strict=True) if not is_missing)
     checks.refuse_not_finite(numbers[:, ~missing], kept, where)
@@ -288,9 +288,24 @@ def _numbers(
             refuse_silent_unit(column.header, name, table.file, degrees=degrees)
         if not column.is_plain:
             numbers[:, place] = column.read(name, numbers[:, place], table.file)
-        if degrees and column.unit is None and name.partition("_")[0] in KINEMATIC:
+        if (
+            degrees
+            and column.unit is None
+            and name.partition("_")[0] in KINEMATIC
+            and not _is_in_m(table, column.header)
+        ):
             numbers[:, place] = np.deg2rad(numbers[:, place])
     return numbers
+
+
+def _says_degrees(table: Table) -> bool:
+    """Whether the file itself says that its angles are in degrees."""
+    return isinstance(table, TextTable) and table.in_degrees
+
+
+def _is_in_m(table: Table, header: str) -> bool:
+    """Whether a coordinate of an OpenSim file is a translation, beside angles in degrees."""
+    return _says_degrees(table) and header.removesuffix("/value").endswith(TRANSLATIONS)
 
 
 def _may_share(names: Sequence[str]) -> bool:

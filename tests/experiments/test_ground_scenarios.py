@@ -1,5 +1,7 @@
 """Scenarios on the ground: each run obeys the equation of motion, and moves as its name says."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from ground_machines import inverse_dynamics_residual, residual
@@ -115,6 +117,21 @@ def test_the_seed_changes_the_motion_and_the_same_seed_does_not():
     first, same, other = (swing(EXO, 1.0, seed=seed) for seed in (0, 0, 1))
     assert first.q.tobytes() == same.q.tobytes()
     assert np.abs(first.q - other.q).max() > 0.05
+
+
+def test_a_swing_log_gives_the_true_parameters_of_a_leg():
+    """Base motion, filters and friction of the log are those that identification expects."""
+    leg = exoid.load_leg("bleex")
+    log = replace(swing(EXO, 12.0).recording(seed=1), wrenches={}, contacts={}).select(leg.joint_names)
+    est = exoid.identify(leg, log, terms=(exoid.Coulomb(), exoid.Viscous(), exoid.Armature()))
+    truth = dict(zip(leg.parameter_names, leg.parameters, strict=True))
+    truth["J1"] += EXO.armature[0]  # the torso hardly turns, so that the rotor of the hip turns with the leg
+    for symbol, values in (("c0", EXO.coulomb), ("d", EXO.viscous), ("Ia", EXO.armature)):
+        truth |= {f"{symbol}_{label}": x for label, x in zip(leg.joint_labels, values, strict=False)}
+    for name in est.names:
+        assert abs(est[name].value - truth[name]) < 4.0 * est[name].std, name
+    assert est["X1"].std < 0.003 * truth["X1"]
+    assert est["J2"].std < 0.01 * truth["J2"]
 
 
 def test_on_ice_feet_slip_and_the_switches_do_not_tell():

@@ -16,7 +16,9 @@ FILES = 20_000 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 25
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="measures memory in /proc")
-@pytest.mark.parametrize("kinds", ["csv,npz,mat,struct.mat,parquet", "mcap,db3,bag", "urdf,estimate,sidecar,stl,ply"])
+@pytest.mark.parametrize(
+    "kinds", ["csv,npz,mat,struct.mat,parquet", "mcap,db3,bag", "urdf,estimate,sidecar,stl,ply", "mot,forces.sto"]
+)
 def test_no_mutated_file_crashes_the_caller_or_fills_its_memory(kinds, tmp_path):
     command = [sys.executable, str(SCRIPT), "--files", str(FILES), "--kinds", kinds, "--seed", "7"]
     done = subprocess.run([*command, "--keep", str(tmp_path)], capture_output=True, text=True, check=False)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exoid import ExoidError
+from exoid import ExoidError, Recording, signals
 from exoid.experiments.ground import bleex_machine, rail_squats, walking
 from exoid.rig.ground import GroundSensors
 
@@ -82,6 +82,10 @@ def test_plates_in_the_laboratory_and_soles_on_the_foot_measure_one_wrench(walk)
         arm = np.einsum("nij,ni->nj", foot.rotation, foot.centre_of_pressure - foot.position)[loaded]
         assert arm[:, 0].min() > -0.085
         assert arm[:, 0].max() < 0.135
+    on_links = signals.wrenches_on_links(walk.plant.leg, log)
+    for link, own in walk.wrenches.items():
+        np.testing.assert_allclose(on_links[link].force, own.force, rtol=0, atol=1e-6)
+        np.testing.assert_allclose(on_links[link].moment, own.about((0.0, 0.0, 0.0)).moment, rtol=0, atol=1e-6)
     noisy = walk.recording(GroundSensors(wrench_axes="world"), 2)
     assert (noisy.base.pose.position - walk.position).std() == pytest.approx(2e-4, rel=0.05)
 
@@ -114,3 +118,15 @@ def test_a_share_of_stance_is_mislabelled_in_stretches(walk):
         assert not (flipped & ~exact.contacts[link]).any()
         stretches = np.count_nonzero(np.diff(flipped.astype(int)) == 1)
         assert flipped.sum() / stretches > 10
+
+
+@pytest.mark.parametrize("axes", ["link", "world"])
+def test_a_log_of_a_walk_is_written_and_read(walk, axes, tmp_path):
+    log = walk.recording(GroundSensors(wrench_axes=axes), 1)
+    log.to_csv(tmp_path / "walk.csv")
+    read = Recording.from_csv(tmp_path / "walk.csv", joint_names=log.joint_names)
+    for link, wrench in log.wrenches.items():
+        np.testing.assert_array_equal(read.wrenches[link].columns, wrench.columns)
+        assert read.wrenches[link].axes == axes
+    for link, contact in log.contacts.items():
+        np.testing.assert_array_equal(read.contacts[link], contact)

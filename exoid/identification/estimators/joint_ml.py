@@ -98,6 +98,7 @@ class JointML:
         """
         refuse_other_friction(problem.model, "ml")
         problem.refuse_payloads("ml")
+        problem.refuse_loaded_links("ml")
         first = wls(problem)
         model = smooth(problem.model)
         preparation = default_preparation(problem)

@@ -87,6 +87,7 @@ class OutputError:
             )
         refuse_other_friction(problem.model, "output error")
         problem.refuse_payloads("output error")
+        problem.refuse_loaded_links("output error")
         problem.refuse_moving_base("output error")
         first = wls(problem)
         matching = _Matching(self.loop, problem)

@@ -2,6 +2,7 @@
 
 from .by_ending import READERS, register_format
 from .kinds import open_table
+from .opensim import TRANSLATIONS
 from .table import QUANTITIES, ArrayTable, ReadOptions, Table, header_in
 from .text import BASE_POSITION, PAYLOAD, WRENCH, TextTable, read_text_table
 
@@ -10,6 +11,7 @@ __all__ = [
     "PAYLOAD",
     "QUANTITIES",
     "READERS",
+    "TRANSLATIONS",
     "WRENCH",
     "ArrayTable",
     "ReadOptions",

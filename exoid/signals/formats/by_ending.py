@@ -11,6 +11,7 @@ from exoid.registry import Registry
 
 from .mat import read_mat
 from .npz import read_npz
+from .opensim import read_opensim_table
 from .parquet import read_parquet
 from .rosbag import read_rosbag
 from .table import ReadOptions, Table
@@ -89,8 +90,10 @@ register_format("csv", _read_text)
 register_format("db3", read_rosbag)
 register_format("mat", read_mat)
 register_format("mcap", read_rosbag)
+register_format("mot", read_opensim_table)
 register_format("npz", read_npz)
 register_format("parquet", read_parquet)
+register_format("sto", read_opensim_table)
 register_format("tsv", _read_text)
 register_format("txt", _read_text)
 

@@ -51,6 +51,7 @@ class TextTable:
         payloads: Text of each payload that a line ``# payload: …`` above the data names.
         base_positions: Text of each line ``# base position: …``.
         wrenches: Text of each line ``# wrench: …``.
+        in_degrees: Whether the file says that its angles are in degrees, as OpenSim's do.
     """
 
     file: str
@@ -62,6 +63,7 @@ class TextTable:
     payloads: tuple[str, ...] = ()
     base_positions: tuple[str, ...] = ()
     wrenches: tuple[str, ...] = ()
+    in_degrees: bool = False
 
     @property
     def row_name(self) -> str:
@@ -160,10 +162,8 @@ def read_text_table(path: str | os.PathLike[str], names: Sequence[str] | None = 
         ExoidError: The file is missing, empty or not text, or its header is missing or has repeated names.
     """
     file = os.fsdecode(path)
-    data = _read_bytes(Path(file), file)
-    text = _decode(data, file).replace("\r\n", "\n").replace("\r", "\n")
-    source = Source(name=Path(file).name, sha256=hashlib.sha256(data).hexdigest())
-    content, comments = _split_lines(text, file)
+    text, source = read_text(file)
+    content, comments = split_lines(text, file)
     if not content:
         raise ExoidError("no lines with data", where=file, remedy="a log has a header line, then one line per sample")
     number, first = content[0]
@@ -188,14 +188,28 @@ def read_text_table(path: str | os.PathLike[str], names: Sequence[str] | None = 
     else:
         content = content[1:]
     refuse_columns(len(header), file)
-    for name, count in Counter(header).items():
-        if name and count > 1:
-            raise ExoidError(f"{count} columns are headed {name!r}", where=file, remedy="rename or drop one")
+    refuse_repeated(header, file)
     rows = [(number, line) for number, line in content if line.strip(f'{delimiter}" \t')]
     lines = np.array([number for number, _ in rows], dtype=np.int64)
     data_line = rows[0][0] if rows else number
-    said = [_said(text, word, data_line) for word in SAID]
-    return TextTable(file, source, tuple(header), [line for _, line in rows], lines, delimiter, *said)
+    payloads, positions, wrenches = (_said(text, word, data_line) for word in SAID)
+    texts = [line for _, line in rows]
+    return TextTable(file, source, tuple(header), texts, lines, delimiter, payloads, positions, wrenches)
+
+
+def refuse_repeated(header: Sequence[str], file: str) -> None:
+    """Refuse two columns of one name.
+
+    Args:
+        header: Names of the columns, "" for one without a name.
+        file: Path as the caller gave it, for messages.
+
+    Raises:
+        ExoidError: A name occurs twice.
+    """
+    for name, count in Counter(header).items():
+        if name and count > 1:
+            raise ExoidError(f"{count} columns are headed {name!r}", where=file, remedy="rename or drop one")
 
 
 def _said(text: str, word: str, data_line: int) -> tuple[str, ...]:
@@ -236,8 +250,36 @@ def _given_names(names: Sequence[str], first: Sequence[str], where: str) -> list
     return [str(name).strip() for name in names]
 
 
-def _split_lines(text: str, file: str) -> tuple[list[tuple[int, str]], list[str]]:
-    """Split text into numbered lines with data, and the comments before the first of them."""
+def read_text(file: str) -> tuple[str, Source]:
+    """Read a file of UTF-8 text; line ends become single characters.
+
+    Args:
+        file: Path as the caller gave it.
+
+    Returns:
+        The text, and name and hash of the file.
+
+    Raises:
+        ExoidError: The file is missing, empty or not text.
+    """
+    data = _read_bytes(Path(file), file)
+    text = _decode(data, file).replace("\r\n", "\n").replace("\r", "\n")
+    return text, Source(name=Path(file).name, sha256=hashlib.sha256(data).hexdigest())
+
+
+def split_lines(text: str, file: str) -> tuple[list[tuple[int, str]], list[str]]:
+    """Split text into numbered lines with data, and the comments before the first of them.
+
+    Args:
+        text: The text.
+        file: Path as the caller gave it, for messages.
+
+    Returns:
+        Number, from 1, and text of each line that is neither blank nor a comment; the last comment before them.
+
+    Raises:
+        ExoidError: More than a million lines are blank or comments.
+    """
     content: list[tuple[int, str]] = []
     comments: list[str] = []
     number = 0

@@ -1,0 +1,104 @@
+"""Prediction of the torques of a leg that stands, without what forces of the ground may add to them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.ground import LOOP, Stretch, SupportModel, eliminate, reference_axes, split
+from exoid.regression.rows import for_leg, make_rows
+from exoid.signals import Preparation, Recording
+
+from .data import EstimateData
+from .torque_band import parameter_variance
+
+
+class Compared(NamedTuple):
+    """Measured and predicted torques, filtered alike.
+
+    Attributes:
+        time: Samples that are compared [s], (N,).
+        measured: Measured torque [N·m], (N, n).
+        predicted: Predicted torque [N·m], (N, n).
+        variance: Variance of the measured torque about the predicted one [N²·m²], (N, n).
+    """
+
+    time: FloatArray
+    measured: FloatArray
+    predicted: FloatArray
+    variance: FloatArray
+
+
+def stands(estimate: EstimateData, recording: Recording) -> bool:
+    """Tell whether a recording has to be split by the links that rest on the ground.
+
+    Args:
+        estimate: The estimate.
+        recording: The recording.
+
+    Returns:
+        Whether the base floats, or links rest by unknown wrenches.
+    """
+    return bool(estimate.model.leg.base_rows or {*recording.contacts} - {*recording.wrenches})
+
+
+def compare_on_ground(
+    estimate: EstimateData, recording: Recording, preparation: Preparation, bandwidth: float
+) -> Compared:
+    """Predict the torques of a recording with contacts.
+
+    Where one link rests by an unknown wrench, the base hangs on it, and each joint has a torque. Where several do, only
+    the part Z Zᵀ τ can be predicted, on which no force of the ground does work: that is compared.
+
+    Args:
+        estimate: The estimate.
+        recording: The recording.
+        preparation: Way to filtered torques.
+        bandwidth: Noise bandwidth of its filter over that of the training's.
+
+    Returns:
+        Torques of all samples that count, in order of time.
+
+    Raises:
+        ExoidError: Nothing is left of the recording, or the torque of a joint is missing.
+    """
+    leg = estimate.model.leg
+    stretches = split(leg, for_leg(estimate.model, recording)).stretches
+    parts = [_compare(estimate, stretch, preparation, bandwidth) for stretch in stretches]
+    order = np.argsort(np.concatenate([part.time for part in parts]), kind="stable")
+    return Compared(*(np.concatenate(arrays)[order] for arrays in zip(*parts, strict=True)))
+
+
+def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation, bandwidth: float) -> Compared:
+    """Predict the torques while the same links rest."""
+    model, links, recording = estimate.model, stretch.links, stretch.recording
+    q = recording.q[recording.mask]
+    axes = reference_axes(model.leg, links, q) if links else None
+    support = SupportModel.of(model.loaded_by(estimate.values), links, axes)
+    rows = make_rows(support, recording, preparation)
+    predicted = rows.W @ estimate.values
+    noise = _noise(estimate, support.row_names)
+    variance = parameter_variance(estimate.covariance, rows.W) + bandwidth * noise
+    if axes is not None:
+        loop = eliminate(model.leg, links, _angles(recording, rows.time), axes).loop
+        assert loop is not None
+        measured, predicted = (np.einsum("njr,nr->nj", loop, part) for part in (rows.tau, predicted))
+        return Compared(rows.time, measured, predicted, np.einsum("njr,nr->nj", loop**2, variance))
+    joints = slice(rows.tau.shape[1] - len(model.joint_names), None)
+    return Compared(rows.time, rows.tau[:, joints], predicted[:, joints], variance[:, joints])
+
+
+def _angles(recording: Recording, time: FloatArray) -> FloatArray:
+    """Angles at some samples, (N, n)."""
+    return recording.q[np.searchsorted(recording.time, time)]
+
+
+def _noise(estimate: EstimateData, row_names: tuple[str, ...]) -> FloatArray:
+    """Variance of the noise of each row: that of its joint, or of closed chains the mean of all joints, (R,)."""
+    squares = estimate.residual_rms**2
+    lost = (estimate.dof + len(estimate.values)) / estimate.dof
+    of_joints = dict(zip(estimate.joint_names, squares.tolist(), strict=True))
+    whole = float(squares.mean())
+    return lost * np.array([whole if name.startswith(LOOP) else of_joints.get(name, 0.0) for name in row_names])

@@ -1,0 +1,112 @@
+"""OpenSim's motion and storage files (``.mot``, ``.sto``): a header up to ``endheader``, then columns of numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from exoid.errors import ExoidError
+
+from .bounds import refuse_columns
+from .table import ReadOptions
+from .text import TextTable, read_text, refuse_repeated, split_lines
+
+END = "endheader"
+
+ROWS, COLUMNS = ("nrows", "datarows"), ("ncolumns", "datacolumns")
+"""Entries of the header that state the size, of OpenSim and of SIMM."""
+
+ENTRY = re.compile(r"(\w+)\s*[=\s]\s*(\S+)\s*$")
+"""``nRows=500`` of OpenSim, ``datarows 500`` of SIMM."""
+
+TRANSLATIONS = ("_tx", "_ty", "_tz")
+"""Ends of the names of coordinates in m, which ``inDegrees`` does not concern."""
+
+SENTENCE = re.compile(r"angles are in (degrees|radians)", re.IGNORECASE)
+"""What older files say instead of ``inDegrees``."""
+
+ANSWERS = {"yes": True, "no": False, "true": True, "false": False, "1": True, "0": False}
+
+REMEDY = "write the file again, or correct its header"
+
+
+def read_opensim_table(file: str, options: ReadOptions) -> TextTable:
+    """Read a motion or storage file of OpenSim, or of SIMM.
+
+    The header states ``nRows`` and ``nColumns`` (``datarows`` and ``datacolumns`` of SIMM; OpenSim 4 leaves both out)
+    and ``inDegrees``. Angles of a file that does not say are in radians, as for OpenSim. Columns are separated by tabs
+    or spaces.
+
+    Args:
+        file: Path as the caller gave it.
+        options: What the caller requests; nothing of it changes how the file is read.
+
+    Returns:
+        The table. Its numbers are those of the file; :attr:`TextTable.in_degrees` says how to read angles.
+
+    Raises:
+        ExoidError: The file is missing or not text, has no ``endheader``, or is not of the size that its header states.
+    """
+    text, source = read_text(file)
+    content, _ = split_lines(text, file)
+    end = next((k for k, (_, line) in enumerate(content) if line.strip().lower() == END), None)
+    if end is None or end + 1 == len(content):
+        raise ExoidError(
+            "no line 'endheader'" if end is None else "nothing follows 'endheader'",
+            where=file,
+            remedy="check that the file is complete, and OpenSim's; name other logs .csv",
+        )
+    entries, degrees = _header_entries([line for _, line in content[:end]], file)
+    header = _cells(content[end + 1][1])
+    refuse_columns(len(header), file)
+    refuse_repeated(header, file)
+    rows = content[end + 2 :]
+    _refuse_other_size(entries, COLUMNS, len(header), "columns follow", file)
+    _refuse_other_size(entries, ROWS, len(rows), "rows follow", file)
+    lines = np.array([number for number, _ in rows], dtype=np.int64)
+    cells = ["\t".join(line.split()) for _, line in rows]
+    return TextTable(file, source, tuple(header), cells, lines, "\t", in_degrees=degrees)
+
+
+def _cells(line: str) -> list[str]:
+    """Names of the columns; a tab at the end of the line is no further column."""
+    return [name.strip() for name in line.strip().split("\t")] if "\t" in line.strip() else line.split()
+
+
+def _header_entries(lines: Sequence[str], file: str) -> tuple[dict[str, str], bool]:
+    """Take entries by name in lower case, and whether angles are in degrees."""
+    entries: dict[str, str] = {}
+    said: set[bool] = set()
+    for line in lines:
+        sentence, entry = SENTENCE.search(line), ENTRY.match(line.strip())
+        if sentence is not None:
+            said.add(sentence.group(1).lower() == "degrees")
+        elif entry is not None:
+            name, value = entry.group(1).lower(), entry.group(2)
+            if name == "indegrees":
+                if value.lower() not in ANSWERS:
+                    raise ExoidError(
+                        f"inDegrees is {value!r}", where=file, remedy="write inDegrees=yes or inDegrees=no"
+                    )
+                said.add(ANSWERS[value.lower()])
+            elif entries.setdefault(name, value) != value and name in ROWS + COLUMNS:
+                raise ExoidError(f"the header states {entry.group(1)} twice", where=file, remedy=REMEDY)
+    if len(said) > 1:
+        raise ExoidError(
+            "the header says both that angles are in degrees and that they are in radians", where=file, remedy=REMEDY
+        )
+    return entries, True in said
+
+
+def _refuse_other_size(entries: dict[str, str], names: Sequence[str], size: int, what: str, file: str) -> None:
+    """Refuse a size that differs from what the header states."""
+    for name in names:
+        stated = entries.get(name)
+        if stated is not None and not (stated.isdecimal() and stated.lstrip("0") == str(size).lstrip("0")):
+            raise ExoidError(
+                f"the header states {name} {stated[:20]!r}, but {size} {what}",
+                where=file,
+                remedy="check that the file is complete, and correct its header if it is",
+            )

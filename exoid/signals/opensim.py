@@ -1,0 +1,152 @@
+"""A trial of a gait laboratory in OpenSim's files: joint angles, pose of the pelvis and ground reaction forces."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
+from . import timebase
+from .base_motion import BaseMotion
+from .base_pose import turn_upright
+from .column import Column
+from .formats import Table, TextTable, open_table
+from .opensim_forces import UP, read_opensim_forces
+from .pose_motion import STANDARD_CUTOFF
+from .recording import Recording
+
+PELVIS_TURNS = ("pelvis_tilt", "pelvis_list", "pelvis_rotation")
+"""Angles of the pelvis in the order of gait2392 and its successors: about z, then the new x, then the new y."""
+
+PELVIS_PLACES = ("pelvis_tx", "pelvis_ty", "pelvis_tz")
+"""Position of the pelvis in the laboratory [m]."""
+
+
+class PelvisPose(NamedTuple):
+    """Pose of the pelvis in a laboratory whose z axis points up.
+
+    Attributes:
+        time: Time stamps [s], (N,).
+        position: Position of its origin [m], (N, 3).
+        quaternion: Orientation (x, y, z, w), laboratory from pelvis, (N, 4). Axes of the pelvis are x forward, y left
+            and z up, those of a root link.
+    """
+
+    time: FloatArray
+    position: FloatArray
+    quaternion: FloatArray
+
+
+def read_opensim(
+    path: str | os.PathLike[str],
+    columns: Mapping[str, str | Column],
+    *,
+    forces: str | os.PathLike[str] | None = None,
+    links: Mapping[str, str] | None = None,
+    pelvis: bool | None = None,
+    at: Sequence[float] = (0.0, 0.0, 0.0),
+    cutoff: float = STANDARD_CUTOFF,
+) -> Recording:
+    """Read a trial: joint angles, and if given the base motion of the pelvis and the wrenches on the feet.
+
+    Args:
+        path: Kinematics, a ``.mot`` or ``.sto`` file.
+        columns: Column of the file for each of exoid's, such as ``{"q_hip": "hip_flexion_r"}``. Use ``Column("...",
+            scale=-1.0)`` where the leg counts an angle the other way round.
+        forces: File of ground reaction forces, of any rate on the same clock; see :func:`read_opensim_forces`.
+        links: Link that stands on each plate of ``forces``, such as ``{"1": "right_foot"}``.
+        pelvis: Whether the base moves with the pelvis; None if the file has its six columns.
+        at: Position of the pelvis' origin in the axes of the root link [m], (3,).
+        cutoff: −3 dB frequency of the differentiator of the pelvis [Hz], see :meth:`BaseMotion.from_pose`.
+
+    Returns:
+        The recording.
+
+    Raises:
+        ExoidError: A file cannot be read, its data fail a check, or forces and links are not both given.
+
+    Example:
+        >>> read_opensim(
+        ...     "walk_ik.mot",
+        ...     {"q_right_hip": "hip_flexion_r", "q_right_knee": Column("knee_angle_r", scale=-1.0)},
+        ...     forces="walk_grf.mot",
+        ...     links={"1": "right_foot"},
+        ... )  # doctest: +SKIP
+    """
+    if (forces is None) != (not links):
+        raise ExoidError(
+            "forces and links belong together",
+            where=os.fsdecode(path),
+            remedy='say which link stands on each plate: forces="grf.mot", links={"1": "right_foot"}',
+        )
+    recording = Recording.from_file(path, columns=columns)
+    table = open_table(path)
+    if pelvis is None:
+        pelvis = set(PELVIS_TURNS + PELVIS_PLACES) <= set(table.header)
+    if pelvis:
+        pose = _pelvis_of(table)
+        try:
+            base = BaseMotion.from_pose(pose.position, pose.quaternion, pose.time, at=at, cutoff=cutoff)
+        except ExoidError as error:
+            raise error.within(table.file) from error
+        if not np.array_equal(pose.time, recording.time):
+            base = base.interpolated(pose.time, recording.time)
+        recording = replace(recording, base=base)
+    if forces is not None and links:
+        recording = read_opensim_forces(forces).attached_to(recording, links)
+    return recording
+
+
+def read_opensim_pelvis(path: str | os.PathLike[str]) -> PelvisPose:
+    """Read the pose of the pelvis from the six coordinates of OpenSim's joint between ground and pelvis.
+
+    With tilt α, list β and rotation γ of gait2392 and its successors, in OpenSim's axes (x forward, y up, z right):
+
+        R = Rz(α) Rx(β) Ry(γ).
+
+    Args:
+        path: Kinematics, a ``.mot`` or ``.sto`` file with the columns pelvis_tilt, pelvis_list, pelvis_rotation,
+            pelvis_tx, pelvis_ty and pelvis_tz.
+
+    Returns:
+        The pose in axes whose z points up, evenly spaced in time.
+
+    Raises:
+        ExoidError: A column is missing, or does not hold numbers.
+    """
+    return _pelvis_of(open_table(path))
+
+
+def _pelvis_of(table: Table) -> PelvisPose:
+    for name in ("time", *PELVIS_TURNS, *PELVIS_PLACES):
+        if name not in table.header:
+            raise ExoidError(
+                f"no column {name!r}",
+                where=table.file,
+                remedy="export all six coordinates of the pelvis, or leave it out: pelvis=False",
+            )
+    numbers = table.numbers(["time", *PELVIS_TURNS, *PELVIS_PLACES])
+    if not np.isfinite(numbers).all():
+        row = int(np.argmin(np.isfinite(numbers).all(axis=1)))
+        raise ExoidError(f"{table.row_name} {row} of the pelvis has no number", where=table.file, remedy="fill the gap")
+    degrees = isinstance(table, TextTable) and table.in_degrees
+    time, position = numbers[:, 0], numbers[:, 4:]
+    turns = scipy.spatial.transform.Rotation.from_euler("ZXY", numbers[:, 1:4], degrees=degrees)
+    upright = scipy.spatial.transform.Rotation.from_matrix(turn_upright(np.array(UP)))
+    pose = PelvisPose(time, upright.apply(position), (upright * turns * upright.inv()).as_quat())
+    return pose if timebase.is_uniform(time) else _evenly(pose)
+
+
+def _evenly(pose: PelvisPose) -> PelvisPose:
+    """Interpolate a pose at even time stamps."""
+    grid = timebase.even_grid(pose.time, timebase.sampling_rate(pose.time))
+    position = timebase.interpolate(pose.time, pose.position, grid, smooth=True)
+    turns = scipy.spatial.transform.Slerp(pose.time, scipy.spatial.transform.Rotation.from_quat(pose.quaternion))
+    return PelvisPose(grid, position, turns(grid).as_quat())

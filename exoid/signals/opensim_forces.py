@@ -1,0 +1,221 @@
+"""Ground reaction forces in files of OpenSim: wrenches on the feet in the laboratory, z up."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
+from . import checks, timebase
+from .base_pose import turn_upright
+from .filters import zero_phase
+from .formats import Table, open_table
+from .recording import Recording
+from .source_location import SourceLocation
+from .wrench import Wrench
+
+UP = (0.0, 1.0, 0.0)
+"""Direction against gravity in OpenSim: x forward, y up, z to the right."""
+
+PARTS = {"v": "force", "p": "point", "m": "moment"}
+"""Letter of a component, as in ``ground_force_vx``, and what it is of."""
+
+WORDS = ("ground", "force", "torque", "moment")
+"""Parts of a column's name that do not say which plate it is of."""
+
+UNNAMED = "ground"
+"""Name of the plate of columns such as ``ground_force_vx``."""
+
+BANDWIDTH = 0.4
+"""Cut-off of the low-pass before a lower rate, as a share of that rate: impacts would alias."""
+
+
+@dataclass(frozen=True, eq=False)
+class GroundForces:
+    """Wrenches of force plates by name of the plate, at time stamps of their own.
+
+    Attributes:
+        time: Time stamps [s], (K,), those of the clock of the kinematics.
+        wrenches: Wrench that each plate exerts on what stands on it, in axes of the laboratory, z up.
+        file: Path of the file.
+    """
+
+    time: FloatArray
+    wrenches: Mapping[str, Wrench]
+    file: str = ""
+
+    def attached_to(self, recording: Recording, links: Mapping[str, str]) -> Recording:
+        """Give a recording the wrenches, at its own time stamps.
+
+        Wrenches are recorded faster than motions. Before a lower rate they pass a zero-phase low-pass at 0.4 of it, as
+        impacts would alias, about one point: a centre of pressure jumps where the foot leaves the ground.
+
+        Args:
+            recording: Recording of the motion, on the same clock.
+            links: Link of the leg that stands on each plate, such as ``{"1": "right_foot", "2": "left_foot"}``. Other
+                plates are left out.
+
+        Returns:
+            The recording with these wrenches, beside those that it had.
+
+        Raises:
+            ExoidError: There is no such plate, a link is named twice, or the forces do not cover the recording.
+        """
+        for plate in links:
+            if plate not in self.wrenches:
+                raise ExoidError(
+                    f"no plate {plate!r}", where=self.file, remedy=f"plates of the file are {', '.join(self.wrenches)}"
+                )
+        if len(set(links.values())) < len(links) or set(links.values()) & set(recording.wrenches):
+            raise ExoidError(
+                f"a link has two wrenches: {', '.join(links.values())}",
+                where=self.file,
+                remedy="name one link for each plate",
+            )
+        grid = self._within(recording.time)
+        own = {link: self._resampled(self.wrenches[plate], grid) for plate, link in links.items()}
+        return replace(recording, wrenches={**recording.wrenches, **own})
+
+    def _within(self, time: FloatArray) -> FloatArray:
+        """Time stamps of a recording, of which those at its ends may be half a sample beyond the forces."""
+        half = 0.5 / min(timebase.sampling_rate(time), timebase.sampling_rate(self.time))
+        if time[0] < self.time[0] - half or time[-1] > self.time[-1] + half:
+            raise ExoidError(
+                f"forces from {self.time[0]:g} s to {self.time[-1]:g} s do not cover the recording, from "
+                f"{time[0]:g} s to {time[-1]:g} s",
+                where=self.file,
+                remedy="give both files of one trial, or cut the recording: recording.between(start, stop)",
+            )
+        return np.clip(time, self.time[0], self.time[-1])
+
+    def _resampled(self, wrench: Wrench, grid: FloatArray) -> Wrench:
+        """Low-pass where the rate falls, and interpolate."""
+        rate, wanted = timebase.sampling_rate(self.time), timebase.sampling_rate(grid)
+        if wanted > 0.9 * rate:
+            return wrench.interpolated(self.time, grid)
+        even = timebase.even_grid(self.time, rate)
+        fine = wrench.interpolated(self.time, even)
+        columns = zero_phase(fine.columns, rate, BANDWIDTH * wanted)
+        smooth = Wrench(columns[:, :3], columns[:, 3:], fine.point, axes="world")
+        return smooth.interpolated(even, np.clip(grid, even[0], even[-1]))
+
+    def __repr__(self) -> str:
+        return f"GroundForces({len(self.time)} samples; plates: {', '.join(self.wrenches)})"
+
+
+def read_opensim_forces(path: str | os.PathLike[str]) -> GroundForces:
+    """Read the ground reaction forces of a ``.mot`` or ``.sto`` file.
+
+    Columns of a plate are ``ground_force_1_vx…z`` [N], the force on the foot, ``ground_force_1_px…z`` [m], the centre
+    of pressure, and ``ground_torque_1_x…z`` [N·m], the free moment about it (``ground_moment_1_mx…z`` too; zero if
+    there are none). The name of the plate may stand elsewhere (``1_ground_force_vx``, ``r_ground_force_vx``,
+    ``ground_force_calcn_r_vx``) or be missing: such a plate is called "ground". OpenSim's y axis points up; here z
+    does, x stays forward, and y points to the left.
+
+    Args:
+        path: The file.
+
+    Returns:
+        A wrench for each plate. Its point is the centre of pressure; one without a force may have none (NaN).
+
+    Raises:
+        ExoidError: There are no such columns, some of a plate are missing, or numbers are.
+    """
+    table = open_table(path)
+    if "time" not in table.header:
+        raise ExoidError("no column 'time'", where=table.file, remedy="name the column of the time stamps 'time'")
+    plates = plates_in(table)
+    names = [name for columns in plates.values() for of_part in columns.values() for name in of_part]
+    numbers = table.numbers(["time", *names])
+    checks.refuse_too_few(len(numbers), SourceLocation(table.file))
+    by_name = dict(zip(("time", *names), numbers.T, strict=True))
+    unloaded = {plate: _unloaded(by_name, columns) for plate, columns in plates.items()}
+    for plate, columns in plates.items():
+        for name in columns["point"]:
+            by_name[name] = np.where(unloaded[plate] & np.isnan(by_name[name]), 0.0, by_name[name])
+    where = SourceLocation(table.file, table.lines, {}, table.row_name)
+    checks.refuse_not_finite(np.column_stack([by_name[name] for name in ("time", *names)]), ("time", *names), where)
+    checks.refuse_time_disorder(by_name["time"], where)
+    try:
+        wrenches = {plate: _wrench(by_name, columns) for plate, columns in plates.items()}
+    except ExoidError as error:
+        raise error.within(table.file) from error
+    return GroundForces(by_name["time"], wrenches, table.file)
+
+
+def plates_in(table: Table) -> dict[str, dict[str, list[str]]]:
+    """Find the columns of force plates.
+
+    Args:
+        table: Columns of a file.
+
+    Returns:
+        For each plate the columns x, y and z of "force", "point" and, if there are any, "moment".
+
+    Raises:
+        ExoidError: There are none, or some of a plate are missing.
+    """
+    found: dict[str, dict[str, dict[str, str]]] = {}
+    for name in table.header:
+        meant = _meaning(name)
+        if meant is not None:
+            plate, part, axis = meant
+            if axis in found.setdefault(plate, {}).setdefault(part, {}):
+                raise ExoidError(
+                    f"{found[plate][part][axis]} and {name} are both {part} {axis} of plate {plate!r}",
+                    where=table.file,
+                    remedy="rename one of them",
+                )
+            found[plate][part][axis] = name
+    if not found:
+        raise ExoidError(
+            f"no ground reaction forces; the file has: {', '.join(table.header[:20])}",
+            where=table.file,
+            remedy="name the columns as OpenSim does: ground_force_1_vx, ground_force_1_px, ground_torque_1_x, …",
+        )
+    for plate, parts in found.items():
+        for part in ("force", "point", *parts):
+            absent = [axis for axis in "xyz" if axis not in parts.get(part, {})]
+            if absent:
+                raise ExoidError(
+                    f"plate {plate!r} has no {part} {', '.join(absent)}",
+                    where=table.file,
+                    remedy="export force (vx, vy, vz), centre of pressure (px, py, pz) and free moment of each plate",
+                )
+    return {
+        plate: {part: [axes[axis] for axis in "xyz"] for part, axes in parts.items()} for plate, parts in found.items()
+    }
+
+
+def _meaning(name: str) -> tuple[str, str, str] | None:
+    """Plate, part and axis of a column; None if it is none of a plate."""
+    words = name.split("_")
+    last, plain = words[-1].lower(), [word.lower() for word in words]
+    if not set(plain) & set(WORDS[1:]):
+        return None
+    if len(last) == 2 and last[0] in PARTS and last[1] in "xyz":
+        part, axis = PARTS[last[0]], last[1]
+    elif last in ("x", "y", "z") and set(plain) & {"torque", "moment"}:
+        part, axis = "moment", last
+    else:
+        return None
+    plate = "_".join(word for word in words[:-1] if word.lower() not in WORDS)
+    return plate or UNNAMED, part, axis
+
+
+def _unloaded(numbers: Mapping[str, FloatArray], columns: Mapping[str, Sequence[str]]) -> FloatArray:
+    """Samples at which a plate has no force: its centre of pressure does not matter."""
+    return np.asarray(np.all([numbers[name] == 0.0 for name in columns["force"]], axis=0))
+
+
+def _wrench(numbers: Mapping[str, FloatArray], columns: Mapping[str, Sequence[str]]) -> Wrench:
+    """Turn the columns of a plate such that z points up."""
+    turn = turn_upright(np.array(UP))
+    vectors = {part: np.column_stack([numbers[name] for name in names]) @ turn.T for part, names in columns.items()}
+    force = vectors["force"]
+    return Wrench(force, vectors.get("moment", np.zeros_like(force)), vectors["point"], axes="world")

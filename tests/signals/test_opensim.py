@@ -1,0 +1,391 @@
+"""Files of OpenSim: headers of every version, degrees, force plates, the pelvis, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from log_writers import write_mot, write_opensim
+
+import exoid
+from exoid import ExoidError, Recording
+from exoid.catalog import urdf_folder
+from exoid.signals import Column, read_opensim, read_opensim_forces, read_opensim_pelvis, wrenches_on_links
+
+TIME = np.arange(200) / 100.0
+ANGLE = 30.0 * np.sin(TIME)
+PLATE = ("ground_force_1_v", "ground_force_1_p", "ground_torque_1_")
+
+
+def to_opensim(vectors):
+    """Vectors in axes x forward, y left, z up, in OpenSim's x forward, y up, z right."""
+    return np.column_stack([vectors[:, 0], vectors[:, 2], -vectors[:, 1]])
+
+
+def plate(force, point, moment, names=PLATE):
+    """Columns of a force plate, of vectors in axes z up."""
+    return {
+        f"{name}{axis}": column
+        for name, vectors in zip(names, (force, point, moment), strict=True)
+        for axis, column in zip("xyz", to_opensim(vectors).T, strict=True)
+    }
+
+
+def step(time):
+    """Force, centre of pressure and free moment under a foot that stands from 0.4 s to 1.4 s, axes z up."""
+    load = np.where((time > 0.4) & (time < 1.4), np.sin(np.pi * (time - 0.4)) ** 2, 0.0)
+    force = np.column_stack([40.0 * load * np.sin(9.0 * time), -20.0 * load, 700.0 * load])
+    point = np.column_stack([0.1 + 0.2 * time, 0.1 + 0.01 * np.sin(time), np.zeros_like(time)])
+    return force, point, np.column_stack([np.zeros_like(time), np.zeros_like(time), 3.0 * load])
+
+
+@pytest.mark.parametrize("name", ["walk.mot", "walk.sto", "WALK.MOT"])
+@pytest.mark.parametrize("separator", ["\t", "   ", "\t "])
+def test_angles_in_degrees_are_read_in_rad_and_translations_in_m(tmp_path, name, separator):
+    columns = {"hip_flexion_r": ANGLE, "pelvis_tx": 0.4 + TIME, "hip_moment": ANGLE}
+    write_opensim(tmp_path / name, TIME, columns, degrees=True, separator=separator)
+    wanted = {"q_hip": "hip_flexion_r", "q_rail": "pelvis_tx", "tau_hip": "hip_moment"}
+    recording = Recording.from_file(tmp_path / name, ("hip", "rail"), wanted)
+    np.testing.assert_allclose(recording.q, np.column_stack([np.deg2rad(ANGLE), 0.4 + TIME]), rtol=1e-15)
+    np.testing.assert_array_equal(recording.tau[:, 0], ANGLE)
+    assert recording.source.name == name
+
+
+@pytest.mark.parametrize(
+    ("header", "degrees"),
+    [
+        (["version=1", "nRows=200", "nColumns=2", "inDegrees=yes"], True),
+        (["nRows = 200", "nColumns = 2", "inDegrees = no"], False),
+        (["nRows=200", "nColumns=2"], False),
+        (["DataType=double", "version=3", "OpenSimVersion=4.4", "inDegrees=no"], False),
+        (["datacolumns 2", "datarows 200", "range 0.0 1.99"], False),
+        (["nRows=200", "nColumns=2", "", "# SIMM", "Angles are in degrees."], True),
+        (["nRows=200", "datarows 200", "Angles are in degrees.", "inDegrees=yes"], True),
+    ],
+)
+def test_headers_of_every_version_say_how_angles_are_read(tmp_path, header, degrees):
+    write_opensim(tmp_path / "a.sto", TIME, {"knee": ANGLE / 30.0}, header=header)
+    recording = Recording.from_file(tmp_path / "a.sto", columns={"q_knee": "knee"})
+    expected = np.deg2rad(ANGLE / 30.0) if degrees else ANGLE / 30.0
+    np.testing.assert_allclose(recording.q[:, 0], expected, rtol=1e-15)
+
+
+def test_degrees_are_converted_once_whoever_says_so(tmp_path):
+    write_opensim(tmp_path / "a.mot", TIME, {"knee": ANGLE}, degrees=True)
+    plain = Recording.from_file(tmp_path / "a.mot", columns={"q_knee": "knee"})
+    for other in (
+        Recording.from_file(tmp_path / "a.mot", columns={"q_knee": "knee"}, angle_unit="deg"),
+        Recording.from_file(tmp_path / "a.mot", columns={"q_knee": Column("knee", unit="deg")}),
+    ):
+        np.testing.assert_allclose(other.q, plain.q, rtol=1e-15)
+
+
+def test_a_negative_scale_reverses_an_angle_in_degrees(tmp_path):
+    write_opensim(tmp_path / "a.mot", TIME, {"knee": ANGLE}, degrees=True)
+    recording = Recording.from_file(tmp_path / "a.mot", columns={"q_knee": Column("knee", scale=-1.0)})
+    np.testing.assert_allclose(recording.q[:, 0], -np.deg2rad(ANGLE), rtol=1e-15)
+
+
+def test_the_command_line_reads_opensim(tmp_path):
+    train = exoid.datasets.bleex_swing().train
+    write_mot(tmp_path / "swing.mot", train)
+    read = Recording.from_file(tmp_path / "swing.mot", train.joint_names)
+    np.testing.assert_allclose(read.q, train.q, rtol=1e-13, atol=1e-15)
+    np.testing.assert_allclose(read.tau, train.tau, rtol=1e-13)
+
+
+def content(rows=12, *, header=("nRows=12", "nColumns=2", "inDegrees=no"), end="endheader", names="time\tknee"):
+    lines = ["Coordinates", *header, end, names, *(f"{k / 100}\t{k / 10}" for k in range(rows))]
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        (content(11), r"states nrows '12', but 11 rows follow"),
+        (content(13), r"states nrows '12', but 13 rows follow"),
+        (content(header=("datarows 13",)), r"states datarows '13', but 12 rows follow"),
+        (content(header=("nColumns=3",)), r"states ncolumns '3', but 2 columns follow"),
+        (content(header=("nRows=99999999999999999999",)), r"but 12 rows follow"),
+        (content(header=("nRows=twelve",)), r"but 12 rows follow"),
+        (content(header=("nRows=12", "nRows=13")), r"states nRows twice"),
+        (content(header=("inDegrees=perhaps",)), r"inDegrees is 'perhaps'.*write inDegrees=yes"),
+        (content(header=("inDegrees=no", "Angles are in degrees.")), r"both that angles are in degrees and"),
+        (content(end="nRows=12"), r"no line 'endheader'"),
+        ("Coordinates\nendheader\n", r"nothing follows 'endheader'"),
+        (content(names="knee\tknee"), r"2 columns are headed 'knee'"),
+        (content(names="t\tknee"), r"no column 'time'"),
+        (content().replace("0.05\t", "nan\t"), r"line 12, column time: nan is not a finite number"),
+        (content().replace("\t0.5", "\tnan"), r"line 12, column knee .*nan is not a finite number"),
+        (content().replace("\t0.5", ""), r"line \d+: 1 cells, but the header has 2"),
+        (content().replace("\t0.5", "\t0.5\t7"), r"line \d+: 3 cells, but the header has 2"),
+        (content().replace("\t0.5", "\tfive"), r"'five' is not a number"),
+        (content(9, header=()), r"9 samples|too few"),
+        (content().replace("\t", "\0"), r"binary"),
+        ("", r"empty"),
+    ],
+)
+def test_a_broken_file_ends_in_one_line(tmp_path, text, match):
+    (tmp_path / "bad.mot").write_text(text, encoding="utf-8")
+    with pytest.raises(ExoidError, match=match) as error:
+        Recording.from_file(tmp_path / "bad.mot", columns={"q_knee": "knee"})
+    assert "\n" not in str(error.value)
+    assert "bad.mot" in str(error.value)
+
+
+def test_more_columns_than_any_robot_has_are_refused(tmp_path):
+    names = "\t".join(f"c{k}" for k in range(10_001))
+    (tmp_path / "wide.mot").write_text(f"a\nendheader\n{names}\n", encoding="utf-8")
+    with pytest.raises(ExoidError, match="10001 columns, more than 10000"):
+        Recording.from_file(tmp_path / "wide.mot", columns={"q_knee": "c1"})
+
+
+def test_millions_of_blank_lines_are_refused(tmp_path):
+    (tmp_path / "blank.sto").write_text("a\n" + "\n" * 1_100_000 + "endheader\ntime\tknee\n", encoding="utf-8")
+    with pytest.raises(ExoidError, match="blank lines"):
+        Recording.from_file(tmp_path / "blank.sto", columns={"q_knee": "knee"})
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    angles=st.lists(st.floats(-3.0, 3.0), min_size=10, max_size=30),
+    degrees=st.booleans(),
+    separator=st.sampled_from(["\t", " ", "  \t"]),
+    size=st.booleans(),
+)
+def test_written_angles_are_read_back(tmp_path, angles, degrees, separator, size):
+    time, q = np.arange(len(angles)) / 64.0, np.array(angles)
+    header = None if size else ["version=3", f"inDegrees={'yes' if degrees else 'no'}"]
+    columns = {"knee": np.rad2deg(q) if degrees else q, "other": q}
+    write_opensim(tmp_path / "a.mot", time, columns, degrees=degrees, header=header, separator=separator)
+    read = Recording.from_file(tmp_path / "a.mot", columns={"q_knee": "knee"})
+    np.testing.assert_array_equal(read.time, time)
+    np.testing.assert_allclose(read.q[:, 0], q, rtol=1e-15, atol=0.0)
+
+
+@pytest.mark.parametrize(
+    ("names", "key"),
+    [
+        (PLATE, "1"),
+        (("ground_force_v", "ground_force_p", "ground_torque_"), "ground"),
+        (("1_ground_force_v", "1_ground_force_p", "1_ground_torque_"), "1"),
+        (("R_ground_force_v", "R_ground_force_p", "R_ground_torque_"), "R"),
+        (("ground_force_calcn_r_v", "ground_force_calcn_r_p", "ground_force_calcn_r_m"), "calcn_r"),
+        (("ground_force_2_v", "ground_force_2_p", "ground_moment_2_m"), "2"),
+    ],
+)
+def test_names_of_force_columns_that_laboratories_use(tmp_path, names, key):
+    force, point, moment = step(TIME)
+    write_opensim(tmp_path / "grf.mot", TIME, plate(force, point, moment, names), degrees=True)
+    forces = read_opensim_forces(tmp_path / "grf.mot")
+    assert list(forces.wrenches) == [key]
+    wrench = forces.wrenches[key]
+    assert wrench.axes == "world"
+    for found, true in ((wrench.force, force), (wrench.point, point), (wrench.moment, moment)):
+        np.testing.assert_allclose(found, true, atol=1e-12)
+
+
+def test_upward_in_opensim_is_upward_here_and_right_is_minus_left(tmp_path):
+    ones = np.ones(len(TIME))
+    columns = dict.fromkeys([f"{name}{axis}" for name in PLATE for axis in "xyz"], 0.0 * ones)
+    columns |= {"ground_force_1_vy": 700.0 * ones, "ground_force_1_vz": 5.0 * ones, "ground_force_1_px": 0.3 * ones}
+    columns |= {"ground_force_1_pz": 0.1 * ones, "ground_torque_1_y": 2.0 * ones}
+    write_opensim(tmp_path / "grf.mot", TIME, columns)
+    wrench = read_opensim_forces(tmp_path / "grf.mot").wrenches["1"]
+    np.testing.assert_allclose(wrench.force[0], [0.0, -5.0, 700.0], atol=1e-12)
+    np.testing.assert_allclose(wrench.point[0], [0.3, -0.1, 0.0], atol=1e-12)
+    np.testing.assert_allclose(wrench.moment[0], [0.0, 0.0, 2.0], atol=1e-12)
+
+
+def test_the_work_of_a_force_is_the_same_in_both_axes(tmp_path):
+    """Power of force and free moment on a foot that moves: by Pinocchio here, by hand in OpenSim's axes."""
+    rng = np.random.default_rng(3)
+    force, point, moment = (rng.normal(size=(len(TIME), 3)) for _ in range(3))
+    write_opensim(tmp_path / "grf.mot", TIME, plate(force, point, moment))
+    wrench = read_opensim_forces(tmp_path / "grf.mot").wrenches["1"]
+    linear, angular = rng.normal(size=(2, 3))  # of the point at the laboratory's origin, in OpenSim's axes
+    turned = [np.array([v[0], -v[2], v[1]]) for v in (linear, angular)]
+    at_origin = wrench.about((0.0, 0.0, 0.0))
+    for k in range(0, len(TIME), 17):
+        f, p, m = (to_opensim(v[k : k + 1])[0] for v in (force, point, moment))
+        by_hand = f @ (linear + np.cross(angular, p)) + m @ angular
+        power = pin.Motion(*turned).dot(pin.Force(at_origin.force[k], at_origin.moment[k]))
+        assert power == pytest.approx(by_hand, rel=1e-10)
+
+
+def test_forces_are_brought_to_the_rate_of_the_motion(tmp_path):
+    """1000 Hz onto 100 Hz: the wrench about the laboratory's origin is kept, though the point no longer moves."""
+    fast = np.arange(2000) / 1000.0
+    write_opensim(tmp_path / "grf.mot", fast, plate(*step(fast)))
+    motion = Recording(TIME, np.deg2rad(ANGLE)[:, None], joint_names=("knee",))
+    recording = read_opensim_forces(tmp_path / "grf.mot").attached_to(motion, {"1": "foot"})
+    found = recording.wrenches["foot"].about((0.0, 0.0, 0.0))
+    force, point, moment = step(TIME)
+    np.testing.assert_allclose(found.force, force, atol=0.5)
+    np.testing.assert_allclose(found.moment, moment + np.cross(point, force), atol=0.5)
+    assert len(found) == len(recording)
+
+
+def test_vibration_of_the_plate_does_not_alias(tmp_path):
+    """490 Hz of 50 N, which samples at 100 Hz would show as 10 Hz."""
+    fast = np.arange(2000) / 1000.0
+    force, point, moment = step(fast)
+    force[:, 2] += 50.0 * np.sin(2 * np.pi * 490.0 * fast)
+    write_opensim(tmp_path / "grf.mot", fast, plate(force, point, moment))
+    motion = Recording(TIME, np.deg2rad(ANGLE)[:, None], joint_names=("knee",))
+    found = read_opensim_forces(tmp_path / "grf.mot").attached_to(motion, {"1": "foot"}).wrenches["foot"]
+    assert np.abs(found.force[10:-10, 2] - step(TIME)[0][10:-10, 2]).max() < 1.0
+
+
+def test_a_plate_without_a_force_needs_no_centre_of_pressure(tmp_path):
+    force, point, moment = step(TIME)
+    point[force[:, 2] == 0.0] = np.nan
+    write_opensim(tmp_path / "grf.mot", TIME, plate(force, point, moment))
+    wrench = read_opensim_forces(tmp_path / "grf.mot").wrenches["1"]
+    loaded = force[:, 2] > 0.0
+    np.testing.assert_allclose(wrench.point[loaded], point[loaded], atol=1e-12)
+    point[np.flatnonzero(loaded)[0]] = np.nan
+    write_opensim(tmp_path / "grf.mot", TIME, plate(force, point, moment))
+    with pytest.raises(ExoidError, match=r"grf.mot, line \d+, column ground_force_1_px: nan is not"):
+        read_opensim_forces(tmp_path / "grf.mot")
+
+
+@pytest.mark.parametrize(
+    ("drop", "add", "match"),
+    [
+        ("ground_force_1_vz", {}, r"plate '1' has no force z"),
+        ("ground_force_1_py", {}, r"plate '1' has no point y"),
+        ("ground_torque_1_x", {}, r"plate '1' has no moment x"),
+        (None, {"1_ground_force_vx": TIME}, r"ground_force_1_vx and 1_ground_force_vx are both force x of plate '1'"),
+    ],
+)
+def test_incomplete_and_ambiguous_plates_are_refused(tmp_path, drop, add, match):
+    columns = plate(*step(TIME)) | add
+    columns.pop(drop, None)
+    write_opensim(tmp_path / "grf.mot", TIME, columns)
+    with pytest.raises(ExoidError, match=match):
+        read_opensim_forces(tmp_path / "grf.mot")
+
+
+def test_kinematics_are_no_forces_and_millimetres_are_no_metres(tmp_path):
+    write_opensim(tmp_path / "ik.mot", TIME, {"hip_flexion_r": ANGLE, "hip_flexion_r_moment": ANGLE})
+    with pytest.raises(ExoidError, match=r"no ground reaction forces; the file has: time, hip_flexion_r"):
+        read_opensim_forces(tmp_path / "ik.mot")
+    force, point, moment = step(TIME)
+    write_opensim(tmp_path / "mm.mot", TIME, plate(force, 1000.0 * point, moment))
+    with pytest.raises(ExoidError, match=r"mm.mot.*the point of a wrench is .* m from the origin"):
+        read_opensim_forces(tmp_path / "mm.mot")
+
+
+def test_forces_must_cover_the_motion_and_name_plates_and_links(tmp_path):
+    write_opensim(tmp_path / "grf.mot", TIME, plate(*step(TIME)))
+    forces = read_opensim_forces(tmp_path / "grf.mot")
+    motion = Recording(TIME + 0.5, np.deg2rad(ANGLE)[:, None], joint_names=("knee",))
+    with pytest.raises(ExoidError, match=r"forces from 0 s to 1.99 s do not cover the recording, from 0.5 s to 2.49 s"):
+        forces.attached_to(motion, {"1": "foot"})
+    covered = motion.between(0.5, 1.9)
+    with pytest.raises(ExoidError, match=r"no plate '2'.*plates of the file are 1"):
+        forces.attached_to(covered, {"2": "foot"})
+    both = forces.attached_to(covered, {"1": "foot"})
+    with pytest.raises(ExoidError, match=r"a link has two wrenches: foot"):
+        forces.attached_to(both, {"1": "foot"})
+
+
+def pelvis_columns(tilt=0.0, list_=0.0, rotation=0.0, place=(0.0, 0.9, 0.0)):
+    """Coordinates of a pelvis that stands still, in degrees and m."""
+    ones = np.ones(len(TIME))
+    names = ("pelvis_tilt", "pelvis_list", "pelvis_rotation", "pelvis_tx", "pelvis_ty", "pelvis_tz")
+    return {name: value * ones for name, value in zip(names, (tilt, list_, rotation, *place), strict=True)}
+
+
+@pytest.mark.parametrize(
+    ("angles", "axis", "direction"),
+    [
+        ({"tilt": 30.0}, 0, [np.cos(np.pi / 6), 0.0, 0.5]),  # tilt: the front rises
+        ({"list_": 30.0}, 2, [0.0, -0.5, np.cos(np.pi / 6)]),  # list: the top falls to the right
+        ({"rotation": 30.0}, 0, [np.cos(np.pi / 6), 0.5, 0.0]),  # rotation: the front turns to the left
+    ],
+)
+def test_each_angle_of_the_pelvis_turns_it_as_in_opensim(tmp_path, angles, axis, direction):
+    write_opensim(tmp_path / "ik.mot", TIME, pelvis_columns(**angles), degrees=True)
+    pose = read_opensim_pelvis(tmp_path / "ik.mot")
+    np.testing.assert_allclose(pose.position[0], [0.0, 0.0, 0.9], atol=1e-12)
+    turn = pin.Quaternion(*pose.quaternion[0][[3, 0, 1, 2]]).toRotationMatrix()
+    np.testing.assert_allclose(turn[:, axis], direction, atol=1e-12)
+
+
+def test_angles_of_the_pelvis_follow_each_other_about_turned_axes(tmp_path):
+    """R = Rz(tilt) Rx(list) Ry(rotation), by Pinocchio's rotations about axes, turned such that z is up."""
+    write_opensim(tmp_path / "ik.mot", TIME, pelvis_columns(20.0, -35.0, 50.0), degrees=True)
+    pose = read_opensim_pelvis(tmp_path / "ik.mot")
+    tilt, list_, rotation = np.deg2rad([20.0, -35.0, 50.0])
+    opensim = pin.utils.rotate("z", tilt) @ pin.utils.rotate("x", list_) @ pin.utils.rotate("y", rotation)
+    up = pin.utils.rotate("x", np.pi / 2)
+    found = pin.Quaternion(*pose.quaternion[0][[3, 0, 1, 2]]).toRotationMatrix()
+    np.testing.assert_allclose(found, up @ opensim @ up.T, atol=1e-12)
+
+
+def test_a_trial_has_angles_the_motion_of_the_pelvis_and_wrenches(tmp_path):
+    fast = np.arange(2000) / 1000.0
+    rate = np.deg2rad(20.0)
+    pelvis = pelvis_columns(place=(0.3, 0.9, 0.1)) | {"pelvis_rotation": 20.0 * TIME}
+    write_opensim(tmp_path / "ik.mot", TIME, {"knee_angle_r": ANGLE, **pelvis}, degrees=True)
+    write_opensim(tmp_path / "grf.mot", fast, plate(*step(fast)), degrees=True)
+    recording = read_opensim(
+        tmp_path / "ik.mot", {"q_knee": "knee_angle_r"}, forces=tmp_path / "grf.mot", links={"1": "right_foot"}
+    )
+    np.testing.assert_allclose(recording.q[:, 0], np.deg2rad(ANGLE), rtol=1e-13)
+    np.testing.assert_allclose(recording.base.angular_velocity, np.tile([0.0, 0.0, rate], (200, 1)), atol=1e-9)
+    np.testing.assert_allclose(recording.base.specific_force, np.tile([0.0, 0.0, 9.81], (200, 1)), atol=1e-6)
+    np.testing.assert_allclose(recording.base.pose.position, np.tile([0.3, -0.1, 0.9], (200, 1)), atol=1e-9)
+    assert recording.wrenches["right_foot"].axes == "world"
+    still = read_opensim(tmp_path / "ik.mot", {"q_knee": "knee_angle_r"}, pelvis=False)
+    assert still.base is None
+
+
+def test_ground_forces_reach_the_foot_through_pelvis_and_joints(tmp_path):
+    """The wrench in axes of the foot, by Pinocchio with a free-flying root at the pose of the pelvis."""
+    leg = exoid.load_leg("bleex", side="left")
+    tilt, list_, rotation, angles = 12.0, -7.0, 25.0, (20.0, -35.0, 8.0)
+    ones = np.ones(len(TIME))
+    joints = {f"angle_{name}": angle * ones for name, angle in zip(leg.joint_names, angles, strict=True)}
+    pelvis = pelvis_columns(tilt, list_, rotation, (0.4, 0.95, -0.2))
+    write_opensim(tmp_path / "ik.mot", TIME, joints | pelvis, degrees=True)
+    force, point, moment = step(TIME)
+    write_opensim(tmp_path / "grf.mot", TIME, plate(force, point, moment), degrees=True)
+    columns = {f"q_{name}": f"angle_{name}" for name in leg.joint_names}
+    link = "left_foot"
+    recording = read_opensim(tmp_path / "ik.mot", columns, forces=tmp_path / "grf.mot", links={"1": link})
+    found = wrenches_on_links(leg, recording)[link]
+
+    model = pin.buildModelFromUrdf(str(urdf_folder() / "bleex.urdf"), pin.JointModelFreeFlyer())
+    q, up = pin.neutral(model), pin.utils.rotate("x", np.pi / 2)
+    turn = np.deg2rad([tilt, list_, rotation])
+    opensim = pin.utils.rotate("z", turn[0]) @ pin.utils.rotate("x", turn[1]) @ pin.utils.rotate("y", turn[2])
+    q[:7] = pin.SE3ToXYZQUAT(pin.SE3(up @ opensim @ up.T, np.array([0.4, 0.2, 0.95])))
+    for name, angle in zip(leg.joint_names, np.deg2rad(angles), strict=True):
+        q[model.joints[model.getJointId(name)].idx_q] = angle
+    state = model.createData()
+    pin.framesForwardKinematics(model, state, q)
+    foot = state.oMf[model.getFrameId(link)]
+    for k in range(0, len(TIME), 13):
+        at_origin = pin.Force(force[k], moment[k] + np.cross(point[k], force[k]))
+        expected = foot.actInv(at_origin)
+        one = found.about((0.0, 0.0, 0.0))
+        np.testing.assert_allclose(one.force[k], expected.linear, atol=1e-6)
+        np.testing.assert_allclose(one.moment[k], expected.angular, atol=1e-6)
+
+
+def test_a_trial_says_what_is_missing(tmp_path):
+    write_opensim(tmp_path / "ik.mot", TIME, {"knee": ANGLE}, degrees=True)
+    with pytest.raises(ExoidError, match=r"no column 'pelvis_tilt'.*or leave it out"):
+        read_opensim(tmp_path / "ik.mot", {"q_knee": "knee"}, pelvis=True)
+    with pytest.raises(ExoidError, match=r"forces and links belong together"):
+        read_opensim(tmp_path / "ik.mot", {"q_knee": "knee"}, forces=tmp_path / "grf.mot")
+    columns = pelvis_columns() | {"knee": ANGLE}
+    columns["pelvis_tx"] = np.where(TIME > 1.0, 900.0, 0.0)
+    write_opensim(tmp_path / "mm.mot", TIME, columns, degrees=True)
+    with pytest.raises(ExoidError, match=r"mm.mot.*position of the base jumps"):
+        read_opensim(tmp_path / "mm.mot", {"q_knee": "knee"})
