@@ -34,6 +34,9 @@ LOOK = 10.0
 PLANAR = 3
 """Base rows of a planar machine."""
 
+RESTING = 0.5
+"""A foot that stands still for less than this [s] is rolling: its place does not tell the errors of an IMU."""
+
 SHORTEST = 0.15
 """Supports that last less than this in a recording [s] are left out."""
 
@@ -43,13 +46,16 @@ class Left(NamedTuple):
 
     Attributes:
         changing: Near a touch-down or lift-off.
-        slipping: A link that was said to rest moved.
+        slipping: A link that was said to rest moved, and the motion of the base had to follow from it.
         singular: Chains were closed and stretched, or left no row.
+        moving: Not left out: a link that was said to rest moved, but the motion of the base was measured. Its wrench is
+            eliminated, or measured, whether it rests or not.
     """
 
     changing: float
     slipping: float
     singular: float
+    moving: float
 
 
 class Stretch(NamedTuple):
@@ -103,8 +109,9 @@ def split(leg: Leg, recording: Recording) -> Split:
     if imu is not None and recording.base is not None:
         recording = replace(recording, base=imu.corrected(recording.base))
     found, lost = [], np.zeros(len(recording), dtype=np.bool_)
+    moving, usual = ~still, steady if recording.base is not None else steady & still
     for links, where in _patterns(unknown, len(recording)):
-        inside = counted & steady & still & where
+        inside = counted & usual & where
         usable = inside & _solvable(leg, links, slow)
         lost |= inside & ~usable
         if np.count_nonzero(usable) >= SHORTEST * recording.sample_rate:
@@ -118,13 +125,18 @@ def split(leg: Leg, recording: Recording) -> Split:
             remedy="check the contacts, record longer stance, or measure the wrenches",
         )
     could = max(1.0, float(np.count_nonzero(counted)))
-    shares = (counted & ~steady, counted & steady & ~still, lost)
+    shares = (counted & ~steady, counted & steady & ~usual, lost, counted & usual & moving)
     return Split(tuple(found), Left(*(float(np.count_nonzero(part)) / could for part in shares)), imu)
 
 
 def _imu(leg: Leg, recording: Recording, rest: Mapping[str, NDArray[np.bool_]]) -> ImuErrors | None:
     """Find the errors of the IMU from the foot that rests longest."""
-    feet = {link: flags for link, flags in rest.items() if link != leg.description.root_link}
+    long = np.ones(max(1, round(RESTING * recording.sample_rate)), dtype=np.bool_)
+    feet = {
+        link: scipy.ndimage.binary_opening(flags, long)
+        for link, flags in rest.items()
+        if link != leg.description.root_link
+    }
     if not feet or not leg.base_rows:
         return None
     link = max(feet, key=lambda name: np.count_nonzero(feet[name]))
@@ -220,6 +232,19 @@ def _slipping(
             aside = levers[link][:, turning] - gyro
             slips |= flags & (np.abs(aside - np.median(aside[flags], axis=0)) > TILTING).any(axis=1)
     return _widened(slips, round(0.5 * EDGE * recording.sample_rate))
+
+
+def _usual(values: FloatArray) -> FloatArray:
+    """Most frequent value of each column: the middle of the shortest interval that holds a quarter of the values.
+
+    A foot that walks rolls for longer than it rests, so that the median is none of the values at rest.
+    """
+    ordered, part = np.sort(values, axis=0), max(1, len(values) // 4)
+    if not len(values):
+        return np.zeros(values.shape[1])
+    width = ordered[part - 1 :] - ordered[: len(values) - part + 1]
+    first = np.argmin(width, axis=0)
+    return np.asarray(np.take_along_axis(ordered, (first + part // 2)[np.newaxis], axis=0)[0])
 
 
 def _moves(velocity: FloatArray, turning: slice) -> NDArray[np.bool_]:
