@@ -48,6 +48,8 @@ class Left(NamedTuple):
         changing: Near a touch-down or lift-off.
         slipping: A link that was said to rest moved, and the motion of the base had to follow from it.
         singular: Chains were closed and stretched, or left no row.
+        gaps: Not left out: gaps of a contact that are shorter than the edge, which were filled. Nothing becomes wrong
+            when the wrench of a link that bears no load is eliminated.
         moving: Not left out: a link that was said to rest moved, but the motion of the base was measured. Its wrench is
             eliminated, or measured, whether it rests or not.
     """
@@ -55,6 +57,7 @@ class Left(NamedTuple):
     changing: float
     slipping: float
     singular: float
+    gaps: float
     moving: float
 
 
@@ -99,6 +102,7 @@ def split(leg: Leg, recording: Recording) -> Split:
     """
     recording = recording.resampled()
     recording = replace(recording, wrenches=wrenches_on_links(leg, recording))
+    recording, gaps = _without_gaps(recording)
     rest, unknown = _contacts(leg, recording)
     counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
     steady = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
@@ -125,8 +129,19 @@ def split(leg: Leg, recording: Recording) -> Split:
             remedy="check the contacts, record longer stance, or measure the wrenches",
         )
     could = max(1.0, float(np.count_nonzero(counted)))
-    shares = (counted & ~steady, counted & steady & ~usual, lost, counted & usual & moving)
+    shares = (counted & ~steady, counted & steady & ~usual, lost, counted & gaps, counted & usual & moving)
     return Split(tuple(found), Left(*(float(np.count_nonzero(part)) / could for part in shares)), imu)
+
+
+def _without_gaps(recording: Recording) -> tuple[Recording, NDArray[np.bool_]]:
+    """Fill gaps of contacts that are shorter than the edge; tell at which samples, (N,)."""
+    around = round(EDGE * recording.sample_rate)
+    gaps, filled = np.zeros(len(recording), dtype=np.bool_), {}
+    for link, flags in recording.contacts.items():
+        longer = np.pad(np.asarray(flags), around + 1)
+        filled[link] = scipy.ndimage.binary_closing(longer, np.ones(around + 1))[around + 1 : -around - 1]
+        gaps |= filled[link] & ~np.asarray(flags)
+    return (replace(recording, contacts=filled) if gaps.any() else recording), gaps
 
 
 def _imu(leg: Leg, recording: Recording, rest: Mapping[str, NDArray[np.bool_]]) -> ImuErrors | None:

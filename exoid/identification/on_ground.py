@@ -156,9 +156,19 @@ def _left_out(left: Left, recording: Recording) -> list[Finding]:
         left.moving,
         "1",
         "info",
-        f"{left.moving:.1%} of the samples say that a link rests which rolls or slips; they count, as the motion of the "
-        "base was measured",
+        f"{left.moving:.1%} of the samples say that a link rests which rolls or slips; they count, as the motion of "
+        "the base was measured",
         "nothing to do; without that measurement they would be left out",
+        recording=name,
+    )
+    gaps = Finding(
+        "wrong-contact",
+        "",
+        left.gaps,
+        "1",
+        "info",
+        f"{left.gaps:.1%} of the samples are in gaps of a contact that are shorter than {EDGE:g} s; they were filled",
+        "check the foot switch",
         recording=name,
     )
     edge = Finding(
@@ -181,7 +191,7 @@ def _left_out(left: Left, recording: Recording) -> list[Finding]:
         "bend the knees, or measure the wrenches",
         recording=name,
     )
-    return [one for one in (slip, moving, edge, lost) if one.value > 0.0]
+    return [one for one in (slip, moving, gaps, edge, lost) if one.value > 0.0]
 
 
 def _imu_finding(errors: ImuErrors | None, recording: Recording) -> list[Finding]:
