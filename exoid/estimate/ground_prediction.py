@@ -159,11 +159,15 @@ def _forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> li
 
 
 def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Generator) -> Iterator[Recording]:
-    """Add the noise of the angles, and of the base where it was measured, once more."""
+    """Add the noise of the angles, of wrenches, and of the base where it was measured, once more."""
     recording = stretch.recording
     size = _noise(recording.q)
     for _ in range(REPEATS):
-        shaken = replace(recording, q=recording.q + size * rng.standard_normal(recording.q.shape))
+        shaken = replace(
+            recording,
+            q=recording.q + size * rng.standard_normal(recording.q.shape),
+            wrenches={link: _noisier_wrench(wrench, rng) for link, wrench in recording.wrenches.items()},
+        )
         base = recording.base
         if base is None:
             yield shaken
@@ -172,6 +176,12 @@ def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Gen
         else:
             columns = base.columns + _noise(base.columns) * rng.standard_normal(base.columns.shape)
             yield replace(shaken, base=BaseMotion(columns[:, :3], columns[:, 3:], base.position))
+
+
+def _noisier_wrench(wrench: Wrench, rng: np.random.Generator) -> Wrench:
+    """Add the noise of a measured wrench once more."""
+    force, moment = (x + _noise(x) * rng.standard_normal(x.shape) for x in (wrench.force, wrench.moment))
+    return replace(wrench, force=force, moment=moment)
 
 
 def _noise(signals: FloatArray) -> FloatArray:

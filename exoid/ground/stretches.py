@@ -44,13 +44,19 @@ class Left(NamedTuple):
 
     Attributes:
         changing: Near a touch-down or lift-off.
-        slipping: A link that was said to rest moved.
+        slipping: A link that was said to rest moved, and the motion of the base had to follow from it.
         singular: Chains were closed and stretched, or left no row.
+        gaps: Not left out: gaps of a contact that are shorter than the edge, which were filled. Nothing becomes wrong
+            when the wrench of a link that bears no load is eliminated.
+        moving: Not left out: a link that was said to rest moved, but the motion of the base was measured. Its wrench is
+            eliminated, or measured, whether it rests or not.
     """
 
     changing: float
     slipping: float
     singular: float
+    gaps: float
+    moving: float
 
 
 class Stretch(NamedTuple):
@@ -94,21 +100,21 @@ def split(leg: Leg, recording: Recording) -> Split:
     """
     recording = recording.resampled()
     recording = replace(recording, wrenches=wrenches_on_links(leg, recording))
+    recording, gaps = _without_gaps(recording)
     rest, unknown = _contacts(leg, recording)
     counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
     steady = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
     slow = _smooth(recording.q, recording.sample_rate)
     v = np.gradient(slow, recording.time, axis=0)
-    still = np.ones_like(counted)
-    if recording.base is None and recording.contacts:  # the base is where the feet are
-        still = ~_slipping(leg, recording, rest, slow, v)
+    still = ~_slipping(leg, recording, rest, slow, v) if recording.contacts else np.ones_like(counted)
     feet = {link: flags & steady for link, flags in rest.items() if link != leg.description.root_link}
     imu = imu_errors(leg, recording, feet) if leg.base_rows else None
     if imu is not None and recording.base is not None:
         recording = replace(recording, base=imu.corrected(recording.base))
     found, lost = [], np.zeros(len(recording), dtype=np.bool_)
+    moving, usual = ~still, steady if recording.base is not None else steady & still
     for links, where in _patterns(unknown, len(recording)):
-        inside = counted & steady & still & where
+        inside = counted & usual & where
         usable = inside & _solvable(leg, links, slow)
         lost |= inside & ~usable
         if np.count_nonzero(usable) >= SHORTEST * recording.sample_rate:
@@ -122,8 +128,19 @@ def split(leg: Leg, recording: Recording) -> Split:
             remedy="check the contacts, record longer stance, or measure the wrenches",
         )
     could = max(1.0, float(np.count_nonzero(counted)))
-    shares = (counted & ~steady, counted & steady & ~still, lost)
+    shares = (counted & ~steady, counted & steady & ~usual, lost, counted & gaps, counted & usual & moving)
     return Split(tuple(found), Left(*(float(np.count_nonzero(part)) / could for part in shares)), imu)
+
+
+def _without_gaps(recording: Recording) -> tuple[Recording, NDArray[np.bool_]]:
+    """Fill gaps of contacts that are shorter than the edge; tell at which samples, (N,)."""
+    around = round(EDGE * recording.sample_rate)
+    gaps, filled = np.zeros(len(recording), dtype=np.bool_), {}
+    for link, flags in recording.contacts.items():
+        longer = np.pad(np.asarray(flags), around + 1)
+        filled[link] = scipy.ndimage.binary_closing(longer, np.ones(around + 1))[around + 1 : -around - 1]
+        gaps |= filled[link] & ~np.asarray(flags)
+    return (replace(recording, contacts=filled) if gaps.any() else recording), gaps
 
 
 def _contacts(leg: Leg, recording: Recording) -> tuple[dict[str, BoolArray], dict[str, BoolArray]]:

@@ -129,7 +129,7 @@ def _task_of(
         q = np.vstack([one.q[one.mask] for one in data])
         axes = reference_axes(model.leg, links, q[:: 1 + len(q) // MANY]) if links else None
         models.append(SupportModel.of(model, links, axes))
-        preparation = ZeroPhase(choose_cutoff(data)) if by_noise else group.preparation
+        preparation = ZeroPhase(choose_cutoff(data, base_rows=not links)) if by_noise else group.preparation
         groups.append(group._replace(name=" and ".join(links) or MEASURED, data=tuple(data), preparation=preparation))
     return task._replace(groups=tuple(groups), models=tuple(models))
 
@@ -149,6 +149,27 @@ def _left_out(left: Left, recording: Recording) -> list[Finding]:
         "warning" if left.slipping > MUCH_LEFT_OUT else "info",
         f"{left.slipping:.1%} of the samples say that a link rests which moves; they were left out",
         "check contacts, the ground, and whether joints' zeros are right",
+        recording=name,
+    )
+    moving = Finding(
+        "slipping-contact",
+        "",
+        left.moving,
+        "1",
+        "info",
+        f"{left.moving:.1%} of the samples say that a link rests which rolls or slips; they count, as the motion of "
+        "the base was measured",
+        "nothing to do; without that measurement they would be left out",
+        recording=name,
+    )
+    gaps = Finding(
+        "wrong-contact",
+        "",
+        left.gaps,
+        "1",
+        "info",
+        f"{left.gaps:.1%} of the samples are in gaps of a contact that are shorter than {EDGE:g} s; they were filled",
+        "check the foot switch",
         recording=name,
     )
     edge = Finding(
@@ -171,7 +192,7 @@ def _left_out(left: Left, recording: Recording) -> list[Finding]:
         "bend the knees, or measure the wrenches",
         recording=name,
     )
-    return [one for one in (slip, edge, lost) if one.value > 0.0]
+    return [one for one in (slip, moving, gaps, edge, lost) if one.value > 0.0]
 
 
 def _imu_finding(errors: ImuErrors | None, recording: Recording) -> list[Finding]:

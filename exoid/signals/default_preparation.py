@@ -201,8 +201,8 @@ class AccelerationPower(NamedTuple):
     """Power of the acceleration below each of :data:`CUTOFFS`, in a common unit.
 
     Attributes:
-        noise: Power due to the noise of the angles, (71, n).
-        total: Power of the recorded angles, (71, n).
+        noise: Power due to the noise of the angles, (71, n); one or two columns more for some bases.
+        total: Power of the recorded angles, as many columns.
         samples: Number of samples.
         rate: Sampling rate [Hz].
     """
@@ -213,7 +213,7 @@ class AccelerationPower(NamedTuple):
     rate: float
 
 
-def choose_cutoff(recordings: Iterable[Recording | Poses]) -> float:
+def choose_cutoff(recordings: Iterable[Recording | Poses], *, base_rows: bool = False) -> float:
     """Choose the highest cut-off frequency at which derived accelerations have little noise.
 
     White noise of power density N in an angle gives ω⁴ N in the acceleration. N is the median of the periodogram P of
@@ -230,8 +230,12 @@ def choose_cutoff(recordings: Iterable[Recording | Poses]) -> float:
     velocity about the axis that turns most, are added to those of each joint. The specific force counts by gravity, of
     which the noise of a usual accelerometer is less than 0.02.
 
+    Where the base has rows of its own, its angular acceleration is the column of its inertia: it then counts by itself
+    too.
+
     Args:
         recordings: Recordings to identify from, all of the same joints. Poses are ignored.
+        base_rows: Whether rows of the base are identified from.
 
     Returns:
         Cut-off frequency [Hz].
@@ -239,14 +243,16 @@ def choose_cutoff(recordings: Iterable[Recording | Poses]) -> float:
     Raises:
         ExoidError: Time has a gap.
     """
-    return cutoff_from([found for found in map(acceleration_power, recordings) if found is not None])
+    powers = (acceleration_power(recording, base_rows=base_rows) for recording in recordings)
+    return cutoff_from([found for found in powers if found is not None])
 
 
-def acceleration_power(recording: Recording | Poses) -> AccelerationPower | None:
+def acceleration_power(recording: Recording | Poses, *, base_rows: bool = False) -> AccelerationPower | None:
     """Compute noise and signal power of the acceleration of a recording.
 
     Args:
         recording: The recording.
+        base_rows: Whether the angular acceleration of a base with an IMU counts by itself too.
 
     Returns:
         Powers below each cut-off, zero for a recording that contains accelerations; None for poses.
@@ -258,7 +264,7 @@ def acceleration_power(recording: Recording | Poses) -> AccelerationPower | None
         return None
     even = recording.resampled()
     if recording.a is not None:
-        nothing = np.zeros((len(CUTOFFS), len(recording.joint_names)))
+        nothing = np.zeros((len(CUTOFFS), len(recording.joint_names) + (base_rows and recording.base is not None)))
         return AccelerationPower(nothing, nothing, len(even), even.sample_rate)
     segments = np.array_split(even.q.T, -(-len(even) // SEGMENT), axis=1)
     powers = [_segment_power(segment, even.sample_rate) for segment in segments]
@@ -270,6 +276,8 @@ def acceleration_power(recording: Recording | Poses) -> AccelerationPower | None
     elif even.base is not None:
         of_base = _base_power(even.base.angular_velocity.T, even.sample_rate)
         noise, total = noise + of_base[0], total + of_base[1]
+        if base_rows:
+            noise, total = np.hstack([noise, of_base[0]]), np.hstack([total, of_base[1]])
     return AccelerationPower(noise, total, len(even), even.sample_rate)
 
 
