@@ -155,6 +155,7 @@ class StanceReplay:
         """
         estimate = self.estimates[way]
         return estimate.values - np.array([self.true_value(way, name) for name in estimate.names])
+        return np.asarray(estimate.values - np.array([self.true_value(way, name) for name in estimate.names]))
 
     def coverage(self, way: str) -> float:
         """Compute the share of the parameters whose true value is in its 95 % interval.
