@@ -154,7 +154,6 @@ class StanceReplay:
             Estimate less truth, in the order of its names, (P,).
         """
         estimate = self.estimates[way]
-        return estimate.values - np.array([self.true_value(way, name) for name in estimate.names])
         return np.asarray(estimate.values - np.array([self.true_value(way, name) for name in estimate.names]))
 
     def coverage(self, way: str) -> float:
