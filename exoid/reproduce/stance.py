@@ -28,9 +28,6 @@ from .stance_logs import WRONG, StanceExtent, StanceRuns, run_stance
 TERMS = (Coulomb(smoothing=0.02), Viscous(), Armature())
 """Terms of all estimates: those of the rig."""
 
-TORSO = ("M", "X0", "Y0", "J0")
-"""Parameters of the torso, of which swing leaves no trace."""
-
 SIDES = ("left", "right")
 SHARES = (0.3, 0.7)
 """Shares of the completed work after the runs, and after the estimates."""
@@ -154,7 +151,7 @@ class StanceReplay:
             Estimate less truth, in the order of its names, (P,).
         """
         estimate = self.estimates[way]
-        return estimate.values - np.array([self.true_value(way, name) for name in estimate.names])
+        return np.asarray(estimate.values - np.array([self.true_value(way, name) for name in estimate.names]))
 
     def coverage(self, way: str) -> float:
         """Compute the share of the parameters whose true value is in its 95 % interval.
