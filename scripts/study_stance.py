@@ -62,9 +62,9 @@ def figures(replay: StanceReplay) -> dict[str, float]:
 def _walk_error(replay: StanceReplay, side: str, symbol: str) -> float:
     """Largest relative error of X or J of one leg from its swing in a walk."""
     estimate = replay.walk.estimates[side]
-    names = [f"{name}_{side}" for name in estimate.names]
-    errors = estimate.values - np.array([replay.truth[name] for name in names])
-    return relative_error(names, errors, replay.truth, symbol)
+    values = {f"{name}_{side}": estimate[name].value for name in estimate.names if name[0] == symbol}
+    differences = np.array([value - replay.truth[name] for name, value in values.items()])
+    return relative_error(tuple(values), differences, replay.truth, symbol)
 
 
 def one(seed: int) -> dict[str, float]:
