@@ -25,7 +25,7 @@ from . import (
 )
 from .catalog import load_exo, load_leg
 from .errors import ExoidError
-from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, ground_forces, validate
+from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, ground_forces, joint_torques, validate
 from .findings import Finding
 from .identification import check, identify
 from .leg import Leg
@@ -71,6 +71,7 @@ __all__ = [
     "ground_forces",
     "identification",
     "identify",
+    "joint_torques",
     "lift",
     "load_exo",
     "load_leg",

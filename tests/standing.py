@@ -10,6 +10,7 @@ import scipy
 
 from exoid import Leg, Recording, Wrench
 from exoid.base_kinematics import BaseKinematics
+from exoid.torques import TorqueModel
 
 GRAVITY = 9.81
 ORDER = 7
@@ -68,6 +69,9 @@ def standing(leg: Leg, feet: str, seconds: float = 20.0, seed: int = 0, rate: fl
     v, a = derivatives(time, q)
     base = _base(leg, time, hip, pitch)
     rows = leg.inverse_dynamics(q, v, a, base)
+    if "payloads" in options:
+        model = TorqueModel(leg, ())
+        rows = rows + model.motion(q, v, a, base, options["payloads"]).payload
     count = leg.base_rows
     share = np.clip(waves(time, rng, 0.5, 0.1), 0.0, 1.0)[:, None] if feet == "both" else np.zeros((len(time), 1))
     tau, wrenches, loads = rows[:, count:].copy(), {}, rows[:, :count]

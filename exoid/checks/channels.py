@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
@@ -14,7 +14,7 @@ from exoid.findings import Finding
 from exoid.signals import Recording
 from exoid.signals.quantities import UNITS
 
-from .runs import Runs, noise_size, quantum
+from .runs import Runs, median_of_five, noise_size, quantum
 
 RAIL_SHARE = 0.002
 """Samples at an extreme that make it a rail: at least this share of them, and at least :data:`FEWEST`."""
@@ -55,7 +55,8 @@ DRIVE_NOUNS = {"current": "current", "force": "force", "motor_torque": "motor to
 """Word for each quantity that a drive measures."""
 
 
-class Channel(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Channel:
     """One quantity of one joint.
 
     Attributes:
@@ -78,6 +79,16 @@ class Channel(NamedTuple):
     noun: str = "torque"
     unit: str = "N·m"
 
+    @cached_property
+    def steps(self) -> FloatArray:
+        """Absolute change from sample to sample, (N − 1,)."""
+        return np.asarray(np.abs(np.diff(self.x)))
+
+    @cached_property
+    def runs(self) -> Runs:
+        """Runs of equal samples."""
+        return Runs.of(self.x)
+
 
 def channel_findings(recording: Recording, acting: Mapping[str, Sequence[str]], name: str = "") -> Iterator[Finding]:
     """Check every torque and angle of a recording; where torque was computed of a drive, what the drive measured.
@@ -91,13 +102,15 @@ def channel_findings(recording: Recording, acting: Mapping[str, Sequence[str]], 
         Findings of the kinds saturation, stuck-channel, stale-samples, dropout and spikes.
     """
     driven = recording.driven
+    angles, torques = (None if x is None else np.ascontiguousarray(x.T) for x in (recording.q, recording.tau))
+    assert angles is not None
     for k, joint in enumerate(recording.joint_names):
         names = tuple(acting.get(joint, ()))
-        angle = Channel(recording.time, recording.q[:, k], recording.q, joint, names, name)
+        angle = Channel(recording.time, angles[k], recording.q, joint, names, name)
         yield from frozen_angle(angle)
-        if recording.tau is None or not driven[k]:
+        if torques is None or not driven[k]:
             continue
-        torque = angle._replace(x=recording.tau[:, k])
+        torque = replace(angle, x=torques[k])
         if joint in recording.computed:
             torque = _of_drive(torque, recording, k)
         yield from saturation(torque)
@@ -111,7 +124,7 @@ def _of_drive(channel: Channel, recording: Recording, k: int) -> Channel:
     for quantity, noun in DRIVE_NOUNS.items():
         values = getattr(recording, quantity)
         if values is not None and not np.isnan(values[:, k]).any():
-            return channel._replace(x=values[:, k], noun=noun, unit=UNITS[quantity])
+            return replace(channel, x=values[:, k], noun=noun, unit=UNITS[quantity])
     return channel
 
 
@@ -127,13 +140,15 @@ def saturation(channel: Channel) -> Iterator[Finding]:
     Yields:
         One finding for each side that is clipped.
     """
-    x = channel.x
-    runs = Runs.of(x, 1e-9 * float(np.ptp(x)))
+    x, tolerance = channel.x, 1e-9 * float(np.ptp(channel.x))
+    if channel.steps.min() > tolerance:  # no value lasts
+        return
+    runs = Runs.of(x, tolerance)
     if len(runs.start) < 3:
         return
     usual = float(np.median(runs.length))
     for rail in (float(x.max()), float(x.min())):
-        at_rail = np.abs(runs.value - rail) <= 1e-9 * float(np.ptp(x))
+        at_rail = np.abs(runs.value - rail) <= tolerance
         count = int(runs.length[at_rail].sum())
         if count < max(FEWEST, RAIL_SHARE * len(x), 3.0 * usual):
             continue
@@ -173,10 +188,12 @@ def frozen_torque(channel: Channel) -> Iterator[Finding]:
     Yields:
         One finding, for the longest time.
     """
-    runs = Runs.of(channel.x)
-    spans = _long_runs(channel, runs, FROZEN_TORQUE)
+    spans = _long_runs(channel, FROZEN_TORQUE)
+    if not spans:
+        return
+    runs = channel.runs
     moving = [k for k in spans if _moves(channel.others[runs.start[k] : runs.stop[k]], channel.others)]
-    yield from _frozen(channel, runs, moving, channel.noun)
+    yield from _frozen(channel, moving, channel.noun)
 
 
 def frozen_angle(channel: Channel) -> Iterator[Finding]:
@@ -191,11 +208,11 @@ def frozen_angle(channel: Channel) -> Iterator[Finding]:
     Yields:
         One finding, for the longest time.
     """
-    x, runs = channel.x, Runs.of(channel.x)
-    steps = np.abs(np.diff(x))
-    long = _long_runs(channel, runs, FROZEN_ANGLE)
+    x, steps = channel.x, channel.steps
+    long = _long_runs(channel, FROZEN_ANGLE)
     if not long or not steps.any():
         return
+    runs = channel.runs
     usual, large = float(np.sqrt(np.mean(steps**2))), float(np.quantile(steps, 0.99))
     frozen = []
     for k in long:
@@ -205,7 +222,7 @@ def frozen_angle(channel: Channel) -> Iterator[Finding]:
         sudden = any(len(near) > 2 and float(near.mean()) > SPEED_SHARE * usual for near in (before, after))
         if jump > JUMP * large or sudden:
             frozen.append(k)
-    yield from _frozen(channel, runs, frozen, "angle")
+    yield from _frozen(channel, frozen, "angle")
 
 
 def repeated_values(channel: Channel) -> Iterator[Finding]:
@@ -217,18 +234,16 @@ def repeated_values(channel: Channel) -> Iterator[Finding]:
     Yields:
         One finding, or none.
     """
-    steps = np.abs(np.diff(channel.x))
-    moved = steps[steps > 0.0]
-    if (
-        np.mean(steps == 0.0) < STALE_SHARE
-        or len(moved) < FEWEST
-        or quantum(channel.x) > FINE * float(np.median(moved))
-    ):
+    steps = channel.steps
+    if np.mean(steps == 0.0) < STALE_SHARE:
         return
-    runs = Runs.of(channel.x)
+    moved = steps[steps > 0.0]
+    if len(moved) < FEWEST or quantum(channel.x) > FINE * float(np.median(moved)):
+        return
+    runs = channel.runs
     inner = np.isin(channel.x[1:], (channel.x.max(), channel.x.min()))
     long = np.zeros(len(steps), dtype=np.bool_)
-    for k in _long_runs(channel, runs, FROZEN_TORQUE):
+    for k in _long_runs(channel, FROZEN_TORQUE):
         long[runs.start[k] : runs.stop[k]] = True
     share = float(np.mean((steps == 0.0) & ~inner & ~long))
     if share < STALE_SHARE:
@@ -258,14 +273,16 @@ def outliers(channel: Channel) -> Iterator[Finding]:
         A finding of kind dropout, or spikes, or none.
     """
     x = channel.x
-    middle = scipy.signal.medfilt(x, 5)
-    apart = x - middle
-    size = max(SPIKE * noise_size(apart), SPIKE_PART * float(np.std(middle)))
-    odd: NDArray[np.bool_] = np.abs(apart) > size
+    middle = median_of_five(x)
+    apart, least = x - middle, SPIKE_PART * float(np.std(middle))
+    deviation = np.abs(apart)
+    if deviation.max() <= least:
+        return
+    odd: NDArray[np.bool_] = deviation > max(SPIKE * noise_size(apart), least)
     odd[:2] = odd[-2:] = False
     if not odd.any():
         return
-    odd &= np.abs(apart) > SPIKE * quantum(x)
+    odd &= deviation > SPIKE * quantum(x)
     zero = odd & (x == 0.0)
     if zero.sum() >= max(3, DROPOUT_SHARE * len(x)):
         share = float(np.mean((x == 0.0) & (np.abs(middle) > 0.0)))
@@ -282,7 +299,7 @@ def outliers(channel: Channel) -> Iterator[Finding]:
             recording=channel.recording,
         )
         odd &= x != 0.0
-    odd &= np.abs(apart) > ISOLATED * float(np.quantile(np.abs(apart), 0.95))
+    odd &= deviation > ISOLATED * float(np.quantile(deviation, 0.95))
     share = float(np.mean(odd))
     if odd.sum() >= max(4, SPIKE_SHARE * len(x)):
         lean = float(np.mean(np.sign(apart[odd])))
@@ -292,7 +309,7 @@ def outliers(channel: Channel) -> Iterator[Finding]:
             share,
             "1",
             "warning",
-            f"{share:.1%} of the {channel.noun}s are spikes of {float(np.median(np.abs(apart[odd]))):.3g} "
+            f"{share:.1%} of the {channel.noun}s are spikes of {float(np.median(deviation[odd])):.3g} "
             + channel.unit
             + (", nearly all to one side, which looks like an offset" if abs(lean) > 0.5 else ""),
             "remove them at their source, or identify with the estimator huber",
@@ -301,9 +318,12 @@ def outliers(channel: Channel) -> Iterator[Finding]:
         )
 
 
-def _long_runs(channel: Channel, runs: Runs, shortest: float) -> list[int]:
+def _long_runs(channel: Channel, shortest: float) -> list[int]:
     """Runs that last for a while, and much longer than usual."""
     least = max(10.0, shortest * _rate(channel.time))
+    if np.count_nonzero(channel.steps == 0.0) < least - 1.0:
+        return []
+    runs = channel.runs
     long = runs.length >= least
     if not long.any():
         return []
@@ -321,10 +341,11 @@ def _rate(time: FloatArray) -> float:
     return float((len(time) - 1) / (time[-1] - time[0]))
 
 
-def _frozen(channel: Channel, runs: Runs, places: Sequence[int], quantity: str) -> Iterator[Finding]:
+def _frozen(channel: Channel, places: Sequence[int], quantity: str) -> Iterator[Finding]:
     """Describe the times in which a channel is frozen."""
     if not places:
         return
+    runs = channel.runs
     count = int(sum(runs.length[k] for k in places))
     worst = max(places, key=lambda k: runs.length[k])
     start, stop = channel.time[runs.start[worst]], channel.time[runs.stop[worst] - 1]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.dynamics import TorqueSlopes, gravity_torque, inverse_dynamics, inverse_dynamics_slopes
+from exoid.dynamics import TorqueSlopes, gravity_torque, inverse_dynamics_slopes
 from exoid.leg import Leg
 from exoid.torques import Coulomb, Motion, TorqueModel
 
@@ -179,9 +179,7 @@ class _Work:
         """Derivative of the rigid-body torque by an angle, (n, N)."""
         if not self.of.model.leg.limbs:
             return self._slopes.q[:, :, j].T
-        q = self.motion.q.copy()
-        q[:, j] += STEP
-        return (self._rigid(self.motion._replace(q=q)) - self.of_leg) / STEP
+        return np.asarray((self._changed[j] - self.of_leg) / STEP)
 
     def _by_scale(self, j: int) -> FloatArray:
         """Derivative of the rigid-body torque by the scale of an angle and its derivatives, (n, N)."""
@@ -189,11 +187,7 @@ class _Work:
         if not self.of.model.leg.limbs:
             pairs = zip(self._slopes, (motion.q, motion.v, motion.a), strict=True)
             return np.asarray(sum(slope[:, :, j].T * x[:, j] for slope, x in pairs))
-        scaled = [x.copy() for x in (motion.q, motion.v, motion.a)]
-        for x in scaled:
-            x[:, j] *= 1.0 + STEP
-        q, v, a = scaled
-        return (self._rigid(motion._replace(q=q, v=v, a=a)) - self.of_leg) / STEP
+        return np.asarray((self._changed[motion.q.shape[1] + j] - self.of_leg) / STEP)
 
     @cached_property
     def _arm_shapes(self) -> dict[int, FloatArray]:
@@ -206,12 +200,18 @@ class _Work:
         motion = self.motion
         return inverse_dynamics_slopes(self._fitted_leg.model, motion.q, motion.v, motion.a)
 
-    def _rigid(self, motion: Motion) -> FloatArray:
-        """Rigid-body torque with the fitted parameters, (n, N)."""
-        leg = self.of.model.leg
-        if not leg.limbs:
-            return inverse_dynamics(self._fitted_leg.model, motion.q, motion.v, motion.a).T
-        return _planar_torque(leg, self.of.values, motion)
+    @cached_property
+    def _changed(self) -> FloatArray:
+        """Rigid-body torque of a planar leg with the angle of each joint off by a step, then scaled, (2 n, n, N)."""
+        samples, n = self.motion.q.shape
+        several = Motion(*self.motion[:4]).rows(np.tile(np.arange(samples), 2 * n))
+        q, v, a = (x.reshape(2 * n, samples, n) for x in several[:3])
+        for j in range(n):
+            q[j, :, j] += STEP
+            for x in (q, v, a):
+                x[n + j, :, j] *= 1.0 + STEP
+        torque = _planar_torque(self.of.model.leg, self.of.values, several)
+        return torque.reshape(n, 2 * n, samples).transpose(1, 0, 2)
 
     def _lengthened(self, j: int) -> FloatArray:
         """Derivative of the torque by the relative length of a segment, (n, N)."""
@@ -228,7 +228,8 @@ class _Work:
         if not leg.limbs:
             return 2.0 * (self.of_leg - gravity_torque(self._fitted_leg.model, self.motion.q).T)
         still = np.zeros_like(self.motion.v)
-        return 2.0 * (self.of_leg - self._rigid(self.motion._replace(v=still, a=still)))
+        slow = self.motion._replace(v=still, a=still)
+        return 2.0 * (self.of_leg - _planar_torque(leg, self.of.values, slow))
 
     @cached_property
     def _fitted_leg(self) -> Leg:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.findings import Finding
 from exoid.signals import Recording, ZeroPhase
 from exoid.signals.differentiation import central_difference
@@ -62,9 +62,9 @@ def wraps(recording: Recording, acting: Mapping[str, Sequence[str]], name: str =
     Yields:
         One finding for each joint.
     """
-    for k, joint in enumerate(recording.joint_names):
-        steps = np.diff(recording.q[:, k])
-        turns = np.abs(np.abs(steps) - 2.0 * np.pi) < WRAP * 2.0 * np.pi
+    every = np.abs(np.diff(np.ascontiguousarray(recording.q.T), axis=1))
+    for joint, steps in zip(recording.joint_names, every, strict=True):
+        turns = np.abs(steps - 2.0 * np.pi) < WRAP * 2.0 * np.pi
         if turns.any():
             when = recording.time[int(turns.argmax()) + 1]
             yield Finding(
@@ -98,24 +98,24 @@ def missing_samples(recording: Recording, acting: Mapping[str, Sequence[str]], n
     if len(recording) < 8 * WINDOW:
         return
     rate = recording.sample_rate
-    q = recording.q
-    wrapped = (np.abs(np.diff(q, axis=0)) > np.pi).max(axis=1)
+    q = np.ascontiguousarray(recording.q.T)
     jump, velocity = _jumps(q, 1.0 / rate)
-    noise = np.array([noise_size(of_joint) for of_joint in jump.T])
-    floor = 1e-3 * np.sqrt(np.mean(velocity**2, axis=0)) / rate  # exact motions have no noise
+    noise = np.array([noise_size(of_joint) for of_joint in jump])
+    floor = 1e-3 * np.sqrt(np.mean(velocity**2, axis=1)) / rate  # exact motions have no noise
     weight = 1.0 / np.maximum(noise, np.maximum(floor, 1e-12)) ** 2
-    information = (velocity**2 * weight).sum(axis=1)
-    gap = (velocity * jump * weight).sum(axis=1) / np.maximum(information, 1e-300)
+    information = weight @ velocity**2
+    gap = weight @ (velocity * jump) / np.maximum(information, 1e-300)
     size = gap * np.sqrt(information)
-    inner = slice(WINDOW - 1, len(q) - WINDOW)
-    odd = (size > GAP_SIZE) & (gap > max(SHORTEST_GAP / rate, SHORTEST_TIME)) & ~wrapped[inner]
+    odd: BoolArray = (size > GAP_SIZE) & (gap > max(SHORTEST_GAP / rate, SHORTEST_TIME))
     if not odd.any():
         return
-    still = (np.diff(q, axis=0) == 0.0).astype(np.float64)
-    frozen = np.max([np.convolve(of_joint, np.ones(2 * WINDOW), "same") for of_joint in still.T], axis=0) >= 5.0
-    odd &= ~frozen[inner]
-    unexplained = ((jump - gap[:, None] * velocity) ** 2 * weight).sum(axis=1)
-    odd &= unexplained < 0.3 * size**2
+    inner, steps = slice(WINDOW - 1, q.shape[1] - WINDOW), np.diff(q, axis=1)
+    still = (steps == 0.0).astype(np.float64)
+    near = np.max([np.convolve(of_joint, np.ones(2 * WINDOW), "same") for of_joint in still], axis=0)
+    frozen: BoolArray = np.asarray(near >= 5.0)
+    wrapped: BoolArray = np.asarray((np.abs(steps) > np.pi).any(axis=0))
+    odd &= ~frozen[inner] & ~wrapped[inner]
+    odd &= weight @ (jump - gap * velocity) ** 2 < 0.3 * size**2
     places = _peaks(odd, size)
     if not places:
         return
@@ -197,27 +197,27 @@ def late_velocities(recording: Recording, acting: Mapping[str, Sequence[str]], n
 
 
 def _jumps(q: FloatArray, interval: float) -> tuple[FloatArray, FloatArray]:
-    """Jump of the angle [rad] and velocity [rad/s] in the middle of each inner interval, (N − 2 W + 1, n)."""
+    """Jump of the angle [rad] and velocity [rad/s] in the middle of each inner interval, (n, N − 2 W + 1)."""
     k = np.arange(WINDOW) - 0.5 * (WINDOW - 1)
     slope = k / (k @ k)
     level = np.full(WINDOW, 1.0 / WINDOW)
     to_middle = 0.5 * WINDOW
     ahead, behind = level - to_middle * slope, level + to_middle * slope
-    count = len(q) - 2 * WINDOW + 1
-    jump = _moving_sum(q[WINDOW:], ahead, count) - _moving_sum(q, behind, count)
-    velocity = 0.5 * (_moving_sum(q[WINDOW:], slope, count) + _moving_sum(q, slope, count)) / interval
+    count, later = q.shape[1] - 2 * WINDOW + 1, q[:, WINDOW:]
+    jump = _moving_sum(later, ahead, count) - _moving_sum(q, behind, count)
+    velocity = 0.5 * (_moving_sum(later, slope, count) + _moving_sum(q, slope, count)) / interval
     return jump, velocity
 
 
 def _moving_sum(x: FloatArray, weights: FloatArray, count: int) -> FloatArray:
-    """Weighted sum of each sample and those behind it, (count, n)."""
-    total = weights[0] * x[:count]
+    """Weighted sum of each sample and those behind it, (n, count)."""
+    total = weights[0] * x[:, :count]
     for k, weight in enumerate(weights[1:], start=1):
-        total += weight * x[k : k + count]
+        total += weight * x[:, k : k + count]
     return np.asarray(total)
 
 
-def _peaks(odd: FloatArray, size: FloatArray) -> list[int]:
+def _peaks(odd: BoolArray, size: FloatArray) -> list[int]:
     """Largest of each group of neighbours."""
     places: list[int] = []
     for k in np.flatnonzero(odd):

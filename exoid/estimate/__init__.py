@@ -5,6 +5,7 @@ from .data import EstimateData, Input
 from .estimate import Estimate
 from .export import Export
 from .ground_prediction import GroundForce, ground_forces
+from .ground_validation import StandingTorques, joint_torques
 from .grouped import GroupedEstimate
 from .model_error import ModelError
 from .nonlinear import NonlinearParameters
@@ -25,11 +26,13 @@ __all__ = [
     "ModelError",
     "NonlinearParameters",
     "Parameter",
+    "StandingTorques",
     "TorqueBand",
     "TorqueFilter",
     "Validation",
     "compare",
     "ground_forces",
+    "joint_torques",
     "predict_motion",
     "validate",
 ]

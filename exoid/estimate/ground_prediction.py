@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from exoid.ground import Stretch, contact_of, level_rotation, split, standing_base
 from exoid.leg import Leg
 from exoid.regression.intervals import half_width
-from exoid.regression.rows import among_zeros, for_leg, source_of
+from exoid.regression.rows import for_leg, source_of
 from exoid.signals import BaseMotion, Recording, Wrench, base_during
 from exoid.signals.link_wrenches import wrenches_on_links
 
@@ -214,8 +214,8 @@ def _filtered(estimate: EstimateData, recording: Recording, signals: FloatArray)
         return signals
     every = range(len(recording))
     flat = np.where(recording.mask, signals.reshape(-1, signals.shape[-1]), 0.0)
-    gain = among_zeros(parallel, recording.mask[np.newaxis].astype(np.float64), every)[0]
-    return (among_zeros(parallel, flat, every) / np.where(recording.mask, gain, 1.0)).reshape(signals.shape)
+    gain = parallel.among_zeros(recording.mask[np.newaxis].astype(np.float64), every)[0]
+    return (parallel.among_zeros(flat, every) / np.where(recording.mask, gain, 1.0)).reshape(signals.shape)
 
 
 def _solve(

@@ -2,17 +2,37 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.errors import ExoidError
 from exoid.ground import LOOP, Stretch, SupportModel, eliminate, reference_axes, split
+from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, make_rows
 from exoid.signals import Preparation, Recording
 
 from .data import EstimateData
 from .torque_band import parameter_variance
+
+LEVEL = 0.95
+"""Probability that a band contains a measured torque."""
+
+
+class StandingTorques(NamedTuple):
+    """Torques that an estimate predicts for a leg on the ground.
+
+    Attributes:
+        time: Samples at which they follow from the motion [s], (N,).
+        torque: Torques of the joints [N·m], (N, n).
+        half: Half the width of the 95 % band of a measured torque [N·m], (N, n).
+    """
+
+    time: FloatArray
+    torque: FloatArray
+    half: FloatArray
 
 
 class Compared(NamedTuple):
@@ -69,6 +89,46 @@ def compare_on_ground(
     parts = [_compare(estimate, stretch, preparation, bandwidth) for stretch in stretches]
     order = np.argsort(np.concatenate([part.time for part in parts]), kind="stable")
     return Compared(*(np.concatenate(arrays)[order] for arrays in zip(*parts, strict=True)))
+
+
+def joint_torques(estimate: EstimateData, recording: Recording) -> StandingTorques:
+    """Predict the joint torques of a leg on the ground from its motion, and from wrenches where they were measured.
+
+    τ = W_q β − Σ J_qᵀ w_c for measured wrenches w_c. Where one link rests by an unknown wrench, the equation of the
+    base gives it. Where several do, the torques do not follow from the motion, and the samples are left out.
+
+    Args:
+        estimate: The estimate.
+        recording: Motion with contacts or wrenches; its torques are not used.
+
+    Returns:
+        Torques, low-passed as rows of the estimate are.
+
+    Raises:
+        ExoidError: Several links rest by unknown wrenches throughout, or nothing else is left of the recording.
+    """
+    model = estimate.model
+    silent = replace(for_leg(model, recording), tau=np.zeros_like(recording.q))
+    found = []
+    for stretch in split(model.leg, silent).stretches:
+        axes = reference_axes(model.leg, stretch.links, silent.q) if stretch.links else None
+        if axes is not None:
+            continue
+        support = SupportModel.of(model.loaded_by(estimate.values), stretch.links, None)
+        rows = make_rows(support, stretch.recording, estimate.preparation)
+        joints = slice(rows.tau.shape[1] - len(model.joint_names), None)
+        torque = (rows.W @ estimate.values - rows.tau)[:, joints]
+        noise = _noise(estimate, support.row_names)[joints]
+        variance = parameter_variance(estimate.covariance, rows.W[:, joints]) + noise
+        found.append(StandingTorques(rows.time, torque, half_width(LEVEL, estimate.dof) * np.sqrt(variance)))
+    if not found:
+        raise ExoidError(
+            "several links rest by unknown wrenches throughout, and torques do not follow from the motion",
+            where=recording.source.name if recording.source else "",
+            remedy="measure the wrenches, or record motions on one foot",
+        )
+    order = np.argsort(np.concatenate([part.time for part in found]), kind="stable")
+    return StandingTorques(*(np.concatenate(arrays)[order] for arrays in zip(*found, strict=True)))
 
 
 def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation, bandwidth: float) -> Compared:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
@@ -13,8 +15,29 @@ from exoid.signals import BaseMotion, Recording
 
 from .standing_base import standing_base
 
-LEAST = 2.0
-"""Shortest rest from which a bias is estimated [s]."""
+LEAST = 1.0
+"""Shortest rest of all feet together from which a bias is estimated [s]."""
+
+TURNING = 0.06
+"""A foot that turns faster than this [rad/s] rolls over heel or toe."""
+
+ENDS = 0.07
+"""Time at both ends of a rest that the differentiation of the pose draws on [s]."""
+
+CLEAN = 2.0
+"""A rotation is looked for where differences are smaller than so many times the white noise of the readings."""
+
+FOURTH = 70.0
+"""Variance of the fourth differences of white noise, 1² + 4² + 6² + 4² + 1²."""
+
+SCATTER = 0.1
+"""Biases below this part of the scatter of the differences are left: soft ground moves a foot as much."""
+
+MEDIAN = 0.6745
+"""Median size of what is normal with a standard deviation of one."""
+
+DISAGREEMENT = 0.15
+"""Feet that rest flat agree on a bias; where rests differ by more than this [m/s², standard deviation], they do not."""
 
 SURE = 3.0
 """A misalignment is kept apart from a bias where it is larger than so many of its standard deviations."""
@@ -48,34 +71,89 @@ class ImuErrors(NamedTuple):
         return BaseMotion(gyro - np.cross(self.rotation, gyro), force - np.cross(self.rotation, force), base.position)
 
 
-def imu_errors(leg: Leg, recording: Recording, link: str, resting: NDArray[np.bool_]) -> ImuErrors | None:
-    """Compare an inertial measurement unit with the motion that joint angles say while a link rests on the ground.
+def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.bool_]]) -> ImuErrors | None:
+    """Compare an inertial measurement unit with the motion that joint angles say while a foot is flat on the ground.
 
     Readings are ω' = ω + δ × ω + b_ω and f' = f + δ × f + b_f with biases b and a small rotation δ. They are linear in
-    the nine unknowns, which least squares finds.
+    the nine unknowns, which least squares finds. A foot that rolls over heel or toe turns against the gyroscope.
 
     Args:
         leg: The leg.
         recording: Recording with the readings, at even time stamps.
-        link: Link that rests flat on level ground.
-        resting: Samples at which it does, (N,).
+        resting: Samples at which each link is on level ground, (N,) each.
 
     Returns:
-        The errors; None if the base was not measured by such a unit, or the rest is too short.
+        The errors; None if the base was not measured by such a unit, or rests are too short or disagree.
     """
     base = recording.base
-    if base is None or base.pose is not None or np.count_nonzero(resting) < LEAST * recording.sample_rate:
+    if base is None or base.pose is not None:
         return None
-    true = standing_base(leg, recording, link)
+    parts = [_compare(leg, recording, base, link, flags) for link, flags in resting.items() if flags.any()]
+    rows = [np.concatenate(arrays) for arrays in zip(*parts, strict=True)] if parts else []
+    if not rows or len(rows[0]) < LEAST * recording.sample_rate:
+        return None
+    omega, force, of_gyro, of_force, rest = rows
+    means = np.array([of_force[rest == k].mean(axis=0) for k in np.unique(rest)])
+    if len(means) > 1 and np.sqrt(np.mean(np.var(means, axis=0).sum())) > DISAGREEMENT:
+        return None
+    scattered = _within_scatter(of_gyro), _within_scatter(of_force)
+    if all(scattered):
+        return None
+    of_gyro, of_force = (
+        x - x.mean(axis=0) if small else x for x, small in zip((of_gyro, of_force), scattered, strict=True)
+    )
+    white = np.median(np.abs(np.diff(base.specific_force, 4, axis=0))) / MEDIAN / np.sqrt(FOURTH)
+    return _fit(omega, force, of_gyro, of_force, rotates=bool(of_force.std(axis=0).max() < CLEAN * white))
+
+
+def _within_scatter(differences: FloatArray) -> bool:
+    """Whether the mean of differences, (N, 3), is small beside their scatter: a foot is not exactly still."""
+    return bool(np.linalg.norm(differences.mean(axis=0)) < SCATTER * np.linalg.norm(differences.std(axis=0)))
+
+
+class _Flat(NamedTuple):
+    """Samples at which a foot is flat: true ω and f, what readings differ by, and the number of the rest."""
+
+    omega: FloatArray
+    force: FloatArray
+    of_gyro: FloatArray
+    of_force: FloatArray
+    rest: FloatArray
+
+
+def _compare(leg: Leg, recording: Recording, base: BaseMotion, link: str, flags: NDArray[np.bool_]) -> _Flat:
+    """Compare readings with the motion that a foot says, where it is flat."""
+    true, rate = standing_base(leg, recording, link), recording.sample_rate
     omega = true.angular_velocity
     alpha = np.gradient(omega, recording.time, axis=0)
-    at_sensor = true.specific_force + np.cross(alpha, base.position) + np.cross(omega, np.cross(omega, base.position))
-    aside = (base.angular_velocity - omega)[resting], (base.specific_force - at_sensor)[resting]
-    return _fit(omega[resting], at_sensor[resting], *aside)
+    force = true.specific_force + np.cross(alpha, base.position) + np.cross(omega, np.cross(omega, base.position))
+    turning = _smooth(base.angular_velocity - omega, rate)
+    middle = np.array([_densest(of_axis, TURNING) for of_axis in turning[flags].T])
+    flat = flags & (np.linalg.norm(turning - middle, axis=1) < TURNING)
+    flat = scipy.ndimage.binary_erosion(flat, iterations=max(1, round(ENDS * rate)))
+    number = np.cumsum(np.diff(flat.astype(np.intp), prepend=0) > 0).astype(np.float64)
+    number += 1e6 * list(recording.contacts).index(link) if link in recording.contacts else 0.0
+    aside = base.angular_velocity - omega, base.specific_force - force
+    return _Flat(omega[flat], force[flat], aside[0][flat], aside[1][flat], number[flat])
 
 
-def _fit(omega: FloatArray, force: FloatArray, of_gyro: FloatArray, of_force: FloatArray) -> ImuErrors:
-    """Fit biases and rotation to differences of angular velocity and specific force, (N, 3) each."""
+def _densest(values: FloatArray, width: float) -> float:
+    """Middle of the values that have most others within a distance: at rest, while others spread."""
+    ordered = np.sort(values)
+    around = np.searchsorted(ordered, ordered + width) - np.searchsorted(ordered, ordered - width)
+    best = ordered[int(np.argmax(around))]
+    return float(np.median(ordered[np.abs(ordered - best) <= width]))
+
+
+def _smooth(values: FloatArray, rate: float) -> FloatArray:
+    """Mean over a moving window of the length of the ends."""
+    return np.asarray(scipy.ndimage.uniform_filter1d(values, max(1, round(ENDS * rate)), axis=0))
+
+
+def _fit(
+    omega: FloatArray, force: FloatArray, of_gyro: FloatArray, of_force: FloatArray, *, rotates: bool
+) -> ImuErrors:
+    """Fit biases, and a rotation if wanted, to differences of angular velocity and specific force, (N, 3) each."""
     biases = np.concatenate([of_gyro.mean(axis=0), of_force.mean(axis=0)])
     noise = np.array([of_gyro.std(), of_force.std()])
     # what the biases leave: δ × (ω − mean), δ × (f − mean)
@@ -90,7 +168,7 @@ def _fit(omega: FloatArray, force: FloatArray, of_gyro: FloatArray, of_force: Fl
     covariance = np.linalg.pinv(information, rcond=1e-9, hermitian=True)
     rotation = covariance @ (rows.T @ left)
     spread = np.sqrt(np.diag(covariance))
-    if not (np.abs(rotation) > SURE * spread).any():
+    if not rotates or not (np.abs(rotation) > SURE * spread).any():
         rotation = np.zeros(3)
     else:
         biases -= np.concatenate([np.cross(rotation, omega.mean(axis=0)), np.cross(rotation, force.mean(axis=0))])

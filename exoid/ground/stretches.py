@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,9 +34,6 @@ LOOK = 10.0
 
 PLANAR = 3
 """Base rows of a planar machine."""
-
-RESTING = 0.5
-"""A foot that stands still for less than this [s] is rolling: its place does not tell the errors of an IMU."""
 
 SHORTEST = 0.15
 """Supports that last less than this in a recording [s] are left out."""
@@ -109,7 +107,8 @@ def split(leg: Leg, recording: Recording) -> Split:
     slow = _smooth(recording.q, recording.sample_rate)
     v = np.gradient(slow, recording.time, axis=0)
     still = ~_slipping(leg, recording, rest, slow, v) if recording.contacts else np.ones_like(counted)
-    imu = _imu(leg, recording, {link: flags & steady & still for link, flags in rest.items()})
+    feet = {link: flags & steady for link, flags in rest.items() if link != leg.description.root_link}
+    imu = imu_errors(leg, recording, feet) if leg.base_rows else None
     if imu is not None and recording.base is not None:
         recording = replace(recording, base=imu.corrected(recording.base))
     found, lost = [], np.zeros(len(recording), dtype=np.bool_)
@@ -145,20 +144,6 @@ def _without_gaps(recording: Recording) -> tuple[Recording, NDArray[np.bool_]]:
     return (replace(recording, contacts=filled) if gaps.any() else recording), gaps
 
 
-def _imu(leg: Leg, recording: Recording, rest: Mapping[str, NDArray[np.bool_]]) -> ImuErrors | None:
-    """Find the errors of the IMU from the foot that rests longest."""
-    long = np.ones(max(1, round(RESTING * recording.sample_rate)), dtype=np.bool_)
-    feet = {
-        link: scipy.ndimage.binary_opening(flags, long)
-        for link, flags in rest.items()
-        if link != leg.description.root_link
-    }
-    if not feet or not leg.base_rows:
-        return None
-    link = max(feet, key=lambda name: np.count_nonzero(feet[name]))
-    return imu_errors(leg, recording, link, feet[link])
-
-
 def _contacts(leg: Leg, recording: Recording) -> tuple[dict[str, BoolArray], dict[str, BoolArray]]:
     """Find which links rest, and which of them by a wrench that was not measured."""
     links = (*recording.contacts, *recording.wrenches)
@@ -167,10 +152,15 @@ def _contacts(leg: Leg, recording: Recording) -> tuple[dict[str, BoolArray], dic
         flags = contact_of(leg, link, wrench) if link not in rest and link != leg.description.root_link else None
         if flags is not None:
             rest[link] = flags
-    unknown = {link: flags for link, flags in rest.items() if link not in recording.wrenches}
+    unknown = {link: flags for link, flags in rest.items() if link not in recording.wrenches and _is_carried(leg, link)}
     if not links and leg.base_rows:
         unknown[leg.description.root_link] = np.ones(len(recording), dtype=np.bool_)
     return rest, unknown
+
+
+def _is_carried(leg: Leg, link: str) -> bool:
+    """Whether forces on a link reach a row: on a fixed base, links of other legs are part of the base."""
+    return bool(np.abs(leg.contact_jacobian(np.full((1, len(leg.joint_names)), 0.1), link)).max() > 0.0)
 
 
 def contact_of(leg: Leg, link: str, wrench: Wrench) -> BoolArray | None:
@@ -223,7 +213,7 @@ def _lasting(flags: BoolArray, time: FloatArray) -> BoolArray:
 def _slipping(
     leg: Leg, recording: Recording, rest: Mapping[str, BoolArray], q: FloatArray, v: FloatArray
 ) -> NDArray[np.bool_]:
-    """Samples at which two links that rest move against each other, or one against the gyroscope of the base."""
+    """Samples at which two links that rest move against each other."""
     slips = np.zeros(len(q), dtype=np.bool_)
     base = leg.base_rows
     if not base:
@@ -234,33 +224,9 @@ def _slipping(
         to_base = np.linalg.solve(jacobian[..., :base], np.einsum("ncj,nj->nc", jacobian[..., base:], v)[..., None])
         levers[link] = -to_base[..., 0]
     turning = slice(2, 3) if base == PLANAR else slice(3, 6)
-    gyro = None
-    if recording.base is not None:
-        omega = recording.base.angular_velocity
-        planar = -omega @ leg.limbs[0].chain.plane.lateral[:, np.newaxis] if base == PLANAR else omega
-        gyro = _smooth(planar, recording.sample_rate)
-    for k, (link, flags) in enumerate(rest.items()):
-        others = list(rest.items())[k + 1 :]
-        for other, also in others:
-            apart = levers[link] - levers[other]
-            slips |= flags & also & _moves(apart, turning)
-        if gyro is not None and flags.any():
-            aside = levers[link][:, turning] - gyro
-            slips |= flags & (np.abs(aside - np.median(aside[flags], axis=0)) > TILTING).any(axis=1)
+    for (link, flags), (other, also) in combinations(rest.items(), 2):
+        slips |= flags & also & _moves(levers[link] - levers[other], turning)
     return _widened(slips, round(0.5 * EDGE * recording.sample_rate))
-
-
-def _usual(values: FloatArray) -> FloatArray:
-    """Most frequent value of each column: the middle of the shortest interval that holds a quarter of the values.
-
-    A foot that walks rolls for longer than it rests, so that the median is none of the values at rest.
-    """
-    ordered, part = np.sort(values, axis=0), max(1, len(values) // 4)
-    if not len(values):
-        return np.zeros(values.shape[1])
-    width = ordered[part - 1 :] - ordered[: len(values) - part + 1]
-    first = np.argmin(width, axis=0)
-    return np.asarray(np.take_along_axis(ordered, (first + part // 2)[np.newaxis], axis=0)[0])
 
 
 def _moves(velocity: FloatArray, turning: slice) -> NDArray[np.bool_]:

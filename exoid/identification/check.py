@@ -21,7 +21,7 @@ from .estimators import find_estimator
 from .fitting import Task
 from .group_rows import Group
 from .identify import fit_model, fit_on_ground
-from .recording_summary import bases_turn, has_unmeasured_joints, prepare_groups, summarize_groups
+from .recording_summary import are_on_ground, bases_turn, has_unmeasured_joints, prepare_groups, summarize_groups
 from .repeats import counted_once
 from .rotors_apart import rotors_apart
 from .unmeasured import only_measured
@@ -94,7 +94,7 @@ def check(
         if unknown is not None:
             refuse_unknown_scale(unknown, summaries[""], knowledge)
         task = Task(prepared, (model,), used, find_estimator("wls"), (), knowledge, unknown=unknown)
-        if prepared[0].on_ground:
+        if are_on_ground(leg, summaries.values()):
             standing = fit_on_ground(task, by_noise=preparation is None and cutoff is None)
             return ordered((*repeats, *signals, *standing.findings))
         fitted = fit_model(task)

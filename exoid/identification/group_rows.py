@@ -106,16 +106,6 @@ class Group(NamedTuple):
         return cls("", leg, check_recordings(recordings))
 
     @property
-    def on_ground(self) -> bool:
-        """Whether its recordings have to be split by the links that rest on the ground: see :mod:`.on_ground`."""
-        if self.leg.base_rows:
-            return True
-        if isinstance(self.data, Cluster):
-            return False
-        outside = ({*one.contacts} - {*one.wrenches} for one in self.data if isinstance(one, Recording))
-        return any(outside)
-
-    @property
     def chosen_preparation(self) -> Preparation:
         """How the recordings become rows, chosen by :func:`~exoid.identification.recording_summary.prepare_groups`."""
         assert self.preparation is not None

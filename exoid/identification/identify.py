@@ -24,7 +24,14 @@ from .group_rows import Group, Measured
 from .groups import make_groups, own_parameters, refuse_nonlinear_terms
 from .on_ground import FittedOnGround, on_ground, without_outliers
 from .problem import Problem
-from .recording_summary import RecordingSummary, bases_turn, has_unmeasured_joints, prepare_groups, summarize_groups
+from .recording_summary import (
+    RecordingSummary,
+    are_on_ground,
+    bases_turn,
+    has_unmeasured_joints,
+    prepare_groups,
+    summarize_groups,
+)
 from .repeats import counted_once
 from .result import Preliminaries, Result
 from .rotors_apart import rotors_apart
@@ -157,9 +164,9 @@ def identify(
     if actuators is not None:
         inputs = inputs.driven(actuators, chosen, delay, default_terms=terms is None)
     task, summaries, before = _gather(inputs, chosen, own, preparation, cutoff)
-    if any(group.on_ground for group in task.groups):
+    if are_on_ground(task.groups[0].leg, summaries.values()):
         by_noise = preparation is None and cutoff is None
-        return _on_ground(task, summaries[""], before, delay, by_noise=by_noise, white=noise == "white")
+        return _on_ground(task, summaries, before, delay, by_noise=by_noise, white=noise == "white")
     fitted = fit_model(task)
     if delay is not None:
         task, delays, shifts = without_delays(task, fitted)
@@ -251,7 +258,7 @@ def _cutoff_source(preparation: Preparation | str | None, cutoff: float | None) 
 
 def _on_ground(
     task: Task,
-    summaries: Sequence[RecordingSummary],
+    summaries: Mapping[str, Sequence[RecordingSummary]],
     before: Preliminaries,
     delay: str | None,
     *,
@@ -263,7 +270,8 @@ def _on_ground(
         raise ExoidError("delays are not estimated beside contacts", remedy="leave delay out")
     standing = fit_on_ground(task, by_noise=by_noise)
     before = before.beside_others([standing.findings])
-    groups = [summaries] * len(standing.task.groups)
+    (of_all,) = summaries.values()
+    groups = [of_all] * len(standing.task.groups)
     result = Result.of(standing.fitted, groups, task.estimator, white=white, before=before)
     return result.standing_estimate(standing.model)
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.findings import Finding
 from exoid.ground import EDGE, SHORTEST, ImuErrors, Left, SupportModel, reference_axes, split
+from exoid.regression.least_squares import rms_residual
 from exoid.regression.rows import for_leg
 from exoid.signals import Cluster, Poses, Recording, ZeroPhase, choose_cutoff
 from exoid.torques import TorqueModel
@@ -27,6 +27,9 @@ FAR = 6.0
 
 MOST_WRONG = 0.3
 """Where more than this part of the samples is so far off, the model is wrong rather than the contacts."""
+
+LEAST = 0.003
+"""Residuals within so large a part of the torque of their row are errors of filters, not of contacts."""
 
 MUCH_LEFT_OUT = 0.2
 """More than this part of the samples left out is worth a warning."""
@@ -106,8 +109,6 @@ def _alone(task: Task) -> tuple[tuple[Group], tuple[TorqueModel]]:
     (group,), (model,) = task.groups, task.models
     if isinstance(group.data, Cluster):
         raise ExoidError("recordings on a cluster have no contacts", remedy="pass exoid.signals.Recordings")
-    if any(one.payloads for one in group.data):
-        raise ExoidError("payloads on a leg that stands are not known", remedy="take the payload off")
     rates = [one.sample_rate for one in group.data if isinstance(one, Recording)]
     if any(group.chosen_preparation.parallel(rate) is None for rate in rates):
         raise ExoidError("rows with contacts need the parallel filter", remedy="leave preparation out")
@@ -261,12 +262,19 @@ def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:
 def _wrong_samples(fitted: Fitted, index: int, group: Group) -> list[NDArray[np.bool_]]:
     """Samples of each recording of a group near residuals that no noise explains."""
     residuals = _residuals(fitted.problem, index, fitted.values)
-    scale = _scale(residuals)
+    scale = _scale(residuals, _torque_sizes(fitted.problem, index))
     found = []
     for (one, mask), (time, residual) in zip(_masked(group), residuals, strict=True):
         far = (np.abs(residual) > FAR * scale).any(axis=1)
         found.append(mask & _near(one.time, time[far]) if far.any() else np.zeros(len(mask), dtype=np.bool_))
     return found
+
+
+def _torque_sizes(problem: Problem, group: int) -> FloatArray:
+    """RMS torque of each row, (R,)."""
+    rows = zip(*problem.groups[group].by_kind, strict=True)
+    zero = np.zeros(len(problem.groups[group].names))
+    return np.array([rms_residual(of_row, zero) for of_row in rows])
 
 
 def _residuals(problem: Problem, group: int, values: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
@@ -280,15 +288,14 @@ def _residuals(problem: Problem, group: int, values: FloatArray) -> list[tuple[F
     return [(np.concatenate(time), np.vstack(residual)) for time, residual in (zip(*one, strict=True) for one in found)]
 
 
-def _scale(residuals: Sequence[tuple[FloatArray, FloatArray]]) -> FloatArray:
-    """Standard deviation of each row by the median of the sizes, (R,)."""
+def _scale(residuals: Sequence[tuple[FloatArray, FloatArray]], torques: FloatArray) -> FloatArray:
+    """Standard deviation of each row by the median of the sizes, but at least a small part of its torque, (R,)."""
     each = np.vstack([residual for _, residual in residuals])
-    return np.array(
-        [float(np.median(np.abs(of_row[of_row != 0.0]))) / MEDIAN if of_row.any() else np.inf for of_row in each.T]
-    )
+    middle = [float(np.median(np.abs(row[row != 0.0]))) / MEDIAN if row.any() else np.inf for row in each.T]
+    return np.maximum(middle, LEAST * torques)
 
 
-MEDIAN = float(scipy.stats.norm.ppf(0.75))
+MEDIAN = 0.6745
 """Median size of what is normal with a standard deviation of one."""
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.data import Input
+from exoid.leg import Leg
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, preparation_by_name
@@ -74,6 +75,7 @@ class RecordingSummary(NamedTuple):
         acceleration_power: Noise of the angles beside their motion, for the cut-off; None where it is not needed.
         base_turning: Angular velocity of the base over that of the first joint, root mean square each; 0 for a base at
             rest. Of a planar leg only rotation within its plane counts.
+        stands: Whether a link rests on the ground by a wrench that was not measured.
     """
 
     evidence: Input
@@ -84,6 +86,7 @@ class RecordingSummary(NamedTuple):
     torques: Torques | None
     acceleration_power: AccelerationPower | None
     base_turning: float = 0.0
+    stands: bool = False
 
 
 def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool = True) -> RecordingSummary:
@@ -118,6 +121,7 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
         None if tau is None else _torques(tau, chosen),
         acceleration_power(chosen) if for_cutoff else None,
         _base_turning(model, chosen) if isinstance(chosen, Recording) and chosen.base is not None else 0.0,
+        isinstance(chosen, Recording) and bool(chosen.contacts) and bool({*chosen.contacts} - {*chosen.wrenches}),
     )
 
 
@@ -142,6 +146,19 @@ def bases_turn(groups: Iterable[Sequence[RecordingSummary]]) -> bool:
         Whether it does.
     """
     return any(one.base_turning > TURNING for summaries in groups for one in summaries)
+
+
+def are_on_ground(leg: Leg, groups: Iterable[Sequence[RecordingSummary]]) -> bool:
+    """Tell whether recordings have to be split by the links that rest on the ground.
+
+    Args:
+        leg: The leg.
+        groups: Summaries of each group.
+
+    Returns:
+        Whether the base floats, or links rest by unknown wrenches.
+    """
+    return bool(leg.base_rows) or any(one.stands for summaries in groups for one in summaries)
 
 
 def angles(summaries: Sequence[RecordingSummary]) -> tuple[FloatArray, FloatArray]:

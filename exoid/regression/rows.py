@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.signals import ParallelFilter, Poses, Preparation, Recording, base_during
-from exoid.signals.filters import around_stops, without_reversals
+from exoid.signals.filters import around_stops, reversal_pulses, without_reversals
 
 from .model import MotionSamples, RegressorModel
 
@@ -115,7 +115,8 @@ class Prepared(NamedTuple):
         independent_fraction: Share of the rows that carry independent noise.
         parallel: Filter that columns and torque still have to pass; None for none. Samples that do not count are zero
             on both sides of the equation before they pass it.
-        reversals: Mask of samples of each joint whose friction is not known, (N, n); None to take them as they are.
+        reversals: Samples of pulses of unknown friction at the reversals of each joint, see
+            :func:`exoid.signals.filters.reversal_pulses`; None to take reversals as they are.
     """
 
     time: FloatArray
@@ -126,7 +127,7 @@ class Prepared(NamedTuple):
     inside: NDArray[np.bool_]
     independent_fraction: float = 1.0
     parallel: ParallelFilter | None = None
-    reversals: NDArray[np.bool_] | None = None
+    reversals: tuple[NDArray[np.intp], ...] | None = None
 
     @property
     def reach(self) -> int:
@@ -192,8 +193,16 @@ def prepare(
         inside,
         min(1.0, preparation.independent_fraction(rate) * stride),
         parallel,
-        None if parallel is None or slow is None else around_stops(slow, parallel) & counting,
+        None if parallel is None or slow is None else _reversal_pulses(slow, parallel, counting),
     )
+
+
+def _reversal_pulses(
+    slow: NDArray[np.bool_], parallel: ParallelFilter, counting: NDArray[np.bool_]
+) -> tuple[NDArray[np.intp], ...]:
+    """Place pulses at the reversals of each row whose torque was measured, where samples count."""
+    unknown = around_stops(slow, parallel).T & counting.T
+    return tuple(reversal_pulses(of_row, parallel) for of_row in unknown)
 
 
 def _without_payload(tau: FloatArray, motion: MotionSamples) -> FloatArray:
@@ -301,29 +310,11 @@ def _filtered(
     known = np.ones((len(columns) - acting.shape[1], columns.shape[1]), dtype=np.bool_)
     places = np.argwhere(np.vstack([acting.T, known]))
     distinct, twins = _distinct([*(columns[parameter, joint] for parameter, joint in places), *tau])
-    distinct[:, ~inside] = 0.0
-    filtered = among_zeros(parallel, distinct, rows)
+    filtered = parallel.among_zeros(distinct, rows, inside)
     out = np.zeros((*columns.shape[:2], len(rows)))
     for (parameter, joint), twin in zip(places, twins, strict=False):
         out[parameter, joint] = filtered[twin]
     return out, filtered[twins[len(places) :]]
-
-
-def among_zeros(parallel: ParallelFilter, signals: FloatArray, rows: range) -> FloatArray:
-    """Filter signals that are zero before and after, as samples that do not count are.
-
-    Args:
-        parallel: The filter.
-        signals: Signals in any unit, (K, N).
-        rows: Requested samples, evenly spaced, R of them.
-
-    Returns:
-        Filtered signals at these samples, (K, R).
-    """
-    before = max(0, parallel.reach - rows[0])
-    after = max(0, rows[-1] + 1 + parallel.reach - signals.shape[1])
-    padded = np.pad(signals, ((0, 0), (before, after))) if before or after else signals
-    return parallel(padded, range(rows.start + before, rows.stop + before, rows.step))
 
 
 def _take_out_reversals(
@@ -333,10 +324,10 @@ def _take_out_reversals(
     if prepared.parallel is None or prepared.reversals is None:
         return []
     found = []
-    for joint, unknown in enumerate(prepared.reversals.T):
+    for joint, pulses in enumerate(prepared.reversals):
         acting = np.flatnonzero(columns[:, joint].any(axis=1))
         signals = np.vstack([columns[acting, joint], tau[joint]])
-        signals, taken, left = without_reversals(signals, unknown, stretch, prepared.parallel)
+        signals, taken, left = without_reversals(signals, pulses, stretch, prepared.parallel)
         columns[acting, joint], tau[joint] = signals[:-1], signals[-1]
         table = np.zeros((len(columns) + 1, taken.shape[1]))
         table[acting], table[-1] = taken[:-1], taken[-1]
@@ -344,7 +335,7 @@ def _take_out_reversals(
     return found
 
 
-def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
+def _distinct(signals: Sequence[FloatArray]) -> tuple[list[FloatArray], list[int]]:
     """Signals that differ, and which of them each one is: filters are slow, and some parameters act on joints alike."""
     kept: list[FloatArray] = []
     alike: dict[bytes, list[int]] = {}
@@ -356,7 +347,7 @@ def _distinct(signals: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
         if twin == len(kept):
             candidates.append(twin)
             kept.append(signal)
-    return np.array(kept), twins
+    return kept, twins
 
 
 def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Preparation) -> Rows:
@@ -392,7 +383,7 @@ def each_row(model: RegressorModel, prepared: Prepared) -> Iterator[Rows]:
         rows = form_rows(model, prepared, stretch)
         counted = prepared.inside[stretch.start : stretch.stop]
         if prepared.parallel is not None:
-            gain = np.where(counted, among_zeros(prepared.parallel, ones, stretch)[0], 1.0)
+            gain = np.where(counted, prepared.parallel.among_zeros(ones, stretch)[0], 1.0)
             payload = None if rows.payload is None else rows.payload / gain[:, None]
             rows = rows._replace(W=rows.W / gain[:, None, None], tau=rows.tau / gain[:, None], payload=payload)
         if not counted.all():
@@ -428,7 +419,7 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
     kept = slice((first - before) % step, None, step)
     return Rows(
         rows.time[kept],
-        rows.W[kept].copy(order="A"),
+        rows.W[kept].copy(order="K"),
         rows.tau[kept].copy(),
         rows.q[kept].copy(),
         rows.v[kept].copy(),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -343,8 +344,9 @@ def _segment_power(q: FloatArray, rate: float, derivatives: int = 2) -> tuple[Fl
     detrended = np.ascontiguousarray(q)
     detrended = detrended - detrended.mean(axis=1, keepdims=True)
     detrended -= np.multiply.outer(detrended @ t / (t @ t), t)
-    detrended *= np.hanning(samples)
-    power = np.abs(scipy.fft.rfft(detrended)) ** 2 / samples
+    detrended *= _window(samples)
+    spectrum = scipy.fft.rfft(detrended)
+    power = (spectrum.real**2 + spectrum.imag**2) / samples
     frequency = scipy.fft.rfftfreq(samples, 1.0 / rate)
     noise = np.median(power[:, frequency >= UPPER_BAND * frequency[-1]], axis=1) / np.log(2.0)
     below = np.searchsorted(frequency, CUTOFFS, side="right") - 1
@@ -352,6 +354,14 @@ def _segment_power(q: FloatArray, rate: float, derivatives: int = 2) -> tuple[Fl
     weight = (2.0 * np.pi * frequency[slow]) ** (2 * derivatives)
     total = np.cumsum(weight * power[:, slow], axis=1)[:, below]
     return np.multiply.outer(np.cumsum(weight)[below], noise), total.T
+
+
+@lru_cache(maxsize=4)
+def _window(samples: int) -> FloatArray:
+    """Hann window of so many samples."""
+    window = np.hanning(samples)
+    window.flags.writeable = False
+    return window
 
 
 def _is_long(power: AccelerationPower, cutoff: float) -> bool:

@@ -22,6 +22,7 @@ class ByLink(dict[str, V]):
     __slots__ = ()
 
     def _refuse(self, *_: object, **__: object) -> NoReturn:
+        """Refuse a change."""
         raise TypeError("wrenches and contacts of a recording cannot be changed; use dataclasses.replace")
 
     __setitem__ = __delitem__ = __ior__ = update = pop = popitem = clear = setdefault = _refuse

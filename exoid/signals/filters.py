@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
-from typing import Any
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from exoid._typing import ComplexArray, FloatArray
@@ -25,6 +28,11 @@ ROUNDING = 1e-15
 OVERSAMPLING = 4.0
 """Rows per row of independent noise, so that products of two filtered signals do not alias onto frequency zero."""
 
+BLOCK = 128
+"""Samples of a block of the parallel filter, about."""
+
+DECAYED = 1e-20
+"""Part of a state that has decayed."""
 
 LONGEST_REVERSAL = 1.0
 """A longer stay below the reversal speed is a rest [s]: its rows are kept."""
@@ -32,8 +40,14 @@ LONGEST_REVERSAL = 1.0
 PIECE = 256
 """Rows that are projected together, about, if they are as far apart as the filter allows."""
 
+LONGEST_PIECE = 2
+"""Such a piece is never longer than so many times that."""
+
 LARGEST_SHARE = 0.7
 """Share of the independent samples of a piece that pulses may take; where there are more, the rows stay."""
+
+COARSE = 64
+"""Lengths of Fourier transforms are rounded up to so many rows, so that several are worked out at once."""
 
 NEGLIGIBLE = 1e-4
 """Part of the largest response below which a response is over."""
@@ -108,7 +122,7 @@ def both_passes(
     Returns:
         Filtered signals, of the shape of ``x``.
     """
-    sections = scipy.signal.butter(order, design_frequency(rate, cutoff, order), fs=rate, output="sos")
+    sections = _sections(rate, cutoff, order).copy()  # SciPy wants to be able to write into it
     signals = x.reshape(len(x), -1).T
     out = np.empty(signals.shape)
     width = max(1, BLOCK_BYTES // (8 * len(x)))
@@ -117,6 +131,14 @@ def both_passes(
         filtered = scipy.signal.sosfiltfilt(sections, extend(signals[rows]), padtype=None, padlen=0)
         out[rows] = filtered[:, pad:-pad]
     return out.T.reshape(x.shape)
+
+
+@lru_cache(maxsize=16)
+def _sections(rate: float, cutoff: float, order: int) -> FloatArray:
+    """Second-order sections of one pass."""
+    sections = scipy.signal.butter(order, design_frequency(rate, cutoff, order), fs=rate, output="sos")
+    sections.flags.writeable = False
+    return np.asarray(sections)
 
 
 def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = TOLERANCE) -> int:
@@ -142,15 +164,41 @@ def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = T
     Raises:
         ExoidError: The cut-off is not between 0 and half the rate.
     """
-    zeros, poles, gain = scipy.signal.butter(order, design_frequency(rate, cutoff, order), fs=rate, output="zpk")
+    poles, weights, _ = zero_phase_modes(rate, cutoff, order)
     radius = float(np.abs(poles).max())
     if radius < 1e-9:  # all poles at the origin: the response is over after one sample
         return 1
+    envelope = 2.0 * float(np.abs(weights / (1 - poles)).sum())
+    return max(1, math.ceil(math.log(tolerance / envelope) / math.log(radius)))
+
+
+@lru_cache(maxsize=16)
+def zero_phase_modes(rate: float, cutoff: float, order: int = 4) -> tuple[ComplexArray, ComplexArray, float]:
+    """Decompose the impulse response of `zero_phase` into decaying modes, h_k = Re Σ c_i p_i^(|k| − 1) for k ≠ 0.
+
+    Modes are the poles of one pass. Of two that are conjugates of each other, one is left, with twice the weight.
+
+    Args:
+        rate: Sampling rate [Hz].
+        cutoff: −3 dB frequency of the two passes together [Hz].
+        order: Order of one pass.
+
+    Returns:
+        Poles p and weights c, (m,) each, and h_0.
+
+    Raises:
+        ExoidError: The cut-off is not between 0 and half the rate.
+    """
+    zeros, poles, gain = scipy.signal.butter(order, design_frequency(rate, cutoff, order), fs=rate, output="zpk")
     others = poles[:, np.newaxis] - poles + np.eye(len(poles))
     residues = gain * np.prod(poles[:, np.newaxis] - zeros, axis=1) / np.prod(others, axis=1)
     mirrored = gain * np.prod(1 - np.outer(poles, zeros), axis=1) / np.prod(1 - np.outer(poles, poles), axis=1)
-    envelope = 2.0 * float(np.abs(residues * mirrored / (1 - poles)).sum())
-    return max(1, math.ceil(math.log(tolerance / envelope) / math.log(radius)))
+    weights = residues * mirrored
+    middle = 1.0 - 2.0 * float((weights / (1 - poles)).sum().real)  # a constant passes unchanged: Σ h_k = 1
+    kept = poles.imag >= 0.0
+    poles, weights = poles[kept], np.where(poles.imag > 0.0, 2.0, 1.0)[kept] * weights[kept]
+    poles.flags.writeable = weights.flags.writeable = False
+    return poles, weights, middle
 
 
 def reach(rate: float, cutoff: float, order: int = 4) -> int:
@@ -172,6 +220,7 @@ def reach(rate: float, cutoff: float, order: int = 4) -> int:
     return edge_length(rate, cutoff, order, ROUNDING)
 
 
+@lru_cache(maxsize=16)
 def noise_bandwidth(rate: float, cutoff: float, order: int = 4) -> float:
     """Compute the fraction of white-noise power that `zero_phase` passes, 2/rate · ∫ |H|⁴ df up to rate/2.
 
@@ -260,7 +309,7 @@ def design_frequency(rate: float, cutoff: float, order: int) -> float:
 
 @dataclass(frozen=True)
 class ParallelFilter:
-    """Zero-phase Butterworth filter, as :func:`exoid.signals.zero_phase`, by its gain in the frequency domain.
+    """Zero-phase Butterworth filter, as :func:`exoid.signals.zero_phase`, worked out at the requested rows only.
 
     Filtered rows are redundant: of 500 a second, filtered at 8 Hz, sixteen carry independent noise. Sums of squares and
     products over every :attr:`stride`-th row equal those over all rows, so only these are computed. The filter is
@@ -303,37 +352,108 @@ class ParallelFilter:
         Returns:
             Filtered signals at these samples, (K, R).
         """
-        first, last, step = rows[0] - self.reach, rows[-1] + 1 + self.reach, rows.step
+        first, last = rows[0] - self.reach, rows[-1] + 1 + self.reach
         beyond = max(0, -first), max(0, last - signals.shape[1])
         window = signals[:, max(0, first) : last]
         if any(beyond):
             window = np.pad(window, ((0, 0), beyond), mode="reflect", reflect_type="odd")
-        # y = irfft(gain · rfft(x)) at every step-th sample: its spectrum is the whole one, aliased step times
-        count = scipy.fft.next_fast_len(-(-window.shape[1] // (2 * step)), real=True)
-        gain = _shifted_gain(self, 2 * step * count, self.reach)
-        spectrum = scipy.fft.rfft(window, 2 * step * count, axis=1)
-        spectrum *= gain
-        return np.asarray(scipy.fft.irfft(_fold(spectrum, step), 2 * count, axis=1)[:, : len(rows)])
+        return self.among_zeros(window, range(self.reach, self.reach + len(rows) * rows.step, rows.step))
+
+    def among_zeros(
+        self, signals: Sequence[FloatArray] | FloatArray, rows: range, counted: NDArray[np.bool_] | None = None
+    ) -> FloatArray:
+        """Filter signals that are zero before and after, as samples that do not count are.
+
+        Args:
+            signals: Signals in any unit, K of (N,).
+            rows: Requested samples, evenly spaced, R of them.
+            counted: Mask of samples that count: others are taken for zero, (N,). None for all.
+
+        Returns:
+            Filtered signals at these samples, (K, R).
+        """
+        blocks = _blocks(self, rows.step)
+        begin, end = max(0, rows[0] - self.reach), min(len(signals[0]), rows[-1] + 1 + self.reach)
+        lead = -(-(rows[0] - begin) // blocks.size)  # the first row begins a block
+        wanted, behind = -(-len(rows) * rows.step // blocks.size), -(-(end - rows[0]) // blocks.size)
+        padded = np.zeros((lead + max(wanted, behind), blocks.size))
+        place = lead * blocks.size - rows[0]
+        window = padded.reshape(-1)[place + begin : place + end]
+        left_out = None if counted is None or counted[begin:end].all() else ~counted[begin:end]
+        products = np.empty((len(padded), len(signals), blocks.products.shape[1]))
+        for k, signal in enumerate(signals):  # one after the other, in the processor's cache
+            window[:] = signal[begin:end]
+            if left_out is not None:
+                window[left_out] = 0.0
+            np.matmul(padded, blocks.products, out=products[:, k])
+        filtered = blocks.joined(products)[lead : lead + wanted]
+        return np.asarray(filtered.transpose(1, 0, 2).reshape(len(signals), -1)[:, : len(rows)])
 
 
-def _fold(spectrum: ComplexArray, step: int) -> ComplexArray:
-    """Spectrum of every step-th sample: the mean over all frequencies that alias onto each other, (K, F)."""
-    width = (spectrum.shape[1] - 1) // step  # half of the remaining samples
-    folded = spectrum[:, : width + 1].copy()
-    for k in range(1, step):  # parts of the spectrum alternate: upwards, then downwards and conjugated
-        part = spectrum[:, k * width : (k + 1) * width + 1]
-        folded += part if k % 2 == 0 else np.conj(part[:, ::-1])
-    return folded / step
+class _Blocks(NamedTuple):
+    """The filter for blocks of B samples, at every step-th of them.
+
+    The impulse response is a sum of decaying modes, h_k = Re Σ c_i p_i^(|k| − 1) for k ≠ 0. What samples far from a
+    block add to its rows is therefore said by one complex number a mode and side, Σ x_j p_i^j, the *states*.
+
+    Attributes:
+        products: What samples of a block add to its own rows, and to the states of the blocks after and before it,
+            (B, M + 4 m) with M rows a block, m modes, and real and imaginary parts one after the other.
+        states: What states add to the rows of a block, (4 m, M).
+        decay: Factor of a state from block to block, (m,).
+    """
+
+    products: FloatArray
+    states: FloatArray
+    decay: ComplexArray
+
+    @property
+    def size(self) -> int:
+        """Samples of a block."""
+        return len(self.products)
+
+    def joined(self, products: FloatArray) -> FloatArray:
+        """Add what comes from other blocks.
+
+        Args:
+            products: Blocks times :attr:`products`, (blocks, K, M + 4 m).
+
+        Returns:
+            Filtered rows, (blocks, K, M).
+        """
+        rows, modes = self.states.shape[1], len(self.decay)
+        own = np.ascontiguousarray(products[..., rows:]).view(np.complex128)
+        states = np.zeros_like(own)
+        for mode, decay in enumerate(self.decay):
+            states[1:, :, mode] = _decaying_sum(own[:-1, :, mode].copy(), decay)
+            states[:-1, :, modes + mode] = _decaying_sum(own[:0:-1, :, modes + mode].copy(), decay)[::-1]
+        return np.asarray(products[..., :rows] + states.view(np.float64) @ self.states)
+
+
+def _decaying_sum(x: ComplexArray, decay: complex) -> ComplexArray:
+    """Σ_j decay^(k−j) x_j over j ≤ k for each k, along the first axis, in place: over 2, 4, 8, … terms."""
+    distance = 1
+    while distance < len(x) and abs(decay) > DECAYED:
+        x[distance:] += decay * x[:-distance]
+        decay, distance = decay * decay, 2 * distance
+    return x
 
 
 @lru_cache(maxsize=16)
-def _shifted_gain(filter_: ParallelFilter, samples: int, early: int) -> ComplexArray:
-    """Gain at the frequencies of an FFT of ``samples`` samples, times an advance by ``early`` samples."""
-    turn = np.arange(samples // 2 + 1) / samples
-    gain = zero_phase_gain(turn * filter_.rate, filter_.rate, filter_.cutoff, filter_.order)
-    shifted: ComplexArray = gain * np.exp(2j * np.pi * turn * early)
-    shifted.flags.writeable = False
-    return shifted
+def _blocks(filter_: ParallelFilter, step: int) -> _Blocks:
+    """Matrices of a filter for every ``step``-th row."""
+    poles, weights, middle = zero_phase_modes(filter_.rate, filter_.cutoff, filter_.order)
+    rows = step * np.arange(max(1, round(BLOCK / step)))
+    size = len(rows) * step
+    k = np.arange(size)
+    response = np.append(middle, (poles ** k[:-1, np.newaxis] @ weights).real)
+    own = response[np.abs(k[:, np.newaxis] - rows)]
+    to_after, to_before = poles ** k[::-1, np.newaxis], poles ** k[:, np.newaxis]
+    from_before, from_after = (weights * poles ** power[:, np.newaxis] for power in (rows, size - 1 - rows))
+    parts = np.hstack([to_after, to_before]).view(np.float64)
+    both = np.hstack([from_before, from_after])
+    states = np.stack([both.real, -both.imag], axis=-1).reshape(len(rows), -1).T
+    return _Blocks(np.hstack([own, parts]), np.ascontiguousarray(states), poles**size)
 
 
 def around_stops(slow: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.bool_]:
@@ -349,7 +469,7 @@ def around_stops(slow: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[n
     Returns:
         Whether the friction of each joint is unknown, (N, n).
     """
-    widened = np.zeros_like(slow)
+    widened = np.zeros(slow.shape, dtype=np.bool_, order="F")
     grown = math.ceil(parallel.rate / (4.0 * math.pi * parallel.cutoff))
     for joint in range(slow.shape[1]):
         for start, end in _runs(slow[:, joint]):
@@ -358,8 +478,25 @@ def around_stops(slow: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[n
     return widened
 
 
+def reversal_pulses(unknown: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.intp]:
+    """Place pulses from end to end of each reversal, at most a quarter of the cut-off's period apart.
+
+    Args:
+        unknown: Whether the friction of a joint is unknown, for all samples, (N,).
+        parallel: Filter of the rows.
+
+    Returns:
+        Samples of the pulses in ascending order, (M,).
+    """
+    start, end = _runs(unknown).T
+    gaps = np.ceil((end - start) * (4.0 * parallel.cutoff / parallel.rate)).astype(np.intp)
+    run = np.repeat(np.arange(len(start)), gaps + 1)
+    number = np.arange(len(run)) - np.repeat(np.cumsum(gaps + 1) - (gaps + 1), gaps + 1)
+    return np.unique(np.rint(start[run] + number * ((end - 1 - start) / gaps)[run]).astype(np.intp))
+
+
 def without_reversals(
-    signals: FloatArray, unknown: NDArray[np.bool_], rows: range, parallel: ParallelFilter
+    signals: FloatArray, pulses: NDArray[np.intp], rows: range, parallel: ParallelFilter
 ) -> tuple[FloatArray, FloatArray, float]:
     """Project the filtered columns and torque of a joint onto the complement of the pulses at its reversals.
 
@@ -375,7 +512,7 @@ def without_reversals(
 
     Args:
         signals: Filtered signals at some samples, (K, R).
-        unknown: Whether the friction of the joint is unknown, for all samples, (N,).
+        pulses: Samples of the pulses of the joint, see :func:`reversal_pulses`.
         rows: These samples, R of them.
         parallel: The filter.
 
@@ -383,28 +520,38 @@ def without_reversals(
         Projected signals, (K, R); what was taken out of them, in an orthonormal basis, (K, M); and the share of the
         energy of filtered white noise that is left.
     """
-    out, response = signals.copy(), _impulse_response(parallel)
-    reach = len(response) // 2
-    margin = reach + 2 * math.ceil(LONGEST_REVERSAL * parallel.rate)  # longer than any reversal that is taken out
-    first = max(0, rows.start - margin)
-    pulses = first + _pulses(unknown[first : rows.stop + margin], parallel)
+    out, size = signals.copy(), max(1, PIECE * parallel.stride // rows.step)
+    reach, responses = _responses(parallel, rows.step, LONGEST_PIECE * size)
     taken, bases = [np.zeros((len(signals), 0))], []
-    ends = np.searchsorted(pulses, [rows.start - reach, rows.stop + reach])
-    pulses = pulses[ends[0] : ends[1]]
-    for piece in _pieces(rows, pulses, max(1, PIECE * parallel.stride // rows.step)):
-        begin, last = rows[piece.start], rows[piece.stop - 1]
-        near = slice(*np.searchsorted(pulses, [begin - reach, last + reach + 1]))
-        count, number = piece.stop - piece.start, near.stop - near.start
-        independent = count * min(1.0, parallel.independent_fraction * rows.step)
-        if 0 < number <= LARGEST_SHARE * independent:
-            lags = (begin - pulses[near])[:, None] + rows.step * np.arange(count)
-            B = _padded_response(parallel).take(lags + reach + 1, mode="clip").T
-            Q, *_ = scipy.linalg.lapack.dorgqr(*scipy.linalg.lapack.dgeqrf(B)[:2])  # a third of numpy's time
-            taken.append(out[:, piece] @ Q)
-            out[:, piece] -= taken[-1] @ Q.T
-            bases.append(Q)
+    for piece, together in _clusters(rows, pulses, size, reach, parallel.independent_fraction):
+        later, phase = np.divmod(rows[piece.start] - together, rows.step)
+        B = responses[phase, later + responses.shape[1] // 2, : piece.stop - piece.start].T
+        factored, tau, *_ = scipy.linalg.lapack.dgeqrf(B, overwrite_a=1)  # a third of numpy's time
+        Q, *_ = scipy.linalg.lapack.dorgqr(factored[:, : len(factored)], tau, overwrite_a=1)
+        taken.append(out[:, piece] @ Q)
+        out[:, piece] -= taken[-1] @ Q.T
+        bases.append(Q)
     share = _share_of_noise(bases, parallel, rows.step) / max(len(rows), 1)
     return out, np.hstack(taken), 1.0 - share
+
+
+def _clusters(
+    rows: range, pulses: NDArray[np.intp], size: int, reach: int, independent_fraction: float
+) -> Iterator[tuple[slice, NDArray[np.intp]]]:
+    """Go over pulses whose responses overlap, piece by piece, with the rows that they reach: others are orthogonal."""
+    first, end = np.searchsorted(pulses, [rows.start - reach, rows.stop + reach])
+    pulses = pulses[first:end]
+    for piece in _pieces(rows, pulses, size):
+        begin, count = rows[piece.start], piece.stop - piece.start
+        near = pulses[slice(*np.searchsorted(pulses, [begin - reach, rows[piece.stop - 1] + reach + 1]))]
+        if not 0 < len(near) <= LARGEST_SHARE * count * min(1.0, independent_fraction * rows.step):
+            continue
+        cuts = np.flatnonzero(near[1:] - near[:-1] > 2 * reach) + 1
+        for start, stop in pairwise([0, *cuts.tolist(), len(near)]):
+            together = near[start:stop]
+            earliest = max(0, -((begin + reach - together[0]) // rows.step))
+            latest = min(count, (together[-1] + reach - begin) // rows.step + 1)
+            yield slice(piece.start + int(earliest), piece.start + int(latest)), together
 
 
 def _share_of_noise(bases: Sequence[FloatArray], parallel: ParallelFilter, step: int) -> float:
@@ -413,25 +560,22 @@ def _share_of_noise(bases: Sequence[FloatArray], parallel: ParallelFilter, step:
     C is the correlation of the noise. By Parseval's theorem the sum is that of |q̂|² ĉ over the frequencies of an FFT
     that is long enough for each q and every lag.
     """
-    if not bases:
-        return 0.0
-    later = _noise_correlation(parallel, step)
-    length = scipy.fft.next_fast_len(max(len(Q) for Q in bases) + len(later), real=True)
-    padded = np.zeros((sum(Q.shape[1] for Q in bases), length))
-    place = 0
+    by_length: defaultdict[int, list[FloatArray]] = defaultdict(list)
+    lags = len(_noise_correlation(parallel, step))
     for Q in bases:
-        padded[place : place + Q.shape[1], : len(Q)] = Q.T
-        place += Q.shape[1]
-    q = scipy.fft.rfft(padded, axis=1).view(np.float64)
-    power = np.einsum("kf,kf->f", q, q).reshape(-1, 2).sum(axis=1)
-    circular = np.zeros(length)
-    circular[: len(later)] = later
-    circular[length - len(later) + 1 :] += later[:0:-1]
-    both = np.full(len(power), 2.0)  # frequencies above half the rate are those below it, conjugated
-    both[0] = 1.0
-    if length % 2 == 0:
-        both[-1] = 1.0
-    return float((both * power) @ scipy.fft.rfft(circular).real / length)
+        rounded = -(-len(Q) // COARSE) * COARSE
+        by_length[scipy.fft.next_fast_len(rounded + lags, real=True)].append(Q)
+    total = 0.0
+    for length, several in by_length.items():
+        padded = np.zeros((sum(Q.shape[1] for Q in several), length))
+        place = 0
+        for Q in several:
+            padded[place : place + Q.shape[1], : len(Q)] = Q.T
+            place += Q.shape[1]
+        q = scipy.fft.rfft(padded, axis=1).view(np.float64)
+        power = np.einsum("kf,kf->f", q, q).reshape(-1, 2).sum(axis=1)
+        total += float(power @ _noise_spectrum(parallel, step, length))
+    return total
 
 
 def _pieces(rows: range, pulses: NDArray[np.intp], size: int) -> Iterator[slice]:
@@ -452,6 +596,20 @@ def _pieces(rows: range, pulses: NDArray[np.intp], size: int) -> Iterator[slice]
     yield slice(start, len(k))
 
 
+@lru_cache(maxsize=64)
+def _noise_spectrum(parallel: ParallelFilter, step: int, length: int) -> FloatArray:
+    """Weights ĉ of the frequencies of an FFT of real numbers, over its length; those above half the rate are added."""
+    later = _noise_correlation(parallel, step)
+    circular = np.zeros(length)
+    circular[: len(later)] = later
+    circular[length - len(later) + 1 :] += later[:0:-1]
+    spectrum = 2.0 * scipy.fft.rfft(circular).real / length
+    spectrum[0] /= 2.0
+    if length % 2 == 0:
+        spectrum[-1] /= 2.0
+    return np.asarray(spectrum)
+
+
 @lru_cache(maxsize=16)
 def _noise_correlation(parallel: ParallelFilter, step: int) -> FloatArray:
     """Correlation of filtered white noise with that 0, ``step``, 2 ``step``, … samples later, (M + 1,)."""
@@ -460,18 +618,11 @@ def _noise_correlation(parallel: ParallelFilter, step: int) -> FloatArray:
     return np.asarray(later / later[0])
 
 
-def _pulses(unknown: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.intp]:
-    """Samples of the pulses: from end to end of each reversal, at most a quarter of the cut-off's period apart."""
-    start, end = _runs(unknown).T
-    gaps = np.ceil((end - start) * (4.0 * parallel.cutoff / parallel.rate)).astype(np.intp)
-    run = np.repeat(np.arange(len(start)), gaps + 1)
-    number = np.arange(len(run)) - np.repeat(np.cumsum(gaps + 1) - (gaps + 1), gaps + 1)
-    return np.unique(np.rint(start[run] + number * ((end - 1 - start) / gaps)[run]).astype(np.intp))
-
-
 def _runs(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
     """First sample of each run, and the first behind it, (M, 2)."""
-    return np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)
+    inner = np.flatnonzero(mask[1:] != mask[:-1]) + 1
+    first, last = (np.flatnonzero(mask[edge]) for edge in (slice(0, 1), slice(-1, None)))
+    return np.concatenate([first, inner, last + len(mask)]).reshape(-1, 2)
 
 
 @lru_cache(maxsize=16)
@@ -487,6 +638,22 @@ def _impulse_response(parallel: ParallelFilter) -> FloatArray:
 
 
 @lru_cache(maxsize=16)
-def _padded_response(parallel: ParallelFilter) -> FloatArray:
-    """Impulse response of the filter with a zero before and behind it, (2 M + 3,)."""
-    return np.pad(_impulse_response(parallel), 1)
+def _responses(parallel: ParallelFilter, step: int, count: int) -> tuple[int, FloatArray]:
+    """Impulse response at every ``step``-th sample from each of so many first ones, zero where it is over.
+
+    Args:
+        parallel: The filter.
+        step: Step.
+        count: Largest number of samples that are wanted at once.
+
+    Returns:
+        Its length to each side; and a view of the response at the lags ``step`` k + phase, ``step`` (k + 1) + phase, …
+        for each phase and k from −M, (``step``, 2 M, ``count``).
+    """
+    response = _impulse_response(parallel)
+    reach = len(response) // 2
+    half = count + -(-reach // step) + 1
+    padded = np.zeros((2 * half + count - 1) * step)
+    padded[half * step - reach : half * step + reach + 1] = response
+    by_phase = np.ascontiguousarray(padded.reshape(-1, step).T)
+    return reach, sliding_window_view(by_phase, count, axis=1)

@@ -572,6 +572,8 @@ class Recording:
 
 def _absent(values: FloatArray) -> BoolArray:
     """Columns that are NaN throughout, (n,)."""
+    if not np.isnan(values[:1]).any():
+        return np.zeros(values.shape[1], dtype=np.bool_)
     return np.asarray(np.isnan(values).all(axis=0))
 
 

@@ -41,8 +41,9 @@ def is_uniform(time: FloatArray) -> bool:
 def sampling_rate(time: FloatArray) -> float:
     """Compute the sampling rate.
 
-    For uniform stamps it is the mean rate, which is exact even if they are printed with few digits. For uneven stamps
-    it is the median rate, which lost samples do not change.
+    For uniform stamps it is the mean rate, which is exact even if they are printed with few digits. It has twelve
+    digits: more would be rounding, by which parts of a recording differ. For uneven stamps it is the median rate, which
+    lost samples do not change.
 
     Args:
         time: Time stamps [s], (N,).
@@ -51,7 +52,7 @@ def sampling_rate(time: FloatArray) -> float:
         Sampling rate [Hz].
     """
     if is_uniform(time):
-        return float((len(time) - 1) / (time[-1] - time[0]))
+        return float(f"{(len(time) - 1) / (time[-1] - time[0]):.12g}")
     return float(1.0 / np.median(np.diff(time)))
 
 

@@ -386,11 +386,12 @@ class TorqueModel:
         Returns:
             Whether a sample of a row is usable, (N, n) or (N, b + n).
         """
-        usable = np.ones((len(v), len(self.leg.row_names)), dtype=np.bool_)
-        joints = usable[:, self.leg.base_rows :]
+        usable = np.ones((len(v), len(self.leg.row_names)), dtype=np.bool_, order="F")
         for block in self.blocks:
-            for joint in block.joints:
-                joints[:, joint] &= block.term.usable(_of_joints(v, block.joints))
+            of_term = block.term.usable(_of_joints(v, block.joints))
+            if not of_term.all():
+                for joint in block.joints:
+                    usable[:, self.leg.base_rows + joint] &= of_term
         return usable
 
     def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
@@ -405,10 +406,11 @@ class TorqueModel:
         found = [(block.joints, block.term.reversing(_of_joints(v, block.joints))) for block in self.blocks]
         if all(mask is None for _, mask in found):
             return None
-        reversing = np.zeros((len(v), len(self.leg.row_names)), dtype=np.bool_)
+        reversing = np.zeros((len(v), len(self.leg.row_names)), dtype=np.bool_, order="F")
         for joints, mask in found:
             if mask is not None:
-                reversing[:, [self.leg.base_rows + joint for joint in joints]] |= mask[:, None]
+                for joint in joints:
+                    reversing[:, self.leg.base_rows + joint] |= mask
         return reversing
 
     @cached_property

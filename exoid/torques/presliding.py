@@ -69,7 +69,9 @@ def hysteresis(step: FloatArray, length: float, start: float) -> FloatArray:
     if len(moving) == 0:
         return np.full(len(step), start)
     turns = moving[np.flatnonzero(np.diff(sign[moving], prepend=0.0))]  # first step in each direction
-    segment = np.clip(np.searchsorted(turns, np.arange(len(step)), side="right") - 1, 0, None)
+    lengths = np.diff(turns, append=len(step))
+    lengths[0] += turns[0]
+    segment = np.repeat(np.arange(len(turns)), lengths)
     path = np.cumsum(np.abs(step)) / length
     before = np.where(turns > 0, path[turns - 1], 0.0)
     directions = sign[turns]

@@ -46,8 +46,8 @@ class Motion(NamedTuple):
     computed: NDArray[np.bool_] | None = None
     temperature: FloatArray | None = None
 
-    def rows(self, rows: slice) -> Motion:
-        """Select consecutive rows without copying them.
+    def rows(self, rows: slice | NDArray[np.intp]) -> Motion:
+        """Select rows; consecutive ones are not copied.
 
         Args:
             rows: The rows.
@@ -522,7 +522,7 @@ def random_base(samples: int) -> BaseKinematics:
     return BaseKinematics(2.0 * motion[0], 5.0 * motion[1], 10.0 * motion[2])
 
 
-def _torso_rows(torso: MovingBase, count: int, rows: slice) -> MovingBase:
+def _torso_rows(torso: MovingBase, count: int, rows: slice | NDArray[np.intp]) -> MovingBase:
     """Rows of the entries that have one value a sample."""
     if not isinstance(torso, TorsoMotion):
         return torso.rows(rows)

@@ -4,10 +4,11 @@ import dataclasses
 
 import numpy as np
 import pytest
+import scipy.signal
 from logs import clean, kinds, of_kind, with_column
 
 import exoid
-from exoid.checks.runs import Runs, noise_size, quantum
+from exoid.checks.runs import Runs, median_of_five, noise_size, quantum
 
 
 @pytest.mark.parametrize("part", [0.9, 0.6])
@@ -133,3 +134,8 @@ def test_runs_of_equal_samples():
     assert quantum(np.array([0.0, 0.5, 2.0])) == 0.5
     assert quantum(np.ones(3)) == 0.0
     assert noise_size(np.random.default_rng(0).standard_normal(10_000)) == pytest.approx(1.0, abs=0.05)
+
+
+def test_medians_of_five_are_those_of_a_median_filter():
+    x = np.random.default_rng(0).standard_normal(1001).round(1)
+    np.testing.assert_array_equal(median_of_five(x), scipy.signal.medfilt(x, 5))

@@ -171,3 +171,44 @@ def test_bad_contacts_are_one_error(exo, stance, change, message):
 def test_what_does_not_go_with_contacts_is_refused(exo, stance, arguments):
     with pytest.raises(ExoidError):
         exoid.identify(exo, [log.recording for log in stance], terms=TERMS, **arguments)
+
+
+@pytest.mark.parametrize("measured", [True, False])
+def test_torques_of_the_joints_follow_from_motion_and_wrenches(exo, estimate, measured):
+    log = standing(exo, "left", seconds=12.0, seed=98, noise=NOISE, encoder=ENCODER, friction=friction)
+    wrenches = log.wrenches if measured else {}
+    found = exoid.joint_torques(estimate, replace(log.recording, tau=None, wrenches=wrenches))
+    true = standing(exo, "left", seconds=12.0, seed=98, friction=friction).recording
+    smooth = estimate.preparation.filter(true.tau, true.sample_rate)[np.searchsorted(true.time, found.time)][100:-100]
+    error = found.torque[100:-100] - smooth
+    assert (np.sqrt(np.mean(error**2, axis=0)) < 0.03 * smooth.std(axis=0) + 0.15).all()
+    assert (np.abs(error) <= found.half[100:-100]).mean() > 0.8
+
+
+def test_torques_do_not_follow_where_two_feet_share_the_load(exo, estimate):
+    log = standing(exo, "both", seconds=12.0)
+    with pytest.raises(ExoidError, match="several links"):
+        exoid.joint_torques(estimate, log.recording)
+
+
+@pytest.mark.parametrize("feet", ["both", "left"])
+def test_validation_of_another_motion(exo, estimate, feet):
+    log = standing(exo, feet, seconds=12.0, seed=97, noise=NOISE, encoder=ENCODER, friction=friction)
+    found = exoid.validate(estimate, log.recording)
+    assert (found.nrmse < 0.06).all()
+    assert found.verdict == "predicts"
+
+
+def test_checks_say_what_is_wrong_with_contacts(exo, stance):
+    both, left, right = stance
+    logs = [both.recording, wrongly(left, "right_foot", True, 1), right.recording]
+    assert "slipping-contact" in {finding.kind for finding in exoid.check(exo, logs, terms=TERMS)}
+
+
+def test_a_known_payload_is_no_part_of_the_machine(exo):
+    load = exoid.Payload("torso", 8.0, (0.05, 0.1, 0.3))
+    options = {"seconds": 20.0, "noise": 0.1, "encoder": 2e-5, "payloads": (load,)}
+    each = [standing(exo, feet, seed=k, **options) for k, feet in enumerate(("both", "left", "left"))]
+    found = exoid.identify(exo, [each[0].recording, each[1].recording, mirrored(each[2]).recording], terms=())
+    assert abs(found["M"].value - exo.parameters[0]) < 0.05
+    assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6

@@ -1,5 +1,6 @@
 """A machine on the ground obeys the equation of motion, bears its weight, and keeps its books."""
 
+import subprocess
 import sys
 
 import mujoco
@@ -155,10 +156,26 @@ def test_a_run_and_its_parts_print_in_one_line(standing):
     assert "relative errors of energy" in str(standing.audit)
 
 
+def test_a_plant_is_made_of_its_values():
+    assert PLANT.values["c0_right_knee"] == 1.5
+    assert PLANT.values["M"] == pytest.approx(49.1)
+    other = GroundPlant.build(PLANT.leg, PLANT.soles, {**PLANT.values, "X1_left": 4.0, "b1_left_hip": 2.0})
+    assert other.values == pytest.approx({**PLANT.values, "X1_left": 4.0, "b1_left_hip": 2.0}, rel=1e-9, abs=1e-12)
+    v = np.ones((1, 6))
+    expected = other.coulomb * np.tanh(1.0 / 0.02) + other.viscous + other.stiffness * 0.5
+    np.testing.assert_allclose(other.resistance(0.5 * v, v)[0], expected)
+
+
 def test_without_mujoco_the_error_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(ExoidError, match=r"MuJoCo is not installed. To fix it: pip install 'exoid\[ground\]'"):
         simulate_on_ground(PLANT, motion(), GAINS)
+
+
+def test_mujoco_is_imported_by_the_first_run_only():
+    program = "import sys, exoid.experiments.ground as g; g.bleex_machine(); print('mujoco' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=120)
+    assert done.stdout.strip() == "False"
 
 
 def simulate_with(**changes):

@@ -70,3 +70,27 @@ def test_a_record_shorter_than_the_reach_is_filtered_still():
     assert parallel.reach > 300
     found = parallel(np.ones((1, 300)), range(0, 300, 7))
     np.testing.assert_allclose(found, 1.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("rate", "cutoff", "order"), [(1000.0, 2.0, 8), (100.0, 25.0, 4), (200.0, 50.0, 1), (100.0, 49.0, 5)]
+)
+def test_high_orders_slow_cut_offs_and_poles_at_zero_are_filtered_as_well(rate, cutoff, order):
+    parallel, x = ParallelFilter(rate, cutoff, order), signals(2, 30_000)
+    edge = min(parallel.reach, 14_000)
+    found = parallel(x, range(edge, 30_000 - edge, 3))
+    np.testing.assert_allclose(
+        found, zero_phase(x.T, rate, cutoff, order).T[:, edge : 30_000 - edge : 3], rtol=0, atol=1e-9
+    )
+
+
+def test_samples_that_do_not_count_are_zero():
+    parallel, x = ParallelFilter(500.0, 8.0, 4), signals()
+    counted = np.random.default_rng(3).random(x.shape[1]) > 0.2
+    rows = range(0, x.shape[1], parallel.stride)
+    np.testing.assert_array_equal(parallel.among_zeros(x, rows, counted), parallel.among_zeros(x * counted, rows))
+    silence = np.zeros((len(x), parallel.reach))
+    padded = parallel(
+        np.hstack([silence, x * counted, silence]), range(parallel.reach, parallel.reach + x.shape[1], rows.step)
+    )
+    np.testing.assert_allclose(parallel.among_zeros(x, rows, counted), padded, atol=1e-13)

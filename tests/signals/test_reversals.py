@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exoid.signals import ParallelFilter
-from exoid.signals.filters import around_stops, without_reversals
+from exoid.signals.filters import around_stops, reversal_pulses, without_reversals
 
 FILTER = ParallelFilter(500.0, 8.0, 4)
 SAMPLES = 10_000
@@ -24,14 +24,14 @@ def test_any_torque_at_a_reversal_vanishes():
     unknown = reversals((1000, 1040), (3000, 3100), (5300, 5330))
     signal = np.where(unknown, np.random.default_rng(0).normal(1.0, 1.0, SAMPLES), 0.0)[None]
     filtered = FILTER(signal, ROWS)
-    left, *_ = without_reversals(filtered, unknown, ROWS, FILTER)
+    left, *_ = without_reversals(filtered, reversal_pulses(unknown, FILTER), ROWS, FILTER)
     assert np.linalg.norm(left) < 0.02 * np.linalg.norm(filtered)
 
 
 def test_rows_far_from_reversals_stay():
     unknown = reversals((5000, 5040))
     signal = FILTER(np.random.default_rng(1).normal(size=(2, SAMPLES)), ROWS)
-    left, *_ = without_reversals(signal, unknown, ROWS, FILTER)
+    left, *_ = without_reversals(signal, reversal_pulses(unknown, FILTER), ROWS, FILTER)
     far = np.abs(np.array(ROWS) - 5020) > 500
     np.testing.assert_allclose(left[:, far], signal[:, far], atol=0.02)
     assert np.abs(left - signal).max() > 0.1
@@ -40,15 +40,17 @@ def test_rows_far_from_reversals_stay():
 def test_projection_is_a_projection():
     unknown = reversals((2000, 2050), (2600, 2640), (7000, 7200))
     signal = FILTER(np.random.default_rng(2).normal(size=(3, SAMPLES)), ROWS)
-    once, *_ = without_reversals(signal, unknown, ROWS, FILTER)
-    np.testing.assert_allclose(without_reversals(once, unknown, ROWS, FILTER)[0], once, atol=1e-10)
+    once, *_ = without_reversals(signal, reversal_pulses(unknown, FILTER), ROWS, FILTER)
+    np.testing.assert_allclose(
+        without_reversals(once, reversal_pulses(unknown, FILTER), ROWS, FILTER)[0], once, atol=1e-10
+    )
     np.testing.assert_allclose(once @ signal.T, once @ once.T, atol=1e-8)
 
 
 def test_the_share_of_noise_that_is_left_is_that_of_filtered_white_noise():
     unknown = reversals(*((start, start + 30) for start in range(600, SAMPLES, 400)))
     noise = FILTER(np.random.default_rng(5).normal(size=(200, SAMPLES)), ROWS)
-    left, taken, share = without_reversals(noise, unknown, ROWS, FILTER)
+    left, taken, share = without_reversals(noise, reversal_pulses(unknown, FILTER), ROWS, FILTER)
     print(share)
     assert share < 0.9
     np.testing.assert_allclose((left**2).sum() + (taken**2).sum(), (noise**2).sum(), rtol=1e-12)
@@ -60,13 +62,13 @@ def test_the_share_is_the_same_at_every_spacing_of_the_rows(step):
     unknown = reversals(*((start, start + 30) for start in range(600, SAMPLES, 400)))
     rows = range(ROWS.start, ROWS.stop, step)
     noise = FILTER(np.random.default_rng(5).normal(size=(50, SAMPLES)), rows)
-    left, _, share = without_reversals(noise, unknown, rows, FILTER)
+    left, _, share = without_reversals(noise, reversal_pulses(unknown, FILTER), rows, FILTER)
     assert (left**2).sum() == pytest.approx(share * (noise**2).sum(), rel=0.02)
 
 
 def test_no_reversal_changes_nothing():
     signal = FILTER(np.random.default_rng(3).normal(size=(1, SAMPLES)), ROWS)
-    same, taken, share = without_reversals(signal, reversals(), ROWS, FILTER)
+    same, taken, share = without_reversals(signal, reversal_pulses(reversals(), FILTER), ROWS, FILTER)
     np.testing.assert_array_equal(same, signal)
     assert (share, taken.shape) == (1.0, (1, 0))
 
@@ -82,4 +84,4 @@ def test_a_joint_that_shakes_keeps_its_rows(every, kept):
     """Where reversals are so dense that nothing would be left."""
     unknown = reversals(*((start, start + 20) for start in range(0, SAMPLES, every)))
     signal = FILTER(np.random.default_rng(4).normal(size=(1, SAMPLES)), ROWS)
-    assert (without_reversals(signal, unknown, ROWS, FILTER)[0] == signal).all() == kept
+    assert (without_reversals(signal, reversal_pulses(unknown, FILTER), ROWS, FILTER)[0] == signal).all() == kept

@@ -15,7 +15,7 @@ from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.least_squares import INVOLVED, UNDETERMINED
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Preparation, Recording, ZeroPhase, base_during, choose_cutoff
-from exoid.signals.filters import around_stops, without_reversals
+from exoid.signals.filters import around_stops, reversal_pulses, without_reversals
 from exoid.torques import TorqueModel
 
 from .noise import TorqueNoise
@@ -228,7 +228,8 @@ def _rows(
         if parallel is not None and slow is not None:
             unknown, rows = around_stops(slow, parallel) & inside[:, None], range(len(q))[valid]
             for joint in range(q.shape[1]):
-                W[valid, joint] = without_reversals(W[valid, joint].T, unknown[:, joint], rows, parallel)[0].T
+                pulses = reversal_pulses(unknown[:, joint], parallel)
+                W[valid, joint] = without_reversals(W[valid, joint].T, pulses, rows, parallel)[0].T
         for joint in range(q.shape[1]):
             weighted = W[:, joint] * use[:, joint, None] / std[joint]
             transposed = np.flip(preparation.filter(np.flip(weighted, axis=0), rate), axis=0)  # Fᵀ, backwards in time

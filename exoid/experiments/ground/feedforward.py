@@ -17,7 +17,7 @@ from exoid.rig.ground import GroundMotion, GroundPlant
 ARM = 0.1
 """Length by which forces and moments are compared [m]."""
 
-STIFF = 1e-6
+HELD = 1e-6
 """Share of forward force and moment that the feet bear while something else holds the torso."""
 
 
@@ -94,7 +94,7 @@ def _bearing(
     rows = [np.einsum("ni,nij->nj", forward, J[:, :3]), np.einsum("ni,nij->nj", up, J[:, :3])]
     lateral = np.einsum("nij,i->nj", turn, -plane.lateral)
     rows.append(np.einsum("ni,nij->nj", lateral, J[:, 3:]))
-    scale = np.array([STIFF, 1.0, STIFF * ARM**2] if held else [1.0, 1.0, ARM**2])
+    scale = np.array([HELD, 1.0, HELD * ARM**2] if held else [1.0, 1.0, ARM**2])
     return np.stack(rows, axis=1), bearing.share[:, None] * scale
 
 

@@ -1,15 +1,13 @@
-"""Walking in a harness: both legs follow a norm of healthy gait."""
+"""Walking in a harness: both legs follow a stride of healthy gait."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ComplexArray, FloatArray
-from exoid.experiments.gait import gait_for_leg, norm_gait
-from exoid.leg import Leg
 from exoid.reduction import GRAVITY
 from exoid.rig import Rates
 from exoid.rig.ground import RATES, GroundPlant, GroundRun, JointGains, Spring
@@ -17,9 +15,10 @@ from exoid.rig.ground import RATES, GroundPlant, GroundRun, JointGains, Spring
 from .feedforward import Bearing, planned_motion
 from .follow import follow
 from .posture import PlanarLeg, planar_legs, total_mass
-from .waves import KNOTS, knots, rise
+from .strides import PELVIS, stride, walking_angles
+from .waves import KNOTS, knots
 
-GAINS = JointGains(stiffness=(1500.0, 1200.0, 400.0), damping=(50.0, 40.0, 12.0))
+GAINS = JointGains(stiffness=(1000.0, 800.0, 250.0), damping=(40.0, 30.0, 10.0))
 """Gains of the joints, an assumption: soft enough for a foot that the ground turns."""
 
 HARNESS = Spring(
@@ -34,8 +33,11 @@ HARNESS = Spring(
 SMOOTHING = 0.03
 """Standard deviation of the window that smooths speed and height of the torso, over the stride time."""
 
-NEAR = 0.004
+NEAR = 0.01
 """Height over which load passes from one point of a sole to another [m]."""
+
+LIFT = 0.015
+"""Largest height by which a foot swings above the norm [m]: soles are longer than feet, and legs yield."""
 
 
 @dataclass(frozen=True)
@@ -44,16 +46,17 @@ class Gait:
 
     Attributes:
         speed: Norm of healthy gait, see :func:`exoid.datasets.gait_norm`: "VerySlow", "Slow", "Free" or "Fast".
+            None for the stride of :func:`exoid.experiments.healthy_gait`, which needs no file.
         period: Time of a stride [s].
         scale: Factor of the amplitudes about the mean.
-        lean: Pitch of the torso [rad]; negative leans forward.
+        lean: Pitch of the torso [rad]; negative leans forward. Norms have a forward tilt of the pelvis besides.
         support: Share of the weight that the harness bears.
     """
 
-    speed: str = "Slow"
+    speed: str | None = None
     period: float = 1.4
     scale: float = 0.9
-    lean: float = -0.19
+    lean: float = 0.0
     support: float = 0.2
 
 
@@ -67,7 +70,8 @@ def walking(
 ) -> GroundRun:
     """Let a machine walk in a harness whose carriage moves over the ground, which is the same as a treadmill.
 
-    Height and speed of the carriage are those at which the lowest point of the soles would stand still.
+    Height and speed of the carriage are those at which the lowest point of the soles would stand still. A foot that
+    swings is lifted by up to 1.5 cm more than in the norm.
 
     Args:
         plant: Torso and two legs.
@@ -80,34 +84,32 @@ def walking(
         The run, with the wrench of the harness on the torso.
 
     Raises:
-        ExoidError: MuJoCo is not installed, there is no such norm, or a leg does not have hip, knee, ankle and a sole.
+        ExoidError: MuJoCo is not installed, there is no such norm or its file is missing, a leg does not have hip,
+            knee, ankle and a sole, or the motion cannot be followed.
     """
     gait, time, legs = gait or Gait(), knots(duration), planar_legs(plant)
-    q = np.zeros((len(time), len(plant.leg.joint_names)))
-    for number, leg in enumerate(legs):
-        q[:, leg.joints] = _strides(plant.leg, leg, time, gait, number / len(legs))
-    base = np.column_stack([np.zeros_like(time), np.zeros_like(time), np.full_like(time, gait.lean)])
+    q = walking_angles(plant.leg, legs, time, stride(gait.speed, gait.scale, gait.period), gait.period)
+    base = np.zeros((len(time), 3))
+    base[:, 2] = gait.lean - (0.0 if gait.speed is None else PELVIS)
     places = {leg.foot: leg.points(base, q) for leg in legs}
     window = SMOOTHING * gait.period * KNOTS
     bearing = _bearings(plant, places, window)
     low = np.min([place.imag.min(axis=1) for place in places.values()], axis=0)
     base[:, 0] = _travel(places, bearing, window)
     base[:, 1] = scipy.ndimage.gaussian_filter1d(-low, window)
+    for leg in legs:
+        q[:, leg.joints] = _cleared(leg, base, places[leg.foot] + (base[:, :1] + 1j * base[:, 1:2]))
     motion = planned_motion(plant, time, q, base, bearing, held=True, borne=1.0 - gait.support)
-    weight = GRAVITY * total_mass(plant)
-    motion.base[:, 1] += gait.support * weight / harness.stiffness[2]
+    raised = base + np.array([0.0, gait.support * GRAVITY * total_mass(plant) / harness.stiffness[2], 0.0])
+    motion = replace(motion, base=raised)  # the carriage is above the torso that hangs on it
     return follow(plant, motion, GAINS, rates, spring=harness)
 
 
-def _strides(machine: Leg, leg: PlanarLeg, time: FloatArray, gait: Gait, phase: float) -> FloatArray:
-    """Angles of one leg, (K, 3), which grow from a mean posture."""
-    own = Leg.from_description(machine.description, machine.joint_names[leg.joints])
-    roles = dict(zip(own.joint_names, ("hip", "knee", "ankle"), strict=True))
-    motion = gait_for_leg(own, norm_gait(gait.speed, gait.scale, gait.period), roles)
-    argument = motion.frequency * (time + phase * gait.period)[:, None, None, None] + motion.phase
-    return np.asarray(
-        (motion.centre + rise(time)[:, None, None] * (motion.amplitude * np.sin(argument)).sum(axis=1))[..., 0]
-    )
+def _cleared(leg: PlanarLeg, base: FloatArray, foot: ComplexArray) -> FloatArray:
+    """Angles of a leg whose foot, with points of its sole (K, P), is lifted while it swings, (K, 3)."""
+    tilt = np.angle(foot[:, -1] - foot[:, 0]) - np.angle(leg.sole[-1] - leg.sole[0])
+    height = np.maximum(foot.imag.min(axis=1), 0.0)
+    return leg.angles(base, foot.mean(axis=1) + 1j * LIFT * height / (height + NEAR), tilt)
 
 
 def _bearings(plant: GroundPlant, places: dict[str, ComplexArray], window: float) -> dict[str, Bearing]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.identification.group_rows import Keep
 from exoid.leg import Leg
-from exoid.regression.rows import Prepared, among_zeros, prepare
+from exoid.regression.rows import Prepared, prepare
 from exoid.signals import Preparation, Recording
 from exoid.torques import Armature, InternalState, JointMotion, Motion, Term, TorqueModel
 
@@ -160,8 +160,7 @@ def _form(
         if prepared.parallel is None:
             filtered = signals[:, inside.start : inside.stop : inside.step]
         else:
-            signals[:, ~prepared.inside[around]] = 0.0
-            filtered = among_zeros(prepared.parallel, signals, inside) / gain
+            filtered = prepared.parallel.among_zeros(signals, inside, prepared.inside[around]) / gain
         base[joint][:, acting] = filtered[: len(acting)].T
         friction.append(filtered[len(acting) : -1].T)
         tau[joint] = filtered[-1]
@@ -175,7 +174,7 @@ def _gain(prepared: Prepared, around: slice, inside: range) -> FloatArray:
     counted = prepared.inside[around]
     if prepared.parallel is None:
         return np.ones(len(inside))
-    gain = among_zeros(prepared.parallel, counted[None].astype(np.float64), inside)[0]
+    gain = prepared.parallel.among_zeros(counted[None].astype(np.float64), inside)[0]
     return np.where(counted[inside.start : inside.stop : inside.step], gain, 1.0)
 
 

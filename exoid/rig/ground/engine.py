@@ -175,6 +175,11 @@ class Engine:
         return out
 
     @property
+    def constraint(self) -> FloatArray:
+        """Generalised force of ground and rail in the step, (base + n,), a view."""
+        return np.asarray(self.data.qfrc_constraint)
+
+    @property
     def has_rail(self) -> bool:
         """Whether a rail holds the torso."""
         return bool(self.model.neq)

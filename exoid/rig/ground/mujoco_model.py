@@ -16,7 +16,7 @@ from .plant import GroundPlant
 from .sole import Sole
 
 SOLE_TIME = 0.015
-"""Time constant of contacts [s], MuJoCo's `solref`: of a rubber sole, with twice the weight at touch-down."""
+"""Time constant of contacts [s], MuJoCo's `solref`: a rubber sole, two to three times the weight at touch-down."""
 
 RAIL_TIME = 0.004
 """Time constant of the constraint that holds a torso on its rail [s]; at least twice the step."""

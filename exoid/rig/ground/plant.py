@@ -130,6 +130,18 @@ class GroundPlant:
         """Name of the root link, the torso."""
         return self.leg.description.root_link
 
+    @property
+    def values(self) -> dict[str, float]:
+        """True values of all parameters by name, such as X1_left, c0_left_hip."""
+        each = dict(
+            zip(SYMBOLS, (self.coulomb, self.viscous, self.armature, self.stiffness, self.constant), strict=True)
+        )
+        named = {
+            f"{s}_{label}": x for s, xs in each.items() for label, x in zip(self.leg.joint_labels, xs, strict=True)
+        }
+        bodies = zip(self.leg.parameter_names, self.leg.parameters, strict=True)
+        return {name: float(x) for name, x in (*bodies, *named.items())}
+
     def resistance(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Compute the torque of friction and springs, which actuators overcome.
 

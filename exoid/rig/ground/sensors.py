@@ -103,7 +103,17 @@ class GroundSensors:
         Returns:
             Sensors that read the truth.
         """
-        return cls(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, position_noise=0.0, turn_noise=0.0, wrench_axes=wrench_axes)
+        return cls(
+            angle_noise=0.0,
+            torque_noise=0.0,
+            force_noise=0.0,
+            moment_noise=0.0,
+            gyro_noise=0.0,
+            acceleration_noise=0.0,
+            position_noise=0.0,
+            turn_noise=0.0,
+            wrench_axes=wrench_axes,
+        )
 
     def angles(self, q: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Read joint angles.

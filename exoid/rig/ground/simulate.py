@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.rig.simulate import DIVERGED_SPEED, Rates
 
-from .audit import Audit
 from .engine import Engine
 from .holder import hold
+from .ledger import Ledger
 from .motion import GroundMotion, JointGains, Spring
 from .plant import GroundPlant
 from .run import GroundRun
@@ -68,7 +67,7 @@ def simulate_on_ground(
     engine.place(targets.q[0], targets.base[0])
     holder = hold(engine, spring, targets) if spring is not None else None
     limit, (stiffness, damping) = plant.leg.limits.effort, gains.arrays(len(engine.q))
-    ledger, samples, torque = _Ledger(engine, last), Samples(engine, holder), np.zeros(len(engine.q))
+    ledger, samples, torque = Ledger(engine, last), Samples(engine, holder), np.zeros(len(engine.q))
     for k in range(last - first + 1):
         now = k + first
         engine.begin()
@@ -98,53 +97,3 @@ def simulate_on_ground(
                 remedy="lower the gains, slow the motion, or shorten the step",
             )
     return samples.run(ledger.audit(rates.step))
-
-
-class _Ledger:
-    """Forces and velocities of all steps."""
-
-    def __init__(self, engine: Engine, steps: int) -> None:
-        size = len(engine.rate)
-        self._engine, self._steps = engine, steps
-        self._rate, self._ground, self._held = np.zeros((3, steps + 1, size))
-        self._torque = np.zeros((steps + 1, len(engine.v)))
-        self._energy: list[float] = []
-        self._momentum: list[FloatArray] = []
-
-    def begin(self, step: int) -> None:
-        self._rate[step] = self._engine.rate
-        if step in (0, self._steps):
-            self._energy.append(self._engine.energy)
-            self._momentum.append(self._engine.momentum)
-
-    def finish(self, step: int, torque: FloatArray, spring: FloatArray | None) -> None:
-        engine = self._engine
-        rail = engine.rail
-        self._ground[step] = engine.data.qfrc_constraint - rail
-        self._held[step] = rail if spring is None else spring
-        self._torque[step] = torque
-
-    def audit(self, dt: float) -> Audit:
-        plant, base = self._engine.plant, self._engine.base
-        mean = 0.5 * (self._rate[1:] + self._rate[:-1])
-        joints, start = mean[:, base:], self._rate[:-1, base:]
-        power = self._torque[:-1] * joints
-        ground, held = self._ground[:-1], self._held[:-1]
-        return Audit(
-            work=float(dt * power.sum()),
-            holding=float(dt * np.vdot(held, mean)),
-            gain=self._energy[1] - self._energy[0],
-            friction=float(dt * np.vdot(plant.friction(start), joints)),
-            contact=-float(dt * np.vdot(ground, mean)),
-            turnover=float(dt * np.abs(power).sum()),
-            ground=self._impulse(ground, dt),
-            holder=self._impulse(held, dt),
-            weight=-dt * len(mean) * self._engine.weight * plant.plane.up,
-            momentum=self._momentum[1] - self._momentum[0],
-        )
-
-    def _impulse(self, forces: FloatArray, dt: float) -> FloatArray:
-        """Sum up the linear part of generalised forces."""
-        total, plane = dt * forces.sum(axis=0), self._engine.plant.plane
-        planar = self._engine.plant.is_planar
-        return np.asarray(total[0] * plane.forward + total[1] * plane.up if planar else total[:3])
