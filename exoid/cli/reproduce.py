@@ -1,4 +1,4 @@
-"""``exoid reproduce``: a document replayed on the virtual rig."""
+"""``exoid reproduce``: a document replayed on the virtual rig, or the study of stance beside both."""
 
 from __future__ import annotations
 
@@ -16,13 +16,18 @@ from .progress import progress_bar
 
 
 def reproduce(
-    document: Annotated[Literal["bleex", "cuhk"], typer.Argument(help="Exoskeleton of the document.")],
+    document: Annotated[
+        Literal["bleex", "cuhk", "stance"], typer.Argument(help="Exoskeleton of the document, or stance.")
+    ],
     seed: Annotated[int, typer.Option(min=0, help="Seed of random poses and sensor noise.")] = 0,
     figures: Annotated[str | None, typer.Option(metavar="DIR", help="Folder for the document's figures.")] = None,
     report: Report = None,
     as_json: AsJson = False,
 ) -> None:
-    """Run a document's experiments on virtual rigs, identify, and print every table side by side."""
+    """Run a document's experiments on virtual rigs, identify, and print every table side by side.
+
+    "stance" is a study beside the documents: BLEEX swings, stands and walks, with and without force plates.
+    """
     from exoid import reproduce as replays  # noqa: PLC0415 - matplotlib would slow down the help
     from exoid.view.figure_files import write_figures  # noqa: PLC0415
 
@@ -34,6 +39,10 @@ def reproduce(
             bleex = replays.reproduce_bleex(seed, progress=progress)[0]
             text, data = replays.bleex_text(bleex), replays.bleex_json(bleex)
             draw, page = partial(replays.bleex_figures, bleex.left), partial(replays.bleex_page, bleex)
+        elif document == "stance":
+            stance = replays.reproduce_stance(seed, progress=progress)
+            text, data = replays.stance_text(stance), replays.stance_json(stance)
+            draw, page = partial(replays.stance_figures, stance), partial(replays.stance_page, stance)
         else:
             cuhk = replays.reproduce_cuhk(seed, progress=progress)[0]
             text, data = replays.cuhk_text(cuhk), replays.cuhk_json(cuhk)

@@ -135,12 +135,11 @@ def split(leg: Leg, recording: Recording) -> Split:
 def _without_gaps(recording: Recording) -> tuple[Recording, NDArray[np.bool_]]:
     """Fill gaps of contacts that are shorter than the edge; tell at which samples, (N,)."""
     around = round(EDGE * recording.sample_rate)
+    inner, shape = slice(around + 1, -around - 1), np.ones(around + 1, dtype=np.bool_)
     gaps, filled = np.zeros(len(recording), dtype=np.bool_), {}
     for link, flags in recording.contacts.items():
         longer = np.pad(np.asarray(flags), around + 1)
-        filled[link] = scipy.ndimage.binary_closing(longer, np.ones(around + 1, dtype=np.bool_))[
-            around + 1 : -around - 1
-        ]
+        filled[link] = scipy.ndimage.binary_closing(longer, shape)[inner]
         gaps |= filled[link] & ~np.asarray(flags)
     return (replace(recording, contacts=filled) if gaps.any() else recording), gaps
 

@@ -1,4 +1,4 @@
-"""Replays of both documents on virtual rigs: experiments, identification, tables and figures."""
+"""Replays of both documents on virtual rigs, and a study of stance: experiments, tables and figures."""
 
 from .bleex import BleexReplay, SideReplay, reproduce_bleex
 from .bleex_measurements import Extent
@@ -7,6 +7,9 @@ from .cuhk_tracking import TrackingReplay, reproduce_cuhk_tracking
 from .figures import bleex_figures, cuhk_figures
 from .pages import bleex_page, cuhk_page, tracking_page
 from .report import bleex_json, bleex_text, cuhk_json, cuhk_text
+from .stance import StanceReplay, reproduce_stance
+from .stance_logs import StanceExtent
+from .stance_report import stance_figures, stance_json, stance_page, stance_text
 from .tracking_report import (
     cuhk_tracking_json,
     cuhk_tracking_notes,
@@ -21,6 +24,8 @@ __all__ = [
     "CuhkReplay",
     "Extent",
     "SideReplay",
+    "StanceExtent",
+    "StanceReplay",
     "TrackingReplay",
     "bleex_figures",
     "bleex_json",
@@ -38,6 +43,11 @@ __all__ = [
     "reproduce_bleex",
     "reproduce_cuhk",
     "reproduce_cuhk_tracking",
+    "reproduce_stance",
+    "stance_figures",
+    "stance_json",
+    "stance_page",
+    "stance_text",
     "tracking_figures",
     "tracking_page",
 ]

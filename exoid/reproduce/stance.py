@@ -28,9 +28,6 @@ from .stance_logs import WRONG, StanceExtent, StanceRuns, run_stance
 TERMS = (Coulomb(smoothing=0.02), Viscous(), Armature())
 """Terms of all estimates: those of the rig."""
 
-TORSO = ("M", "X0", "Y0", "J0")
-"""Parameters of the torso, of which swing leaves no trace."""
-
 SIDES = ("left", "right")
 SHARES = (0.3, 0.7)
 """Shares of the completed work after the runs, and after the estimates."""
@@ -213,7 +210,6 @@ def reproduce_stance(
     runs = run_stance(seed, extent, lambda share: report(SHARES[0] * share))
     machine = load_exo("bleex", base="floating")
     imu = split(machine, runs.log("squats")).imu
-    assert imu is not None
     swing, walk = (_corrected(runs.log(motion, held=motion == "walking"), imu) for motion in ("swing", "walking"))
     estimates = {
         "swing": identify(load_exo("bleex"), replace(swing, contacts={}), TERMS, check=False),
@@ -231,7 +227,7 @@ def reproduce_stance(
         estimates=MappingProxyType(estimates),
         refused=_refused(machine, swing),
         forces=_forces(found, runs),
-        walk=_walk(machine, found, walk, _rms(imu.force_bias - runs.bias[3:])),
+        walk=_walk(machine, found, walk, _rms((imu.force_bias if imu is not None else 0.0) - runs.bias[3:])),
         wrong=_disturbed(found, identify(machine, wrong, TERMS), ("wrong-contact", "contact-changes")),
         slipping=_disturbed(found, identify(machine, slipping, TERMS), ("slipping-contact",)),
         seed=seed,
@@ -250,9 +246,10 @@ def true_values(plant: GroundPlant) -> dict[str, float]:
     return values
 
 
-def _corrected(recording: Recording, imu: ImuErrors) -> Recording:
-    """Take errors of the IMU out of a log in which no foot rests; they are those of another log of the session."""
-    assert recording.base is not None
+def _corrected(recording: Recording, imu: ImuErrors | None) -> Recording:
+    """Take errors of the IMU, if any, out of a log; they are those of another log of the session."""
+    if imu is None or recording.base is None:
+        return recording
     return replace(recording, base=imu.corrected(recording.base))
 
 

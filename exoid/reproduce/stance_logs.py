@@ -9,7 +9,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.experiments.ground import bleex_machine, single_support, squats_and_shifts, swing, walking
+from exoid.experiments.ground import Stance, bleex_machine, single_support, squats_and_shifts, swing, walking
 from exoid.rig.ground import GroundPlant, GroundRun, GroundSensors
 from exoid.signals import BaseMotion, Recording
 
@@ -24,6 +24,9 @@ WRONG = 0.05
 
 ICE = 0.022
 """Friction of a ground on which feet slip for about 5 % of the time."""
+
+ON_ONE_FOOT = Stance(squat=0.03, shift=0.01, bow=0.05, swing=0.22)
+"""Motion on one foot: for no seed from 0 to 15 the other foot comes near the ground."""
 
 STANCE = ("squats", "left", "right")
 """Motions on the ground: squats on both feet, and each foot alone."""
@@ -130,11 +133,11 @@ def run_stance(
     plant, first = bleex_machine(), 10 * seed
     motions: dict[str, Callable[[], GroundRun]] = {
         "squats": lambda: squats_and_shifts(plant, extent.stance, seed=first),
-        "left": lambda: single_support(plant, extent.stance, standing=0, seed=first + 1),
-        "right": lambda: single_support(plant, extent.stance, standing=1, seed=first + 2),
-        "swing": lambda: swing(plant, extent.swing, seed=first + 3),
+        "left": lambda: single_support(plant, extent.stance, standing=0, stance=ON_ONE_FOOT, seed=first + 1),
+        "right": lambda: single_support(plant, extent.stance, standing=1, stance=ON_ONE_FOOT, seed=first + 2),
+        "swing": lambda: swing(plant, extent.swing, scale=0.85, seed=first + 3),
         "unseen squats": lambda: squats_and_shifts(plant, extent.unseen, seed=first + 4),
-        "unseen left": lambda: single_support(plant, extent.unseen, standing=0, seed=first + 5),
+        "unseen left": lambda: single_support(plant, extent.unseen, standing=0, stance=ON_ONE_FOOT, seed=first + 5),
         "slipping squats": lambda: squats_and_shifts(bleex_machine(ground_friction=ICE), extent.stance, seed=first),
         "walking": lambda: walking(plant, extent.walking),
     }
