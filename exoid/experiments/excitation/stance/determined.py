@@ -14,6 +14,9 @@ from exoid.regression.least_squares import INVOLVED, UNDETERMINED
 
 from .demands import Demands
 
+EVERY = "all of them can be determined"
+"""End of the sentence about supports that leave nothing undetermined."""
+
 STATES = 400
 """Number of random states of each support."""
 
@@ -39,8 +42,9 @@ def null_space(demands: Sequence[Demands], limits: Sequence[MotionLimits], scale
         rows.append(columns.reshape(len(scale), -1).T)
     W = np.linalg.qr(np.vstack(rows), mode="r")
     size = np.linalg.norm(W, axis=0)
-    _, sigma, Vt = np.linalg.svd(W / np.where(size > 0.0, size, 1.0))
-    loose = Vt[sigma <= UNDETERMINED * sigma[0]].T / np.where(size > 0.0, size, 1.0)[:, None]
+    size = np.where(size > UNDETERMINED * size.max(), size, size.max())  # a foot at rest leaves only rounding
+    _, sigma, Vt = np.linalg.svd(W / size)
+    loose = Vt[sigma <= UNDETERMINED * sigma[0]].T / size[:, None]
     return np.asarray(np.linalg.qr(loose)[0])
 
 
@@ -58,21 +62,21 @@ def undetermined(names: Sequence[str], null: FloatArray) -> tuple[str, ...]:
     return tuple(name for name, size in zip(names, part, strict=True) if size > INVOLVED)
 
 
-def missing_support(names: Sequence[str], loose: Sequence[str], support: str, null: FloatArray) -> str | None:
-    """Say what a further support would determine.
+def missing_support(names: Sequence[str], loose: Sequence[str], added: Sequence[str], null: FloatArray) -> str:
+    """Say what motions with further supports would determine.
 
     Args:
         names: Names of the parameters, (P,).
         loose: Parameters that are not determined now.
-        support: Name of the further support.
-        null: Combinations that stay undetermined with it, (P, K).
+        added: Names of the further supports.
+        null: Combinations that stay undetermined with them, (P, K).
 
     Returns:
-        A sentence; None if it determines none of them.
+        A sentence; empty if they determine none of them.
     """
     still = set(undetermined(names, null))
     more = [name for name in loose if name not in still]
-    if not more:
-        return None
-    every = "all of them" if len(more) == len(loose) else ", ".join(more)
-    return f"a motion with support {support!r} as well determines {every}"
+    if not more or not added:
+        return ""
+    what = EVERY if len(more) == len(loose) else f"{', '.join(more)} can be determined"
+    return f"with motions on {' and '.join(added)} as well: {what}"

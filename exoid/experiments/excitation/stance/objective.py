@@ -13,7 +13,6 @@ from exoid.experiments.excitation.fourier import Basis, States
 from exoid.experiments.excitation.limits import MotionLimits
 from exoid.experiments.excitation.noise import TorqueNoise
 from exoid.experiments.excitation.objective import (
-    MARGIN,
     STEPS,
     Excess,
     Stage,
@@ -23,6 +22,12 @@ from exoid.experiments.excitation.objective import (
 )
 
 from .demands import LIMITS, Demand, Demands
+
+CHECKED = 0.001
+"""Relative margin that is left on the grid on which limits are checked, for values between its samples."""
+
+RESERVE = 0.015
+"""Relative margin that the search keeps on its coarser grid."""
 
 CANDIDATES = 3000
 """Number of poses drawn from which a motion may begin."""
@@ -47,7 +52,7 @@ class StanceObjective:
         seconds: Duration of each motion [s].
         rate: Rate of the log [Hz].
         prior_information: Information of other data about scaled parameters, (P, P).
-        reserve: Relative margin that the search keeps for values between its samples.
+        reserve: Relative margin of what the ground limits, for values between samples.
     """
 
     demands: tuple[Demands, ...]
@@ -58,7 +63,7 @@ class StanceObjective:
     seconds: float
     rate: float
     prior_information: FloatArray
-    reserve: float = 0.0
+    reserve: float = CHECKED
 
     @property
     def pitches(self) -> FloatArray:
@@ -149,7 +154,7 @@ class StanceObjective:
         Returns:
             The objective with narrower limits.
         """
-        return replace(self, limits=tuple(map(narrowed_limits, self.limits)), reserve=3.0 * MARGIN)
+        return replace(self, limits=tuple(map(narrowed_limits, self.limits)), reserve=RESERVE)
 
     def _poses_held(self, number: int, rng: np.random.Generator) -> FloatArray:
         """Poses with the largest margins, (K, k)."""

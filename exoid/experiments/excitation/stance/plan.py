@@ -26,7 +26,7 @@ from exoid.tables import to_text
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .demands import LIMITS, Demands
-from .determined import missing_support, null_space, undetermined
+from .determined import EVERY, missing_support, null_space, undetermined
 from .limits import GroundLimits
 from .objective import StanceObjective
 from .precision import predict_stance
@@ -134,7 +134,7 @@ def plan_stance(
     values: Mapping[str, float] | None = None,
     highest: float = 1.0,
     criterion: Criterion = "worst",
-    starts: int = 4,
+    starts: int = 2,
     seed: int = 0,
     preparation: Preparation | None = None,
     progress: Callable[[float], None] | None = None,
@@ -248,16 +248,17 @@ def _missing(machine: _Machine, supports: Sequence[Support], scales: Scales, loo
     """Say which further supports would determine what these do not."""
     if not loose:
         return ()
-    plant, names = supports[0].plant, machine.model.names
-    labels = [limb.label for limb in plant.leg.limbs if limb.label]
-    lines = []
-    for name in (BOTH, *labels):
-        if name in {support.name for support in supports}:
-            continue
-        more = (*supports, Support.of(plant, name))
+    plant, lines = supports[0].plant, []
+    others = [name for name in (BOTH, *(limb.label for limb in plant.leg.limbs if limb.label))]
+    others = [name for name in others if name not in {support.name for support in supports}]
+    for added in (*((name,) for name in others), others):
+        more = (*supports, *(Support.of(plant, name) for name in added))
         null = null_space(machine.demands(more), machine.boxes(more), scales.scale)
-        lines.append(missing_support(names, loose, name, null))
-    return tuple(line for line in lines if line is not None)
+        line = missing_support(machine.model.names, loose, added, null)
+        lines += [line] if line else []
+        if line and line.endswith(EVERY):
+            break
+    return tuple(lines)
 
 
 def _describe(demands: Demands, motion: FourierMotion, recording: Recording) -> str:
