@@ -10,7 +10,15 @@ from .plan import Plan, plan_excitation
 from .plan_files import plan_files, refuse_plan_name, write_plan
 from .precision import Precision, StaticRows, predict
 from .scales import Scales
-from .stance import GroundLimits, StancePlan, plan_stance, predict_stance, stance_files, write_stance_plan
+from .stance import (
+    GroundLimits,
+    StancePlan,
+    plan_stance,
+    predict_stance,
+    run_stance,
+    stance_files,
+    write_stance_plan,
+)
 from .text import precision_to_json
 
 __all__ = [
@@ -34,6 +42,7 @@ __all__ = [
     "predict",
     "predict_stance",
     "refuse_plan_name",
+    "run_stance",
     "stance_files",
     "write_plan",
     "write_stance_plan",

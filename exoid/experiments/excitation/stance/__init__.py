@@ -4,6 +4,7 @@ from .files import stance_files, write_stance_plan
 from .limits import GroundLimits
 from .plan import StancePlan, plan_stance
 from .precision import predict_stance
+from .rig import run_stance
 from .support import Support
 
 __all__ = [
@@ -12,6 +13,7 @@ __all__ = [
     "Support",
     "plan_stance",
     "predict_stance",
+    "run_stance",
     "stance_files",
     "write_stance_plan",
 ]

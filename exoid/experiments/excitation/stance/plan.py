@@ -249,8 +249,8 @@ def _missing(machine: _Machine, supports: Sequence[Support], scales: Scales, loo
     if not loose:
         return ()
     plant, lines = supports[0].plant, []
-    others = [name for name in (BOTH, *(limb.label for limb in plant.leg.limbs if limb.label))]
-    others = [name for name in others if name not in {support.name for support in supports}]
+    known = {support.name for support in supports}
+    others = [name for name in (BOTH, *(limb.label for limb in plant.leg.limbs)) if name and name not in known]
     for added in (*((name,) for name in others), others):
         more = (*supports, *(Support.of(plant, name) for name in added))
         null = null_space(machine.demands(more), machine.boxes(more), scales.scale)
