@@ -15,8 +15,9 @@ import typer
 from exoid import view
 from exoid.errors import ExoidError
 from exoid.experiments import excitation
-from exoid.experiments.excitation import Assessment, Clearance, Plan
+from exoid.experiments.excitation import Assessment, Clearance, GroundLimits, Plan, StancePlan
 from exoid.files import write_bytes
+from exoid.rig.ground import Sole
 
 from .inputs import (
     AsJson,
@@ -32,6 +33,7 @@ from .inputs import (
     parse_numbers,
     parse_terms,
     read_logs,
+    refuse,
     refuse_unknown_leg,
     split_names,
 )
@@ -86,8 +88,24 @@ def plan(
     tilts: Annotated[str, typer.Option(metavar="DEG,DEG", help="Torso tilts of the motions.")] = "0",
     poses: Annotated[int, typer.Option(min=0, help="Number of additional static poses at each tilt.")] = 0,
     criterion: Annotated[Literal["worst", "a", "d"], typer.Option(help="Criterion to minimise.")] = "worst",
-    starts: Annotated[int, typer.Option(min=1, help="Number of starts of the search.")] = 16,
+    starts: Annotated[
+        int | None, typer.Option(min=1, help="Number of starts of the search; default: 16, with --stance 2.")
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the search.")] = 0,
+    stance: Annotated[
+        str | None,
+        typer.Option(metavar="both,left", help="Plan motions on these feet instead: squats, shifts, leg swings."),
+    ] = None,
+    sole: Annotated[
+        list[str] | None,
+        typer.Option(metavar="FOOT=HEEL,TOE,HEIGHT", help="Sole in the axes of its link [m]; default: BLEEX's."),
+    ] = None,
+    friction: Annotated[
+        float | None, typer.Option(metavar="MU", help="Friction of the ground that --stance may use; default 0.4.")
+    ] = None,
+    doubt: Annotated[
+        float | None, typer.Option(metavar="SHARE", help="Doubt about expected parameters in --stance; default 0.05.")
+    ] = None,
     figure: Annotated[str | None, typer.Option(metavar="PNG", help="Draw motion and precision.")] = None,
     column: ColumnPairs = None,
     degrees: Degrees = False,
@@ -100,15 +118,26 @@ def plan(
 ) -> None:
     """Find the motion that identifies LEG best, and predict the precision of its parameters; or --assess a log."""
     refuse_unknown_leg(leg)
+    supports = split_names(stance)
+    if supports is None:
+        refuse({"--sole": sole, "--friction": friction, "--doubt": doubt}, "they are for --stance")
+    else:
+        swinging = {"--assess": assess, "--foot": foot, "--ground": ground, "--poses": poses or None}
+        refuse(swinging | {"--tilts": None if tilts == "0" else tilts}, "--stance plans motions on the ground")
     pitches = [math.radians(tilt) for tilt in parse_numbers(tilts, "--tilts") or ()]
-    files = () if output is None or assess else excitation.plan_files(output, pitches, poses=poses > 0)
+    files: tuple[Path, ...] = ()
+    if output is not None and supports is not None:
+        files = excitation.stance_files(output, supports)
+    elif output is not None and not assess:
+        files = excitation.plan_files(output, pitches, poses=poses > 0)
     check_outputs({**{f"--output ({file.name})": file for file in files}, "--figure": figure}, [leg, *(assess or [])])
     recordings = (
         read_logs(assess, LogOptions(column, degrees, start, stop, names=names, passive=passive, unmeasured=unmeasured))
         if assess
         else None
     )
-    found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names if recordings else None)
+    logged = recordings[0].joint_names if recordings else None
+    found = find_leg(leg, side, inertias, split_names(joints), logged, floating_base=supports is not None)
     limits = excitation.MotionLimits.of(
         found,
         margin=math.radians(margin),
@@ -122,9 +151,29 @@ def plan(
     if recordings is not None:
         if output is not None:
             raise ExoidError("-o has no effect with --assess", remedy="leave it out: nothing is planned")
-        result: Assessment | Plan = excitation.assess(
+        result: Assessment | Plan | StancePlan = excitation.assess(
             found, recordings, parse_terms(terms), noise=stds, noise_bandwidth=noise_bandwidth, limits=limits
         )
+    elif supports is not None:
+        given = {"friction": friction, "doubt": doubt}
+        with progress_bar("searching") as progress:
+            result = excitation.plan_stance(
+                found,
+                parse_terms(terms),
+                feet=supports,
+                soles=_soles(sole),
+                ground=GroundLimits(**{name: value for name, value in given.items() if value is not None}),
+                duration=duration,
+                rate=rate,
+                limits=limits,
+                noise=stds,
+                noise_bandwidth=noise_bandwidth,
+                highest=highest,
+                criterion=criterion,
+                starts=starts or 2,
+                seed=seed,
+                progress=progress,
+            )
     else:
         with progress_bar("searching") as progress:
             result = excitation.plan_excitation(
@@ -139,7 +188,7 @@ def plan(
                 poses=poses,
                 highest=highest,
                 criterion=criterion,
-                starts=starts,
+                starts=starts or 16,
                 seed=seed,
                 progress=progress,
             )
@@ -147,17 +196,20 @@ def plan(
     typer.echo(json.dumps(_to_json(result), indent=1, ensure_ascii=False) if as_json else str(result))
 
 
-def _write(result: Assessment | Plan, output: str | None, figure: str | None) -> None:
+def _write(result: Assessment | Plan | StancePlan, output: str | None, figure: str | None) -> None:
     """Write the requested files."""
     if output is not None and isinstance(result, Plan):
         for path in excitation.write_plan(output, result):
+            typer.echo(f"wrote {path}", err=True)
+    if output is not None and isinstance(result, StancePlan):
+        for path in excitation.write_stance_plan(output, result):
             typer.echo(f"wrote {path}", err=True)
     if figure is not None:
         _draw(result, figure)
         typer.echo(f"wrote {figure}", err=True)
 
 
-def _draw(result: Assessment | Plan, path: str) -> None:
+def _draw(result: Assessment | Plan | StancePlan, path: str) -> None:
     from matplotlib.figure import Figure  # noqa: PLC0415 - only a figure needs matplotlib
 
     with view.paper():
@@ -173,10 +225,14 @@ def _draw(result: Assessment | Plan, path: str) -> None:
     write_bytes(path, [content.getvalue()])
 
 
-def _to_json(result: Assessment | Plan) -> dict[str, Any]:
+def _to_json(result: Assessment | Plan | StancePlan) -> dict[str, Any]:
     data = excitation.precision_to_json(result.precision) | {"noise": list(result.noise.std)}
     if isinstance(result, Assessment):
         return data | {"advice": [advice._asdict() for advice in result.advice]}
+    if isinstance(result, StancePlan):
+        margins = {one.name: margins for one, margins in zip(result.supports, result.margins, strict=True)}
+        about = {"criterion": result.criterion, "seed": result.seed, "costs": list(result.costs)}
+        return data | {"margins": margins, "missing": list(result.missing)} | about
     peaks = {name: values.tolist() for name, values in result.peaks._asdict().items()}
     return data | {"peaks": peaks, "criterion": result.criterion, "seed": result.seed, "costs": list(result.costs)}
 
@@ -192,6 +248,20 @@ def _ranges(texts: Sequence[str] | None) -> dict[str, tuple[float, float]]:
         except ValueError:
             raise ExoidError(f"--angles {text}", remedy="write JOINT=LOW:HIGH in degrees, e.g. knee=-90:-5") from None
     return ranges
+
+
+def _soles(texts: Sequence[str] | None) -> dict[str, Sole] | None:
+    """Turn "left_foot=-0.07,0.13,-0.1" into a sole by link."""
+    if not texts:
+        return None
+    soles = {}
+    for text in texts:
+        link, _, numbers = text.partition("=")
+        sizes = parse_numbers(numbers, "--sole") or ()
+        if len(sizes) != 3:
+            raise ExoidError(f"--sole {text}", remedy="write FOOT=HEEL,TOE,HEIGHT in metres")
+        soles[link.strip()] = Sole.flat(*sizes)
+    return soles
 
 
 def _clearance(foot: Sequence[str] | None, ground: float | None, distance: float) -> Clearance | None:

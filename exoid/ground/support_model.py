@@ -127,6 +127,17 @@ class SupportModel(TorqueModel):
         full = super().row_torque(tau, motion, wrenches)
         return np.ascontiguousarray(self._reduced(full.T[np.newaxis], motion.q)[0].T)
 
+    def row_shares(self, q: FloatArray) -> FloatArray | None:
+        """Tell how the torque of each joint enters the rows.
+
+        Args:
+            q: Joint angles [rad], (N, n).
+
+        Returns:
+            Shares Z, (N, n, R); None where each row has the torque of its own joint.
+        """
+        return eliminate(self.leg, self.links, q, self.axes).loop if self.links else None
+
     def measured_rows(self, measured: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Tell which rows have a measured side: joints of a closed chain share theirs.
 

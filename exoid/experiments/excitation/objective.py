@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -29,6 +30,12 @@ EXCESSES = ("angle", "velocity", "acceleration", "torque", "clearance")
 
 NEAR = 0.1
 """Unit of clearance in the penalty [m]."""
+
+MARGIN = 0.004
+"""Fraction of each limit that the search reserves for values between its samples."""
+
+GAP = 0.003
+"""Additional clearance of the foot in the search [m]."""
 
 
 class Stage(NamedTuple):
@@ -80,14 +87,13 @@ class Objective:
 
     def __call__(self, x: FloatArray, stage: Stage) -> tuple[float, FloatArray]:
         """Value and gradient at flattened coefficients."""
-        coefficients = x.reshape(self.shape)
-        motions = [self.basis.states(each) for each in coefficients]
+        motions = [self.basis.states(each) for each in self.coefficients(x)]
         columns = [self._columns(states, pitch) for states, pitch in zip(motions, self.pitches, strict=True)]
         weight = self._row_weight()
         information = self.prior_information + sum(
             np.einsum("pjt,qjt->pq", W * weight[:, None], W, optimize=True) for W in columns
         )
-        value, by_information = _criterion(information, stage.power)
+        value, by_information = criterion_value(information, stage.power)
         gradient = np.empty(self.shape)
         for k, (states, W, pitch) in enumerate(zip(motions, columns, self.pitches, strict=True)):
             adjoint = 2.0 * weight[:, None] * np.einsum("pq,qjt->pjt", by_information, W, optimize=True)
@@ -150,6 +156,74 @@ class Objective:
         return float(self.excesses(states, pitch).sum())
 
     @property
+    def machine(self) -> str:
+        """Name of the leg."""
+        return self.model.leg.description.name
+
+    @property
+    def limit_names(self) -> tuple[str, ...]:
+        """Names of the limits."""
+        return EXCESSES
+
+    def coefficients(self, x: FloatArray) -> Sequence[FloatArray]:
+        """Split coefficients.
+
+        Args:
+            x: Flattened coefficients.
+
+        Returns:
+            Views of the coefficients of each motion, (m, n) each.
+        """
+        return tuple(x.reshape(self.shape))
+
+    def excesses_of(self, number: int, states: States) -> FloatArray:
+        """Compute the mean squared excess over each limit.
+
+        Args:
+            number: Number of the motion.
+            states: Samples of it.
+
+        Returns:
+            Mean squares of the relative excesses, (5,).
+        """
+        return self.excesses(states, float(self.pitches[number]))
+
+    def draw(self, rng: np.random.Generator) -> FloatArray:
+        """Draw coefficients, and scale those of each joint to 50 to 95 % of its limits.
+
+        Args:
+            rng: Generator of the draw.
+
+        Returns:
+            Flattened coefficients.
+        """
+        limits, basis = self.limits, self.basis
+        x = rng.standard_normal(self.shape)
+        for each in x:
+            q, v, a = (part[:, 1:] @ each[1:] for part in (basis.position, basis.velocity, basis.acceleration))
+            factors = np.array(
+                [
+                    limits.span / np.ptp(q, axis=0),
+                    limits.velocity / np.abs(v).max(axis=0),
+                    limits.acceleration / np.abs(a).max(axis=0),
+                ]
+            )
+            scale = rng.uniform(0.5, 0.95) * factors.min(axis=0)
+            each[1:] *= scale
+            middle = 0.5 * scale * (q.max(axis=0) + q.min(axis=0))
+            left = limits.span - scale * np.ptp(q, axis=0)
+            each[0] = 0.5 * (limits.lower + limits.upper) - middle + 0.3 * left * rng.uniform(-1.0, 1.0, left.shape)
+        return x.ravel()
+
+    def narrowed(self) -> Objective:
+        """Narrow the limits by the reserve of the search.
+
+        Returns:
+            The objective with narrower limits.
+        """
+        return replace(self, limits=narrowed_limits(self.limits))
+
+    @property
     def _beta(self) -> FloatArray:
         """Expected parameters over their scales."""
         return self.scales.expected / self.scales.scale
@@ -161,43 +235,81 @@ class Objective:
         by_states = States(angle.slope + clearance.slope, speed.slope, acceleration.slope)
         return sum(part.mean for part in parts), by_states, self._beta[:, None, None] * torque.slope.T
 
-    def _parts(self, states: States, tau: FloatArray, pitch: float) -> tuple[_Excess, ...]:
+    def _parts(self, states: States, tau: FloatArray, pitch: float) -> tuple[Excess, ...]:
         limits, (q, v, a) = self.limits, states
         middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * limits.span
         return (
-            _beyond(q - middle, half),
-            _beyond(v, limits.velocity),
-            _beyond(a, limits.acceleration),
-            _beyond(tau, limits.torque),
+            beyond(q - middle, half),
+            beyond(v, limits.velocity),
+            beyond(a, limits.acceleration),
+            beyond(tau, limits.torque),
             self._too_near(q, pitch),
         )
 
-    def _too_near(self, q: FloatArray, pitch: float) -> _Excess:
+    def _too_near(self, q: FloatArray, pitch: float) -> Excess:
         """Missing clearance of the points of the foot, in units of :data:`NEAR`."""
         clearance, leg, slope = self.limits.clearance, self.model.leg, np.zeros_like(q)
         if clearance is None:
-            return _Excess(0.0, slope)
+            return Excess(0.0, slope)
         short = np.minimum(clearance.margin(leg, q, pitch), 0.0) / NEAR
         if short.any():
             by_angle = clearance.margin_derivative(leg, q, pitch) / NEAR
             slope = 2.0 * np.einsum("tc,jtc->tj", short, by_angle) / len(q)
-        return _Excess(float((short**2).sum() / len(q)), slope)
+        return Excess(float((short**2).sum() / len(q)), slope)
 
 
-class _Excess(NamedTuple):
+def narrowed_limits(limits: MotionLimits) -> MotionLimits:
+    """Narrow limits by what the search reserves for values between its samples.
+
+    Args:
+        limits: The limits.
+
+    Returns:
+        Narrower ones.
+    """
+    gap, less = MARGIN * limits.span, 1.0 - MARGIN
+    return replace(
+        limits,
+        lower=limits.lower + gap,
+        upper=limits.upper - gap,
+        velocity=less * limits.velocity,
+        acceleration=less * limits.acceleration,
+        torque=less * limits.torque,
+        clearance=limits.clearance and replace(limits.clearance, distance=limits.clearance.distance + GAP),
+    )
+
+
+class Excess(NamedTuple):
     """Mean squared excess over a limit, and its derivative by the limited quantity, (N, n)."""
 
     mean: float
     slope: FloatArray
 
 
-def _beyond(x: FloatArray, limit: FloatArray) -> _Excess:
+def beyond(x: FloatArray, limit: FloatArray) -> Excess:
+    """Compute the mean squared excess of sizes over a limit.
+
+    Args:
+        x: Samples, (N, n).
+        limit: Limit of the size of each, (n,).
+
+    Returns:
+        Mean square of the relative excess, and its derivative.
+    """
     part = np.maximum(np.abs(x) / limit - 1.0, 0.0)
-    return _Excess(float((part**2).sum() / len(x)), 2.0 * part * np.sign(x) / limit / len(x))
+    return Excess(float((part**2).sum() / len(x)), 2.0 * part * np.sign(x) / limit / len(x))
 
 
-def _criterion(information: FloatArray, power: float) -> tuple[float, FloatArray]:
-    """Value of the criterion, and gradient by the information matrix."""
+def criterion_value(information: FloatArray, power: float) -> tuple[float, FloatArray]:
+    """Compute the criterion of an information matrix, see :class:`Stage`.
+
+    Args:
+        information: Information about scaled parameters, (P, P).
+        power: Power of the mean of the relative variances.
+
+    Returns:
+        Value, and gradient by the information matrix, (P, P).
+    """
     count = len(information)
     eigenvalues, vectors = np.linalg.eigh(information)
     eigenvalues = np.maximum(eigenvalues, RIDGE * eigenvalues[-1])

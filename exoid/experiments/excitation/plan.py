@@ -17,7 +17,7 @@ from exoid.tables import to_text
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 from exoid.torso import TorsoMotion
 
-from .fourier import Basis, FourierMotion
+from .fourier import FourierMotion
 from .limits import MotionLimits
 from .noise import TorqueNoise
 from .objective import Criterion, Objective
@@ -25,19 +25,11 @@ from .poses import choose_poses
 from .precision import Precision, StaticRows, information_of
 from .scales import Scales
 from .search import search
+from .series import series
 from .text import identifiability_lines, precision_table
-
-PERIOD = 10.0
-"""Approximate period of the Fourier series [s]."""
 
 SAMPLES = 24
 """Samples of the search in each period of the highest harmonic."""
-
-MOST_SAMPLES = 10**7
-"""Largest number of samples of a plan: 1 kHz for almost three hours."""
-
-FEWEST, MOST = 3, 20
-"""Smallest and largest number of harmonics."""
 
 
 class Peaks(NamedTuple):
@@ -192,7 +184,7 @@ def plan_excitation(
     model, limits = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms)), limits or MotionLimits.of(leg)
     scales = Scales.of(model, limits, values)
     torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
-    seconds, basis = _series(duration / len(tilts_deg), rate, highest)
+    seconds, basis = series(duration / len(tilts_deg), rate, highest, SAMPLES)
     tilts, rng = np.deg2rad(np.asarray(tilts_deg, dtype=np.float64)), np.random.default_rng(seed)
     static = choose_poses(model, limits, torque_noise, scales, tilts, poses, rng) if poses else ()
     of_poses = information_of(model, map(StaticRows, static), torque_noise)
@@ -222,30 +214,3 @@ def planned_recording(model: TorqueModel, scales: Scales, motion: FourierMotion,
     torso = TorsoMotion(pitch=motion.pitch) if motion.pitch else None
     tau = model.regressor(q, v, a, torso) @ scales.expected
     return Recording(time, q, v, a, tau, joint_names=model.leg.joint_names, torso=torso)
-
-
-def _series(duration: float, rate: float, highest: float) -> tuple[float, Basis]:
-    """Duration of each motion in whole samples, and its basis functions."""
-    if not (0.0 < duration < np.inf and 0.0 < rate < np.inf and 0.0 < highest < np.inf):
-        raise ExoidError(
-            f"{duration:g} s at {rate:g} Hz, up to {highest:g} Hz", remedy="give positive numbers in s and Hz"
-        )
-    if duration * rate > MOST_SAMPLES:
-        raise ExoidError(
-            f"{duration:g} s at {rate:g} Hz are more than {MOST_SAMPLES:.0e} samples",
-            remedy="plan a shorter motion, or a lower rate: the motion itself needs few samples",
-        )
-    if rate < SAMPLES * highest:
-        raise ExoidError(
-            f"a motion of up to {highest:g} Hz at {rate:g} Hz",
-            remedy=f"sample it at {SAMPLES * highest:g} Hz at least, or lower the highest frequency",
-        )
-    seconds = round(duration * rate) / rate
-    period = seconds / max(1, round(seconds / PERIOD))
-    harmonics = min(int(highest * period + 1e-9), MOST)
-    if harmonics < FEWEST:
-        raise ExoidError(
-            f"{duration:g} s are too short for {FEWEST} harmonics up to {highest:g} Hz",
-            remedy=f"plan at least {FEWEST / highest:g} s at each torso tilt, or allow higher frequencies",
-        )
-    return seconds, Basis.make(period, harmonics, SAMPLES * harmonics)

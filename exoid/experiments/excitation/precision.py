@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.ground import SupportModel
 from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.least_squares import INVOLVED, UNDETERMINED
 from exoid.regression.rows import for_leg
@@ -216,24 +217,31 @@ def _rows(
             yield W[:, joint], W[:, joint]
         return
     recording = for_leg(model, item).resampled()
-    rate, std = recording.sample_rate, noise.per_sample(recording.sample_rate)
+    rate, of_joints = recording.sample_rate, noise.per_sample(recording.sample_rate)
     for block in _blocks(recording):
         q, v, a, valid = preparation.kinematics(block)
         inside = np.zeros(len(q), dtype=np.bool_)
-        inside[valid] = True
+        inside[valid] = True if block.mask is None else block.mask[valid]
         base = base_during(block, preparation)
+        shares = model.row_shares(block.q) if isinstance(model, SupportModel) else None  # (N, n, R)
+        std = of_joints if shares is None else np.sqrt((shares[inside] ** 2).mean(axis=0).T @ of_joints**2)
         W = preparation.filter_columns(model.regressor(q, v, a, base) * inside[:, None, None], rate)
         use = model.usable(v) & inside[:, None]
         parallel, slow = preparation.parallel(rate), model.reversing(v)
         if parallel is not None and slow is not None:
             unknown, rows = around_stops(slow, parallel) & inside[:, None], range(len(q))[valid]
-            for joint in range(q.shape[1]):
-                pulses = reversal_pulses(unknown[:, joint], parallel)
-                W[valid, joint] = without_reversals(W[valid, joint].T, pulses, rows, parallel)[0].T
-        for joint in range(q.shape[1]):
-            weighted = W[:, joint] * use[:, joint, None] / std[joint]
-            transposed = np.flip(preparation.filter(np.flip(weighted, axis=0), rate), axis=0)  # Fᵀ, backwards in time
-            yield weighted[use[:, joint]], np.asarray(transposed)
+            for row in range(W.shape[1]):
+                pulses = reversal_pulses(unknown[:, row], parallel)
+                W[valid, row] = without_reversals(W[valid, row].T, pulses, rows, parallel)[0].T
+        whole = [W[:, row] * use[:, row, None] / std[row] for row in range(W.shape[1])]
+        # Fᵀ, backwards in time
+        scores = [np.flip(preparation.filter(np.flip(weighted, axis=0), rate), axis=0) for weighted in whole]
+        if shares is not None:  # a torque is in several rows
+            each = np.stack([score / std[row] for row, score in enumerate(scores)])
+            scores = [of_joints[j] * np.einsum("nr,rnp->np", shares[:, j], each) for j in range(len(of_joints))]
+        for row in range(max(len(whole), len(scores))):
+            weighted = whole[row][use[:, row]] if row < len(whole) else np.zeros((0, W.shape[2]))
+            yield weighted, np.asarray(scores[row]) if row < len(scores) else weighted[:0]
 
 
 def _blocks(recording: Recording) -> Iterator[Recording]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +12,8 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .fourier import FourierMotion, States
-from .objective import EXCESSES, Objective, Stage
+from .objective import Stage
+from .searched import Searched
 
 FINER = 10
 """Refinement of the time grid of the search for the check of the limits."""
@@ -24,11 +24,6 @@ SHRINK = 0.998
 SMALLEST = 0.5
 """Smallest total factor; a motion that needs a smaller one is rejected."""
 
-MARGIN = 0.004
-"""Fraction of each limit that the search reserves for values between its samples."""
-
-GAP = 0.003
-"""Additional clearance of the foot in the search [m]."""
 
 FIRST = {"worst": Stage(1.0, 30.0), "a": Stage(1.0, 30.0), "d": Stage(0.0, 30.0)}
 """First stage of each criterion, with a low penalty; all starts pass through it."""
@@ -52,7 +47,7 @@ class Iterate(NamedTuple):
 
     Attributes:
         cost: Value of the objective.
-        x: Coefficients of the motions, (T, m, n).
+        x: Coefficients of the motions, flattened.
     """
 
     cost: float
@@ -63,7 +58,7 @@ class SearchResult(NamedTuple):
     """Result of a search.
 
     Attributes:
-        motions: Best motion at each torso tilt.
+        motions: Best motions, one for each torso tilt or set of supports.
         costs: Value of the objective without penalty, for all starts that passed all stages, the best first.
     """
 
@@ -72,7 +67,7 @@ class SearchResult(NamedTuple):
 
 
 def search(
-    objective: Objective,
+    objective: Searched,
     criterion: str,
     starts: int,
     seed: int | np.random.Generator,
@@ -94,12 +89,12 @@ def search(
         ExoidError: No motion was found within the limits.
     """
     report, last = progress or (lambda _: None), LAST[criterion]
-    inner = _narrowed(objective)
+    inner = objective.narrowed()
     better = max(1, (starts + 1) // 2)
     total, done = starts + better * (len(last) + 1.5), 0.0
     drawn: list[Iterate] = []
     for generator in np.random.default_rng(seed).spawn(starts):
-        drawn.append(_minimise(inner, _draw(objective, generator), FIRST[criterion], ITERATIONS))
+        drawn.append(_minimise(inner, objective.draw(generator), FIRST[criterion], ITERATIONS))
         done += 1.0
         report(done / total)
     drawn.sort(key=lambda iterate: iterate.cost)
@@ -114,68 +109,31 @@ def search(
             report(min(done / total, 1.0))
         x = _within_limits(objective, iterate.x)
         if x is not None:
-            finished.append(Iterate(objective(x.ravel(), Stage(last[-1].power, 0.0))[0], x))
+            finished.append(Iterate(objective(x, Stage(last[-1].power, 0.0))[0], x))
     if not finished:
         raise _no_motion(objective, iterate.x)
     finished.sort(key=lambda iterate: iterate.cost)
-    motions = zip(finished[0].x, objective.pitches, strict=True)
+    motions = zip(objective.coefficients(finished[0].x), objective.pitches, strict=True)
     return SearchResult(
         tuple(objective.basis.motion(x, objective.seconds, float(pitch)) for x, pitch in motions),
         tuple(iterate.cost for iterate in finished),
     )
 
 
-def _minimise(objective: Objective, x: FloatArray, stage: Stage, iterations: int) -> Iterate:
+def _minimise(objective: Searched, x: FloatArray, stage: Stage, iterations: int) -> Iterate:
     """Minimise by L-BFGS."""
     result = scipy.optimize.minimize(
-        objective, x.ravel(), args=(stage,), jac=True, method="L-BFGS-B", options={"maxiter": iterations, "maxcor": 20}
+        objective, x, args=(stage,), jac=True, method="L-BFGS-B", options={"maxiter": iterations, "maxcor": 20}
     )
-    return Iterate(float(result.fun), np.asarray(result.x).reshape(objective.shape))
+    return Iterate(float(result.fun), np.asarray(result.x))
 
 
-def _draw(objective: Objective, rng: np.random.Generator) -> FloatArray:
-    """Draw coefficients, and scale those of each joint to 50 to 95 % of its limits."""
-    limits, basis = objective.limits, objective.basis
-    x = rng.standard_normal(objective.shape)
-    for each in x:
-        q, v, a = (part[:, 1:] @ each[1:] for part in (basis.position, basis.velocity, basis.acceleration))
-        factors = np.array(
-            [
-                limits.span / np.ptp(q, axis=0),
-                limits.velocity / np.abs(v).max(axis=0),
-                limits.acceleration / np.abs(a).max(axis=0),
-            ]
-        )
-        scale = rng.uniform(0.5, 0.95) * factors.min(axis=0)
-        each[1:] *= scale
-        middle = 0.5 * scale * (q.max(axis=0) + q.min(axis=0))
-        left = limits.span - scale * np.ptp(q, axis=0)
-        each[0] = 0.5 * (limits.lower + limits.upper) - middle + 0.3 * left * rng.uniform(-1.0, 1.0, left.shape)
-    return x
-
-
-def _narrowed(objective: Objective) -> Objective:
-    """Narrow the limits by the reserve of the search."""
-    limits, less = objective.limits, 1.0 - MARGIN
-    gap = MARGIN * limits.span
-    narrow = replace(
-        limits,
-        lower=limits.lower + gap,
-        upper=limits.upper - gap,
-        velocity=less * limits.velocity,
-        acceleration=less * limits.acceleration,
-        torque=less * limits.torque,
-        clearance=limits.clearance and replace(limits.clearance, distance=limits.clearance.distance + GAP),
-    )
-    return replace(objective, limits=narrow)
-
-
-def _within_limits(objective: Objective, x: FloatArray) -> FloatArray | None:
+def _within_limits(objective: Searched, x: FloatArray) -> FloatArray | None:
     """Scale motions until they are within the limits on a fine grid; None if the factor is too small."""
     scaled = x.copy()
-    for each, pitch in zip(scaled, objective.pitches, strict=True):
+    for number, each in enumerate(objective.coefficients(scaled)):
         factor = 1.0
-        while objective.excess(_fine(objective, each), float(pitch)) > 0.0:
+        while objective.excesses_of(number, _fine(objective, each)).any():
             factor *= SHRINK
             each[1:] *= SHRINK
             if factor < SMALLEST:
@@ -183,18 +141,17 @@ def _within_limits(objective: Objective, x: FloatArray) -> FloatArray | None:
     return scaled
 
 
-def _fine(objective: Objective, x: FloatArray) -> States:
+def _fine(objective: Searched, x: FloatArray) -> States:
     samples = FINER * len(objective.basis.position)
     return objective.basis.motion(x, objective.seconds, 0.0).period_samples(samples)
 
 
-def _no_motion(objective: Objective, x: FloatArray) -> ExoidError:
+def _no_motion(objective: Searched, x: FloatArray) -> ExoidError:
     """Error that names the limit which the motion exceeds most."""
-    tilted = zip(x, objective.pitches, strict=True)
-    excess = np.sum([objective.excesses(_fine(objective, each), float(pitch)) for each, pitch in tilted], axis=0)
-    worst = EXCESSES[int(np.argmax(excess))]
+    each = [objective.excesses_of(k, _fine(objective, one)) for k, one in enumerate(objective.coefficients(x))]
+    worst = objective.limit_names[int(np.argmax(np.sum(each, axis=0)))]
     return ExoidError(
         f"no motion was found within the limits; the {worst} limit is exceeded most",
-        where=objective.model.leg.description.name,
+        where=objective.machine,
         remedy=f"widen the {worst} limit or the angles, or use more starts",
     )

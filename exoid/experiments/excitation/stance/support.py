@@ -1,0 +1,285 @@
+"""Support: which feet stand flat while a planar machine moves, and how its joints then move its torso."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.base_kinematics import BaseKinematics
+from exoid.errors import ExoidError
+from exoid.experiments.excitation.fourier import States
+from exoid.experiments.excitation.limits import MotionLimits
+from exoid.experiments.ground.posture import PlanarLeg, planar_legs
+from exoid.leg import Leg
+from exoid.reduction import GRAVITY
+from exoid.rig.ground import GroundPlant, Sole
+
+BOTH = "both"
+"""Name of the support by all feet."""
+
+PLANAR = 3
+"""Base rows of a planar machine."""
+
+CONGRUENT = 1e-6
+"""Largest difference of legs that can stand side by side in the same posture [m]."""
+
+
+class TorsoStates(NamedTuple):
+    """Motion of the torso over a foot that stands.
+
+    Attributes:
+        pose: Position forward and up [m] and pitch [rad] of the root link's origin, (N, 3); the middle of the sole is
+            the origin of the laboratory.
+        kinematics: What the equation of motion depends on.
+    """
+
+    pose: FloatArray
+    kinematics: BaseKinematics
+
+
+class GroundRows(NamedTuple):
+    """Rows of the equation of motion while the machine hangs on one foot that stands.
+
+    Attributes:
+        wrench: Rows of force forward [N] and up [N] and moment about the ankle [N·m] on that foot, (p, 3, N), for the
+            parameters of rigid bodies.
+        torque: Rows of the joint torques if this foot bears everything, (P, n, N).
+    """
+
+    wrench: FloatArray
+    torque: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Support:
+    """Feet that stand flat, side by side; other legs swing.
+
+    A motion has the joints of the first standing leg and of the legs that swing as coordinates. The other standing legs
+    have the same posture.
+
+    Attributes:
+        name: "both", or the label of the leg that stands.
+        plant: Machine with its soles.
+        stands: Legs whose feet stand.
+        swings: Legs in the air.
+        hip: Point that the base rows are about, in the axes of the root link [m].
+    """
+
+    name: str
+    plant: GroundPlant
+    stands: tuple[PlanarLeg, ...]
+    swings: tuple[PlanarLeg, ...]
+    hip: complex
+
+    @classmethod
+    def of(cls, plant: GroundPlant, name: str) -> Support:
+        """Find the legs of a support.
+
+        Args:
+            plant: Machine with its soles.
+            name: "both", the label of a leg ("left") or the link of its foot.
+
+        Returns:
+            The support.
+
+        Raises:
+            ExoidError: There is no such leg, a leg does not have hip, knee, ankle and a sole, or the legs that stand
+                differ.
+        """
+        legs, labels = planar_legs(plant), [limb.label for limb in plant.leg.limbs]
+        if name == BOTH:
+            stands = legs
+        else:
+            stands = tuple(leg for leg, label in zip(legs, labels, strict=True) if name in (label, leg.foot))
+        if not stands or not name:
+            names = ", ".join((BOTH, *(label or leg.foot for leg, label in zip(legs, labels, strict=True))))
+            raise ExoidError(f"no support {name!r}", where=plant.leg.description.name, remedy=f"choose among {names}")
+        if not all(_congruent(stands[0], other) for other in stands[1:]):
+            raise ExoidError(
+                "standing on feet side by side is planned for legs of equal size",
+                where=plant.leg.description.name,
+                remedy="plan one foot at a time",
+            )
+        return cls(name, plant, stands, tuple(leg for leg in legs if leg not in stands), legs[0].hip)
+
+    @property
+    def leg(self) -> Leg:
+        """The machine."""
+        return self.plant.leg
+
+    @property
+    def feet(self) -> tuple[str, ...]:
+        """Links of the feet that stand."""
+        return tuple(leg.foot for leg in self.stands)
+
+    @property
+    def sole(self) -> Sole:
+        """Sole of the first foot that stands."""
+        return self.plant.soles[self.feet[0]]
+
+    @property
+    def count(self) -> int:
+        """Number of coordinates k."""
+        return len(self.spread)
+
+    @cached_property
+    def spread(self) -> FloatArray:
+        """Joint angles per unit of each coordinate, (k, n): q = y @ spread."""
+        first, n = self.stands[0], len(self.leg.joint_names)
+        own = [first, *self.swings]
+        joints = np.concatenate([np.arange(leg.joints.start, leg.joints.stop) for leg in own])
+        spread = np.zeros((len(joints), n))
+        spread[np.arange(len(joints)), joints] = 1.0
+        for other in self.stands[1:]:
+            for k, joint in enumerate(range(other.joints.start, other.joints.stop)):
+                spread[k, joint] = first.signs[k] * other.signs[k]
+        return spread
+
+    @cached_property
+    def directions(self) -> FloatArray:
+        """Rows of :attr:`spread` of length 1: parts of the torque on which forces on the feet do no work, (k, n)."""
+        return np.asarray(self.spread / np.linalg.norm(self.spread, axis=1, keepdims=True))
+
+    def joints(self, states: States) -> States:
+        """Compute the motion of all joints.
+
+        Args:
+            states: Motion of the coordinates, (N, k).
+
+        Returns:
+            Motion of the joints, (N, n).
+        """
+        return States(*(part @ self.spread for part in states))
+
+    def coordinate_limits(self, limits: MotionLimits, knee: float) -> MotionLimits:
+        """Take limits of joints for the coordinates, with bent knees.
+
+        Args:
+            limits: Limits of all joints.
+            knee: Smallest flexion of each knee [rad].
+
+        Returns:
+            Limits of the coordinates.
+
+        Raises:
+            ExoidError: No range is left.
+        """
+        lower, upper = limits.lower.copy(), limits.upper.copy()
+        for leg in (*self.stands, *self.swings):
+            joint = leg.joints.start + 1
+            if leg.knee > 0.0:
+                lower[joint] = max(lower[joint], knee)
+            else:
+                upper[joint] = min(upper[joint], -knee)
+        moves, flipped = self.spread.T != 0.0, self.spread.T < 0.0
+        low = np.where(moves, np.where(flipped, -upper[:, None], lower[:, None]), -np.inf).max(axis=0)
+        high = np.where(moves, np.where(flipped, -lower[:, None], upper[:, None]), np.inf).min(axis=0)
+        others = (limits.velocity, limits.acceleration, limits.torque)
+        least = (np.where(moves, each[:, None], np.inf).min(axis=0) for each in others)
+        return MotionLimits(low, high, *least)
+
+    def torso(self, states: States) -> TorsoStates:
+        """Compute the motion of the torso over the first foot that stands.
+
+        The foot is level and still. With the vectors r_j of shank, thigh and hip at the zero pose and their angles φ_j,
+        the origin of the root link is at p = p_ankle − Σ_j e^{iφ_j} r_j, so p̈ = −Σ_j e^{iφ_j}(i φ̈_j − φ̇_j²) r_j.
+
+        Args:
+            states: Motion of all joints, (N, n).
+
+        Returns:
+            Motion of the torso.
+        """
+        leg, plane = self.stands[0], self.plant.plane
+        angle, rate, change = (self._turns(part) for part in states)
+        vectors = np.exp(1j * angle) * np.array([leg.shank, leg.thigh, leg.hip])
+        place = -leg.sole.mean() - vectors.sum(axis=1)
+        acceleration = -(vectors * (1j * change - rate**2)).sum(axis=1)
+        force = (acceleration + 1j * GRAVITY) * np.exp(-1j * angle[:, 2])
+        kinematics = BaseKinematics(
+            np.outer(rate[:, 2], -plane.lateral),
+            np.outer(change[:, 2], -plane.lateral),
+            np.outer(force.real, plane.forward) + np.outer(force.imag, plane.up),
+        )
+        return TorsoStates(np.column_stack([place.real, place.imag, angle[:, 2]]), kinematics)
+
+    def ground_rows(self, states: States, rows: FloatArray) -> GroundRows:
+        """Find what the first foot that stands bears, and what is left for the joints.
+
+        A force f and a moment m about a point r have the moment m + Im{conj(r − p) f} about p. The base rows are about
+        the hip in axes that turn with the torso. They give the wrench on the foot, whose moments about the joints of
+        the leg are taken off the rows of these. This is :func:`exoid.ground.eliminate` for a planar machine.
+
+        Args:
+            states: Motion of all joints, (N, n).
+            rows: Base rows, then joint rows, (P, b + n, N).
+
+        Returns:
+            Rows of the wrench and of the torques.
+        """
+        leg, angle, count = self.stands[0], self._turns(states.q), len(self.leg.parameter_names)
+        turn = np.exp(1j * angle)
+        knee = -turn[:, 0] * leg.shank  # from the ankle
+        hip = knee - turn[:, 1] * leg.thigh
+        reference = hip + turn[:, 2] * (self.hip - leg.hip)
+        rigid = rows[:count]
+        force = turn[:, 2] * (rigid[:, 0] + 1j * rigid[:, 1])
+        moment = rigid[:, 2] + (reference.conj() * force).imag
+        torque = rows[:, PLANAR:].copy()
+        for k, place in enumerate((hip, knee, 0.0)):
+            torque[:count, leg.joints.start + k] -= leg.signs[k] * (moment - (np.conj(place) * force).imag)
+        return GroundRows(np.stack([force.real, force.imag, moment], axis=1), torque)
+
+    def _turns(self, joints: FloatArray) -> FloatArray:
+        """Angles of shank, thigh and torso over a level foot, (N, 3); or rates, or accelerations."""
+        leg = self.stands[0]
+        return np.asarray(-np.cumsum((leg.signs * joints[:, leg.joints])[:, ::-1], axis=1))
+
+    def heights(self, q: FloatArray, pose: FloatArray) -> FloatArray:
+        """Compute the heights of the soles in the air.
+
+        Args:
+            q: Angles of all joints [rad], (N, n).
+            pose: Pose of the torso, see :class:`TorsoStates`, (N, 3).
+
+        Returns:
+            Heights of the points of the soles [m], (N, K); none if all feet stand.
+        """
+        parts = [leg.points(pose, q).imag for leg in self.swings]
+        return np.hstack(parts) if parts else np.empty((len(pose), 0))
+
+
+def supports_of(leg: Leg, names: Sequence[str], soles: Mapping[str, Sole]) -> tuple[Support, ...]:
+    """Find several supports of a machine.
+
+    Args:
+        leg: The machine, on a floating base.
+        names: Name of each support.
+        soles: Sole of each foot.
+
+    Returns:
+        The supports.
+
+    Raises:
+        ExoidError: The base of the leg does not float, the machine is not planar, a name is unknown or repeated.
+    """
+    if not names or len(set(names)) < len(names):
+        raise ExoidError(f"supports {', '.join(names) or 'none'}", remedy='name each once, e.g. ("both", "left")')
+    plant = GroundPlant.build(leg, soles)
+    if not plant.is_planar:
+        raise ExoidError(
+            "stance is planned for planar machines",
+            where=leg.description.name,
+            remedy="use legs whose joint axes are parallel",
+        )
+    return tuple(Support.of(plant, name) for name in names)
+
+
+def _congruent(one: PlanarLeg, other: PlanarLeg) -> bool:
+    sizes = [np.array([leg.hip, leg.thigh, leg.shank, *leg.sole]) for leg in (one, other)]
+    return sizes[0].shape == sizes[1].shape and bool(np.abs(sizes[0] - sizes[1]).max() < CONGRUENT)
