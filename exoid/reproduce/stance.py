@@ -20,13 +20,16 @@ from exoid.identification import check, identify
 from exoid.leg import Leg
 from exoid.reduction import GRAVITY
 from exoid.rig.ground import GroundPlant
-from exoid.signals import Recording
+from exoid.signals import Recording, ZeroPhase
 from exoid.torques import Armature, Coulomb, Viscous
 
 from .stance_logs import WRONG, StanceExtent, StanceRuns, run_stance
 
 TERMS = (Coulomb(smoothing=0.02), Viscous(), Armature())
 """Terms of all estimates: those of the rig."""
+
+WALKING = ZeroPhase(cutoff=8.0, kinematics_cutoff=60.0)
+"""Preparation of the walk: touch-downs shake the legs faster than the default low-pass of the angles lets through."""
 
 SIDES = ("left", "right")
 SHARES = (0.3, 0.7)
@@ -305,13 +308,13 @@ def _walk(machine: Leg, known: Estimate, walk: Recording, bias_error: float) -> 
     legs = {side: load_leg("bleex", side=side) for side in SIDES}
     logs = {side: swinging_leg(walk, leg, side) for side, leg in legs.items()}
     estimates = {
-        side: identify(leg, logs[side], TERMS, known=_resistances(known, side, leg), check=False)
+        side: identify(leg, logs[side], TERMS, known=_resistances(known, side, leg), preparation=WALKING, check=False)
         for side, leg in legs.items()
     }
     return WalkReplay(
         estimates=MappingProxyType(estimates),
         seconds={side: _swing_time(log) for side, log in logs.items()},
-        alone=identify(machine, walk, TERMS),
+        alone=identify(machine, walk, TERMS, preparation=WALKING),
         fixed=tuple(check(legs["left"], replace(logs["left"], base=None))),
         bias_error=bias_error,
     )
