@@ -8,7 +8,7 @@ import pytest
 
 import exoid
 from exoid.experiments import cuhk
-from exoid.experiments.excitation import MotionLimits, assess, plan_excitation, precision_to_json
+from exoid.experiments.excitation import MotionLimits, assess, plan_excitation, precision_to_json, search
 
 QUICK = ("--duration", "8", "--highest", "0.6", "--starts", "1", "--noise", "0.3")
 LEG = exoid.load_leg("cuhk")
@@ -57,6 +57,23 @@ def test_a_log_is_assessed_in_plain_words_and_as_json(run, tmp_path):
     assert [advice["what"] for advice in data["advice"]] == [advice.what for advice in said.advice]
 
 
+def test_motions_on_each_foot_are_written_and_printed(run, tmp_path, monkeypatch):
+    for name in ("ITERATIONS", "LAST_ITERATIONS"):
+        monkeypatch.setattr(search, name, 5)
+    quick = ("--terms", "none", "--duration", "16", "--highest", "0.4", "--starts", "1", "--noise", "0.3")
+    code, out, err = run("bleex", "--stance", "left,right", "-o", "plan.csv", *quick, "--json", "--figure", "plan.png")
+    assert code == 0
+    assert "wrote plan_left.csv" in err
+    data = json.loads(out)
+    assert set(data["margins"]) == {"left", "right"}
+    assert min(margin for margins in data["margins"].values() for margin in margins.values()) > 0.0
+    assert set(data["determined"].values()) == {"well"}
+    contacts = exoid.Recording.from_csv(tmp_path / "plan_right.csv").contacts
+    assert contacts["right_foot"].all()
+    assert not contacts["left_foot"].any()
+    assert (tmp_path / "plan.png").stat().st_size > 0
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -73,6 +90,14 @@ def test_a_log_is_assessed_in_plain_words_and_as_json(run, tmp_path):
         (("cuhk", "--assess", "slow.csv", "-o", "plan.csv"), "no effect with --assess"),
         (("cuhk", "-o", "plan.txt", *QUICK), "name the file .csv"),
         (("cuhk", "-o", "nowhere/plan.csv", *QUICK), "there is no folder nowhere"),
+        (("cuhk", "--stance", "both", *QUICK), "no link"),
+        (("bleex", "--stance", "tail", *QUICK), "choose among both, left, right"),
+        (("bleex", "--stance", "left", "--tilts", "10", *QUICK), "--tilts has no effect"),
+        (("bleex", "--stance", "left", "--assess", "slow.csv"), "--assess has no effect"),
+        (("bleex", "--stance", "left", "--sole", "left_foot=1"), "FOOT=HEEL,TOE,HEIGHT"),
+        (("bleex", "--friction", "0.5", *QUICK), "--friction has no effect"),
+        (("bleex", "--stance", "left", "--friction", "0"), "friction"),
+        (("bleex", "--stance", "left,right", "-o", "plan.txt", *QUICK), "name the file .csv"),
     ],
 )
 def test_bad_input_ends_in_one_line(run, arguments, words, tmp_path):

@@ -15,6 +15,7 @@ from exoid.experiments.excitation import (
     plan_excitation,
     plan_stance,
     predict_stance,
+    run_stance,
     search,
     write_stance_plan,
 )
@@ -22,7 +23,7 @@ from exoid.experiments.excitation.fourier import Basis, States
 from exoid.experiments.excitation.objective import Stage
 from exoid.experiments.excitation.stance.demands import LIMITS, Demands
 from exoid.experiments.excitation.stance.objective import StanceObjective
-from exoid.experiments.excitation.stance.support import Support, supports_of
+from exoid.experiments.excitation.stance.support import StanceSupport, supports_of
 from exoid.ground import eliminate
 from exoid.rig.ground import BLEEX_SOLES, Sole
 from exoid.torques import DEFAULT_TERMS, TorqueModel
@@ -36,7 +37,7 @@ FEET = ("both", "left", "right")
 HEEL, TOE, SOLE_HEIGHT = -0.075, 0.13, -0.115
 
 
-def support(name) -> Support:
+def support(name) -> StanceSupport:
     return supports_of(EXO, (name,), BLEEX_SOLES)[0]
 
 
@@ -49,7 +50,7 @@ def random_states(one, count=40, seed=0):
 
 
 def quick_plan(feet):
-    """Slow motions without terms after a short search, whose limits and precision are as true as those of a long one."""
+    """Slow motions without terms after a short search: limits and precision are as true as those of a long one."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(search, "ITERATIONS", 8)
         patch.setattr(search, "LAST_ITERATIONS", 30)
@@ -210,6 +211,24 @@ def test_planned_motions_beat_the_scenarios_of_the_rig():
     logs = [run.recording(GroundSensors.exact(), wrenches={*run.wrenches} - {*BLEEX_SOLES}) for run in runs]
     before = predict_stance(best.model, logs, best.noise, best.precision.scales)
     assert before.worst > 1.6 * best.precision.worst
+
+
+@pytest.mark.slow
+def test_a_machine_follows_a_plan_on_flat_feet_and_is_identified(plan):
+    """On one foot without a hand rail; an IMU tells how the torso moves on soles that give way a little."""
+    pytest.importorskip("mujoco")
+    from exoid.rig.ground import GroundSensors  # noqa: PLC0415
+
+    logs = []
+    for k, (one, run) in enumerate(zip(plan.supports, run_stance(plan, hand_rail=None), strict=True)):
+        assert all(run.fixed(foot).all() for foot in one.feet)
+        assert not any(run.feet[leg.foot].touching.any() for leg in one.swings)
+        sensors = GroundSensors(torque_noise=STD[:3], angle_noise=1e-5)
+        logs.append(run.recording(sensors, seed=k, wrenches=()))
+    found = exoid.identify(EXO, logs, terms=())
+    error = (found.values - EXO.parameters) / found.std
+    assert np.sqrt(np.mean(error**2)) < 1.7
+    assert found["M"].value == pytest.approx(EXO.parameters[0], rel=0.002)
 
 
 def test_two_feet_in_turn_determine_torso_and_legs(plan):

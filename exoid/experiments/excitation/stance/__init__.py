@@ -5,12 +5,12 @@ from .limits import GroundLimits
 from .plan import StancePlan, plan_stance
 from .precision import predict_stance
 from .rig import run_stance
-from .support import Support
+from .support import StanceSupport
 
 __all__ = [
     "GroundLimits",
     "StancePlan",
-    "Support",
+    "StanceSupport",
     "plan_stance",
     "predict_stance",
     "run_stance",

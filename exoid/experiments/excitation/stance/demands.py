@@ -14,7 +14,7 @@ from exoid.reduction import GRAVITY
 from exoid.torques import TorqueModel
 
 from .limits import GroundLimits
-from .support import Support
+from .support import StanceSupport
 
 SURE = 2.0
 """Standard deviations of the doubt that limits are kept by."""
@@ -51,7 +51,7 @@ class Demands:
         limits: Limits of the ground force and of the feet.
     """
 
-    support: Support
+    support: StanceSupport
     model: TorqueModel
     expected: FloatArray
     torque: FloatArray

@@ -31,7 +31,7 @@ from .limits import GroundLimits
 from .objective import StanceObjective
 from .precision import predict_stance
 from .scales import expected_parameters, stance_scales
-from .support import BOTH, Support, supports_of
+from .support import BOTH, StanceSupport, supports_of
 
 SAMPLES = 12
 """Samples of the search in each period of the highest harmonic."""
@@ -47,7 +47,7 @@ class StancePlan:
     Attributes:
         model: Machine and terms.
         demands: Feet that stand in each motion, and what it demands.
-        motions: Motion of the coordinates of each support, from rest to rest; see :class:`Support`.
+        motions: Motion of the coordinates of each support, from rest to rest; see :class:`StanceSupport`.
         precision: Predicted precision of each parameter.
         noise: Torque noise of the prediction.
         rate: Rate of command and log [Hz].
@@ -69,7 +69,7 @@ class StancePlan:
     missing: tuple[str, ...]
 
     @property
-    def supports(self) -> tuple[Support, ...]:
+    def supports(self) -> tuple[StanceSupport, ...]:
         """Feet that stand in each motion."""
         return tuple(one.support for one in self.demands)
 
@@ -182,7 +182,7 @@ def plan_stance(
     supports = supports_of(leg, feet, BLEEX_SOLES if soles is None else soles)
     model = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms))
     machine = _Machine(model, expected_parameters(model, values), limits or MotionLimits.of(leg), ground)
-    single = [Support.of(supports[0].plant, foot) for foot in supports[0].plant.soles]
+    single = [StanceSupport.of(supports[0].plant, foot) for foot in supports[0].plant.soles]
     scales = stance_scales(model, machine.demands(single), machine.boxes(single))
     torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
     seconds, basis = series(duration / len(supports), rate, highest, SAMPLES)
@@ -235,16 +235,18 @@ class _Machine:
     limits: MotionLimits
     ground: GroundLimits | None
 
-    def demands(self, supports: Sequence[Support]) -> tuple[Demands, ...]:
+    def demands(self, supports: Sequence[StanceSupport]) -> tuple[Demands, ...]:
         ground = self.ground or GroundLimits()
         return tuple(Demands(one, self.model, self.expected, self.limits.torque, ground) for one in supports)
 
-    def boxes(self, supports: Sequence[Support]) -> tuple[MotionLimits, ...]:
+    def boxes(self, supports: Sequence[StanceSupport]) -> tuple[MotionLimits, ...]:
         knee = np.deg2rad((self.ground or GroundLimits()).knee_deg)
         return tuple(one.coordinate_limits(self.limits, knee) for one in supports)
 
 
-def _missing(machine: _Machine, supports: Sequence[Support], scales: Scales, loose: Sequence[str]) -> tuple[str, ...]:
+def _missing(
+    machine: _Machine, supports: Sequence[StanceSupport], scales: Scales, loose: Sequence[str]
+) -> tuple[str, ...]:
     """Say which further supports would determine what these do not."""
     if not loose:
         return ()
@@ -252,7 +254,7 @@ def _missing(machine: _Machine, supports: Sequence[Support], scales: Scales, loo
     known = {support.name for support in supports}
     others = [name for name in (BOTH, *(limb.label for limb in plant.leg.limbs)) if name and name not in known]
     for added in (*((name,) for name in others), others):
-        more = (*supports, *(Support.of(plant, name) for name in added))
+        more = (*supports, *(StanceSupport.of(plant, name) for name in added))
         null = null_space(machine.demands(more), machine.boxes(more), scales.scale)
         line = missing_support(machine.model.names, loose, added, null)
         lines += [line] if line else []

@@ -56,7 +56,7 @@ class GroundRows(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Support:
+class StanceSupport:
     """Feet that stand flat, side by side; other legs swing.
 
     A motion has the joints of the first standing leg and of the legs that swing as coordinates. The other standing legs
@@ -77,7 +77,7 @@ class Support:
     hip: complex
 
     @classmethod
-    def of(cls, plant: GroundPlant, name: str) -> Support:
+    def of(cls, plant: GroundPlant, name: str) -> StanceSupport:
         """Find the legs of a support.
 
         Args:
@@ -254,7 +254,7 @@ class Support:
         return np.hstack(parts) if parts else np.empty((len(pose), 0))
 
 
-def supports_of(leg: Leg, names: Sequence[str], soles: Mapping[str, Sole]) -> tuple[Support, ...]:
+def supports_of(leg: Leg, names: Sequence[str], soles: Mapping[str, Sole]) -> tuple[StanceSupport, ...]:
     """Find several supports of a machine.
 
     Args:
@@ -277,7 +277,7 @@ def supports_of(leg: Leg, names: Sequence[str], soles: Mapping[str, Sole]) -> tu
             where=leg.description.name,
             remedy="use legs whose joint axes are parallel",
         )
-    return tuple(Support.of(plant, name) for name in names)
+    return tuple(StanceSupport.of(plant, name) for name in names)
 
 
 def _congruent(one: PlanarLeg, other: PlanarLeg) -> bool:

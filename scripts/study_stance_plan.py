@@ -1,0 +1,78 @@
+"""How much better are planned motions on the ground than the rig's scenarios, and do predictions hold?
+
+BLEEX on both feet and on each foot, 60 s in total, as ``exoid plan bleex --stance both,left,right --noise
+0.5,0.4,0.2,0.5,0.4,0.2`` plans it. The scenarios are as long, and their hand rail is logged. Needs extra ``ground``.
+
+    OMP_NUM_THREADS=1 python scripts/study_stance_plan.py
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from dataclasses import replace
+
+import numpy as np
+
+import exoid
+from exoid.experiments.excitation import StancePlan, plan_stance, predict_stance, run_stance
+from exoid.experiments.ground import single_support, squats_and_shifts
+from exoid.rig.ground import BLEEX_SOLES, GroundPlant, GroundSensors
+
+STD = (0.5, 0.4, 0.2) * 2
+TORSO = ("M", "X0", "Y0", "J0")
+
+
+def main() -> None:
+    """Print all comparisons."""
+    parser = argparse.ArgumentParser(description="Plans on the ground.")
+    parser.add_argument("--seeds", type=int, default=8, help="Identifications of noisy logs.")
+    parser.add_argument("--starts", type=int, default=2)
+    options = parser.parse_args()
+    exo, began = exoid.load_exo("bleex", base="floating"), time.process_time()
+    plan = plan_stance(exo, feet=("both", "left", "right"), noise=STD, starts=options.starts)
+    print(f"planned in {time.process_time() - began:.0f} s of processor time: {plan.precision}")
+    compare(plan, exo)
+    scatter(plan, exo, options.seeds)
+    follow(plan, exo)
+
+
+def compare(plan: StancePlan, exo: exoid.Leg) -> None:
+    """Precision of the scenarios of the rig, as long."""
+    plant = GroundPlant.build(exo, BLEEX_SOLES)
+    runs = [squats_and_shifts(plant, 20.0, seed=1)]
+    runs += [single_support(plant, 20.0, seed=2 + leg, standing=leg) for leg in (0, 1)]
+    logs = [run.recording(GroundSensors.exact(), wrenches={*run.wrenches} - {*BLEEX_SOLES}) for run in runs]
+    before = predict_stance(plan.model, logs, plan.noise, plan.precision.scales)
+    print(f"scenarios: {before}, {before.worst / plan.precision.worst:.2f} times the planned")
+    for name, std, planned in zip(before.names, before.std, plan.precision.std, strict=True):
+        if name in TORSO or name[0] in "XYJ":
+            print(f"  {name}: planned {planned:.2g}, scenarios {std:.2g}, {std / planned:.2f} times")
+
+
+def scatter(plan: StancePlan, exo: exoid.Leg, seeds: int) -> None:
+    """Measured over predicted standard deviation of identifications of logs with torque noise."""
+    truth, errors = plan.precision.scales.expected, []
+    for seed in range(seeds):
+        rng = np.random.default_rng(seed)
+        logs = [replace(log, tau=log.tau + STD * rng.standard_normal(log.tau.shape)) for log in plan.recordings]
+        errors.append(exoid.identify(exo, logs, plan.model.terms).values - truth)
+    relative = np.array(errors) / plan.precision.std
+    kinds = np.array([name if name in TORSO else name.split("_")[0][0] for name in plan.model.names])
+    print(f"measured over predicted standard deviation, {seeds} seeds: {np.sqrt(np.mean(relative**2)):.2f}")
+    for kind in dict.fromkeys(kinds):
+        print(f"  {kind}: {np.sqrt(np.mean(relative[:, kinds == kind] ** 2)):.2f}")
+
+
+def follow(plan: StancePlan, exo: exoid.Leg) -> None:
+    """Identification of a simulated machine that follows the plan without a hand rail, with an IMU."""
+    runs = run_stance(plan, hand_rail=None)
+    flat = [run.fixed(foot).mean() for run, one in zip(runs, plan.supports, strict=True) for foot in one.feet]
+    logs = [run.recording(GroundSensors(), seed=k, wrenches=()) for k, run in enumerate(runs)]
+    found = exoid.identify(exo, logs, plan.model.terms)
+    off = [f"{name} {found[name].value / value - 1.0:+.2%}" for name, value in zip(TORSO, exo.parameters, strict=False)]
+    print(f"on the rig: feet flat in {min(flat):.1%} of the samples; {', '.join(off)}")
+
+
+if __name__ == "__main__":
+    main()
