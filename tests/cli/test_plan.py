@@ -90,7 +90,7 @@ def test_motions_on_each_foot_are_written_and_printed(run, tmp_path, monkeypatch
         (("cuhk", "--assess", "slow.csv", "-o", "plan.csv"), "no effect with --assess"),
         (("cuhk", "-o", "plan.txt", *QUICK), "name the file .csv"),
         (("cuhk", "-o", "nowhere/plan.csv", *QUICK), "there is no folder nowhere"),
-        (("cuhk", "--stance", "both", *QUICK), "no link"),
+        (("cuhk", "--stance", "both", *QUICK), "has no sole"),
         (("bleex", "--stance", "tail", *QUICK), "choose among both, left, right"),
         (("bleex", "--stance", "left", "--tilts", "10", *QUICK), "--tilts has no effect"),
         (("bleex", "--stance", "left", "--assess", "slow.csv"), "--assess has no effect"),

@@ -282,6 +282,18 @@ def test_what_cannot_be_planned_is_one_error(arguments, message):
         plan_stance(EXO, (), **({"noise": STD, "duration": 10.0, "starts": 1} | arguments))
 
 
+def test_a_machine_of_one_leg_stands_on_it():
+    one = exoid.load_leg("bleex", base="floating")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(search, "ITERATIONS", 3)
+        patch.setattr(search, "LAST_ITERATIONS", 3)
+        found = plan_stance(one, (), feet=("left_foot",), noise=0.4, duration=10.0, highest=0.4, starts=1)
+    grades = dict(zip(found.precision.names, found.precision.identifiability, strict=True))
+    assert {"X0", "Y0"} <= {name for name, grade in grades.items() if grade != "not"}
+    assert grades["J0"] == grades["M"] == "not"
+    assert list(found.recordings[0].contacts) == ["left_foot"]
+
+
 def test_a_leg_that_hangs_on_its_torso_is_refused():
     with pytest.raises(ExoidError, match="floating"):
         plan_stance(exoid.load_leg("bleex"))

@@ -20,6 +20,7 @@ from exoid.experiments.excitation.search import search
 from exoid.experiments.excitation.series import series
 from exoid.experiments.excitation.text import identifiability_lines, precision_table
 from exoid.leg import Leg
+from exoid.link_frames import link_frame
 from exoid.rig.ground import BLEEX_SOLES, Sole
 from exoid.signals import Preparation, Recording
 from exoid.tables import to_text
@@ -179,7 +180,7 @@ def plan_stance(
             f"criterion {criterion!r}, {starts} starts",
             remedy=f"use one of {', '.join(get_args(Criterion))}, and at least one start",
         )
-    supports = supports_of(leg, feet, BLEEX_SOLES if soles is None else soles)
+    supports = supports_of(leg, feet, _known_soles(leg) if soles is None else soles)
     model = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms))
     machine = _Machine(model, expected_parameters(model, values), limits or MotionLimits.of(leg), ground)
     single = [StanceSupport.of(supports[0].plant, foot) for foot in supports[0].plant.soles]
@@ -224,6 +225,16 @@ def stance_recording(demands: Demands, motion: FourierMotion, rate: float) -> Re
             leg.foot: standing if leg in support.stands else ~standing for leg in (*support.stands, *support.swings)
         },
     )
+
+
+def _known_soles(leg: Leg) -> dict[str, Sole]:
+    """Soles of BLEEX at the feet that move."""
+    links = {element.get("name") for element in leg.description.parse().findall("link")}
+    return {
+        link: sole
+        for link, sole in BLEEX_SOLES.items()
+        if link in links and link_frame(leg.model, leg.description, link).body >= 0
+    }
 
 
 @dataclass(frozen=True, eq=False)
