@@ -90,7 +90,7 @@ def on_ground(task: Task, *, by_noise: bool) -> OnGround:
         if isinstance(one, Poses):
             raise ExoidError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
         parts = split(model.leg, for_leg(model, one))
-        findings += [*_left_out(parts.left, one), *_imu_finding(parts.imu, one)]
+        findings += [*_left_out(parts.left, one), *_imu_finding(parts.imu, one), *_base_from_feet(model, one)]
         for part in parts.stretches:
             found.setdefault(part.links, []).append(part.recording)
     return OnGround(_task_of(task, group, model, found, by_noise=by_noise), model, tuple(findings))
@@ -215,6 +215,27 @@ def _imu_finding(errors: ImuErrors | None, recording: Recording) -> list[Finding
             "taken out",
             "calibrate the sensor",
             interval=(size - 2.0 * std, size + 2.0 * std),
+            recording=recording.source.name if recording.source else "",
+        )
+    ]
+
+
+def _base_from_feet(model: TorqueModel, recording: Recording) -> list[Finding]:
+    """Say that the motion of the base rests on soles that do not tilt."""
+    if recording.base is not None or not recording.contacts or not model.leg.base_rows:
+        return []
+    sensitive = [name for name in model.names if name in ("X0", "Y0", "J0") or name.startswith("Ia_")]
+    return [
+        Finding(
+            "base-from-feet",
+            "",
+            1.0,
+            "1",
+            "warning",
+            "the motion of the base was not measured, and follows from feet that rest: soft soles that tilt by half a "
+            "milliradian move inertias of torso and rotors by several %",
+            "record an IMU on the torso (base=exoid.BaseMotion.from_imu(...))",
+            parameters=tuple(sensitive),
             recording=recording.source.name if recording.source else "",
         )
     ]
