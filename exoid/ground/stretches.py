@@ -23,7 +23,7 @@ from .imu import ImuErrors, imu_errors
 from .placements import level_rotation
 from .standing_base import standing_base
 
-EDGE = 0.13
+EDGE = 0.1
 """Samples this near to a touch-down or lift-off [s] are left out: the filters of the motion smear its jolt."""
 
 SLIDING, TILTING = 0.03, 0.15
