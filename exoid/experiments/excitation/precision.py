@@ -227,9 +227,9 @@ def _rows(
         parallel, slow = preparation.parallel(rate), model.reversing(v)
         if parallel is not None and slow is not None:
             unknown, rows = around_stops(slow, parallel) & inside[:, None], range(len(q))[valid]
-            for joint in range(q.shape[1]):
-                pulses = reversal_pulses(unknown[:, joint], parallel)
-                W[valid, joint] = without_reversals(W[valid, joint].T, pulses, rows, parallel)[0].T
+            pulses = [reversal_pulses(of_joint, parallel) for of_joint in unknown.T]
+            for joint, left in enumerate(without_reversals(W[valid].transpose(1, 2, 0), pulses, rows, parallel)):
+                W[valid, joint] = left.signals.T
         for joint in range(q.shape[1]):
             weighted = W[:, joint] * use[:, joint, None] / std[joint]
             transposed = np.flip(preparation.filter(np.flip(weighted, axis=0), rate), axis=0)  # Fᵀ, backwards in time
