@@ -191,7 +191,7 @@ def prepare(
         tau = model.row_torque(tau, motion, recording.wrenches)
     except ExoidError as error:
         raise error if error.where else error.within(source_of(recording)) from None
-    counting = inside[:, None] & model.measured_rows(measured)
+    counting = np.logical_and.outer(model.measured_rows(measured), inside).T  # joint by joint, as the other masks
     return Prepared(
         recording.time,
         motion,
