@@ -23,7 +23,7 @@ REACHES = 8.0
 """or so many times the reach of the filter where that is more."""
 
 BLOCKS = 12
-"""Blocks of the torques of one joint whose regressor is formed at once, at least one of all joints."""
+"""Largest number of blocks whose regressor is formed at once, times joints; where rows are decimated."""
 
 
 class TakenOut(NamedTuple):
@@ -143,8 +143,8 @@ class Prepared(NamedTuple):
         return -(-max(BLOCK, int(REACHES * self.reach)) // self.rows.step)
 
     def stretches(self) -> Iterator[range]:
-        """Cut the rows into stretches of whole blocks that are worked on at once."""
-        count = self.block * max(1, BLOCKS // self.tau.shape[1])
+        """Cut the rows into stretches of whole blocks that are worked on at once: more where rows are few."""
+        count = self.block * max(1, min(BLOCKS // self.tau.shape[1], self.rows.step))
         return (self.rows[start : start + count] for start in range(0, len(self.rows), count))
 
 
