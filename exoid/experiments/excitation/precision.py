@@ -228,7 +228,8 @@ def _rows(
         if parallel is not None and slow is not None:
             unknown, rows = around_stops(slow, parallel) & inside[:, None], range(len(q))[valid]
             pulses = [reversal_pulses(of_joint, parallel) for of_joint in unknown.T]
-            for joint, left in enumerate(without_reversals(W[valid].transpose(1, 2, 0), pulses, rows, parallel)):
+            filtered = list(W[valid].transpose(1, 2, 0))
+            for joint, left in enumerate(without_reversals(filtered, pulses, rows, parallel)):
                 W[valid, joint] = left.signals.T
         for joint in range(q.shape[1]):
             weighted = W[:, joint] * use[:, joint, None] / std[joint]
