@@ -17,10 +17,13 @@ from exoid.signals.filters import around_stops, reversal_pulses, without_reversa
 from .model import MotionSamples, RegressorModel
 
 BLOCK = 16384
-"""Samples whose regressor is formed at once,"""
+"""Samples of a block, in which reversals are taken out by themselves,"""
 
 REACHES = 8.0
 """or so many times the reach of the filter where that is more."""
+
+BLOCKS = 12
+"""Largest number of blocks whose regressor is formed at once, times joints; where rows are decimated."""
 
 
 class TakenOut(NamedTuple):
@@ -134,9 +137,14 @@ class Prepared(NamedTuple):
         """Samples beside a stretch that its filtered columns draw on."""
         return 0 if self.parallel is None else self.parallel.reach
 
+    @property
+    def block(self) -> int:
+        """Number of rows of a block."""
+        return -(-max(BLOCK, int(REACHES * self.reach)) // self.rows.step)
+
     def stretches(self) -> Iterator[range]:
-        """Cut the rows into stretches that are worked on at once."""
-        count = -(-max(BLOCK, int(REACHES * self.reach)) // self.rows.step)
+        """Cut the rows into stretches of whole blocks that are worked on at once: more where rows are few."""
+        count = self.block * max(1, min(BLOCKS // self.tau.shape[1], self.rows.step))
         return (self.rows[start : start + count] for start in range(0, len(self.rows), count))
 
 
@@ -183,7 +191,7 @@ def prepare(
         tau = model.row_torque(tau, motion, recording.wrenches)
     except ExoidError as error:
         raise error if error.where else error.within(source_of(recording)) from None
-    counting = inside[:, None] & model.measured_rows(measured)
+    counting = np.logical_and.outer(model.measured_rows(measured), inside).T  # joint by joint, as the other masks
     return Prepared(
         recording.time,
         motion,
@@ -323,15 +331,15 @@ def _take_out_reversals(
     """Take unknown friction out of columns (P or more, n, N) and torques (n, N): what was taken, and noise left."""
     if prepared.parallel is None or prepared.reversals is None:
         return []
+    acting = [np.flatnonzero(columns[:, joint].any(axis=1)) for joint in range(len(tau))]
+    signals = [np.vstack([columns[act, joint], tau[joint]]) for joint, act in enumerate(acting)]
     found = []
-    for joint, pulses in enumerate(prepared.reversals):
-        acting = np.flatnonzero(columns[:, joint].any(axis=1))
-        signals = np.vstack([columns[acting, joint], tau[joint]])
-        signals, taken, left = without_reversals(signals, pulses, stretch, prepared.parallel)
-        columns[acting, joint], tau[joint] = signals[:-1], signals[-1]
+    projected = without_reversals(signals, prepared.reversals, stretch, prepared.parallel, prepared.block)
+    for joint, (act, (left, taken, share)) in enumerate(zip(acting, projected, strict=True)):
+        columns[act, joint], tau[joint] = left[:-1], left[-1]
         table = np.zeros((len(columns) + 1, taken.shape[1]))
-        table[acting], table[-1] = taken[:-1], taken[-1]
-        found.append((table, left))
+        table[act], table[-1] = taken[:-1], taken[-1]
+        found.append((table, share))
     return found
 
 

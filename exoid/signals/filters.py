@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, bisect_right
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from itertools import pairwise
@@ -45,9 +46,6 @@ LONGEST_PIECE = 2
 
 LARGEST_SHARE = 0.7
 """Share of the independent samples of a piece that pulses may take; where there are more, the rows stay."""
-
-COARSE = 64
-"""Lengths of Fourier transforms are rounded up to so many rows, so that several are worked out at once."""
 
 NEGLIGIBLE = 1e-4
 """Part of the largest response below which a response is over."""
@@ -495,10 +493,28 @@ def reversal_pulses(unknown: NDArray[np.bool_], parallel: ParallelFilter) -> NDA
     return np.unique(np.rint(start[run] + number * ((end - 1 - start) / gaps)[run]).astype(np.intp))
 
 
+class Projected(NamedTuple):
+    """Signals of a joint without the pulses at its reversals.
+
+    Attributes:
+        signals: What is left of them, (K, R).
+        taken: What was taken out, in an orthonormal basis, (K, M).
+        noise_left: Share of the energy of filtered white noise that is left.
+    """
+
+    signals: FloatArray
+    taken: FloatArray
+    noise_left: float
+
+
 def without_reversals(
-    signals: FloatArray, pulses: NDArray[np.intp], rows: range, parallel: ParallelFilter
-) -> tuple[FloatArray, FloatArray, float]:
-    """Project the filtered columns and torque of a joint onto the complement of the pulses at its reversals.
+    signals: Sequence[FloatArray],
+    pulses: Sequence[NDArray[np.intp]],
+    rows: range,
+    parallel: ParallelFilter,
+    block: int | None = None,
+) -> list[Projected]:
+    """Project the filtered columns and torque of each joint onto the complement of the pulses at its reversals.
 
     A joint with sharp friction sticks where it turns round. Its friction is then what holds it, anywhere between −c0
     and c0, and no term says how much. Doc. 1, sec. III-G, leaves such samples out. Behind a low-pass they cannot be
@@ -511,74 +527,101 @@ def without_reversals(
     close together that the filter could not tell more of them apart.
 
     Args:
-        signals: Filtered signals at some samples, (K, R).
-        pulses: Samples of the pulses of the joint, see :func:`reversal_pulses`.
+        signals: Filtered signals of each joint at some samples, (K, R).
+        pulses: Samples of the pulses of each joint, see :func:`reversal_pulses`.
         rows: These samples, R of them.
         parallel: The filter.
+        block: Number of rows that are cut into pieces by themselves, so that the pieces do not depend on how many rows
+            there are; None for all.
 
     Returns:
-        Projected signals, (K, R); what was taken out of them, in an orthonormal basis, (K, M); and the share of the
-        energy of filtered white noise that is left.
+        Projected signals of each joint.
     """
-    out, size = signals.copy(), max(1, PIECE * parallel.stride // rows.step)
-    reach, responses = _responses(parallel, rows.step, LONGEST_PIECE * size)
-    taken, bases = [np.zeros((len(signals), 0))], []
-    for piece, together in _clusters(rows, pulses, size, reach, parallel.independent_fraction):
-        later, phase = np.divmod(rows[piece.start] - together, rows.step)
-        B = responses[phase, later + responses.shape[1] // 2, : piece.stop - piece.start].T
-        factored, tau, *_ = scipy.linalg.lapack.dgeqrf(B, overwrite_a=1)  # a third of numpy's time
-        Q, *_ = scipy.linalg.lapack.dorgqr(factored[:, : len(factored)], tau, overwrite_a=1)
-        taken.append(out[:, piece] @ Q)
-        out[:, piece] -= taken[-1] @ Q.T
-        bases.append(Q)
-    share = _share_of_noise(bases, parallel, rows.step) / max(len(rows), 1)
-    return out, np.hstack(taken), 1.0 - share
+    left = [of_joint.copy() for of_joint in signals]
+    taken = [[np.zeros((len(of_joint), 0))] for of_joint in signals]
+    energy = np.zeros(len(left))
+    size = max(1, PIECE * parallel.stride // rows.step)
+    blocks = range(0, len(rows), block or max(1, len(rows)))
+    clusters = [
+        _Cluster(joint, slice(first + piece.start, first + piece.stop), together)
+        for joint, of_joint in enumerate(pulses)
+        for first in blocks
+        for piece, together in _clusters(rows[first : first + blocks.step], of_joint, size, parallel)
+    ]
+    correlation = _noise_correlations(parallel, rows.step, LONGEST_PIECE * size)
+    for alike, bases in _bases(clusters, rows, size, parallel):
+        length = bases.shape[1]
+        energies = np.einsum("clm,clm->c", bases, correlation[:length, :length] @ bases)
+        for (joint, piece, _), basis, of_noise in zip(alike, bases, energies.tolist(), strict=True):
+            part = left[joint][:, piece]
+            Q = basis[: part.shape[1]]
+            taken[joint].append(part @ Q)
+            part -= taken[joint][-1] @ Q.T
+            energy[joint] += of_noise
+    shares = 1.0 - energy / max(len(rows), 1)
+    return [Projected(x, np.hstack(y), share) for x, y, share in zip(left, taken, shares.tolist(), strict=True)]
+
+
+class _Cluster(NamedTuple):
+    """Pulses whose responses overlap: the space of other pulses is orthogonal to theirs.
+
+    Attributes:
+        joint: Index of the joint.
+        piece: Rows that they reach.
+        pulses: Samples of the pulses.
+    """
+
+    joint: int
+    piece: slice
+    pulses: list[int]
 
 
 def _clusters(
-    rows: range, pulses: NDArray[np.intp], size: int, reach: int, independent_fraction: float
-) -> Iterator[tuple[slice, NDArray[np.intp]]]:
-    """Go over pulses whose responses overlap, piece by piece, with the rows that they reach: others are orthogonal."""
-    first, end = np.searchsorted(pulses, [rows.start - reach, rows.stop + reach])
-    pulses = pulses[first:end]
-    for piece in _pieces(rows, pulses, size):
-        begin, count = rows[piece.start], piece.stop - piece.start
-        near = pulses[slice(*np.searchsorted(pulses, [begin - reach, rows[piece.stop - 1] + reach + 1]))]
-        if not 0 < len(near) <= LARGEST_SHARE * count * min(1.0, independent_fraction * rows.step):
+    rows: range, pulses: NDArray[np.intp], size: int, parallel: ParallelFilter
+) -> Iterator[tuple[slice, list[int]]]:
+    """Go over clusters of pulses, and the rows that they reach, piece by piece, but for pieces with too many."""
+    reach = len(_impulse_response(parallel)) // 2
+    pulses = pulses[slice(*np.searchsorted(pulses, [rows.start - reach, rows.stop + reach]))]
+    places, most = pulses.tolist(), LARGEST_SHARE * min(1.0, parallel.independent_fraction * rows.step)
+    for start, stop in pairwise(_cuts(rows, pulses, size)):
+        near = places[bisect_left(places, rows[start] - reach) : bisect_right(places, rows[stop - 1] + reach)]
+        if not 0 < len(near) <= most * (stop - start):
             continue
-        cuts = np.flatnonzero(near[1:] - near[:-1] > 2 * reach) + 1
-        for start, stop in pairwise([0, *cuts.tolist(), len(near)]):
-            together = near[start:stop]
-            earliest = max(0, -((begin + reach - together[0]) // rows.step))
-            latest = min(count, (together[-1] + reach - begin) // rows.step + 1)
-            yield slice(piece.start + int(earliest), piece.start + int(latest)), together
+        gaps = [k for k, (before, after) in enumerate(pairwise(near), 1) if after - before > 2 * reach]
+        for first, end in pairwise([0, *gaps, len(near)]):
+            together = near[first:end]
+            earliest = max(start, -((rows.start + reach - together[0]) // rows.step))
+            latest = min(stop, (together[-1] + reach - rows.start) // rows.step + 1)
+            yield slice(earliest, latest), together
 
 
-def _share_of_noise(bases: Sequence[FloatArray], parallel: ParallelFilter, step: int) -> float:
-    """Energy Σ qᵀ C q of filtered white noise of variance 1 along all columns q of orthonormal bases.
+def _bases(
+    clusters: Iterable[_Cluster], rows: range, size: int, parallel: ParallelFilter
+) -> Iterator[tuple[list[_Cluster], FloatArray]]:
+    """Find orthonormal bases of the filtered pulses of clusters, for all of as many pulses at once.
 
-    C is the correlation of the noise. By Parseval's theorem the sum is that of |q̂|² ĉ over the frequencies of an FFT
-    that is long enough for each q and every lag.
+    Args:
+        clusters: Clusters of pulses.
+        rows: Filtered samples.
+        size: Number of rows of a piece, about.
+        parallel: The filter.
+
+    Yields:
+        C clusters, and their bases, zero behind the last row of each, (C, L, M).
     """
-    by_length: defaultdict[int, list[FloatArray]] = defaultdict(list)
-    lags = len(_noise_correlation(parallel, step))
-    for Q in bases:
-        rounded = -(-len(Q) // COARSE) * COARSE
-        by_length[scipy.fft.next_fast_len(rounded + lags, real=True)].append(Q)
-    total = 0.0
-    for length, several in by_length.items():
-        padded = np.zeros((sum(Q.shape[1] for Q in several), length))
-        place = 0
-        for Q in several:
-            padded[place : place + Q.shape[1], : len(Q)] = Q.T
-            place += Q.shape[1]
-        q = scipy.fft.rfft(padded, axis=1).view(np.float64)
-        power = np.einsum("kf,kf->f", q, q).reshape(-1, 2).sum(axis=1)
-        total += float(power @ _noise_spectrum(parallel, step, length))
-    return total
+    responses = _responses(parallel, rows.step, LONGEST_PIECE * size)
+    by_count: defaultdict[int, list[_Cluster]] = defaultdict(list)
+    for cluster in clusters:
+        by_count[len(cluster.pulses)].append(cluster)
+    for alike in by_count.values():
+        start, stop = np.array([(cluster.piece.start, cluster.piece.stop) for cluster in alike]).T[..., np.newaxis]
+        later, phase = np.divmod(rows.start + rows.step * start - [cluster.pulses for cluster in alike], rows.step)
+        inside = np.arange((stop - start).max()) < stop - start
+        B = responses[phase, later + responses.shape[1] // 2, : inside.shape[1]].transpose(0, 2, 1)
+        yield alike, np.linalg.qr(B * inside[..., np.newaxis]).Q * inside[..., np.newaxis]
 
 
-def _pieces(rows: range, pulses: NDArray[np.intp], size: int) -> Iterator[slice]:
+def _cuts(rows: range, pulses: NDArray[np.intp], size: int) -> list[int]:
     """Cut rows into pieces of half to one and a half times a size, as far from pulses as possible.
 
     A pulse near a cut is fitted in both pieces, which takes out more than is unknown.
@@ -587,27 +630,20 @@ def _pieces(rows: range, pulses: NDArray[np.intp], size: int) -> Iterator[slice]
     after = np.searchsorted(pulses, k)
     around = np.concatenate([[-np.inf], pulses, [np.inf]])
     distance = np.minimum(k - around[after], around[after + 1] - k)
-    start = 0
-    while len(k) - start > 3 * size // 2:
-        first = start + max(1, size // 2)
-        cut = first + int(np.argmax(distance[first : start + 3 * size // 2]))
-        yield slice(start, cut)
-        start = cut
-    yield slice(start, len(k))
+    cuts = [0]
+    while len(k) - cuts[-1] > 3 * size // 2:
+        first = cuts[-1] + max(1, size // 2)
+        cuts.append(first + int(np.argmax(distance[first : cuts[-1] + 3 * size // 2])))
+    return [*cuts, len(k)]
 
 
-@lru_cache(maxsize=64)
-def _noise_spectrum(parallel: ParallelFilter, step: int, length: int) -> FloatArray:
-    """Weights ĉ of the frequencies of an FFT of real numbers, over its length; those above half the rate are added."""
-    later = _noise_correlation(parallel, step)
-    circular = np.zeros(length)
-    circular[: len(later)] = later
-    circular[length - len(later) + 1 :] += later[:0:-1]
-    spectrum = 2.0 * scipy.fft.rfft(circular).real / length
-    spectrum[0] /= 2.0
-    if length % 2 == 0:
-        spectrum[-1] /= 2.0
-    return np.asarray(spectrum)
+@lru_cache(maxsize=4)
+def _noise_correlations(parallel: ParallelFilter, step: int, count: int) -> FloatArray:
+    """Correlation of filtered white noise between so many samples, ``step`` apart, (``count``, ``count``)."""
+    correlation = np.zeros(count)
+    later = _noise_correlation(parallel, step)[:count]
+    correlation[: len(later)] = later
+    return np.asarray(scipy.linalg.toeplitz(correlation))
 
 
 @lru_cache(maxsize=16)
@@ -638,7 +674,7 @@ def _impulse_response(parallel: ParallelFilter) -> FloatArray:
 
 
 @lru_cache(maxsize=16)
-def _responses(parallel: ParallelFilter, step: int, count: int) -> tuple[int, FloatArray]:
+def _responses(parallel: ParallelFilter, step: int, count: int) -> FloatArray:
     """Impulse response at every ``step``-th sample from each of so many first ones, zero where it is over.
 
     Args:
@@ -647,7 +683,7 @@ def _responses(parallel: ParallelFilter, step: int, count: int) -> tuple[int, Fl
         count: Largest number of samples that are wanted at once.
 
     Returns:
-        Its length to each side; and a view of the response at the lags ``step`` k + phase, ``step`` (k + 1) + phase, …
+        View of the response at the lags ``step`` k + phase, ``step`` (k + 1) + phase, …
         for each phase and k from −M, (``step``, 2 M, ``count``).
     """
     response = _impulse_response(parallel)
@@ -656,4 +692,4 @@ def _responses(parallel: ParallelFilter, step: int, count: int) -> tuple[int, Fl
     padded = np.zeros((2 * half + count - 1) * step)
     padded[half * step - reach : half * step + reach + 1] = response
     by_phase = np.ascontiguousarray(padded.reshape(-1, step).T)
-    return reach, sliding_window_view(by_phase, count, axis=1)
+    return sliding_window_view(by_phase, count, axis=1)

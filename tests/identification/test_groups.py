@@ -421,6 +421,7 @@ def test_rows_that_are_made_again_stretch_by_stretch_give_the_same(legs, sides, 
     whole = identify(legs, recordings, TERMS, estimator)
     monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", 0)
     monkeypatch.setattr("exoid.regression.rows.BLOCK", 300)
+    monkeypatch.setattr("exoid.regression.rows.BLOCKS", 1)
     pieces = identify(legs, recordings, TERMS, estimator)
     np.testing.assert_allclose(pieces.values, whole.values, rtol=1e-6, atol=1e-8)
     np.testing.assert_allclose(pieces.std, whole.std, rtol=1e-5)

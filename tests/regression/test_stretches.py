@@ -36,6 +36,7 @@ def short_stretches(monkeypatch):
 
     def shorten(reach: float = 8.0) -> None:
         monkeypatch.setattr(rows_module, "BLOCK", 700)
+        monkeypatch.setattr(rows_module, "BLOCKS", 1)
         monkeypatch.setattr(rows_module, "REACHES", reach)
         monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", 0)
 

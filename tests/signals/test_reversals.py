@@ -4,11 +4,17 @@ import numpy as np
 import pytest
 
 from exoid.signals import ParallelFilter
-from exoid.signals.filters import around_stops, reversal_pulses, without_reversals
+from exoid.signals.filters import around_stops, reversal_pulses
+from exoid.signals.filters import without_reversals as without_reversals_of_joints
 
 FILTER = ParallelFilter(500.0, 8.0, 4)
 SAMPLES = 10_000
 ROWS = range(500, SAMPLES - 500, FILTER.stride)
+
+
+def without_reversals(signals, pulses, rows, parallel):
+    """For one joint."""
+    return without_reversals_of_joints([signals], [pulses], rows, parallel)[0]
 
 
 def reversals(*spans):

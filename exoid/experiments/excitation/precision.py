@@ -230,9 +230,10 @@ def _rows(
         parallel, slow = preparation.parallel(rate), model.reversing(v)
         if parallel is not None and slow is not None:
             unknown, rows = around_stops(slow, parallel) & inside[:, None], range(len(q))[valid]
-            for row in range(W.shape[1]):
-                pulses = reversal_pulses(unknown[:, row], parallel)
-                W[valid, row] = without_reversals(W[valid, row].T, pulses, rows, parallel)[0].T
+            pulses = [reversal_pulses(of_row, parallel) for of_row in unknown.T]
+            filtered = list(W[valid].transpose(1, 2, 0))
+            for row, left in enumerate(without_reversals(filtered, pulses, rows, parallel)):
+                W[valid, row] = left.signals.T
         whole = [W[:, row] * use[:, row, None] / std[row] for row in range(W.shape[1])]
         # Fᵀ, backwards in time
         scores = [np.flip(preparation.filter(np.flip(weighted, axis=0), rate), axis=0) for weighted in whole]
