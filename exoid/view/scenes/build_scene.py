@@ -73,11 +73,18 @@ def scene(
     geometries = _geometries(legs, identified, None if meshes is None else Path(meshes))
     poses = pose_angles([geometry.leg for geometry in geometries], pose or {})
     _check_joints(geometries, recording, ghost)
-    views = [LegView.of(geometry, q, replay, ghost_label) for geometry, q in zip(geometries, poses, strict=True)]
+    views = [
+        LegView.of(geometry, q, replay, ghost_label).standing(leg, geometry, replay)
+        for leg, geometry, q in zip(legs, geometries, poses, strict=True)
+    ]
+    floors = [view.floor for view in views if view.floor is not None]
     points = np.vstack([view.bounding_points for view in views])
     _check_size(points, geometries)
     direction = view_direction(geometries)
-    commands = [*draw_surroundings(points, direction), *(command for view in views for command in view.commands)]
+    commands = [
+        *draw_surroundings(points, direction, min(floors, default=None)),
+        *(command for view in views for command in view.commands),
+    ]
     if tracks := {path: track for view in views for path, track in view.tracks.items()}:
         commands.append(set_animation(tracks))
     return Scene(
@@ -87,7 +94,7 @@ def scene(
         camera(points, direction),
         0.0 if replay is None else replay.duration,
         tuple(view.posable for view in views),
-        tuple(note for geometry in geometries for note in geometry.notes),
+        tuple(note for each in (*geometries, *views) for note in each.notes),
     )
 
 
