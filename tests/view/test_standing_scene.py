@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from drawings import places
-from standing import standing
+from standing import mirrored, standing
 
 import exoid
 from exoid import BaseMotion, ExoidError, Wrench
@@ -26,6 +26,13 @@ def exo():
 def log(exo):
     found = standing(exo, "both", seconds=4.0)
     return replace(found.recording, wrenches=found.wrenches)
+
+
+@pytest.fixture(scope="module")
+def estimate(exo):
+    parts = [standing(exo, "both", seconds=10.0), standing(exo, "left", seconds=10.0, seed=1)]
+    parts += [mirrored(standing(exo, "left", seconds=10.0, seed=2))]
+    return exoid.identify(exo, [part.recording for part in parts], terms=())
 
 
 def foot(exo, drawn, recording, link, time):
@@ -92,3 +99,23 @@ def test_a_wrench_in_the_laboratory_without_a_pose_is_refused(exo, log):
     world = Wrench(np.tile([0.0, 0.0, 300.0], (count, 1)), np.zeros((count, 3)), axes="world")
     with pytest.raises(ExoidError, match="pose of the base is not known"):
         scene(exo, recording=replace(log, wrenches={"left_foot": world}))
+
+
+def test_an_estimate_adds_predicted_forces_that_equal_exact_ones(exo, estimate):
+    log = standing(exo, "left", seconds=4.0, seed=5)
+    drawn = scene(estimate, recording=log.recording)
+    assert "predicted ground force" in [layer.label for layer in drawn.layers]
+    weight = sum(inertia.mass for inertia in exo.model.inertias) * 9.81
+    for t in (1.0, 2.0, 3.0):
+        arrow = places(drawn, t)["/exoid/predicted ground force left_foot/arrow"]
+        rotation, _ = foot(exo, drawn, log.recording, "left_foot", t)
+        exact = rotation @ log.wrenches["left_foot"].force[round(250 * t)] / weight
+        np.testing.assert_allclose(arrow[:3, 2], exact, atol=0.01)
+    assert not [path for path in places(drawn) if "predicted ground force right_foot" in path]
+
+
+def test_forces_that_cannot_be_predicted_are_noted(estimate, log):
+    place = np.tile([0.0, 0.0, 1.5], (len(log), 1))
+    pose = BaseMotion.from_pose(place, np.tile([0.0, 0.0, 0.0, 1.0], (len(log), 1)), log.time)
+    drawn = scene(estimate, recording=replace(log, base=pose, contacts={}, wrenches={}))
+    assert any("not predicted" in note for note in drawn.notes)

@@ -94,7 +94,8 @@ def scene(
         camera(points, direction),
         0.0 if replay is None else replay.duration,
         tuple(view.posable for view in views),
-        tuple(note for each in (*geometries, *views) for note in each.notes),
+        tuple(note for geometry in geometries for note in geometry.notes)
+        + tuple(note for view in views for note in view.notes),
     )
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
@@ -112,8 +112,6 @@ class GroundArrows(NamedTuple):
 
 def quaternions(rotation: FloatArray) -> FloatArray:
     """Quaternions (x, y, z, w) of rotation matrices (F, 3, 3), without jumps of sign, (F, 4)."""
-    import scipy  # noqa: PLC0415 - its parts load when they are first used
-
     found = scipy.spatial.transform.Rotation.from_matrix(rotation).as_quat()
     jumps = np.cumprod(np.where((found[1:] * found[:-1]).sum(axis=1) < 0.0, -1.0, 1.0))
     return np.asarray(found * np.concatenate([[1.0], jumps])[:, np.newaxis])
@@ -141,9 +139,8 @@ def _measured(leg: Leg, replay: Replay) -> Loads:
 
 def _predicted(estimate: Estimate, leg: Leg, replay: Replay) -> Loads:
     """Predicted wrenches at the frames, zero where there is no sample."""
-    loads: Mapping = ground_forces(estimate, replay.recording)
     found: Loads = {}
-    for link, each in loads.items():
+    for link, each in ground_forces(estimate, replay.recording).items():
         near = np.abs(each.time[:, np.newaxis] - replay.time).min(axis=0) < GAP
         level = level_rotation(leg, link)  # level axes from link
         force, moment = (
