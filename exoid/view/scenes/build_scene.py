@@ -41,7 +41,8 @@ def scene(
     Links are drawn by the URDF's ``<visual>`` elements. Bodies without any get joint housings, bars and a foot. Centres
     of mass are steel balls of the body's mass. Inertias are ellipsoids of uniform density with the same inertia.
     Straight arrows are weights. Circular arrows around the joint axes are actuator torques: the recorded ones, or those
-    that hold the leg against gravity. Their area is proportional to the torque.
+    that hold the leg against gravity. Their area is proportional to the torque. A floating base moves by its recorded
+    pose, or by the feet that rest on the ground; arrows from the centres of pressure are forces of the ground.
 
     Args:
         *legs: Legs that share a torso. An estimate shows the leg that it belongs to, with CAD inertias and identified
@@ -60,7 +61,7 @@ def scene(
 
     Raises:
         ExoidError: There is no leg, a joint is unknown, the recording has only some joints of a leg, an attribute of a
-            ``<visual>`` is not a number, or the leg is too large.
+            ``<visual>`` is not a number, the leg is too large, or a wrench in axes of the laboratory has no pose.
 
     Example:
         >>> exoid.view.scene(exoid.load_leg("bleex"), pose={"left_knee": -0.6}).save("leg.html")  # doctest: +SKIP
