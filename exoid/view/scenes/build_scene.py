@@ -41,7 +41,8 @@ def scene(
     Links are drawn by the URDF's ``<visual>`` elements. Bodies without any get joint housings, bars and a foot. Centres
     of mass are steel balls of the body's mass. Inertias are ellipsoids of uniform density with the same inertia.
     Straight arrows are weights. Circular arrows around the joint axes are actuator torques: the recorded ones, or those
-    that hold the leg against gravity. Their area is proportional to the torque.
+    that hold the leg against gravity. Their area is proportional to the torque. A floating base moves by its recorded
+    pose, or by the feet that rest on the ground; arrows from the centres of pressure are forces of the ground.
 
     Args:
         *legs: Legs that share a torso. An estimate shows the leg that it belongs to, with CAD inertias and identified
@@ -60,7 +61,7 @@ def scene(
 
     Raises:
         ExoidError: There is no leg, a joint is unknown, the recording has only some joints of a leg, an attribute of a
-            ``<visual>`` is not a number, or the leg is too large.
+            ``<visual>`` is not a number, the leg is too large, or a wrench in axes of the laboratory has no pose.
 
     Example:
         >>> exoid.view.scene(exoid.load_leg("bleex"), pose={"left_knee": -0.6}).save("leg.html")  # doctest: +SKIP
@@ -73,11 +74,18 @@ def scene(
     geometries = _geometries(legs, identified, None if meshes is None else Path(meshes))
     poses = pose_angles([geometry.leg for geometry in geometries], pose or {})
     _check_joints(geometries, recording, ghost)
-    views = [LegView.of(geometry, q, replay, ghost_label) for geometry, q in zip(geometries, poses, strict=True)]
+    views = [
+        LegView.of(geometry, q, replay, ghost_label).standing(leg, geometry, replay)
+        for leg, geometry, q in zip(legs, geometries, poses, strict=True)
+    ]
+    floors = [view.floor for view in views if view.floor is not None]
     points = np.vstack([view.bounding_points for view in views])
     _check_size(points, geometries)
     direction = view_direction(geometries)
-    commands = [*draw_surroundings(points, direction), *(command for view in views for command in view.commands)]
+    commands = [
+        *draw_surroundings(points, direction, min(floors, default=None)),
+        *(command for view in views for command in view.commands),
+    ]
     if tracks := {path: track for view in views for path, track in view.tracks.items()}:
         commands.append(set_animation(tracks))
     return Scene(
@@ -87,7 +95,8 @@ def scene(
         camera(points, direction),
         0.0 if replay is None else replay.duration,
         tuple(view.posable for view in views),
-        tuple(note for geometry in geometries for note in geometry.notes),
+        tuple(note for geometry in geometries for note in geometry.notes)
+        + tuple(note for view in views for note in view.notes),
     )
 
 

@@ -28,7 +28,7 @@ def draw_weights(geometry: LegGeometry) -> Iterator[Command]:
     """Commands that draw an arrow for the weight of each body, its length proportional to the weight."""
     reach, inertias = geometry.skeleton.reach, geometry.inertias[-1].bodies
     heaviest = max(inertia.mass for inertia in inertias)
-    for path, inertia in zip(_weight_paths(geometry), inertias, strict=True):
+    for path, inertia in zip(weight_paths(geometry), inertias, strict=True):
         length = WEIGHT_LENGTH * reach * inertia.mass / heaviest
         yield set_object(path, straight_arrow(length, THICKNESS * reach, WEIGHT_COLOUR), shadows=False)
 
@@ -43,7 +43,7 @@ def draw_torques(geometry: LegGeometry) -> Iterator[Command]:
 def place_arrows(geometry: LegGeometry, trajectory: LegTrajectory) -> Iterator[Command]:
     """Commands that place and scale the arrows as in the first frame."""
     down = align_z(geometry.leg.gravity_of_tilted_torso(trajectory.pitch))
-    for path, centre in zip(_weight_paths(geometry), _centres(geometry, trajectory.q[:1]), strict=True):
+    for path, centre in zip(weight_paths(geometry), _centres(geometry, trajectory.q[:1]), strict=True):
         yield set_transform(path, homogeneous(centre[0], down))
     for path, axis in zip(geometry.joint_paths(geometry.root), geometry.skeleton.axes, strict=True):
         yield set_transform(f"{path}/torque", homogeneous(np.zeros(3), align_z(axis)))
@@ -53,12 +53,13 @@ def place_arrows(geometry: LegGeometry, trajectory: LegTrajectory) -> Iterator[C
 
 def animate_arrows(geometry: LegGeometry, trajectory: LegTrajectory) -> Tracks:
     """Keyframes of the positions of weights and of the scales of torques."""
-    centres = zip(_weight_paths(geometry), _centres(geometry, trajectory.q), strict=True)
+    centres = zip(weight_paths(geometry), _centres(geometry, trajectory.q), strict=True)
     tracks: Tracks = {path: {"position": centre} for path, centre in centres}
     return tracks | {path: {"scale": scale} for path, scale in _scales(geometry, trajectory).items()}
 
 
-def _weight_paths(geometry: LegGeometry) -> list[str]:
+def weight_paths(geometry: LegGeometry) -> list[str]:
+    """Paths of the arrows of the bodies' weights."""
     return [child_path(geometry.root, f"weight {name}") for name in geometry.leg.link_names]
 
 

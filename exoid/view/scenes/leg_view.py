@@ -8,20 +8,29 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.estimate import Estimate
+from exoid.leg import Leg
 from exoid.view.colours import IDENTIFIED
 
 from .arrows import WEIGHT_COLOUR
 from .commands import Command, Tracks, child_path, set_transform
-from .forces import animate_arrows, draw_torques, draw_weights, place_arrows
+from .forces import animate_arrows, draw_torques, draw_weights, place_arrows, weight_paths
+from .ground_arrows import GroundArrows, quaternions
 from .leg_geometry import LegGeometry
 from .leg_trajectory import LegTrajectory
 from .replay import Replay
 from .scene import Layer, PosableLeg
+from .standing import Standing
+from .transforms import align_z, homogeneous
 from .urdf_visuals import PLAIN
 from .visual import Material
 
 GHOST = Material(IDENTIFIED, 0.35, behind=True)
 """Material of the second leg."""
+
+
+FEW = 60
+"""Frames of a moving base that the camera is set by."""
 
 
 class LegView(NamedTuple):
@@ -33,6 +42,8 @@ class LegView(NamedTuple):
         tracks: Keyframes of its motion; empty for a leg that stands still.
         bounding_points: Points whose convex hull contains it [m], (k, 3).
         posable: The leg, for poses that are set later.
+        floor: Height of the ground [m] where the base moves, else None.
+        notes: One sentence for each kind of force that could not be drawn.
     """
 
     commands: list[Command]
@@ -40,6 +51,8 @@ class LegView(NamedTuple):
     tracks: Tracks
     bounding_points: FloatArray
     posable: PosableLeg
+    floor: float | None = None
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, geometry: LegGeometry, q: FloatArray, replay: Replay | None, ghost_label: str) -> LegView:
@@ -79,6 +92,49 @@ class LegView(NamedTuple):
             tracks |= _joint_tracks(geometry, root, ghost)
             points = np.vstack([points, geometry.bounding_points(ghost)])
         return cls(commands, layers, tracks, points @ torso[:3, :3].T + torso[:3, 3], posable)
+
+    def standing(self, source: Leg | Estimate, geometry: LegGeometry, replay: Replay | None) -> LegView:
+        """Let the base move, where a recording tells how, with arrows of the forces of the ground.
+
+        Args:
+            source: The leg or estimate.
+            geometry: The leg.
+            replay: The replay, or None.
+
+        Returns:
+            The drawing; the same where nothing tells of the base.
+
+        Raises:
+            ExoidError: A link is unknown, or a wrench in the laboratory has no pose of the base.
+        """
+        base = None if replay is None else Standing.of(geometry, replay)
+        if replay is None or base is None:
+            return self
+        arrows = GroundArrows.of(source, geometry.leg, replay, base)
+        down = np.swapaxes(base.rotation, 1, 2) @ align_z((0.0, 0.0, -1.0))
+        tracks = {path: dict(track) for path, track in self.tracks.items()}
+        tracks[geometry.root] = {"position": base.position, "quaternion": quaternions(base.rotation)}
+        commands = [*self.commands, set_transform(geometry.root, homogeneous(base.position[0], base.rotation[0]))]
+        for path in weight_paths(geometry):
+            if path in tracks:
+                tracks[path]["quaternion"] = quaternions(down)
+                commands.append(set_transform(path, homogeneous(tracks[path]["position"][0], down[0])))
+        few = np.linspace(0, len(base.position) - 1, min(FEW, len(base.position))).astype(np.intp)
+        points = [_corners(self.bounding_points) @ base.rotation[f].T + base.position[f] for f in few]
+        return LegView(
+            commands + arrows.commands,
+            self.layers + arrows.layers,
+            tracks | arrows.tracks,
+            np.vstack([*points, arrows.points]),
+            self.posable,
+            base.floor,
+            arrows.notes,
+        )
+
+
+def _corners(points: FloatArray) -> FloatArray:
+    """Corners of the box around points, (8, 3)."""
+    return np.array(np.meshgrid(*zip(points.min(axis=0), points.max(axis=0), strict=True))).reshape(3, -1).T
 
 
 class _LayerDrawing(NamedTuple):

@@ -57,12 +57,13 @@ def camera(points: FloatArray, direction: FloatArray) -> Camera:
     return Camera(tuple(centre.tolist()), tuple(direction.tolist()), half_width, half_height, half_depth)
 
 
-def draw_surroundings(points: FloatArray, direction: FloatArray) -> Iterator[Command]:
+def draw_surroundings(points: FloatArray, direction: FloatArray, floor: float | None = None) -> Iterator[Command]:
     """Commands that draw background and ground and set light and camera.
 
     Args:
         points: Points whose convex hull contains the legs [m], (k, 3).
         direction: Direction from the legs to the camera, (3,).
+        floor: Height of the ground [m]; None for just below the lowest point.
 
     Yields:
         Commands.
@@ -73,8 +74,9 @@ def draw_surroundings(points: FloatArray, direction: FloatArray) -> Iterator[Com
         yield set_property("/Background", name, value)
     for path in ("/Grid", "/Axes"):
         yield set_property(path, "visible", False)
+    height = lower[2] - 0.002 * size if floor is None else floor
     yield set_object(f"{ROOT}/ground", _ground(size))
-    yield set_transform(f"{ROOT}/ground", homogeneous((centre[0], centre[1], lower[2] - 0.002 * size)))
+    yield set_transform(f"{ROOT}/ground", homogeneous((centre[0], centre[1], height)))
     spot = "/Lights/SpotLight/<object>"
     above = size * np.array([0.6 * direction[0], 0.5 * direction[1], 1.6]) + centre
     yield set_property("/Lights/SpotLight", "visible", True)

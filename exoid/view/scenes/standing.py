@@ -1,0 +1,161 @@
+"""Motion of a floating base in a replay: from its recorded pose, or from the feet that rest on the ground."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import BoolArray, FloatArray
+from exoid.errors import ExoidError
+from exoid.ground import contact_of, level_rotation, link_placements
+from exoid.leg import Leg
+from exoid.link_frames import link_frame
+from exoid.signals.link_wrenches import refuse_unknown_links, wrenches_on_links
+
+from .leg_geometry import LegGeometry
+from .replay import Replay
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """Pose of the base in the laboratory, z up, and the feet on the ground, frame by frame.
+
+    Attributes:
+        position: Position of the root link's origin [m], (F, 3).
+        rotation: Rotation matrices, laboratory from root link, (F, 3, 3).
+        floor: Height of the ground [m].
+        soles: Height of each foot's sole above the origin of its link [m], below zero for a sole beneath it.
+        contacts: Frames in which each foot rests, (F,) each.
+    """
+
+    position: FloatArray
+    rotation: FloatArray
+    floor: float
+    soles: Mapping[str, float]
+    contacts: Mapping[str, BoolArray]
+
+    @classmethod
+    def of(cls, geometry: LegGeometry, replay: Replay) -> Standing | None:
+        """Find the motion of the base in a replay.
+
+        Args:
+            geometry: The leg.
+            replay: The replay.
+
+        Returns:
+            The motion; None where the base does not float, the leg was not recorded, or nothing tells of the base.
+
+        Raises:
+            ExoidError: A link is unknown, or a wrench in the laboratory has no pose of the base.
+        """
+        leg, recording = geometry.leg, replay.recording
+        q = replay.angles(leg)
+        if not leg.base_rows or q is None:
+            return None
+        pose = None if recording.base is None else recording.base.pose
+        if pose is None and any(wrench.axes == "world" for wrench in recording.wrenches.values()):
+            raise ExoidError(
+                "a wrench in the laboratory cannot be drawn where the pose of the base is not known",
+                where=recording.source.name if recording.source else "",
+                remedy='record the pose, exoid.BaseMotion.from_pose(...), or give wrenches with axes="link"',
+            )
+        contacts = _contacts(leg, replay)
+        soles = {link: _sole(geometry, link) for link in contacts}
+        if pose is not None:
+            turns = scipy.spatial.transform.Rotation.from_quat(pose.quaternion)
+            rotation = scipy.spatial.transform.Slerp(recording.time, turns)(replay.time).as_matrix()
+            position = np.column_stack([np.interp(replay.time, recording.time, x) for x in pose.position.T])
+        elif any(rests.any() for rests in contacts.values()):
+            rotation, position = _carried(leg, q, contacts, soles)
+        else:
+            return None
+        standing = cls(position, rotation, 0.0, soles, contacts)
+        return standing if pose is None else cls(position, rotation, _floor(geometry, q, standing), soles, contacts)
+
+    def place(self, leg: Leg, q: FloatArray, link: str) -> tuple[FloatArray, FloatArray]:
+        """Compute where a link is in the laboratory.
+
+        Args:
+            leg: The leg.
+            q: Joint angles [rad], (F, n).
+            link: Name of the link.
+
+        Returns:
+            Rotations (F, 3, 3), laboratory from link, and positions of its origin [m], (F, 3).
+        """
+        rotation, position = link_placements(leg, q, link)
+        return self.rotation @ rotation, self.position + np.einsum("fij,fj->fi", self.rotation, position)
+
+
+def _contacts(leg: Leg, replay: Replay) -> dict[str, BoolArray]:
+    """Frames in which each foot rests: as recorded, or where its measured wrench says so."""
+    recording, root = replay.recording, leg.description.root_link
+    refuse_unknown_links(leg, recording)
+    flags = dict(recording.contacts)
+    for link, wrench in wrenches_on_links(leg, recording).items():
+        found = None if link in flags or link == root else contact_of(leg, link, wrench)
+        if found is not None:
+            flags[link] = found
+    nearest = np.rint(np.interp(replay.time, recording.time, np.arange(len(recording)))).astype(np.intp)
+    return {link: np.asarray(rests)[nearest] for link, rests in flags.items() if link != root}
+
+
+def _sole(geometry: LegGeometry, link: str) -> float:
+    """Height of the lowest drawn point of a link that rests flat, above its origin [m]."""
+    leg = geometry.leg
+    body, placement = link_frame(leg.model, leg.description, link)
+    corners = [visual.bounding_points for visual in geometry.visuals[body + 1]]
+    if not corners:
+        return 0.0
+    own = (np.vstack(corners) - placement.translation) @ placement.rotation
+    return float((own @ level_rotation(leg, link).T)[:, 2].min())
+
+
+def _carried(
+    leg: Leg, q: FloatArray, contacts: Mapping[str, BoolArray], soles: Mapping[str, float]
+) -> tuple[FloatArray, FloatArray]:
+    """Rotation and position of a base whose resting feet stay where they are, on ground at z = 0.
+
+    Each foot rests where it was put down. In the air, and before the first contact, the base stands still.
+    """
+    level = {link: level_rotation(leg, link) for link in contacts}
+    inside = {link: link_placements(leg, q, link) for link in contacts}
+    first = next(f for f in range(len(q)) if any(rests[f] for rests in contacts.values()))
+    rotation, position = np.empty((len(q), 3, 3)), np.empty((len(q), 3))
+    held, anchor = "", np.zeros(3)
+    for f in range(first, len(q)):
+        if f > first:
+            rotation[f], position[f] = rotation[f - 1], position[f - 1]
+        resting = [link for link, rests in contacts.items() if rests[f]]
+        if not resting:
+            held = ""
+            continue
+        if held not in resting:
+            held = resting[0]
+            anchor = np.array([0.0, 0.0, -soles[held]])
+            if f > first:  # where the foot was one frame earlier
+                before = position[f - 1] + rotation[f - 1] @ inside[held].translation[f - 1]
+                anchor[:2] = before[:2]
+        rotation[f] = level[held] @ inside[held].rotation[f].T
+        position[f] = anchor - rotation[f] @ inside[held].translation[f]
+    rotation[:first], position[:first] = rotation[first], position[first]
+    return rotation, position
+
+
+def _floor(geometry: LegGeometry, q: FloatArray, standing: Standing) -> float:
+    """Height of the soles of resting feet, else of the lowest drawn point [m]."""
+    heights = [
+        standing.place(geometry.leg, q, link)[1][rests, 2] + standing.soles[link]
+        for link, rests in standing.contacts.items()
+        if rests.any()
+    ]
+    if heights:
+        return float(np.median(np.concatenate(heights)))
+    points = [
+        (geometry.bounding_points(each[np.newaxis]) @ turn.T + place)[:, 2].min()
+        for each, turn, place in zip(q, standing.rotation, standing.position, strict=True)
+    ]
+    return float(min(points))

@@ -1,0 +1,121 @@
+"""A scene of a leg that stands: feet stay on the ground, arrows are the forces of the ground."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from drawings import places
+from standing import mirrored, standing
+
+import exoid
+from exoid import BaseMotion, ExoidError, Wrench
+from exoid.ground import link_placements
+from exoid.view import scene
+
+FEET = ("left_foot", "right_foot")
+
+
+@pytest.fixture(scope="module")
+def exo():
+    return exoid.load_exo("bleex", base="floating")
+
+
+@pytest.fixture(scope="module")
+def log(exo):
+    found = standing(exo, "both", seconds=4.0)
+    return replace(found.recording, wrenches=found.wrenches)
+
+
+@pytest.fixture(scope="module")
+def estimate(exo):
+    parts = [standing(exo, "both", seconds=10.0), standing(exo, "left", seconds=10.0, seed=1)]
+    parts += [mirrored(standing(exo, "left", seconds=10.0, seed=2))]
+    return exoid.identify(exo, [part.recording for part in parts], terms=())
+
+
+def foot(exo, drawn, recording, link, time):
+    """Place of a foot as drawn: the drawn torso, and Pinocchio below it."""
+    q = np.array([[np.interp(time, recording.time, column) for column in recording.q.T]])
+    rotation, position = link_placements(exo, q, link)
+    root = drawn.legs[0].root
+    base = places(drawn, time)[root]
+    return base[:3, :3] @ rotation[0], base[:3, 3] + base[:3, :3] @ position[0]
+
+
+def test_resting_feet_stay_on_the_ground_while_the_torso_moves(exo, log):
+    drawn = scene(exo, recording=log)
+    times = np.arange(0, 110, 7) / 30.0
+    torso = [places(drawn, t)[drawn.legs[0].root][2, 3] for t in times]
+    assert np.ptp(torso) > 0.03
+    for link in FEET:
+        found = np.array([foot(exo, drawn, log, link, t)[1] for t in times])
+        assert np.abs(found - found[0]).max() < 1e-3
+
+
+def test_arrows_are_the_measured_forces_from_the_centre_of_pressure(exo, log):
+    drawn = scene(exo, recording=log)
+    weight = sum(inertia.mass for inertia in exo.model.inertias) * 9.81
+    floor = places(drawn)["/exoid/ground"][2, 3]
+    for t in (0.0, 1.0, 3.0):
+        k = round(t * 250)
+        for link in FEET:
+            path = f"/exoid/measured ground force {link}"
+            arrow, start = places(drawn, t)[f"{path}/arrow"], places(drawn, t)[path][:3, 3]
+            rotation, origin = foot(exo, drawn, log, link, t)
+            force = rotation @ log.wrenches[link].force[k]
+            np.testing.assert_allclose(arrow[:3, 2], force / weight, atol=2e-4)
+            moment = rotation @ log.wrenches[link].moment[k] - np.cross(start - origin, force)
+            np.testing.assert_allclose(moment[:2], 0.0, atol=0.01)  # a force at the centre of pressure
+            assert start[2] == pytest.approx(floor, abs=1e-3)
+
+
+def test_steps_continue_where_the_other_foot_rests(exo, log):
+    left = log.time < 2.5
+    stepping = replace(log, contacts={"left_foot": left, "right_foot": log.time > 1.5})
+    drawn = scene(exo, recording=stepping)
+    for link, times in (("left_foot", (0.0, 1.0, 2.0)), ("right_foot", (2.0, 3.0, 3.8))):
+        found = np.array([foot(exo, drawn, log, link, t)[1] for t in times])
+        assert np.abs(found - found[0]).max() < 1e-3
+    arrow = places(drawn, 3.5)["/exoid/measured ground force left_foot/arrow"]
+    assert np.linalg.norm(arrow[:3, 2]) < 2e-3
+
+
+def test_a_recorded_pose_moves_the_torso(exo, log):
+    turn = np.tile([0.0, 0.0, np.sin(0.2), np.cos(0.2)], (len(log), 1))
+    place = np.column_stack([0.1 * log.time, np.zeros(len(log)), 0.9 + 0.05 * np.sin(log.time)])
+    posed = replace(log, base=BaseMotion.from_pose(place, turn, log.time), contacts={}, wrenches={})
+    drawn = scene(exo, recording=posed)
+    found = places(drawn, 2.0)[drawn.legs[0].root]
+    np.testing.assert_allclose(found[:3, 3], place[500], atol=1e-4)
+    np.testing.assert_allclose(found[:2, 0], [np.cos(0.4), np.sin(0.4)], atol=1e-4)
+    weight = places(drawn, 2.0)[f"{drawn.legs[0].root}/weight {exo.link_names[0]}"]
+    np.testing.assert_allclose(weight[:3, 2], [0.0, 0.0, -1.0], atol=1e-4)
+
+
+def test_a_wrench_in_the_laboratory_without_a_pose_is_refused(exo, log):
+    count = len(log)
+    world = Wrench(np.tile([0.0, 0.0, 300.0], (count, 1)), np.zeros((count, 3)), axes="world")
+    with pytest.raises(ExoidError, match="pose of the base is not known"):
+        scene(exo, recording=replace(log, wrenches={"left_foot": world}))
+
+
+def test_an_estimate_adds_predicted_forces_that_equal_exact_ones(exo, estimate):
+    log = standing(exo, "left", seconds=4.0, seed=5)
+    drawn = scene(estimate, recording=log.recording)
+    assert "predicted ground force" in [layer.label for layer in drawn.layers]
+    weight = sum(inertia.mass for inertia in exo.model.inertias) * 9.81
+    for t in (1.0, 2.0, 3.0):
+        arrow = places(drawn, t)["/exoid/predicted ground force left_foot/arrow"]
+        rotation, _ = foot(exo, drawn, log.recording, "left_foot", t)
+        exact = rotation @ log.wrenches["left_foot"].force[round(250 * t)] / weight
+        np.testing.assert_allclose(arrow[:3, 2], exact, atol=0.01)
+    assert not [path for path in places(drawn) if "predicted ground force right_foot" in path]
+
+
+def test_forces_that_cannot_be_predicted_are_noted(estimate, log):
+    place = np.tile([0.0, 0.0, 1.5], (len(log), 1))
+    pose = BaseMotion.from_pose(place, np.tile([0.0, 0.0, 0.0, 1.0], (len(log), 1)), log.time)
+    drawn = scene(estimate, recording=replace(log, base=pose, contacts={}, wrenches={}))
+    assert any("not predicted" in note for note in drawn.notes)
