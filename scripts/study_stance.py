@@ -15,7 +15,7 @@ import warnings
 import numpy as np
 from joblib import Parallel, delayed
 
-from exoid.reproduce import StanceReplay, reproduce_stance
+from exoid.reproduce import StanceExtent, StanceReplay, reproduce_stance
 from exoid.reproduce.stance import relative_error
 from exoid.reproduce.stance_report import walk_error
 
@@ -67,10 +67,10 @@ def _walk_error(replay: StanceReplay, side: str, symbol: str) -> float:
     return relative_error(tuple(values), differences, replay.truth, symbol)
 
 
-def one(seed: int) -> dict[str, float]:
-    """Run one seed."""
+def one(seed: int, seconds: float) -> dict[str, float]:
+    """Run one seed with swing and stance of so many seconds."""
     warnings.simplefilter("ignore")
-    return figures(reproduce_stance(seed))
+    return figures(reproduce_stance(seed, extent=StanceExtent(stance=seconds, swing=seconds)))
 
 
 def main() -> None:
@@ -79,9 +79,10 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=16)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--seconds", type=float, default=15.0, help="of each log of swing and stance")
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.seeds)
-    found = Parallel(n_jobs=options.jobs)(delayed(one)(seed) for seed in seeds)
+    found = Parallel(n_jobs=options.jobs)(delayed(one)(seed, options.seconds) for seed in seeds)
     print(f"{options.seeds} seeds {'P95':>38} {'median':>8} {'mean':>8} {'least':>8} {'limit':>8}")
     for name in found[0]:
         values = np.array([each[name] for each in found])
