@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from html import escape  # xml.sax.saxutils would load urllib and ssl
 from typing import Literal, NamedTuple
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
@@ -105,7 +105,12 @@ def describe_dh(
     parts = [_link("base"), _link("frame0"), placement]
     for index, (row, joint, body) in enumerate(zip(rows, joints, placed, strict=True), start=1):
         parts += _segment(index, DHRow(*row), str(joint), body, convention, name)
-    return describe(f"<robot name={quoteattr(name)}>\n" + "\n".join(parts) + "\n</robot>\n", name)
+    return describe(f"<robot name={_quoted(name)}>\n" + "\n".join(parts) + "\n</robot>\n", name)
+
+
+def _quoted(text: str) -> str:
+    """Write an attribute of XML."""
+    return f'"{escape(text)}"'
 
 
 def _segment(index: int, row: DHRow, joint: str, body: DHBody, convention: Convention, name: str) -> list[str]:
@@ -190,13 +195,13 @@ def _inertial(body: DHBody, place: tuple[float, float, float], alpha: float, nam
 
 
 def _link(name: str, inertial: str = "") -> str:
-    return f"<link name={quoteattr(name)}>{inertial}</link>"
+    return f"<link name={_quoted(name)}>{inertial}</link>"
 
 
 def _joint(name: str, kind: str, parent: str, child: str, xyz: Sequence[float], rpy: Sequence[float]) -> str:
-    ends = f"<parent link={quoteattr(parent)}/><child link={quoteattr(child)}/>"
+    ends = f"<parent link={_quoted(parent)}/><child link={_quoted(child)}/>"
     axis = '<axis xyz="0 0 1"/>' if kind != "fixed" else ""
-    return f"<joint name={quoteattr(name)} type={quoteattr(kind)}>{ends}{_origin(xyz, rpy)}{axis}</joint>"
+    return f"<joint name={_quoted(name)} type={_quoted(kind)}>{ends}{_origin(xyz, rpy)}{axis}</joint>"
 
 
 def _origin(xyz: Sequence[float], rpy: Sequence[float]) -> str:

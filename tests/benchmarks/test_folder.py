@@ -15,7 +15,7 @@ import pytest
 SCRIPT = Path(__file__).parent / "folder.py"
 MEMORY = 1000.0
 """Megabytes of the whole process."""
-GROWTH = 1.15
+GROWTH = 1.1
 """Of the peak, for twice the files, whose samples alone have 115 MB."""
 
 

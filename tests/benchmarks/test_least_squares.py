@@ -25,8 +25,8 @@ from exoid.signals import FiniteDifference
 from exoid.torques import TorqueModel
 
 SAMPLES, RATE, ROUNDS = 200_000, 500.0, 4
-RATIO, WHOLE = 8.0, 0.45
-"""Alarms, at 0.6 of the smallest ratios that were measured on a busy machine (13.8 and 0.77)."""
+RATIO, WHOLE = 9.0, 0.7
+"""Below these something has become slower."""
 BYTES = 40.0
 """Growth of memory with each sample beyond the data."""
 

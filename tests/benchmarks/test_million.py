@@ -15,8 +15,8 @@ import pytest
 SCRIPT = Path(__file__).parent / "million.py"
 MEMORY = 300.0
 """Megabytes beside the data."""
-RATIO = 0.9
-"""Alarm for the processor time to identify over that of the loop alone; 0.38 to 0.53 was measured, 0.5 is the aim."""
+RATIO = 0.8
+"""Processor time to identify over that of the loop alone, in one run; 0.49 to 0.53 was measured, 0.5 is the aim."""
 
 
 def measured(samples: int) -> dict[str, float]:

@@ -87,10 +87,10 @@ def speeds():
     return best
 
 
-def test_a_single_rig_takes_at_least_an_eighth_of_the_steps_of_a_bare_loop(speeds):
+def test_a_single_rig_takes_at_least_15_percent_of_the_steps_of_a_bare_loop(speeds):
     ratio, by_arrays = (speeds[name] / speeds["BareLoop"] for name in ("Single", "SingleArrays"))
     print(f"\nsingle rig / bare loop over pin.aba: {ratio:.3f}, through arrays {by_arrays:.3f}")
-    assert ratio > 0.125
+    assert ratio > 0.15
 
 
 def test_256_rigs_at_once_take_many_times_the_steps_of_a_single_one(speeds):

@@ -18,7 +18,7 @@ from exoid.catalog import URDFS, urdf_folder
 from exoid.rig import PlanarStepper, Plant
 
 RIGS, STEPS, ROUNDS, DT = 256, 400, 5, 5e-4
-RATIO = 4.2
+RATIO = 5.0
 """Below this something has become slower."""
 
 LEG = exoid.load_leg("bleex")
