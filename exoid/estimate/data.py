@@ -320,7 +320,15 @@ class EstimateData(ParameterTable):
 
         Returns:
             Variance [N²·m²], (N, n).
+
+        Raises:
+            ExoidError: The base of the leg floats: forces on it were not measured as torques are.
         """
+        if self.model.leg.base_rows:
+            raise ExoidError(
+                "the rows of a floating base have no measured torque",
+                remedy="use exoid.joint_torques and exoid.ground_forces, which have bands",
+            )
         lost = (self.dof + len(self.values)) / self.dof  # residuals are smaller than noise, as they were fitted
         noise, of_parameters = lost * self.residual_rms**2, parameter_variance(self.covariance, rows)
         if self.model_error is None:

@@ -53,9 +53,9 @@ def torque_std(
         motion: Motion of N samples.
 
     Returns:
-        Standard deviations [N·m], (N, n).
+        Standard deviations of each row [N, N·m], (N, n).
     """
-    std = np.empty(motion.q.shape)
+    std = np.empty((len(motion.q), len(model.row_names)))
     for start in range(0, len(motion.q), BLOCK):
         rows = slice(start, start + BLOCK)
         std[rows] = np.sqrt(variance(model.columns(motion.rows(rows)).transpose(2, 1, 0)))

@@ -39,6 +39,9 @@ MEDIAN = 0.6745
 DISAGREEMENT = 0.15
 """Feet that rest flat agree on a bias; where rests differ by more than this [m/s², standard deviation], they do not."""
 
+FEW = 3
+"""From so many rests on, standard deviations follow from their differences, where these are larger."""
+
 SURE = 3.0
 """A misalignment is kept apart from a bias where it is larger than so many of its standard deviations."""
 
@@ -89,12 +92,12 @@ def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.
     if base is None or base.pose is not None:
         return None
     parts = [_compare(leg, recording, base, link, flags) for link, flags in resting.items() if flags.any()]
-    rows = [np.concatenate(arrays) for arrays in zip(*parts, strict=True)] if parts else []
-    if not rows or len(rows[0]) < LEAST * recording.sample_rate:
+    rests = [rest for part in parts for rest in _single(part)]
+    if sum(len(rest.omega) for rest in rests) < LEAST * recording.sample_rate:
         return None
-    omega, force, of_gyro, of_force, rest = rows
-    means = np.array([of_force[rest == k].mean(axis=0) for k in np.unique(rest)])
-    if len(means) > 1 and np.sqrt(np.mean(np.var(means, axis=0).sum())) > DISAGREEMENT:
+    omega, force, of_gyro, of_force, _ = (np.concatenate(arrays) for arrays in zip(*rests, strict=True))
+    means = np.array([np.concatenate([rest.of_gyro.mean(axis=0), rest.of_force.mean(axis=0)]) for rest in rests])
+    if len(means) > 1 and np.sqrt(np.var(means[:, 3:], axis=0).sum()) > DISAGREEMENT:
         return None
     scattered = _within_scatter(of_gyro), _within_scatter(of_force)
     if all(scattered):
@@ -103,7 +106,11 @@ def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.
         x - x.mean(axis=0) if small else x for x, small in zip((of_gyro, of_force), scattered, strict=True)
     )
     white = np.median(np.abs(np.diff(base.specific_force, 4, axis=0))) / MEDIAN / np.sqrt(FOURTH)
-    return _fit(omega, force, of_gyro, of_force, rotates=bool(of_force.std(axis=0).max() < CLEAN * white))
+    found = _fit(omega, force, of_gyro, of_force, rotates=bool(of_force.std(axis=0).max() < CLEAN * white))
+    if len(means) < FEW:
+        return found
+    apart = means.std(axis=0, ddof=1) / np.sqrt(len(means))  # rests differ by more than white noise
+    return found._replace(std=np.append(np.maximum(found.std[:6], apart), found.std[6:]))
 
 
 def _within_scatter(differences: FloatArray) -> bool:
@@ -112,13 +119,20 @@ def _within_scatter(differences: FloatArray) -> bool:
 
 
 class _Flat(NamedTuple):
-    """Samples at which a foot is flat: true ω and f, what readings differ by, and the number of the rest."""
+    """Samples at which a foot is flat: true ω and f, what readings differ by, and their places in the recording."""
 
     omega: FloatArray
     force: FloatArray
     of_gyro: FloatArray
     of_force: FloatArray
-    rest: FloatArray
+    places: NDArray[np.intp]
+
+
+def _single(flat: _Flat) -> list[_Flat]:
+    """Cut the samples of one foot into single rests."""
+    cuts = np.flatnonzero(np.diff(flat.places) > 1) + 1
+    each = zip(*(np.split(array, cuts) for array in flat), strict=True)
+    return [_Flat(*arrays) for arrays in each if len(arrays[0])]
 
 
 def _compare(leg: Leg, recording: Recording, base: BaseMotion, link: str, flags: NDArray[np.bool_]) -> _Flat:
@@ -131,10 +145,8 @@ def _compare(leg: Leg, recording: Recording, base: BaseMotion, link: str, flags:
     middle = np.array([_densest(of_axis, TURNING) for of_axis in turning[flags].T])
     flat = flags & (np.linalg.norm(turning - middle, axis=1) < TURNING)
     flat = scipy.ndimage.binary_erosion(flat, iterations=max(1, round(ENDS * rate)))
-    number = np.cumsum(np.diff(flat.astype(np.intp), prepend=0) > 0).astype(np.float64)
-    number += 1e6 * list(recording.contacts).index(link) if link in recording.contacts else 0.0
     aside = base.angular_velocity - omega, base.specific_force - force
-    return _Flat(omega[flat], force[flat], aside[0][flat], aside[1][flat], number[flat])
+    return _Flat(omega[flat], force[flat], aside[0][flat], aside[1][flat], np.flatnonzero(flat))
 
 
 def _densest(values: FloatArray, width: float) -> float:

@@ -22,7 +22,7 @@ from .estimators import Estimator, find_estimator, fit_by, name_of
 from .fitting import Fitted, Start, Task
 from .group_rows import Group, Measured
 from .groups import make_groups, own_parameters, refuse_nonlinear_terms
-from .on_ground import FittedOnGround, on_ground, without_outliers
+from .on_ground import FittedOnGround, channel_findings, on_ground, without_outliers
 from .problem import Problem
 from .recording_summary import (
     RecordingSummary,
@@ -166,6 +166,7 @@ def identify(
     task, summaries, before = _gather(inputs, chosen, own, preparation, cutoff)
     if are_on_ground(task.groups[0].leg, summaries.values()):
         by_noise = preparation is None and cutoff is None
+        before = before.beside_others([channel_findings(task)]) if check else before
         return _on_ground(task, summaries, before, delay, by_noise=by_noise, white=noise == "white")
     fitted = fit_model(task)
     if delay is not None:

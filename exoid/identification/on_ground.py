@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.checks import signal_findings
 from exoid.errors import ExoidError
 from exoid.findings import Finding
 from exoid.ground import EDGE, SHORTEST, ImuErrors, Left, SupportModel, reference_axes, split
@@ -30,6 +31,9 @@ MOST_WRONG = 0.3
 
 LEAST = 0.003
 """Residuals within so large a part of the torque of their row are errors of filters, not of contacts."""
+
+LARGEST_BIAS = 0.5
+"""Accelerometers are off by less [m/s²]: more is a tilt by 3° of their mounting, or of the sole."""
 
 MUCH_LEFT_OUT = 0.2
 """More than this part of the samples left out is worth a warning."""
@@ -68,6 +72,20 @@ class FittedOnGround(NamedTuple):
     findings: tuple[Finding, ...]
 
 
+def channel_findings(task: Task) -> tuple[Finding, ...]:
+    """Check the channels and times of the logs, which needs no fit.
+
+    Args:
+        task: Torque model and recordings of one leg.
+
+    Returns:
+        Findings of the recordings.
+    """
+    (group,), (model,) = _alone(task)
+    assert not isinstance(group.data, Cluster)
+    return signal_findings(model, group.data)
+
+
 def on_ground(task: Task, *, by_noise: bool) -> OnGround:
     """Split the recordings of a task by the links that rest on the ground with an unknown wrench.
 
@@ -90,7 +108,11 @@ def on_ground(task: Task, *, by_noise: bool) -> OnGround:
         if isinstance(one, Poses):
             raise ExoidError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
         parts = split(model.leg, for_leg(model, one))
-        findings += [*_left_out(parts.left, one), *_imu_finding(parts.imu, one), *_base_from_feet(model, one)]
+        findings += [
+            *_left_out(parts.left, one),
+            *_imu_finding(parts.imu, one, model.leg.parameter_names),
+            *_base_from_feet(model, one),
+        ]
         for part in parts.stretches:
             found.setdefault(part.links, []).append(part.recording)
     return OnGround(_task_of(task, group, model, found, by_noise=by_noise), model, tuple(findings))
@@ -195,7 +217,7 @@ def _left_out(left: Left, recording: Recording) -> list[Finding]:
     return [one for one in (slip, moving, gaps, edge, lost) if one.value > 0.0]
 
 
-def _imu_finding(errors: ImuErrors | None, recording: Recording) -> list[Finding]:
+def _imu_finding(errors: ImuErrors | None, recording: Recording, names: tuple[str, ...]) -> list[Finding]:
     """Say what was taken out of the readings of an inertial measurement unit."""
     if errors is None:
         return []
@@ -204,17 +226,20 @@ def _imu_finding(errors: ImuErrors | None, recording: Recording) -> list[Finding
     )
     turned = f", rotation ({turn}) rad" if errors.rotation.any() else ""
     size, std = float(np.linalg.norm(errors.force_bias)), float(np.linalg.norm(errors.std[3:6]))
+    large = size > LARGEST_BIAS
+    remedy = "check its mounting and unit, the zeros of the joints, and that the sole is level at zero angles"
     return [
         Finding(
             "imu-bias",
             "",
             size,
             "m/s²",
-            "info",
+            "warning" if large else "info",
             f"while a foot rested, the base's sensor was off by ({force}) m/s² and ({gyro}) rad/s{turned}, which was "
-            "taken out",
-            "calibrate the sensor",
+            "taken out" + ("; no sensor is off by so much" if large else ""),
+            remedy if large else "calibrate the sensor",
             interval=(size - 2.0 * std, size + 2.0 * std),
+            parameters=names if large else (),
             recording=recording.source.name if recording.source else "",
         )
     ]
@@ -259,7 +284,7 @@ def without_outliers(task: Task, fitted: Fitted) -> tuple[Task, tuple[Finding, .
     if not lost:
         return task, ()
     too_many = bool(lost > MOST_WRONG * total)
-    for group, of_group in zip(task.groups, wrong, strict=True):
+    for group, model, of_group in zip(task.groups, task.models, wrong, strict=True):
         kept = []
         for (one, mask), bad in zip(_masked(group), of_group, strict=True):
             if bad.any():
@@ -269,7 +294,7 @@ def without_outliers(task: Task, fitted: Fitted) -> tuple[Task, tuple[Finding, .
             if too_many or np.count_nonzero(rest) > SHORTEST * one.sample_rate:
                 kept.append(one if too_many else replace(one, mask=rest))
         if kept:
-            groups.append((group._replace(data=tuple(kept)), task.models[task.groups.index(group)]))
+            groups.append((group._replace(data=tuple(kept)), model))
     new_groups, models = zip(*groups, strict=True)
     return task._replace(groups=new_groups, models=models), tuple(findings)
 

@@ -138,6 +138,36 @@ def test_bias_of_an_imu_is_found_while_a_foot_rests(exo, stance):
     assert first.value == pytest.approx(np.hypot(0.1, 0.15), abs=0.005)
 
 
+def test_a_bias_that_no_sensor_has_is_a_warning(exo, stance):
+    """Such as a sole that is not level at zero angles, or a sensor that is mounted askew."""
+    logs = [with_imu(log, k, force_bias=(0.9, 0.0, 0.0)) for k, log in enumerate(stance)]
+    found = exoid.identify(exo, logs, terms=TERMS)
+    (first, *_) = [finding for finding in found.findings if finding.kind == "imu-bias"]
+    assert first.severity == "warning"
+    assert "level at zero angles" in first.remedy
+    assert {"M", "X1_left"} <= found.doubtful
+
+
+def test_identify_says_what_is_wrong_with_channels(exo, stance):
+    log = stance[0].recording
+    tau = np.array(log.tau)
+    tau[2000:3500, 1] = tau[2000, 1]
+    logs = [replace(log, tau=tau), *(each.recording for each in stance[1:])]
+    kinds = {finding.kind for finding in exoid.identify(exo, logs, terms=TERMS).findings}
+    assert "stuck-channel" in kinds
+    silent = exoid.identify(exo, logs, terms=TERMS, check=False)
+    assert "stuck-channel" not in {finding.kind for finding in silent.findings}
+
+
+def test_bands_of_the_torque_are_refused_by_name(exo, estimate, stance):
+    q, v, a = (part[:5] for part in stance[0].exact)
+    base = stance[0].base.rows(slice(5))
+    assert estimate.torque(q, v, a, base).shape == (5, 9)
+    assert estimate.torque_std(q, v, a, base).shape == (5, 9)
+    with pytest.raises(ExoidError, match="ground_forces"):
+        estimate.torque_std(q, v, a, base, measured=True)
+
+
 def test_swing_alone_cannot_tell_the_mass(exo):
     log = standing(exo, "left", seconds=12.0, noise=NOISE)
     held = replace(log.recording, contacts={})
