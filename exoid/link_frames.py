@@ -41,16 +41,16 @@ def link_frame(model: pin.Model, description: Description, link: str) -> LinkFra
     Raises:
         ExoidError: The URDF has no such link.
     """
-    names = [element.get("name", "") for element in description.parse().findall("link")]
-    if link not in names:
+    bodies = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
+    numbered = re.compile(rf"{re.escape(str(link))} \d+")  # a link with the name of a joint, see build_model
+    same = [frame for frame in bodies if frame.name == link] or [f for f in bodies if numbered.fullmatch(f.name)]
+    if not same:
+        names = [element.get("name", "") for element in description.parse().findall("link")]
         close = get_close_matches(str(link), names, n=1)
         hint = f"did you mean {close[0]!r}? " if close else ""
         raise ExoidError(
             f"no link {link!r} in the URDF", where=description.name, remedy=f"{hint}it has {', '.join(names)}"
         )
-    bodies = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
-    numbered = re.compile(rf"{re.escape(link)} \d+")  # a link with the name of a joint, see build_model
-    same = [frame for frame in bodies if frame.name == link] or [f for f in bodies if numbered.fullmatch(f.name)]
     return LinkFrame(same[0].parentJoint - 1, same[0].placement.copy())
 
 

@@ -9,12 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid._typing import ArrayLike, FloatArray
-from exoid.payload import Payload
+from exoid._typing import FloatArray
 from exoid.signals import Wrench
 from exoid.torques import TorqueModel
 from exoid.torques.term import Motion, internal_states, random_base, random_motion
-from exoid.torso import MovingBase
 
 from .elimination import eliminate
 
@@ -73,34 +71,17 @@ class SupportModel(TorqueModel):
         motion = Motion(q, v, a, random_base(10), internal_states(self.blocks, q, v))
         return np.asarray(self.columns(motion)[: len(self.names)].any(axis=2).T)
 
-    def motion(
-        self,
-        q: ArrayLike,
-        v: ArrayLike,
-        a: ArrayLike,
-        torso: MovingBase | None = None,
-        payloads: Sequence[Payload] = (),
-        computed: NDArray[np.bool_] | None = None,
-        temperature: ArrayLike | None = None,
-    ) -> Motion:
-        """Gather what the columns of a whole recording depend on; torques of payloads are those of the rows.
+    def row_payload(self, payload: FloatArray, q: FloatArray) -> FloatArray:
+        """Torque of payloads in the rows without the unknown wrenches.
 
         Args:
+            payload: Torque of the leg's rows [N, N·m], (N, b + n).
             q: Joint angles [rad], (N, n).
-            v: Joint velocities [rad/s], (N, n).
-            a: Joint accelerations [rad/s²], (N, n).
-            torso: Motion of the base; None if it is upright and still.
-            payloads: Payloads on the leg.
-            computed: Joints whose torque follows from the reading of their drive, (n,); None for none.
-            temperature: Temperatures [°C], (N, n), for terms that depend on them.
 
         Returns:
-            The motion.
+            Torque of each row, (N, R).
         """
-        motion = super().motion(q, v, a, torso, payloads, computed, temperature)
-        if motion.payload is None:
-            return motion
-        return motion._replace(payload=np.ascontiguousarray(self._reduced(motion.payload.T[np.newaxis], motion.q)[0].T))
+        return np.ascontiguousarray(self._reduced(payload.T[np.newaxis], q)[0].T)
 
     def columns(self, motion: Motion) -> FloatArray:
         """Form the columns of all parameters for a motion, or for some rows of one.

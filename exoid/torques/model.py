@@ -309,7 +309,19 @@ class TorqueModel:
         motion = Motion(q, v, a, torso, internal_states(self._stateful, q, v), computed=computed, temperature=heat)
         if not payloads:
             return motion
-        return motion._replace(payload=payload_torque(self.leg, payloads, motion))
+        return motion._replace(payload=self.row_payload(payload_torque(self.leg, payloads, motion), motion.q))
+
+    def row_payload(self, payload: FloatArray, q: FloatArray) -> FloatArray:
+        """Torque of payloads in the rows of the equation.
+
+        Args:
+            payload: Torque of the leg's rows [N, N·m], (N, b + n).
+            q: Joint angles [rad], (N, n).
+
+        Returns:
+            Torque of each row: as it is.
+        """
+        return payload
 
     def columns(self, motion: Motion) -> FloatArray:
         """Form the columns of all parameters for a motion, or for some rows of one.
