@@ -108,7 +108,7 @@ def _contacts(leg: Leg, replay: Replay) -> dict[str, BoolArray]:
 
 
 def _level_points(geometry: LegGeometry, link: str) -> FloatArray:
-    """Drawn points of a link that rests flat, from its origin in level axes [m], (K, 3); the origin if there is none."""
+    """Drawn points of a link that rests flat, from its origin in level axes [m], (K, 3); one at the origin if none."""
     leg = geometry.leg
     body, placement = link_frame(leg.model, leg.description, link)
     corners = [visual.bounding_points for visual in geometry.visuals[body + 1]]
