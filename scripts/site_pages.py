@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.plugins import event_priority
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
@@ -37,10 +38,12 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     return config
 
 
+@event_priority(100)  # before mkdocs-jupyter turns notebooks into pages
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pages that no file in docs/ holds."""
     for path in (*(ROOT / name for name in PROJECT), *sorted((ROOT / "notebooks").glob("*.ipynb"))):
-        files.append(File.generated(config, path.relative_to(ROOT).as_posix(), abs_src_path=str(path)))
+        name = path.relative_to(ROOT).as_posix()
+        files.append(File(name, str(ROOT), config.site_dir, config.use_directory_urls))
     packages = public_packages()
     pages = reference_pages(packages)
     pages |= {"index": reference_index(packages), "command-line": command_line()}
@@ -66,6 +69,12 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         return f"[{text}]({here}{inside}{mark}{place})"
 
     return LINK.sub(to_page, markdown)
+
+
+def on_post_page(output: str, page: Page, config: MkDocsConfig) -> str:
+    """Let the search run without a network: by our script in place of one that the theme loads from elsewhere."""
+    root = "../" * page.file.src_uri.count("/")
+    return output.replace("https://unpkg.com/iframe-worker/shim", f"{root}javascripts/local-worker.js")
 
 
 def public_packages() -> dict[str, ModuleType]:
