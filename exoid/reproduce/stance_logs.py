@@ -52,7 +52,7 @@ class StanceExtent:
     stance: float = 15.0
     swing: float = 15.0
     unseen: float = 8.0
-    walking: float = 40.0
+    walking: float = 80.0
 
     def __post_init__(self) -> None:
         """Check the durations."""
