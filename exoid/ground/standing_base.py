@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy  # its parts load when they are first used
 
+from exoid._typing import FloatArray
 from exoid.leg import Leg
 from exoid.signals import BaseMotion, Recording
 
@@ -34,3 +37,34 @@ def standing_base(leg: Leg, recording: Recording, link: str) -> BaseMotion:
     quaternion = scipy.spatial.transform.Rotation.from_matrix(turn).as_quat()
     cutoff = min(0.2 * recording.sample_rate, CUTOFF)
     return BaseMotion.from_pose(place, quaternion, recording.time, cutoff=cutoff)
+
+
+class StandingReading(NamedTuple):
+    """What a unit on the base would measure without errors while a link rests flat on level ground.
+
+    Attributes:
+        angular_velocity: ω [rad/s], (N, 3).
+        specific_force: f at the place of the unit [m/s²], (N, 3).
+    """
+
+    angular_velocity: FloatArray
+    specific_force: FloatArray
+
+
+def standing_reading(leg: Leg, recording: Recording, link: str, position: FloatArray) -> StandingReading:
+    """Derive what an inertial measurement unit measures while a link rests flat on level ground.
+
+    Args:
+        leg: The leg.
+        recording: The recording, with even time stamps.
+        link: Link that rests.
+        position: Place of the unit in the axes of the root link [m], (3,).
+
+    Returns:
+        f(r) = f(0) + ω̇ × r + ω × (ω × r) and ω at all samples.
+    """
+    true = standing_base(leg, recording, link)
+    omega = true.angular_velocity
+    alpha = np.gradient(omega, recording.time, axis=0)
+    force = true.specific_force + np.cross(alpha, position) + np.cross(omega, np.cross(omega, position))
+    return StandingReading(omega, force)

@@ -17,6 +17,7 @@ from exoid.ground import EDGE, SHORTEST, ImuErrors, Left, SupportModel, referenc
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.rows import for_leg
 from exoid.signals import Cluster, Poses, Recording, ZeroPhase, choose_cutoff
+from exoid.signals.noise_size import robust_std
 from exoid.torques import TorqueModel
 
 from .fitting import Fitted, Task
@@ -337,12 +338,8 @@ def _residuals(problem: Problem, group: int, values: FloatArray) -> list[tuple[F
 def _scale(residuals: Sequence[tuple[FloatArray, FloatArray]], torques: FloatArray) -> FloatArray:
     """Standard deviation of each row by the median of the sizes, but at least a small part of its torque, (R,)."""
     each = np.vstack([residual for _, residual in residuals])
-    middle = [float(np.median(np.abs(row[row != 0.0]))) / MEDIAN if row.any() else np.inf for row in each.T]
+    middle = [float(robust_std(row[row != 0.0])) if row.any() else np.inf for row in each.T]
     return np.maximum(middle, LEAST * torques)
-
-
-MEDIAN = 0.6745
-"""Median size of what is normal with a standard deviation of one."""
 
 
 def _near(time: FloatArray, moments: FloatArray) -> NDArray[np.bool_]:
