@@ -15,6 +15,7 @@ from exoid.leg import Leg
 from exoid.signals import BaseMotion, Recording
 from exoid.signals.noise_size import robust_std
 
+from .imu import ENDS
 from .placements import level_rotation, link_placements
 from .standing_base import standing_reading
 
@@ -101,7 +102,9 @@ def sliding(leg: Leg, recording: Recording, base: BaseMotion, resting: Mapping[s
     """
     slides, visible = np.zeros(len(recording), dtype=np.bool_), 0.0
     for link, flags in resting.items():
-        runs = [run for run in _runs(flags) if run.stop - run.start > BASELINE * recording.sample_rate]
+        away = max(1, round(ENDS * recording.sample_rate))
+        inner = scipy.ndimage.binary_erosion(flags, iterations=away)
+        runs = [run for run in _runs(inner) if run.stop - run.start > BASELINE * recording.sample_rate]
         if not runs:
             continue
         aside = _foot_acceleration(leg, recording, base, link)
@@ -132,9 +135,10 @@ def _velocity(acceleration: FloatArray, rate: float) -> FloatArray:
     """Integrate an acceleration, without what changes slowly, (N, 2)."""
     speed = low_passed(np.cumsum(acceleration, axis=0) / rate, rate)
     stride = max(1, int(rate / (5.0 * LOOK)))  # the low-pass leaves no more than that
-    window = 2 * round(0.5 * BASELINE * rate / stride) + 1
-    slow = scipy.ndimage.median_filter(speed[::stride], (window, 1), mode="nearest")
-    slow = scipy.ndimage.uniform_filter1d(slow, 1 + window // 4, axis=0)
+    half = round(0.5 * BASELINE * rate / stride)
+    longer = np.pad(speed[::stride], ((half, half), (0, 0)), "reflect", reflect_type="odd")  # a drift has no ends
+    slow = scipy.ndimage.median_filter(longer, (2 * half + 1, 1))
+    slow = scipy.ndimage.uniform_filter1d(slow, 1 + half // 2, axis=0)[half:-half]
     time = np.arange(len(speed))
     return np.asarray(speed - np.column_stack([np.interp(time, time[::stride], of_axis) for of_axis in slow.T]))
 

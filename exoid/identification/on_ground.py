@@ -13,7 +13,7 @@ from exoid._typing import FloatArray
 from exoid.checks import signal_findings
 from exoid.errors import ExoidError
 from exoid.findings import Finding
-from exoid.ground import EDGE, SHORTEST, ImuErrors, Left, SupportModel, reference_axes, split
+from exoid.ground import EDGE, SHORTEST, ImuErrors, Split, SupportModel, reference_axes, split
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.rows import for_leg
 from exoid.signals import Cluster, Poses, Recording, ZeroPhase, choose_cutoff
@@ -110,7 +110,7 @@ def on_ground(task: Task, *, by_noise: bool) -> OnGround:
             raise ExoidError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
         parts = split(model.leg, for_leg(model, one))
         findings += [
-            *_left_out(parts.left, one),
+            *_left_out(parts, one),
             *_imu_finding(parts.imu, one, model.leg.parameter_names),
             *_base_from_feet(model, one),
         ]
@@ -161,8 +161,10 @@ MANY = 2000
 """Samples that the reference of closed chains is chosen for."""
 
 
-def _left_out(left: Left, recording: Recording) -> list[Finding]:
+def _left_out(parts: Split, recording: Recording) -> list[Finding]:
     """Say how many samples were left out, and why."""
+    left = parts.left
+    unseen = f", and slips of all feet alike below {1e3 * parts.visible:.0f} mm/s are not seen" if parts.visible else ""
     name = recording.source.name if recording.source else ""
     slip = Finding(
         "slipping-contact",
@@ -181,7 +183,7 @@ def _left_out(left: Left, recording: Recording) -> list[Finding]:
         "1",
         "info",
         f"{left.moving:.1%} of the samples say that a link rests which rolls or slips; they count, as the motion of "
-        "the base was measured",
+        f"the base was measured{unseen}",
         "nothing to do; without that measurement they would be left out",
         recording=name,
     )
