@@ -23,6 +23,7 @@ from exoid.torques import TorqueModel
 from .fitting import Fitted, Task
 from .group_rows import Group
 from .problem import Problem
+from .sole_compliance import SoleCompliance
 
 FAR = 6.0
 """Residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong."""
@@ -65,12 +66,14 @@ class FittedOnGround(NamedTuple):
         fitted: The fit to it.
         model: Torque model of the leg with all its rows.
         findings: What was left out of the recordings.
+        soles: Compliance of the soles that carry a base whose motion was not measured; None where it was.
     """
 
     task: Task
     fitted: Fitted
     model: TorqueModel
     findings: tuple[Finding, ...]
+    soles: SoleCompliance | None
 
 
 def channel_findings(task: Task) -> tuple[Finding, ...]:
