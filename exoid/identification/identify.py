@@ -281,6 +281,9 @@ def _on_ground(
 def fit_on_ground(task: Task, *, by_noise: bool) -> FittedOnGround:
     """Fit a model to recordings with contacts: once by rows that no outlier moves, and once without the outliers.
 
+    Where feet carry a base that was not measured, the compliance of their soles is found, too. What it explains hides
+    no outliers then, which are looked for once more.
+
     Args:
         task: Torque model, data and estimator.
         by_noise: Whether to choose cut-off frequencies by the noise of the angles.
@@ -302,7 +305,8 @@ def fit_on_ground(task: Task, *, by_noise: bool) -> FittedOnGround:
     soles = sole_compliance(kept, fitted)
     if soles is not None:
         kept = tilted(kept, dict(zip(soles.links, soles.values.tolist(), strict=True)))
-        fitted, outliers = fit_model(kept), (*outliers, *soles.findings())
+        kept, smaller = without_outliers(kept, fit_model(kept._replace(estimator=find_estimator("huber"))))
+        fitted, outliers = fit_model(kept), (*outliers, *smaller, *soles.findings())
     return FittedOnGround(kept, fitted, standing.model, (*standing.findings, *outliers), soles)
 
 

@@ -263,8 +263,9 @@ def _base_from_feet(model: TorqueModel, recording: Recording) -> list[Finding]:
             1.0,
             "1",
             "warning",
-            "the motion of the base was not measured, and follows from feet that rest: soft soles that tilt by half a "
-            "milliradian move inertias of torso and rotors by several %",
+            "the motion of the base was not measured, and follows from feet that rest: they are taken for flat but for "
+            "soles that tilt in proportion to the torque of their joint, and other tilts move inertias of torso and "
+            "rotors",
             "record an IMU on the torso (base=exoid.BaseMotion.from_imu(...))",
             parameters=tuple(sensitive),
             recording=recording.source.name if recording.source else "",
