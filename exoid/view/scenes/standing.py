@@ -63,7 +63,7 @@ class Standing:
                 remedy='record the pose, exoid.BaseMotion.from_pose(...), or give wrenches with axes="link"',
             )
         contacts = _contacts(leg, replay)
-        soles = {link: _sole(geometry, link) for link in contacts}
+        soles = {link: sole_height(geometry, link) for link in contacts}
         if pose is not None:
             turns = scipy.spatial.transform.Rotation.from_quat(pose.quaternion)
             rotation = scipy.spatial.transform.Slerp(recording.time, turns)(replay.time).as_matrix()
@@ -103,8 +103,16 @@ def _contacts(leg: Leg, replay: Replay) -> dict[str, BoolArray]:
     return {link: np.asarray(rests)[nearest] for link, rests in flags.items() if link != root}
 
 
-def _sole(geometry: LegGeometry, link: str) -> float:
-    """Height of the lowest drawn point of a link that rests flat, above its origin [m]."""
+def sole_height(geometry: LegGeometry, link: str) -> float:
+    """Find the height of the lowest drawn point of a link that rests flat, above its origin.
+
+    Args:
+        geometry: Drawn bodies of the leg.
+        link: The link.
+
+    Returns:
+        Height [m], below zero for a sole beneath the origin.
+    """
     leg = geometry.leg
     body, placement = link_frame(leg.model, leg.description, link)
     corners = [visual.bounding_points for visual in geometry.visuals[body + 1]]
