@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from exoid._typing import FloatArray
 
-from .colours import GUIDE, IDENTIFIED, RESIDUAL
+from .colours import IDENTIFIED, RESIDUAL
 from .style import legend_above
 
 BREAK = 0.05
@@ -41,7 +41,6 @@ def plot_ground_force(
         ax.plot(at, np.insert(measured, broken, np.nan), color=RESIDUAL, lw=0.5, label="force plate")
     ax.fill_between(at, middle - half, middle + half, color=IDENTIFIED, alpha=0.35, lw=0, label="95 % band", zorder=2)
     ax.plot(at, middle, color=IDENTIFIED, lw=1.0, label="from joint torques")
-    ax.axhline(0.0, color=GUIDE, lw=0.6, zorder=0)
     ax.set(xlabel="time [s]", ylabel=label)
     legend_above(ax, columns=3)
     return ax
