@@ -1,6 +1,6 @@
-"""What does stance tell of BLEEX with and without an IMU, on soft soles and on ice? Figures of docs/ground.md.
+"""What does stance tell of BLEEX with and without an IMU, on soft soles and on ice? See docs/ground.md.
 
-    python scripts/study_no_imu.py               # 12 seeds, about five minutes on one core
+    python scripts/study_no_imu.py               # 12 seeds, some ten minutes on one core
 
 Each seed has squats, single support on each leg and a swing, and squats on ice (friction 0.022) with the same noise.
 Swing keeps its IMU. Coverage is that of 95 % intervals of all parameters; moves are from dry ground to ice.
