@@ -17,6 +17,7 @@ from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import BaseMotion, Recording, Wrench, base_during
 from exoid.signals.link_wrenches import wrenches_on_links
+from exoid.signals.noise_size import white_noise
 
 from .data import EstimateData
 from .torque_band import parameter_variance
@@ -29,12 +30,6 @@ UNSEEN = 1e-6
 
 REPEATS = 3
 """Times that noise is added to a motion, to see what it does to forces."""
-
-MEDIAN = 0.6745
-"""Median size of what is normal with a standard deviation of one."""
-
-FOURTH = 70.0
-"""Variance of the fourth differences of white noise, 1² + 4² + 6² + 4² + 1²."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +168,7 @@ def _forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> li
 def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Generator) -> Iterator[Recording]:
     """Add the noise of the angles, of wrenches, and of the base where it was measured, once more."""
     recording = stretch.recording
-    size = _noise(recording.q)
+    size = white_noise(recording.q)
     for _ in range(REPEATS):
         shaken = replace(
             recording,
@@ -186,20 +181,14 @@ def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Gen
         elif base.pose is not None:
             yield replace(shaken, base=standing_base(leg, shaken, feet[0]))
         else:
-            columns = base.columns + _noise(base.columns) * rng.standard_normal(base.columns.shape)
+            columns = base.columns + white_noise(base.columns) * rng.standard_normal(base.columns.shape)
             yield replace(shaken, base=BaseMotion(columns[:, :3], columns[:, 3:], base.position))
 
 
 def _noisier_wrench(wrench: Wrench, rng: np.random.Generator) -> Wrench:
     """Add the noise of a measured wrench once more."""
-    force, moment = (x + _noise(x) * rng.standard_normal(x.shape) for x in (wrench.force, wrench.moment))
+    force, moment = (x + white_noise(x) * rng.standard_normal(x.shape) for x in (wrench.force, wrench.moment))
     return replace(wrench, force=force, moment=moment)
-
-
-def _noise(signals: FloatArray) -> FloatArray:
-    """Standard deviation of white noise in signals, by their fourth differences, (K,)."""
-    fourth = np.diff(signals, 4, axis=0)
-    return np.asarray(np.median(np.abs(fourth), axis=0) / MEDIAN / np.sqrt(FOURTH))
 
 
 def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> _Solution:

@@ -31,6 +31,9 @@ ON_ONE_FOOT = Stance(squat=0.03, shift=0.01, bow=0.05, swing=0.22)
 STANCE = ("squats", "left", "right")
 """Motions on the ground: squats on both feet, and each foot alone."""
 
+TWINS = {"slipping squats": "squats"}
+"""Logs with the noise of another one: the same motion on other ground, so that the ground alone makes a difference."""
+
 HELD = "torso"
 """Link that hand rail, harness and stand hold."""
 
@@ -94,7 +97,7 @@ class StanceRuns:
         Returns:
             The log.
         """
-        run, number = self.runs[motion], list(self.runs).index(motion)
+        run, number = self.runs[motion], list(self.runs).index(TWINS.get(motion, motion))
         logged = [link for link in run.wrenches if (held if link == HELD else plates)]
         recording = run.recording(SENSORS, np.random.default_rng([self.seed, number]), wrenches=logged)
         base = recording.base

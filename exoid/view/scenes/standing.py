@@ -65,7 +65,7 @@ class Standing:
                 remedy='record the pose, exoid.BaseMotion.from_pose(...), or give wrenches with axes="link"',
             )
         contacts = _contacts(leg, replay)
-        drawn = {link: _level_points(geometry, link) for link in contacts}
+        drawn = {link: level_points(geometry, link) for link in contacts}
         soles = {link: float(points[:, 2].min()) for link, points in drawn.items()}
         sides = {link: float(points[:, 1].min() + points[:, 1].max()) / 2.0 for link, points in drawn.items()}
         if pose is not None:
@@ -107,8 +107,16 @@ def _contacts(leg: Leg, replay: Replay) -> dict[str, BoolArray]:
     return {link: np.asarray(rests)[nearest] for link, rests in flags.items() if link != root}
 
 
-def _level_points(geometry: LegGeometry, link: str) -> FloatArray:
-    """Drawn points of a link that rests flat, from its origin in level axes [m], (K, 3); one at the origin if none."""
+def level_points(geometry: LegGeometry, link: str) -> FloatArray:
+    """Find the drawn points of a link that rests flat.
+
+    Args:
+        geometry: Drawn bodies of the leg.
+        link: The link.
+
+    Returns:
+        Points from the origin of the link in level axes [m], (K, 3); one at the origin if nothing is drawn.
+    """
     leg = geometry.leg
     body, placement = link_frame(leg.model, leg.description, link)
     corners = [visual.bounding_points for visual in geometry.visuals[body + 1]]
