@@ -400,7 +400,7 @@ def test_many_worn_rigs_at_once_do_what_each_does_alone():
 
 def test_a_worn_run_prints_what_the_wearer_felt():
     run = simulate(RUBBING, transparent(RUBBING), GAIT, 0.5, wearer=WALKING)
-    assert "rms of wearer [N·m]" in str(run)
+    assert "rms of wearer" in str(run)
     assert f"{run.rms_interaction[1]:.3g}" in str(run)
     assert run.to_json()["rms_interaction"] == run.rms_interaction.tolist()
 
