@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from exoid._typing import FloatArray
@@ -110,7 +108,7 @@ def feedforward(limb: Plant, q: FloatArray, v: FloatArray, a: FloatArray) -> Flo
     """
     if limb.leg.chain is None:
         leg = limb.leg.with_parameters(limb.parameters[:, 0])
-        model = replace(leg, model=leg.model.copy()).model
+        model = leg.model.copy()
         model.gravity.linear = leg.gravity_of_tilted_torso(float(limb.pitch[0]))
         return inverse_dynamics(model, q[..., 0], v[..., 0], a[..., 0])[..., None]
     count = len(q)
