@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from ._typing import FloatArray
-from .model import configuration
+from .model import configuration, joint_axis
 
 
 class SegmentPlacements(NamedTuple):
@@ -172,21 +172,38 @@ def gravity_torque(model: pin.Model, q: FloatArray) -> FloatArray:
 
 
 def segment_placements(model: pin.Model, q: FloatArray) -> SegmentPlacements:
-    """Compute the frames of all joints by forward kinematics.
+    """Compute the frames of all joints by forward kinematics, batched over samples.
+
+    With R and p of the parent, the constant placement (R₀, p₀) of joint j and its axis u, by Rodrigues' formula,
+
+        R_j = R R₀ [cos q (1 − u uᵀ) + sin q [u]× + u uᵀ],  p_j = p + R p₀        (revolute)
+        R_j = R R₀,                                         p_j = p + R (p₀ + R₀ u q)    (prismatic)
+
+    (Featherstone 2008, ch. 4). The interpreter works once for each joint, and not for each sample.
 
     Args:
-        model: The model.
+        model: Model of joints with one degree of freedom; others are at their neutral configuration.
         q: Joint angles [rad], (N, n).
 
     Returns:
         Rotations and translations.
     """
-    data = model.createData()
     n = model.njoints - 1
-    placements = SegmentPlacements(np.empty((len(q), n, 3, 3)), np.empty((len(q), n, 3)))
-    for i, row in enumerate(configuration(model, q)):
-        pin.forwardKinematics(model, data, row)
-        for j in range(n):
-            placements.rotation[i, j] = data.oMi[j + 1].rotation
-            placements.translation[i, j] = data.oMi[j + 1].translation
-    return placements
+    rotation, translation = np.empty((n, 3, 3, len(q))), np.empty((n, 3, len(q)))  # samples last: wide products
+    root = np.broadcast_to(np.eye(3)[..., None], (3, 3, len(q))), np.zeros((3, len(q)))
+    for j in range(n):
+        joint, at, parent = model.joints[j + 1], model.jointPlacements[j + 1], model.parents[j + 1] - 1
+        R, p = root if parent < 0 else (rotation[parent], translation[parent])
+        axis = joint_axis(joint)
+        slide, u = axis[:3], axis[3:]
+        along = np.outer(u, u)
+        np.matmul(at.rotation.T, R, out=rotation[j])
+        np.add(p, at.translation @ R, out=translation[j])
+        if slide.any():
+            translation[j] += (slide @ rotation[j]) * q[:, joint.idx_v]
+        elif u.any():
+            across, turned = (np.eye(3) - along) @ rotation[j], pin.skew(u).T @ rotation[j]
+            rotation[j] = along @ rotation[j] + np.cos(q[:, joint.idx_v]) * across + np.sin(q[:, joint.idx_v]) * turned
+    return SegmentPlacements(
+        np.ascontiguousarray(rotation.transpose(3, 0, 1, 2)), np.ascontiguousarray(translation.transpose(2, 0, 1))
+    )

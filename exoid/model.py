@@ -92,6 +92,22 @@ def configuration(model: pin.Model, q: FloatArray) -> FloatArray:
     return out
 
 
+def joint_axis(joint: pin.JointModel) -> FloatArray:
+    """Find the motion vector of a unit rate of a joint in its own frame.
+
+    Args:
+        joint: Pinocchio's joint.
+
+    Returns:
+        Linear before angular part, (6,); zero if it has several degrees of freedom.
+    """
+    if joint.nv != 1:
+        return np.zeros(6)
+    data = joint.createData()
+    joint.calc(data, np.eye(joint.nq)[0] if joint.nq > 1 else np.zeros(1))  # (cos, sin) of a continuous joint
+    return np.asarray(data.S, dtype=np.float64).reshape(6)
+
+
 def dynamic_parameters(model: pin.Model, *, root: bool = False) -> FloatArray:
     """Stack π = [m, mc, I] of the moving links in Pinocchio's order, with I about the joint frame.
 

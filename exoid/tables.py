@@ -5,9 +5,17 @@ from __future__ import annotations
 import html
 import io
 from collections.abc import Iterable, Sequence
+from contextvars import ContextVar
 from dataclasses import dataclass
 
 WIDTH = 110
+"""Longest line of a text, unless a terminal is narrower."""
+
+NARROWEST = 60
+"""Longest line of a text on any narrower terminal."""
+
+line_width: ContextVar[int] = ContextVar("line_width", default=WIDTH)
+"""Longest line of a text. The command sets it to the width of its terminal, between the two above."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +53,8 @@ def to_text(*parts: DataTable | str) -> str:
         *parts: Tables and lines, from top to bottom.
 
     Returns:
-        Lines of at most ``WIDTH`` characters, without blanks at their ends.
+        Lines of at most :data:`line_width` characters, without blanks at their ends. A wider table is cut into tables
+        of some of its columns, each with the first column.
     """
     from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - a leg and an estimate need Rich only when they are printed
     from rich.console import Console  # noqa: PLC0415
@@ -54,26 +63,54 @@ def to_text(*parts: DataTable | str) -> str:
     file = io.StringIO()
     console = Console(
         file=file,
-        width=WIDTH,
+        width=line_width.get(),
         color_system=None,
         force_jupyter=False,  # there Rich would display the parts instead of writing them to the file
         highlight=False,
         markup=False,
         emoji=False,
     )
+
+    unlimited = console.options.update(max_width=10 * WIDTH)
+
+    def drawn(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
+        table = Table(box=SIMPLE_HEAD, pad_edge=False)
+        for index, column in enumerate(zip(headers, *rows, strict=True)):
+            least = max(map(_unbroken, column), default=0)
+            table.add_column(
+                headers[index], justify="left" if index == 0 else "right", overflow="fold", min_width=least
+            )
+        for row in rows:
+            table.add_row(*row)
+        return table
+
     for part in parts:
         if isinstance(part, str):
             console.print(part)
             continue
         if part.caption:
             console.print(part.caption)
-        table = Table(box=SIMPLE_HEAD, pad_edge=False)
-        for index, header in enumerate(part.headers):
-            table.add_column(header, justify="left" if index == 0 else "right", overflow="fold")
-        for row in part.rows:
-            table.add_row(*row)
-        console.print(table)
+        first, last = 1, len(part.headers)
+        while first < last:  # columns that do not fit beside each other go into a table below
+            table = drawn(*_columns(part, first, last))
+            if last == first + 1 or console.measure(table, options=unlimited).minimum <= console.width:
+                console.print(table)
+                first, last = last, len(part.headers)
+            else:
+                last -= 1
+        if len(part.headers) == 1:
+            console.print(drawn(part.headers, part.rows))
     return "\n".join(line.rstrip() for line in file.getvalue().splitlines()).strip("\n")
+
+
+def _unbroken(cell: str) -> int:
+    """Length of what of a cell stays on one line: its longest word, or all of it if it is a number."""
+    return max(map(len, cell.split()), default=0) if any(map(str.isalpha, cell)) else len(cell)
+
+
+def _columns(table: DataTable, first: int, last: int) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
+    """Headers and rows of the first column and those from ``first`` to before ``last``."""
+    return (table.headers[0], *table.headers[first:last]), [(row[0], *row[first:last]) for row in table.rows]
 
 
 def to_html(*parts: DataTable | str) -> str:

@@ -2,6 +2,7 @@
 
     python scripts/study_stance.py                       # 16 seeds, about ten minutes on two cores
     python scripts/study_stance.py --seeds 2 --jobs 1
+    python scripts/study_stance.py --walk --jobs 1       # the walk alone, with the true friction and rotors: a minute
 
 Each seed is one `exoid reproduce stance`: other motions, noise and bias of the IMU. Errors are the 95 % quantile over
 the seeds of the largest one of a seed; coverage is that of 95 % intervals of all parameters.
@@ -11,12 +12,15 @@ from __future__ import annotations
 
 import argparse
 import warnings
+from functools import cache
 
 import numpy as np
 from joblib import Parallel, delayed
 
+from exoid import identify, load_leg
+from exoid.experiments.ground import bleex_machine, walking
 from exoid.reproduce import StanceExtent, StanceReplay, reproduce_stance
-from exoid.reproduce.stance import relative_error
+from exoid.reproduce.stance import SIDES, TERMS, WALKING, relative_error, swinging_leg, true_values
 from exoid.reproduce.stance_report import walk_error
 
 LIMITS = {
@@ -67,10 +71,33 @@ def _walk_error(replay: StanceReplay, side: str, symbol: str) -> float:
     return relative_error(tuple(values), differences, replay.truth, symbol)
 
 
-def one(seed: int, seconds: float) -> dict[str, float]:
-    """Run one seed with swing and stance of so many seconds."""
+def one(seed: int, seconds: float, walk: float) -> dict[str, float]:
+    """Run one seed with swing and stance of so many seconds, and such a walk."""
     warnings.simplefilter("ignore")
-    return figures(reproduce_stance(seed, extent=StanceExtent(stance=seconds, swing=seconds)))
+    return figures(reproduce_stance(seed, extent=StanceExtent(stance=seconds, swing=seconds, walking=walk)))
+
+
+@cache
+def _walk(seconds: float):  # noqa: ANN202 - a run, which is the same for all seeds
+    return walking(bleex_machine(), seconds)
+
+
+def one_walk(seed: int, seconds: float) -> dict[str, float]:
+    """Identify both legs from the swing of a walk with noise; friction and rotors are known."""
+    warnings.simplefilter("ignore")
+    run, largest = _walk(seconds), {"X": 0.0, "J": 0.0}
+    truth, log = true_values(run.plant), run.recording(seed=seed, wrenches=("torso",))
+    for side in SIDES:
+        leg = load_leg("bleex", side=side)
+        names = [(symbol, label) for symbol in ("c0", "d", "Ia") for label in leg.joint_labels]
+        known = {f"{symbol}_{label}": truth[f"{symbol}_{side}_{label}"] for symbol, label in names}
+        swing = swinging_leg(log, leg, side)
+        found = identify(leg, swing, TERMS, known=known, preparation=WALKING, check=False)
+        own = tuple(name for name in leg.parameter_names if name[0] in "XJ")
+        errors = np.array([found[name].value - truth[f"{name}_{side}"] for name in own])
+        sided = [f"{name}_{side}" for name in own]
+        largest = {key: max(value, relative_error(sided, errors, truth, key)) for key, value in largest.items()}
+    return {f"swing rows of a walk: {symbol} [%]": 100.0 * value for symbol, value in largest.items()}
 
 
 def main() -> None:
@@ -80,9 +107,15 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seconds", type=float, default=15.0, help="of each log of swing and stance")
+    parser.add_argument("--walking", type=float, default=80.0, help="seconds of the walk")
+    parser.add_argument("--walk", action="store_true", help="only the walk, with known friction and rotors")
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.seeds)
-    found = Parallel(n_jobs=options.jobs)(delayed(one)(seed, options.seconds) for seed in seeds)
+    if options.walk:
+        tasks = [delayed(one_walk)(seed, options.walking) for seed in seeds]
+    else:
+        tasks = [delayed(one)(seed, options.seconds, options.walking) for seed in seeds]
+    found = Parallel(n_jobs=options.jobs)(tasks)
     print(f"{options.seeds} seeds {'P95':>38} {'median':>8} {'mean':>8} {'least':>8} {'limit':>8}")
     for name in found[0]:
         values = np.array([each[name] for each in found])

@@ -1,5 +1,6 @@
 """Settings that every test shares."""
 
+import math
 import os
 import sys
 from typing import NamedTuple
@@ -12,7 +13,9 @@ from browser import chromium
 from hypothesis import settings
 
 import exoid
-from exoid.cli import main
+from exoid.cli import main, progress
+
+progress.PATIENCE = math.inf  # lines of progress depend on how busy the machine is; their test sets the time to zero
 
 settings.register_profile("exoid", deadline=None, derandomize=True, database=None, print_blob=False)
 settings.load_profile("exoid")

@@ -5,10 +5,13 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+
+import exoid
 
 ROOT = Path(__file__).resolve().parents[1]
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -99,6 +102,14 @@ def run(command: list[str], given: str, folder: Path) -> str:
         pytest.skip("the DFKI recording is neither in $EXOID_DATA_DIR nor to be downloaded: see tests/datasets")
     assert done.returncode == 0, done.stderr
     return done.stdout
+
+
+def own_leg(folder: Path) -> None:
+    """Write ``my_leg.urdf`` and ``log.csv`` to a folder: what a page on one's own leg assumes its reader to have."""
+    urdf = (exoid.catalog.urdf_folder() / "bleex.urdf").read_text(encoding="utf-8")
+    (folder / "my_leg.urdf").write_text(urdf.replace("left_hip", "hip").replace("left_knee", "knee"), encoding="utf-8")
+    log = exoid.datasets.bleex_swing().train.select(("left_hip", "left_knee"))
+    replace(log, joint_names=("hip", "knee")).to_csv(folder / "log.csv")
 
 
 def without_spaces(text: str) -> str:

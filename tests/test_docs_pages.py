@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from doc_pages import ROOT, Page, without_spaces
+from doc_pages import ROOT, Page, own_leg, without_spaces
 
 DOCS = ROOT / "docs"
 TESTED_ELSEWHERE = {
@@ -27,6 +27,7 @@ pytestmark = pytest.mark.skipif(not DOCS.is_dir(), reason="needs the source tree
 @pytest.mark.parametrize("name", [name for name in PAGES if name not in TESTED_ELSEWHERE])
 def test_the_page_runs_from_top_to_bottom(name, tmp_path):
     page = ALL[name]
+    own_leg(tmp_path)
     printed = without_spaces(page.run_python(tmp_path) + page.run_commands(tmp_path))
     assert all(without_spaces(block) in printed for block in page.shown)
 

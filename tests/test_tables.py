@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from exoid.tables import WIDTH, html_table, make_table, to_text, with_error
+from exoid.tables import NARROWEST, WIDTH, html_table, line_width, make_table, to_text, with_error
 
 
 @pytest.mark.parametrize(
@@ -83,3 +83,19 @@ def test_markup_in_html_tables_is_escaped():
 
 def test_a_table_in_html_may_have_neither_caption_nor_header():
     assert html_table((), [("a", "b")]).startswith("<table><tbody>")
+
+
+def test_a_table_too_wide_for_a_terminal_is_cut_between_columns():
+    numbers = [[f"{row}.{column}2345" for column in range(12)] for row in range(3)]
+    table = make_table(
+        ("joint", *(f"column {k} [N·m]" for k in range(12))), [(f"joint {k}", *numbers[k]) for k in range(3)]
+    )
+    token = line_width.set(NARROWEST)
+    try:
+        text = to_text(table)
+    finally:
+        line_width.reset(token)
+    assert max(map(len, text.splitlines())) <= NARROWEST
+    assert all(number in text.split() for row in numbers for number in row)
+    assert text.count("joint 1") >= 2
+    assert max(map(len, to_text(table).splitlines())) > NARROWEST

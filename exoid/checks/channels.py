@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.findings import Finding
 from exoid.signals import Recording
+from exoid.signals.noise_size import robust_std
 from exoid.signals.quantities import UNITS
 
-from .runs import Runs, median_of_five, noise_size, quantum
+from .runs import Runs, median_of_five, quantum
 
 RAIL_SHARE = 0.002
 """Samples at an extreme that make it a rail: at least this share of them, and at least :data:`FEWEST`."""
@@ -278,7 +279,7 @@ def outliers(channel: Channel) -> Iterator[Finding]:
     deviation = np.abs(apart)
     if deviation.max() <= least:
         return
-    odd: NDArray[np.bool_] = deviation > max(SPIKE * noise_size(apart), least)
+    odd: NDArray[np.bool_] = deviation > max(SPIKE * robust_std(apart - np.median(apart)), least)
     odd[:2] = odd[-2:] = False
     if not odd.any():
         return

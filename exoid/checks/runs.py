@@ -61,18 +61,6 @@ def quantum(x: FloatArray) -> float:
     return float(steps.min()) if len(steps) else 0.0
 
 
-def noise_size(x: FloatArray) -> float:
-    """Robust standard deviation, 1.4826 times the median absolute deviation.
-
-    Args:
-        x: The signal, (N,).
-
-    Returns:
-        The standard deviation, in the unit of the signal.
-    """
-    return float(1.4826 * np.median(np.abs(x - np.median(x))))
-
-
 def median_of_five(x: FloatArray) -> FloatArray:
     """Median of each sample and two on each side, by comparisons of whole signals; the signal is zero beyond its ends.
 

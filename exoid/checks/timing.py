@@ -10,8 +10,7 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.findings import Finding
 from exoid.signals import Recording, ZeroPhase
 from exoid.signals.differentiation import central_difference
-
-from .runs import noise_size
+from exoid.signals.noise_size import robust_std
 
 WINDOW = 4
 """Samples on each side of an interval, through which lines are laid."""
@@ -100,7 +99,7 @@ def missing_samples(recording: Recording, acting: Mapping[str, Sequence[str]], n
     rate = recording.sample_rate
     q = np.ascontiguousarray(recording.q.T)
     jump, velocity = _jumps(q, 1.0 / rate)
-    noise = np.array([noise_size(of_joint) for of_joint in jump])
+    noise = robust_std((jump - np.median(jump, axis=1, keepdims=True)).T)
     floor = 1e-3 * np.sqrt(np.mean(velocity**2, axis=1)) / rate  # exact motions have no noise
     weight = 1.0 / np.maximum(noise, np.maximum(floor, 1e-12)) ** 2
     information = weight @ velocity**2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import shutil
 import signal
 import sys
 import threading
@@ -13,7 +14,9 @@ import typer
 
 import exoid
 from exoid.errors import ExoidError
+from exoid.tables import NARROWEST, WIDTH, line_width
 
+from .messages import Amount, amount
 from .verbs import LazyVerbs, add_verbs
 
 BAD_INPUT = 2
@@ -25,6 +28,9 @@ PROGRAM_ERROR = 1
 TRACEBACK = "--traceback"
 """Option by which an error is not turned into one line."""
 
+AMOUNTS = {"--quiet": Amount.QUIET, "--verbose": Amount.VERBOSE}
+"""Options that say how much is written to standard error."""
+
 LONGEST = 300
 """Largest number of characters of an unexpected error."""
 
@@ -33,7 +39,8 @@ app = typer.Typer(
     cls=LazyVerbs,
     help="Identify exoskeleton legs from a URDF and logs, with uncertainties, and use the result.",
     no_args_is_help=True,
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    rich_markup_mode=None,  # plain help: no unit in brackets is taken for markup, and no word is cut
     pretty_exceptions_enable=False,
 )
 add_verbs(app)
@@ -53,6 +60,12 @@ def _options(
     traceback: Annotated[
         bool, typer.Option(TRACEBACK, help="Show where in the program an error was raised; also after the verb.")
     ] = False,
+    quiet: Annotated[
+        bool, typer.Option("--quiet", help="Write only errors to standard error; also after the verb.")
+    ] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="Also write what is read and how long it takes; also after the verb.")
+    ] = False,
 ) -> None:
     """Options before the verb."""
 
@@ -64,7 +77,11 @@ def main() -> None:
     """
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, _terminate)
-    words = [word for word in sys.argv[1:] if word != TRACEBACK]
+    words = [word for word in sys.argv[1:] if word not in (TRACEBACK, *AMOUNTS)]
+    for word in sys.argv[1:]:
+        amount.set(AMOUNTS.get(word, amount.get()))
+    if sys.stdout is not None and sys.stdout.isatty():
+        line_width.set(min(WIDTH, max(NARROWEST, shutil.get_terminal_size().columns)))
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # names of files need not be text

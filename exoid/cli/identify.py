@@ -8,7 +8,6 @@ from functools import partial
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from exoid import estimate as estimates
 from exoid import identification
@@ -45,9 +44,11 @@ from .inputs import (
     refuse_unknown_leg,
     split_names,
 )
+from .messages import note
 from .numbers import parse_known, parse_prior
 from .outputs import check_outputs
 from .payloads import PayloadOptions, refuse_other_payloads
+from .progress import status
 from .remote_logs import all_at_once, at_hand, each_log, is_folder_of_logs, logs_on_disk
 
 
@@ -209,6 +210,6 @@ def _report(
     """Write the report."""
     from exoid.view.report import identification_report  # noqa: PLC0415 - only a report needs matplotlib
 
-    with Console(stderr=True).status("writing the report"):
+    with status("writing the report"):
         identification_report(estimate, recordings, held_out).save(path)
-    typer.echo(f"wrote {path}", err=True)
+    note(f"wrote {path}")

@@ -24,6 +24,7 @@ from exoid.signals import Column, Recording, WrenchFrame
 from exoid.signals.wrench_frame import frame_of_link
 from exoid.torques import DEFAULT_TERMS, Term, term_by_name
 
+from .messages import Amount, note
 from .payloads import payloads_in
 
 DATASETS = {
@@ -154,7 +155,11 @@ def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] |
     Returns:
         One recording for each name.
     """
-    return [read_log(name, options, joints) for name in names]
+    recordings = []
+    for name in names:
+        recordings.append(read_log(name, options, joints))
+        note(f"read {recordings[-1]}", Amount.VERBOSE)
+    return recordings
 
 
 def find_leg(

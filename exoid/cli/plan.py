@@ -37,6 +37,7 @@ from .inputs import (
     refuse_unknown_leg,
     split_names,
 )
+from .messages import note
 from .outputs import check_outputs
 from .progress import progress_bar
 
@@ -200,13 +201,13 @@ def _write(result: Assessment | Plan | StancePlan, output: str | None, figure: s
     """Write the requested files."""
     if output is not None and isinstance(result, Plan):
         for path in excitation.write_plan(output, result):
-            typer.echo(f"wrote {path}", err=True)
+            note(f"wrote {path}")
     if output is not None and isinstance(result, StancePlan):
         for path in excitation.write_stance_plan(output, result):
-            typer.echo(f"wrote {path}", err=True)
+            note(f"wrote {path}")
     if figure is not None:
         _draw(result, figure)
-        typer.echo(f"wrote {figure}", err=True)
+        note(f"wrote {figure}")
 
 
 def _draw(result: Assessment | Plan | StancePlan, path: str) -> None:

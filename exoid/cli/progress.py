@@ -1,44 +1,64 @@
-"""Progress bars on standard error."""
+"""Progress on standard error: a bar on a terminal, lines elsewhere."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-import typer
 from rich.console import Console
 from rich.progress import Progress
 
+from .messages import Amount, amount, note
+
+PATIENCE = 2.0
+"""Time after which lines are written where standard error is no terminal [s]."""
+
 
 @contextmanager
-def progress_bar(label: str, *, lines: bool = False) -> Iterator[Callable[[float], None]]:
-    """Show a progress bar while a command runs.
+def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
+    """Show how far a command is: a bar on a terminal; elsewhere a line after each tenth, if it takes longer than 2 s.
 
     Args:
         label: Text beside the bar.
-        lines: Whether to write a line after each tenth where standard error is no terminal; else nothing there.
 
     Yields:
         Function that receives the completed share, 0 to 1.
     """
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+    console, begin = Console(stderr=True), time.monotonic()
+    shown = console.is_terminal and amount.get() > Amount.QUIET
+    with Progress(console=console, transient=True, disable=not shown) as bar:
         task = bar.add_task(label, total=1.0)
-        if lines and not console.is_terminal:
-            yield _tenths(label)
-        else:
-            yield lambda share: bar.update(task, completed=share)
+        yield (lambda share: bar.update(task, completed=share)) if shown else _tenths(label, begin)
+    note(f"{label}: {time.monotonic() - begin:.1f} s", Amount.VERBOSE)
 
 
-def _tenths(label: str) -> Callable[[float], None]:
+@contextmanager
+def status(label: str) -> Iterator[None]:
+    """Show on a terminal what a command is doing.
+
+    Args:
+        label: What it is doing.
+
+    Yields:
+        Nothing.
+    """
+    begin = time.monotonic()
+    console = Console(stderr=True, quiet=amount.get() == Amount.QUIET)
+    with console.status(label):
+        yield
+    note(f"{label}: {time.monotonic() - begin:.1f} s", Amount.VERBOSE)
+
+
+def _tenths(label: str, begin: float) -> Callable[[float], None]:
     """Write a line to standard error after each tenth."""
     done = 0
 
     def report(share: float) -> None:
         nonlocal done
         tenths = min(10, int(10.0 * share + 1e-9))
-        if tenths > done:
+        if tenths > done and time.monotonic() - begin > PATIENCE:
             done = tenths
-            typer.echo(f"{label}: {10 * tenths} %", err=True)
+            note(f"{label}: {10 * tenths} %")
 
     return report

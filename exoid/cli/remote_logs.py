@@ -8,13 +8,11 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import Progress
-
 from exoid.signals import Cluster, Poses, Recording, Recordings
 from exoid.signals.recordings import RecordingFile, logs_in
 
 from .inputs import LogOptions, read_log
+from .progress import progress_bar
 
 PASSES = 2
 """Number of times that each log is read: once for its summary, and once for its rows."""
@@ -48,10 +46,16 @@ def at_hand(
     if not isinstance(logs, Recordings):
         yield logs
         return
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("identifying", total=PASSES * len(logs))
-        yield logs.watched(lambda _: bar.advance(task))
+    read = 0
+    total = PASSES * len(logs)
+    with progress_bar("identifying") as progress:
+
+        def count(_: object) -> None:
+            nonlocal read
+            read += 1
+            progress(min(1.0, read / total))
+
+        yield logs.watched(count)
 
 
 def all_at_once(logs: Sequence[Recording | Poses]) -> list[Recording]:

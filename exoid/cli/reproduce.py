@@ -11,6 +11,7 @@ import typer
 from exoid.files import make_folder
 
 from .inputs import AsJson, Report
+from .messages import note
 from .outputs import check_outputs
 from .progress import progress_bar
 
@@ -49,7 +50,7 @@ def reproduce(
             draw, page = partial(replays.cuhk_figures, cuhk), partial(replays.cuhk_page, cuhk)
     if figures is not None:
         for path in write_figures(figures, draw()):
-            typer.echo(f"wrote {path}", err=True)
+            note(f"wrote {path}")
     if report is not None:
         page().save(report)
     typer.echo(json.dumps(data, indent=1) if as_json else text)

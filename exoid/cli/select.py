@@ -100,7 +100,7 @@ def select(
     if drives is not None:
         recordings = [drives.torque(each) for each in recordings]
         tested = None if tested is None else drives.torque(tested)
-    with progress_bar("selecting friction", lines=True) as progress:
+    with progress_bar("selecting friction") as progress:
         selection = identification.select_terms(
             found, recordings, _candidates(friction, cutoff), folds=folds, cutoff=cutoff, progress=progress
         )

@@ -21,6 +21,7 @@ from exoid.files import write_bytes
 from exoid.rig import Plant
 
 from .inputs import AsJson, is_readable, refuse
+from .messages import note
 from .numbers import joint_values
 from .outputs import check_outputs
 from .progress import progress_bar
@@ -76,7 +77,7 @@ def stability(
     margins = checks.gain_margins(plant, law, task.target)
     if figure is not None:
         _draw(figure, runs, margins)
-        typer.echo(f"wrote {figure}", err=True)
+        note(f"wrote {figure}")
     if as_json:
         data = {"regulation": runs.to_json(), "gain_margins": margins.to_json()}
         typer.echo(json.dumps({"properties": properties.to_json(), **data}, indent=1))
@@ -108,7 +109,7 @@ def _take_as_zero(parameter: str, value: float, std: float, file: str) -> None:
             where=file,
             remedy="check the sign of the torque, or identify without this term (--terms)",
         )
-    typer.echo(f"{parameter} = {value:.2g} ± {std:.1g} is taken as zero", err=True)
+    note(f"{parameter} = {value:.2g} ± {std:.1g} is taken as zero")
 
 
 def _task(plant: Plant, kp: str, kd: str | None, target: str, away: str) -> _Task:

@@ -21,6 +21,7 @@ from exoid.rig import Payload, Plant, Reference
 from exoid.tables import DataTable, to_text
 
 from .inputs import AsJson, ColumnPairs, Degrees, LogOptions, Names, Report, is_readable, read_log, refuse
+from .messages import note
 from .numbers import joint_values
 from .outputs import check_outputs
 from .progress import progress_bar
@@ -122,7 +123,7 @@ def track(
             text, notes = to_text(table, *commands), ()
     if figures is not None:
         for path in write_figures(figures, reproduce.tracking_figures(runs), form):
-            typer.echo(f"wrote {path}", err=True)
+            note(f"wrote {path}")
     if report is not None:
         reproduce.tracking_page(f"Controllers on {what}", table, notes, runs).save(report)
     typer.echo(json.dumps(data, indent=1) if as_json else text)

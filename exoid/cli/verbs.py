@@ -6,7 +6,6 @@ from importlib import import_module
 from typing import Any
 
 import typer
-from rich.markup import escape
 from typer.core import TyperGroup
 
 VERBS = {
@@ -58,17 +57,9 @@ def load_verb(name: str) -> Any:  # noqa: ANN401 - Typer's or Click's Command, b
     Returns:
         The command with all its options.
     """
-    alone = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    alone = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
     alone.command(name)(getattr(import_module(f".{name}", __package__), name))
-    return _with_brackets(typer.main.get_command(alone))
-
-
-def _with_brackets(command: Any) -> Any:  # noqa: ANN401 - as above
-    """Keep units such as [s] in the help of options, which Rich would take for markup."""
-    for parameter in command.params:
-        if getattr(parameter, "help", None):
-            parameter.help = escape(parameter.help)
-    return command
+    return typer.main.get_command(alone)
 
 
 def add_verbs(app: typer.Typer) -> None:
@@ -82,4 +73,4 @@ def add_verbs(app: typer.Typer) -> None:
         """Stand for the verb in the list of verbs."""
 
     for name, text in VERBS.items():
-        app.command(name, help=text)(not_yet_imported)
+        app.command(name, help=text, short_help=text)(not_yet_imported)

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import typer
-from rich.console import Console
 
 from exoid import estimate as estimates
 from exoid import view as views
@@ -36,8 +35,10 @@ from .inputs import (
     refuse_unknown_leg,
     split_names,
 )
+from .messages import note
 from .outputs import check_outputs
 from .payloads import PayloadOptions, refuse_other_payloads
+from .progress import status
 
 
 def view(
@@ -84,7 +85,7 @@ def view(
     recording = None if log is None else read_logs([log], options)[0]
     shown = _shown(leg, side, inertias, split_names(joints), () if recording is None else recording.joint_names)
     ghost, label = None if reference is None else read_logs([reference], options)[0], "reference"
-    with Console(stderr=True).status("drawing"):
+    with status("drawing"):
         estimate = shown.legs[0]
         free = recording is not None and recording.measured.all() and not recording.loaded_links
         if ghost is None and recording is not None and free and not isinstance(estimate, Leg):
@@ -98,8 +99,8 @@ def view(
             identified=shown.identified,
             meshes=Path(leg).parent if meshes is None else meshes,
         )
-    for note in drawn.notes:
-        typer.echo(f"note: {note}", err=True)
+    for each in drawn.notes:
+        note(f"note: {each}")
     if html is not None:
         drawn.save(html)
         size = Path(html).stat().st_size
@@ -154,4 +155,4 @@ def _serve(drawn: Scene, port: int | None, browser: bool, as_json: bool) -> None
         if browser:
             webbrowser.open(server.url)
         server.wait()
-    typer.echo("ended", err=True)
+    note("ended")

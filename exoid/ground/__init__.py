@@ -3,7 +3,7 @@
 from .elimination import Elimination, eliminate, reference_axes
 from .imu import ImuErrors, imu_errors
 from .placements import level_rotation, link_placements
-from .standing_base import standing_base
+from .standing_base import StandingBase, standing_base
 from .stretches import EDGE, SHORTEST, Left, Split, Stretch, contact_of, split
 from .support_model import LOOP, SupportModel
 
@@ -15,6 +15,7 @@ __all__ = [
     "ImuErrors",
     "Left",
     "Split",
+    "StandingBase",
     "Stretch",
     "SupportModel",
     "contact_of",

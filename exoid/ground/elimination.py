@@ -1,4 +1,4 @@
-"""Combinations of rows on which links on the ground do no work."""
+"""Combinations of rows on which links on the ground do no work (Aghili 2005; Mistry et al. 2010)."""
 
 from __future__ import annotations
 
@@ -63,7 +63,9 @@ def eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | 
 
     The first link fixes the base: ν_b = −K q̇ with K = J_b⁻¹ J_q. Each further link has J_q − J_b K = C with C q̇ = 0.
     Joint rates that fulfil it are the null space of C, with the projector P. Their basis Z = P E (Eᵀ P E)^(−1/2) varies
-    smoothly, and is orthonormal, so that each row has the noise of one joint's torque.
+    smoothly, and is orthonormal, so that each row has the noise of one joint's torque. Constraints and their forces are
+    those of Featherstone (2008, ch. 8), the projector that of Aghili (2005). Mistry et al. (2010) find such rows by QR
+    of J_cᵀ; all choices span the same space (Righetti et al. 2011).
 
     Args:
         leg: The leg.

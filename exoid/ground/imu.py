@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg import Leg
 from exoid.signals import BaseMotion, Recording
+from exoid.signals.noise_size import white_noise
 
-from .standing_base import standing_base
+from .standing_base import standing_reading
 
 LEAST = 1.0
 """Shortest rest of all feet together from which a bias is estimated [s]."""
@@ -27,14 +28,8 @@ ENDS = 0.07
 CLEAN = 2.0
 """A rotation is looked for where differences are smaller than so many times the white noise of the readings."""
 
-FOURTH = 70.0
-"""Variance of the fourth differences of white noise, 1² + 4² + 6² + 4² + 1²."""
-
 SCATTER = 0.1
 """Biases below this part of the scatter of the differences are left: soft ground moves a foot as much."""
-
-MEDIAN = 0.6745
-"""Median size of what is normal with a standard deviation of one."""
 
 DISAGREEMENT = 0.15
 """Feet that rest flat agree on a bias; where rests differ by more than this [m/s², standard deviation], they do not."""
@@ -105,7 +100,7 @@ def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.
     of_gyro, of_force = (
         x - x.mean(axis=0) if small else x for x, small in zip((of_gyro, of_force), scattered, strict=True)
     )
-    white = np.median(np.abs(np.diff(base.specific_force, 4, axis=0))) / MEDIAN / np.sqrt(FOURTH)
+    white = np.sqrt(np.mean(white_noise(base.specific_force) ** 2))
     found = _fit(omega, force, of_gyro, of_force, rotates=bool(of_force.std(axis=0).max() < CLEAN * white))
     if len(means) < FEW:
         return found
@@ -137,10 +132,7 @@ def _single(flat: _Flat) -> list[_Flat]:
 
 def _compare(leg: Leg, recording: Recording, base: BaseMotion, link: str, flags: NDArray[np.bool_]) -> _Flat:
     """Compare readings with the motion that a foot says, where it is flat."""
-    true, rate = standing_base(leg, recording, link), recording.sample_rate
-    omega = true.angular_velocity
-    alpha = np.gradient(omega, recording.time, axis=0)
-    force = true.specific_force + np.cross(alpha, base.position) + np.cross(omega, np.cross(omega, base.position))
+    (omega, force), rate = standing_reading(leg, recording, link, base.position), recording.sample_rate
     turning = _smooth(base.angular_velocity - omega, rate)
     middle = np.array([_densest(of_axis, TURNING) for of_axis in turning[flags].T])
     flat = flags & (np.linalg.norm(turning - middle, axis=1) < TURNING)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,19 +20,11 @@ from exoid.signals.link_wrenches import wrenches_on_links
 from .elimination import eliminate
 from .imu import ImuErrors, imu_errors
 from .placements import level_rotation
+from .sliding import Slip, low_passed, sliding, slipping
 from .standing_base import standing_base
 
 EDGE = 0.1
 """Samples this near to a touch-down or lift-off [s] are left out: the filters of the motion smear its jolt."""
-
-SLIDING, TILTING = 0.03, 0.15
-"""A link that is said to rest and moves faster than this [m/s, rad/s] slips, or its contact is wrong."""
-
-LOOK = 10.0
-"""Cut-off frequency of the velocities in which slipping is looked for [Hz]."""
-
-PLANAR = 3
-"""Base rows of a planar machine."""
 
 SHORTEST = 0.15
 """Supports that last less than this in a recording [s] are left out."""
@@ -78,11 +69,13 @@ class Split(NamedTuple):
         stretches: One for each set of links that rest by unknown wrenches.
         left: Samples that were left out.
         imu: Errors of the inertial measurement unit that were taken out; None for none.
+        visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
     """
 
     stretches: tuple[Stretch, ...]
     left: Left
     imu: ImuErrors | None
+    visible: float
 
 
 def split(leg: Leg, recording: Recording) -> Split:
@@ -104,15 +97,17 @@ def split(leg: Leg, recording: Recording) -> Split:
     rest, unknown = _contacts(leg, recording)
     counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
     steady = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
-    slow = _smooth(recording.q, recording.sample_rate)
+    slow = low_passed(recording.q, recording.sample_rate)
     v = np.gradient(slow, recording.time, axis=0)
-    still = ~_slipping(leg, recording, rest, slow, v) if recording.contacts else np.ones_like(counted)
+    around = round(0.5 * EDGE * recording.sample_rate)
+    still = ~slipping(leg, rest, slow, v, around) if recording.contacts else np.ones_like(counted)
     feet = {link: flags & steady for link, flags in rest.items() if link != leg.description.root_link}
     imu = imu_errors(leg, recording, feet) if leg.base_rows else None
     if imu is not None and recording.base is not None:
         recording = replace(recording, base=imu.corrected(recording.base))
+    slip = _slides(leg, recording, feet)
     found, lost = [], np.zeros(len(recording), dtype=np.bool_)
-    moving, usual = ~still, steady if recording.base is not None else steady & still
+    moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
     for links, where in _patterns(unknown, len(recording)):
         inside = counted & usual & where
         usable = inside & _solvable(leg, links, slow)
@@ -129,7 +124,7 @@ def split(leg: Leg, recording: Recording) -> Split:
         )
     could = max(1.0, float(np.count_nonzero(counted)))
     shares = (counted & ~steady, counted & steady & ~usual, lost, counted & gaps, counted & usual & moving)
-    return Split(tuple(found), Left(*(float(np.count_nonzero(part)) / could for part in shares)), imu)
+    return Split(tuple(found), Left(*(float(np.count_nonzero(part)) / could for part in shares)), imu, slip.visible)
 
 
 def _without_gaps(recording: Recording) -> tuple[Recording, NDArray[np.bool_]]:
@@ -210,43 +205,6 @@ def _lasting(flags: BoolArray, time: FloatArray) -> BoolArray:
     return (settled(longer, around, EDGE) | settled(~longer, around, EDGE))[1:-1]
 
 
-def _slipping(
-    leg: Leg, recording: Recording, rest: Mapping[str, BoolArray], q: FloatArray, v: FloatArray
-) -> NDArray[np.bool_]:
-    """Samples at which two links that rest move against each other."""
-    slips = np.zeros(len(q), dtype=np.bool_)
-    base = leg.base_rows
-    if not base:
-        return slips
-    levers = {}
-    for link in rest:
-        jacobian = leg.contact_jacobian(q, link)
-        to_base = np.linalg.solve(jacobian[..., :base], np.einsum("ncj,nj->nc", jacobian[..., base:], v)[..., None])
-        levers[link] = -to_base[..., 0]
-    turning = slice(2, 3) if base == PLANAR else slice(3, 6)
-    for (link, flags), (other, also) in combinations(rest.items(), 2):
-        slips |= flags & also & _moves(levers[link] - levers[other], turning)
-    return _widened(slips, round(0.5 * EDGE * recording.sample_rate))
-
-
-def _moves(velocity: FloatArray, turning: slice) -> NDArray[np.bool_]:
-    """Whether a base that hangs on two links would move at two velocities, linear before angular."""
-    linear, angular = velocity[:, : turning.start], velocity[:, turning]
-    return np.asarray((np.linalg.norm(linear, axis=1) > SLIDING) | (np.linalg.norm(angular, axis=1) > TILTING))
-
-
-def _widened(mask: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
-    """Mask with so many samples more on either side."""
-    return np.asarray(scipy.ndimage.binary_dilation(mask, iterations=max(1, by))) if mask.any() else mask
-
-
-def _smooth(values: FloatArray, rate: float) -> FloatArray:
-    """Zero-phase low-pass of columns."""
-    if 0.4 * rate <= LOOK:
-        return values
-    return np.asarray(scipy.signal.sosfiltfilt(scipy.signal.butter(2, LOOK, fs=rate, output="sos"), values, axis=0))
-
-
 def _base(leg: Leg, recording: Recording, links: Sequence[str], resting: Sequence[str]) -> BaseMotion | None:
     """Motion of the base: as it was measured, or as a link that rests on level ground says."""
     if not leg.base_rows or recording.base is not None:
@@ -262,6 +220,13 @@ def _base(leg: Leg, recording: Recording, links: Sequence[str], resting: Sequenc
         remedy="record it (base=exoid.BaseMotion.from_imu(...), columns base_gyro_x…z and base_acc_x…z), or say when "
         "feet are flat on the ground (contacts=)",
     )
+
+
+def _slides(leg: Leg, recording: Recording, feet: Mapping[str, NDArray[np.bool_]]) -> Slip:
+    """Look for slips that the motion of the base shows, where it was measured."""
+    if recording.base is None or not leg.base_rows or not recording.contacts:
+        return Slip(np.zeros(len(recording), dtype=np.bool_), 0.0)
+    return sliding(leg, recording, recording.base, feet)
 
 
 def _source(recording: Recording) -> str:

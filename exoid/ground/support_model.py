@@ -24,7 +24,8 @@ LOOP = "loop_"
 class SupportModel(TorqueModel):
     """Torque model while links rest on the ground, or the base is held, by wrenches that were not measured.
 
-    [W_b; W_q] β = [0; τ] + Σ J_cᵀ w_c is projected on what the wrenches do no work on, see :func:`eliminate`.
+    [W_b; W_q] β = [0; τ] + Σ J_cᵀ w_c is projected on what the wrenches do no work on, see :func:`eliminate`
+    (Aghili 2005; Mistry et al. 2010).
 
     Attributes:
         links: Links with an unknown wrench; none where all wrenches were measured.

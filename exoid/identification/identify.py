@@ -35,6 +35,7 @@ from .recording_summary import (
 from .repeats import counted_once
 from .result import Preliminaries, Result
 from .rotors_apart import rotors_apart
+from .sole_compliance import sole_compliance, tilted
 from .unmeasured import only_measured
 from .variable_projection import search
 
@@ -274,11 +275,14 @@ def _on_ground(
     (of_all,) = summaries.values()
     groups = [of_all] * len(standing.task.groups)
     result = Result.of(standing.fitted, groups, task.estimator, white=white, before=before)
-    return result.standing_estimate(standing.model)
+    return result.standing_estimate(standing.model, standing.soles)
 
 
 def fit_on_ground(task: Task, *, by_noise: bool) -> FittedOnGround:
     """Fit a model to recordings with contacts: once by rows that no outlier moves, and once without the outliers.
+
+    Where feet carry a base that was not measured, the compliance of their soles is found, too. What it explains hides
+    no outliers then, which are looked for once more.
 
     Args:
         task: Torque model, data and estimator.
@@ -297,7 +301,13 @@ def fit_on_ground(task: Task, *, by_noise: bool) -> FittedOnGround:
         more = "let each foot stand while the other moves, and squat, shift and pitch on both"
         raise ExoidError(error.what, where=error.where, remedy=f"{error.remedy}; {more}") from error
     kept, outliers = without_outliers(standing.task, robust)
-    return FittedOnGround(kept, fit_model(kept), standing.model, (*standing.findings, *outliers))
+    fitted = fit_model(kept)
+    soles = sole_compliance(kept, fitted)
+    if soles is not None:
+        kept = tilted(kept, dict(zip(soles.links, soles.values.tolist(), strict=True)))
+        kept, smaller = without_outliers(kept, fit_model(kept._replace(estimator=find_estimator("huber"))))
+        fitted, outliers = fit_model(kept), (*outliers, *smaller, *soles.findings())
+    return FittedOnGround(kept, fitted, standing.model, (*standing.findings, *outliers), soles)
 
 
 def fit_model(task: Task, start: Start | None = None) -> Fitted:

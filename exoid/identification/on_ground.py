@@ -13,15 +13,17 @@ from exoid._typing import FloatArray
 from exoid.checks import signal_findings
 from exoid.errors import ExoidError
 from exoid.findings import Finding
-from exoid.ground import EDGE, SHORTEST, ImuErrors, Left, SupportModel, reference_axes, split
+from exoid.ground import EDGE, SHORTEST, ImuErrors, Split, SupportModel, reference_axes, split
 from exoid.regression.least_squares import rms_residual
 from exoid.regression.rows import for_leg
 from exoid.signals import Cluster, Poses, Recording, ZeroPhase, choose_cutoff
+from exoid.signals.noise_size import robust_std
 from exoid.torques import TorqueModel
 
 from .fitting import Fitted, Task
 from .group_rows import Group
 from .problem import Problem
+from .sole_compliance import SoleCompliance
 
 FAR = 6.0
 """Residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong."""
@@ -64,12 +66,14 @@ class FittedOnGround(NamedTuple):
         fitted: The fit to it.
         model: Torque model of the leg with all its rows.
         findings: What was left out of the recordings.
+        soles: Compliance of the soles that carry a base whose motion was not measured; None where it was.
     """
 
     task: Task
     fitted: Fitted
     model: TorqueModel
     findings: tuple[Finding, ...]
+    soles: SoleCompliance | None
 
 
 def channel_findings(task: Task) -> tuple[Finding, ...]:
@@ -109,7 +113,7 @@ def on_ground(task: Task, *, by_noise: bool) -> OnGround:
             raise ExoidError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
         parts = split(model.leg, for_leg(model, one))
         findings += [
-            *_left_out(parts.left, one),
+            *_left_out(parts, one),
             *_imu_finding(parts.imu, one, model.leg.parameter_names),
             *_base_from_feet(model, one),
         ]
@@ -160,8 +164,10 @@ MANY = 2000
 """Samples that the reference of closed chains is chosen for."""
 
 
-def _left_out(left: Left, recording: Recording) -> list[Finding]:
+def _left_out(parts: Split, recording: Recording) -> list[Finding]:
     """Say how many samples were left out, and why."""
+    left = parts.left
+    unseen = f", and slips of all feet alike below {1e3 * parts.visible:.0f} mm/s are not seen" if parts.visible else ""
     name = recording.source.name if recording.source else ""
     slip = Finding(
         "slipping-contact",
@@ -180,7 +186,7 @@ def _left_out(left: Left, recording: Recording) -> list[Finding]:
         "1",
         "info",
         f"{left.moving:.1%} of the samples say that a link rests which rolls or slips; they count, as the motion of "
-        "the base was measured",
+        f"the base was measured{unseen}",
         "nothing to do; without that measurement they would be left out",
         recording=name,
     )
@@ -257,8 +263,9 @@ def _base_from_feet(model: TorqueModel, recording: Recording) -> list[Finding]:
             1.0,
             "1",
             "warning",
-            "the motion of the base was not measured, and follows from feet that rest: soft soles that tilt by half a "
-            "milliradian move inertias of torso and rotors by several %",
+            "the motion of the base was not measured, and follows from feet that rest: they are taken for flat but for "
+            "soles that tilt in proportion to the torque of their joint, and other tilts move inertias of torso and "
+            "rotors",
             "record an IMU on the torso (base=exoid.BaseMotion.from_imu(...))",
             parameters=tuple(sensitive),
             recording=recording.source.name if recording.source else "",
@@ -337,12 +344,8 @@ def _residuals(problem: Problem, group: int, values: FloatArray) -> list[tuple[F
 def _scale(residuals: Sequence[tuple[FloatArray, FloatArray]], torques: FloatArray) -> FloatArray:
     """Standard deviation of each row by the median of the sizes, but at least a small part of its torque, (R,)."""
     each = np.vstack([residual for _, residual in residuals])
-    middle = [float(np.median(np.abs(row[row != 0.0]))) / MEDIAN if row.any() else np.inf for row in each.T]
+    middle = [float(robust_std(row[row != 0.0])) if row.any() else np.inf for row in each.T]
     return np.maximum(middle, LEAST * torques)
-
-
-MEDIAN = 0.6745
-"""Median size of what is normal with a standard deviation of one."""
 
 
 def _near(time: FloatArray, moments: FloatArray) -> NDArray[np.bool_]:

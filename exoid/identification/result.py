@@ -42,6 +42,7 @@ from .checkup import check_group, model_error
 from .estimators import Estimator, name_of
 from .fitting import Fitted
 from .recording_summary import RecordingSummary, angles
+from .sole_compliance import SoleCompliance
 
 BELOW_ZERO = 0.005
 """Probability with which a parameter that is zero would be said to be negative."""
@@ -180,11 +181,12 @@ class Result:
             notes=(*self._regrouped_notes(), *agreement.notes),
         )
 
-    def standing_estimate(self, model: TorqueModel) -> Estimate:
+    def standing_estimate(self, model: TorqueModel, soles: SoleCompliance | None = None) -> Estimate:
         """Make the one estimate of groups that share all parameters: sets of links that rest on the ground.
 
         Args:
             model: Torque model of the leg with all its rows.
+            soles: Compliance of the soles that carry the base, whose error adds to that of the parameters.
 
         Returns:
             The estimate.
@@ -192,6 +194,8 @@ class Result:
         problem, fit = self.fitted.problem, self.fitted.fit
         solution, values = fit.solution, self.fitted.values
         covariance, groups = self.uncertainty.covariance, range(len(problem.groups))
+        if soles is not None:
+            covariance = covariance + soles.of_parameters
         supports = tuple(self._support(group) for group in groups)
         bounded = tuple(problem.names[k] for k in solution.bounded)
         return Estimate(

@@ -91,8 +91,8 @@ def check(leg: Leg, values: ArrayLike) -> PhysicalCheck:
 
     Example:
         >>> leg = exoid.load_leg("bleex", inertias="cad")
-        >>> [round(bound.least, 2) for bound in check(leg, leg.parameters).bounds]
-        [8.94, 5.05, 1.81]
+        >>> tuple(round(bound.least, 2) for bound in check(leg, leg.parameters).bounds)
+        (8.94, 5.05, 1.81)
     """
     array = checked_values(leg, values)
     if leg.chain is None:

@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.model import joint_axis
 
 TOLERANCE = 1e-12
 """Largest error of an axis that counts as one of x, y, z."""
@@ -83,7 +84,7 @@ class Tree:
         base = tuple(range(BASE_ROWS)) if floating else ()
         joints: list[TreeJoint] = []
         for j in range(1 + floating, model.njoints):
-            axis = _axis(model.joints[j])
+            axis = joint_axis(model.joints[j])
             if axis[:3].any() == axis[3:].any():
                 raise ExoidError(f"joint {model.names[j]!r} is neither revolute nor prismatic")
             parent = model.parents[j] - 1 - floating
@@ -112,15 +113,6 @@ def is_floating(model: pin.Model) -> bool:
         True if it is.
     """
     return bool(model.njoints > 1 and model.joints[1].shortname() == FREE_FLYER)
-
-
-def _axis(joint: pin.JointModel) -> FloatArray:
-    """Motion vector of a unit rate of a joint in its own frame, (6,); zero if it has several degrees of freedom."""
-    if joint.nv != 1:
-        return np.zeros(6)
-    data = joint.createData()
-    joint.calc(data, np.eye(joint.nq)[0] if joint.nq > 1 else np.zeros(1))  # (cos, sin) of a continuous joint
-    return np.asarray(data.S, dtype=np.float64).reshape(6)
 
 
 def _joint(parent: int, motion: FloatArray, into: FloatArray, carriers: tuple[int, ...]) -> TreeJoint:

@@ -31,6 +31,9 @@ ON_ONE_FOOT = Stance(squat=0.03, shift=0.01, bow=0.05, swing=0.22)
 STANCE = ("squats", "left", "right")
 """Motions on the ground: squats on both feet, and each foot alone."""
 
+TWINS = {"slipping squats": "squats"}
+"""Logs with the noise of another one: the same motion on other ground, so that the ground alone makes a difference."""
+
 HELD = "torso"
 """Link that hand rail, harness and stand hold."""
 
@@ -52,7 +55,7 @@ class StanceExtent:
     stance: float = 15.0
     swing: float = 15.0
     unseen: float = 8.0
-    walking: float = 40.0
+    walking: float = 80.0
 
     def __post_init__(self) -> None:
         """Check the durations."""
@@ -94,7 +97,7 @@ class StanceRuns:
         Returns:
             The log.
         """
-        run, number = self.runs[motion], list(self.runs).index(motion)
+        run, number = self.runs[motion], list(self.runs).index(TWINS.get(motion, motion))
         logged = [link for link in run.wrenches if (held if link == HELD else plates)]
         recording = run.recording(SENSORS, np.random.default_rng([self.seed, number]), wrenches=logged)
         base = recording.base

@@ -8,7 +8,7 @@ import scipy.signal
 from logs import clean, kinds, of_kind, with_column
 
 import exoid
-from exoid.checks.runs import Runs, median_of_five, noise_size, quantum
+from exoid.checks.runs import Runs, median_of_five, quantum
 
 
 @pytest.mark.parametrize("part", [0.9, 0.6])
@@ -133,7 +133,6 @@ def test_runs_of_equal_samples():
     assert runs.stop.tolist() == [2, 3, 6]
     assert quantum(np.array([0.0, 0.5, 2.0])) == 0.5
     assert quantum(np.ones(3)) == 0.0
-    assert noise_size(np.random.default_rng(0).standard_normal(10_000)) == pytest.approx(1.0, abs=0.05)
 
 
 def test_medians_of_five_are_those_of_a_median_filter():

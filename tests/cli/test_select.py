@@ -59,7 +59,8 @@ def test_a_friction_model_that_does_not_exist_is_refused_with_those_that_do(monk
     assert f"no friction model magnet. To fix it: use some of {', '.join(FRICTION)}" in printed.err
 
 
-def test_progress_is_written_where_there_is_no_terminal():
+def test_progress_is_written_where_there_is_no_terminal(monkeypatch):
+    monkeypatch.setattr("exoid.cli.progress.PATIENCE", 0.0)
     result = CliRunner().invoke(app, ["select", *TRAIN, *FEW, "--json"])
     assert result.exit_code == 0, result.output
     lines = [line for line in result.stderr.splitlines() if line.startswith("selecting friction")]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import os
 import subprocess
 import sys
 
@@ -35,7 +36,8 @@ def test_no_verb_is_imported_before_one_is_called(arguments, code):
     assert status == code
     assert not modules & set(HEAVY)
     assert {name for name in modules if name.startswith("exoid")} == {
-        *("exoid", "exoid._version", "exoid.errors", "exoid.cli", "exoid.cli.app", "exoid.cli.verbs")
+        *("exoid", "exoid._version", "exoid.errors", "exoid.tables"),
+        *("exoid.cli", "exoid.cli.app", "exoid.cli.messages", "exoid.cli.verbs"),
     }
 
 
@@ -48,8 +50,8 @@ def test_the_line_in_the_list_of_verbs_is_the_first_of_the_verbs_own_help(name):
 
 
 def test_the_help_lists_every_verb_in_order():
-    text = CliRunner().invoke(app, ["--help"], env={"COLUMNS": "200"}).output
-    places = [text.index(f"│ {name} ") for name in VERBS]
+    text = CliRunner().invoke(app, ["--help"], terminal_width=200, max_content_width=200).output
+    places = [text.index(f"\n  {name} ") for name in VERBS]
     assert places == sorted(places)
     assert all(line in text for line in VERBS.values())
 
@@ -62,3 +64,35 @@ def test_a_verbs_help_has_its_own_arguments_and_options(name):
     for parameter in load_verb(name).params:
         shown = parameter.opts[0] if parameter.param_type_name == "option" else parameter.metavar or parameter.name
         assert shown in result.output
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_help_at_60_columns_cuts_no_word_and_keeps_units(name):
+    wide, narrow = (
+        CliRunner().invoke(app, [name, "-h"], terminal_width=width, max_content_width=width).output
+        for width in (200, 58)  # Click leaves two columns free
+    )
+    assert max(map(len, narrow.splitlines())) <= 60
+    assert "…" not in narrow.replace("x…z", "")
+    letters = [sorted("".join(text.replace("-", "").split())) for text in (wide, narrow)]
+    assert letters[0] == letters[1]
+
+
+def test_the_names_of_options_for_logs_are_the_same_in_all_verbs():
+    for option in ("--degrees", "--column", "--names"):
+        verbs = {name for name in VERBS if any(option in each.opts for each in load_verb(name).params)}
+        assert {"identify", "check", "validate", "select", "plan", "view", "track"} <= verbs
+
+
+def test_a_shell_completes_verbs_and_options():
+    told = {"_EXOID_COMPLETE": "complete_bash", "COMP_WORDS": "exoid ide", "COMP_CWORD": "1"}
+    program = "import sys; sys.argv = ['exoid']; from exoid.cli import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", program], env=os.environ | told, capture_output=True, text=True, check=False
+    )
+    assert done.stdout.split() == ["identify"]
+    told |= {"COMP_WORDS": "exoid identify --deg", "COMP_CWORD": "2"}
+    done = subprocess.run(
+        [sys.executable, "-c", program], env=os.environ | told, capture_output=True, text=True, check=False
+    )
+    assert done.stdout.split() == ["--degrees"]

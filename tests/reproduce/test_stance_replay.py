@@ -100,6 +100,7 @@ def test_the_largest_relative_error_is_of_the_legs():
     assert [relative_error(names, errors, truth, symbol) for symbol in "MXJ"] == pytest.approx([0.02, 0.05, 0.05])
 
 
+@pytest.mark.slow
 def test_the_mask_of_a_swinging_leg_is_off_the_ground(runs):
     log = runs.log("walking")
     leg = reproduce.stance.load_leg("bleex", side="right")
@@ -110,6 +111,7 @@ def test_the_mask_of_a_swinging_leg_is_off_the_ground(runs):
     assert not one.contacts
 
 
+@pytest.mark.slow
 def test_the_truth_is_that_of_the_rig(runs):
     truth, leg = true_values(runs.plant), runs.plant.leg
     assert [truth[name] for name in leg.parameter_names] == leg.parameters.tolist()
@@ -117,6 +119,7 @@ def test_the_truth_is_that_of_the_rig(runs):
     assert (truth["c0_left_hip"], truth["d_right_knee"], truth["Ia_left_ankle"]) == (2.0, 0.2, 0.03)
 
 
+@pytest.mark.slow
 def test_wrong_labels_change_nothing_but_the_contacts(runs):
     right, wrong = runs.log("squats"), runs.log("squats", wrong=0.05)
     assert np.array_equal(right.q, wrong.q)
@@ -126,6 +129,7 @@ def test_wrong_labels_change_nothing_but_the_contacts(runs):
     assert set(runs.log("squats", plates=True).wrenches) == {"left_foot", "right_foot"}
 
 
+@pytest.mark.slow
 def test_the_bias_of_the_imu_is_that_of_all_logs(runs):
     for motion in ("squats", "walking"):
         run, log = runs.runs[motion], runs.log(motion)

@@ -1,11 +1,15 @@
 """Sensors on the ground: exact ones read the truth, the others have the noise, bias, delay and mistakes they state."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+import scipy
 
-from exoid import ExoidError, Recording, signals
+from exoid import ExoidError, Recording, load_leg, signals
 from exoid.experiments.ground import bleex_machine, rail_squats, walking
 from exoid.rig.ground import GroundSensors
+from exoid.signals import ZeroPhase
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +37,7 @@ def test_exact_sensors_read_the_truth(walk):
 
 
 def test_noise_has_the_stated_size(walk):
-    sensors = GroundSensors()
+    sensors = GroundSensors(imu_window=0.0)
     log, exact = walk.recording(sensors, 1), walk.recording(GroundSensors.exact())
     assert (log.q - exact.q).std() == pytest.approx(1e-4, rel=0.05)
     np.testing.assert_allclose((log.tau - exact.tau).std(axis=0), [0.5, 0.4, 0.2] * 2, rtol=0.1)
@@ -45,7 +49,7 @@ def test_noise_has_the_stated_size(walk):
 
 
 def test_a_bias_is_constant_and_drawn_for_each_log(walk):
-    sensors = GroundSensors(gyro_bias=0.02, acceleration_bias=0.1, gyro_noise=0.0, acceleration_noise=0.0)
+    sensors = replace(GroundSensors.exact(), gyro_bias=0.02, acceleration_bias=0.1)
     exact = walk.recording(GroundSensors.exact()).base
     biases = []
     for seed in range(30):
@@ -59,12 +63,43 @@ def test_a_bias_is_constant_and_drawn_for_each_log(walk):
 
 def test_a_mounting_that_is_not_stated_turns_the_readings(walk):
     exact, angle = walk.recording(GroundSensors.exact()).base, 0.1
-    base = walk.recording(
-        GroundSensors(gyro_noise=0.0, acceleration_noise=0.0, imu_misalignment=(0.0, angle, 0.0))
-    ).base
+    base = walk.recording(replace(GroundSensors.exact(), imu_misalignment=(0.0, angle, 0.0))).base
     x, z = exact.specific_force[:, 0], exact.specific_force[:, 2]
     turned = np.cos(angle) * x - np.sin(angle) * z  # the sensor's x axis is turned down
     np.testing.assert_allclose(base.specific_force[:, 0], turned, rtol=0, atol=1e-9)
+
+
+def test_an_imu_reads_means_of_the_time_of_the_sample(walk):
+    """Means over a window are changes of pitch and velocity over it, whatever happens within."""
+    window, pitch = 0.004, np.unwrap(np.arctan2(walk.rotation[:, 0, 2], walk.rotation[:, 0, 0]))
+    log = walk.recording(replace(GroundSensors.exact(), imu_window=window)).base
+    turned = (pitch[2:] - pitch[:-2]) / window  # samples are 2 ms apart
+    np.testing.assert_allclose(log.angular_velocity[2:-2, 1], turned[1:-1], rtol=0, atol=1e-6)
+
+
+def test_an_imu_of_two_steps_reads_the_velocity_of_the_sample(walk):
+    """The velocity of the semi-implicit scheme is that of half a step before."""
+    log = walk.recording(replace(GroundSensors.exact(), imu_window=0.001)).base
+    expected = walk.base.angular_velocity + 0.00025 * walk.base.angular_acceleration
+    np.testing.assert_allclose(log.angular_velocity[1:-1], expected[1:-1], rtol=0, atol=1e-9)
+
+
+def test_the_rows_of_a_swing_are_those_of_the_truth_behind_an_imu_that_takes_means(walk):
+    """Single steps alias the jolts of the other foot, and a velocity half a step late shifts all that it derives."""
+    leg, preparation = load_leg("bleex", side="left"), ZeroPhase(8.0, kinematics_cutoff=60.0)
+    joints = [walk.plant.leg.joint_names.index(name) for name in leg.joint_names]
+    away = scipy.ndimage.binary_erosion(~walk.feet["left_foot"].touching, iterations=50)
+    of_joints = [x[:, joints] for x in (walk.q, walk.v, walk.a)]
+    exact = leg.regressor(*of_joints, walk.base) @ leg.parameters
+
+    def error(window: float) -> float:
+        log = walk.recording(replace(GroundSensors.exact(), imu_window=window)).select(leg.joint_names)
+        q, v, a, _ = preparation.kinematics(log)
+        off = leg.regressor(q, v, a, signals.base_during(log, preparation)) @ leg.parameters - exact
+        kept = preparation.filter(np.where(away[:, np.newaxis], off, 0.0), 500.0)[away]
+        return float(np.sqrt(np.mean(kept**2)))
+
+    assert error(0.002) < 0.3 * error(0.0)
 
 
 def test_plates_in_the_laboratory_and_soles_on_the_foot_measure_one_wrench(walk):

@@ -158,6 +158,7 @@ def test_a_cube_keeps_its_edges(tmp_path):
     np.testing.assert_allclose(np.abs(mesh.normals).max(axis=1), 1.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_fine_mesh_is_simplified(tmp_path):
     points, faces = sphere(0.1, 150, 300)
     header = f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n"

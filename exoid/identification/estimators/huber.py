@@ -11,14 +11,12 @@ from exoid._typing import FloatArray
 from exoid.regression.fit import Fit
 from exoid.regression.least_squares import RFactor, factorize, joint_table, stack
 from exoid.regression.problem import RowProblem
+from exoid.signals.noise_size import robust_std
 
 from .least_squares import noise_floor, wls
 
 TUNING = 1.345
 """Residuals of this many standard deviations start to count less; 95 % efficient for normal noise."""
-
-MAD_TO_STD = 1.4826
-"""Standard deviation of normal noise over its median absolute deviation."""
 
 ROUNDS = 50
 """Reweightings at most."""
@@ -61,7 +59,7 @@ def _scales(problem: RowProblem, values: FloatArray) -> FloatArray:
     for index, columns, table, _ in _tables(problem):
         sizes[index].append(np.abs(table[-1] - values[columns] @ table[:-1]))
     every = [np.concatenate(size) for size in sizes]
-    return np.array([MAD_TO_STD * np.median(size) if len(size) else 0.0 for size in every])
+    return np.array([robust_std(size) if len(size) else 0.0 for size in every])
 
 
 def _reweighted(problem: RowProblem, values: FloatArray, scales: FloatArray) -> list[RFactor]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.signals import Preparation, Recording
+from exoid.signals.noise_size import robust_std
 from exoid.torques import TorqueModel
 
 from .cross_validation import Errors, Split, blocked_folds, evaluation, fast_blocks
@@ -96,7 +97,7 @@ def _errors(split: Split, fitted: Design, compared: Design, *, robust: bool) -> 
 def _weights(left: FloatArray, used: FloatArray, *, robust: bool) -> FloatArray:
     """Weights of squared residuals: of joints by their size, and of rows beyond the clip."""
     rows = left[:, used > 0.0]
-    scale = np.median(np.abs(rows), axis=1) / 0.6745 if robust else np.sqrt(np.mean(rows**2, axis=1))
+    scale = robust_std(rows.T) if robust else np.sqrt(np.mean(rows**2, axis=1))
     scale = np.maximum(scale, 1e-9 * np.sqrt(np.mean(left**2)) + 1e-300)[:, None]
     clipped = np.minimum(1.0, CLIP * scale / np.maximum(np.abs(left), 1e-300)) if robust else 1.0
     return np.asarray(used * clipped / scale**2)

@@ -14,6 +14,7 @@ from exoid.errors import ExoidError
 from exoid.signals import Recording, Wrench
 
 from .audit import Audit
+from .base_steps import BaseSteps
 from .plant import GroundPlant
 from .sensors import GroundSensors
 
@@ -90,6 +91,7 @@ class GroundRun:
         wrenches: Wrench on each foot, and on the root link where a rail or a spring holds it, in the axes of the link.
         feet: Load and place of each foot.
         audit: Balance of energy and momentum.
+        steps: Motion of the root link at every step of the simulation.
     """
 
     plant: GroundPlant
@@ -104,6 +106,7 @@ class GroundRun:
     wrenches: Mapping[str, Wrench]
     feet: Mapping[str, Footing]
     audit: Audit
+    steps: BaseSteps
 
     def fixed(self, link: str) -> BoolArray:
         """Find the samples at which a foot is flat on the ground and does not slip.
@@ -150,6 +153,7 @@ class GroundRun:
         world = sensors.wrench_axes == "world"
         pose = sensors.pose(self.position, self.rotation, rng) if world else None
         rate = 1.0 / float(self.time[1] - self.time[0])
+        base = self.steps.averaged(sensors.imu_window) if sensors.imu_window else self.base
         contacts = {link: sensors.switch(foot.force[:, 2], rate, rng) for link, foot in self.feet.items()}
         for link in self.wrenches:
             if link not in logged and link not in contacts:
@@ -159,7 +163,7 @@ class GroundRun:
             q,
             tau=tau,
             joint_names=self.plant.leg.joint_names,
-            base=sensors.imu(self.base, rng, pose),
+            base=sensors.imu(base, rng, pose),
             wrenches={link: sensors.wrench(self.wrench(link, world=world), rng) for link in logged},
             contacts=contacts,
         )

@@ -10,6 +10,7 @@ from exoid.reduction import GRAVITY
 from exoid.signals import Wrench
 
 from .audit import Audit
+from .base_steps import BaseSteps
 from .engine import Engine
 from .holder import Holder
 from .run import Footing, GroundRun
@@ -28,10 +29,24 @@ class Samples:
         self._states: list[tuple[FloatArray, ...]] = []
         self._steps: list[tuple[FloatArray, ...]] = []
         self._times: list[float] = []
+        self._places: list[int] = []
+        self._base: list[tuple[FloatArray, ...]] = []
+        self._begun: tuple[FloatArray, FloatArray]
 
     def begin(self) -> None:
-        """Note the state that the step begins with."""
+        """Note the state that a step of the log begins with."""
+        self._places.append(len(self._base))
         self._states.append((self._engine.q.copy(), self._engine.rate.copy()))
+
+    def begin_step(self) -> None:
+        """Note how the torso turns as any step begins."""
+        engine = self._engine
+        self._begun = engine.rate[: engine.base].copy(), engine.torso.rotation.copy()
+
+    def finish_step(self) -> None:
+        """Note the acceleration of the torso in that step."""
+        rate, turn = self._begun
+        self._base.append((rate, self._engine.acceleration[: self._engine.base].copy(), turn))
 
     def finish(self, time: float, torque: FloatArray) -> None:
         """Note acceleration and forces of the step.
@@ -68,8 +83,10 @@ class Samples:
             pulled, moment = (np.einsum("nij,ni->nj", turn, held[:, part]) for part in (0, 1))
             wrenches[plant.root_link] = Wrench(pulled, moment, np.array(point))
         base = _base_kinematics(engine, rate[:, :b], a[:, :b], turn)
+        motion = _base_kinematics(engine, *(np.array(x) for x in zip(*self._base, strict=True)))
+        steps = BaseSteps(motion, np.array(self._places), float(engine.model.opt.timestep))
         time = np.array(self._times)
-        return GroundRun(plant, time, q, rate[:, b:], a[:, b:], tau, base, torso, turn, wrenches, feet, audit)
+        return GroundRun(plant, time, q, rate[:, b:], a[:, b:], tau, base, torso, turn, wrenches, feet, audit, steps)
 
 
 def _base_kinematics(engine: Engine, rate: FloatArray, change: FloatArray, turn: FloatArray) -> BaseKinematics:

@@ -29,6 +29,7 @@ NOT_NEGATIVE = (
     "acceleration_noise",
     "gyro_bias",
     "acceleration_bias",
+    "imu_window",
     "position_noise",
     "turn_noise",
     "switch_force",
@@ -50,6 +51,8 @@ class GroundSensors:
         acceleration_noise: Noise of the accelerometer [m/s²].
         gyro_bias: Standard deviation of the constant bias of each axis of the gyroscope [rad/s], drawn for each log.
         acceleration_bias: The same of the accelerometer [m/s²].
+        imu_window: Time over which the IMU takes means [s], as its low-pass does; 2 ms is a bandwidth of 220 Hz. Zero
+            reads velocity and acceleration of one step of the simulation.
         imu_position: Place of the IMU in the axes of the root link [m], (3,), which the log states.
         imu_misalignment: Rotation vector of a mounting of the IMU that the log does not state [rad], (3,).
         position_noise: Noise of each coordinate of motion capture [m].
@@ -71,6 +74,7 @@ class GroundSensors:
     acceleration_noise: float = 0.05
     gyro_bias: float = 0.0
     acceleration_bias: float = 0.0
+    imu_window: float = 2e-3
     imu_position: tuple[float, float, float] = (0.05, 0.0, 0.25)
     imu_misalignment: tuple[float, float, float] = (0.0, 0.0, 0.0)
     position_noise: float = 2e-4
@@ -95,7 +99,7 @@ class GroundSensors:
 
     @classmethod
     def exact(cls, *, wrench_axes: Axes = "link") -> GroundSensors:
-        """Make sensors without noise.
+        """Make sensors without noise, whose IMU reads single steps.
 
         Args:
             wrench_axes: Axes of the wrenches.
@@ -110,6 +114,7 @@ class GroundSensors:
             moment_noise=0.0,
             gyro_noise=0.0,
             acceleration_noise=0.0,
+            imu_window=0.0,
             position_noise=0.0,
             turn_noise=0.0,
             wrench_axes=wrench_axes,

@@ -84,11 +84,13 @@ def simulate_on_ground(
         logs = now >= 0 and now % every_log == 0
         if now >= 0:
             ledger.begin(now)
+            samples.begin_step()
         if logs:
             samples.begin()
         engine.finish()
         if now >= 0:
             ledger.finish(now, torque, held)
+            samples.finish_step()
         if logs:
             samples.finish(now * rates.step, torque)
         if not engine.rate @ engine.rate < DIVERGED_SPEED**2:

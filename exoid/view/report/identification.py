@@ -11,6 +11,7 @@ from exoid.view.scenes import scene
 
 from . import text
 from .advice import advice
+from .ground_pictures import ground_blocks
 from .page import Block, EmbeddedPage, Page, Section, Text
 from .pictures import (
     SHOWN_SECONDS,
@@ -54,6 +55,7 @@ def identification_report(
         "Parameters": _parameters(estimate, other_values),
         "Findings": text.finding_blocks(estimate),
         "Measured and predicted torque": _torque(estimate, tested or fitted, bool(tested)),
+        "Ground force": ground_blocks(estimate, [each.recording for each in tested or fitted]),
         "Friction": _friction(estimate, fitted),
         "Residuals": _residuals(estimate, fitted),
         "Replay": _replay(estimate, (tested or fitted)[0].recording),

@@ -64,11 +64,10 @@ def predict_recording(estimate: Estimate, recording: Recording) -> RecordingPred
         recording = estimate.actuators.torque(recording)
     recording = for_leg(estimate.model, recording).resampled()
     validation = validate(estimate, recording)
-    q, v, a, inner = estimate.preparation.kinematics(recording)
-    valid = np.zeros(len(recording), dtype=np.bool_)
-    valid[inner] = True if recording.mask is None else recording.mask[inner]
+    q, v, a, _ = estimate.preparation.kinematics(recording)
+    valid = np.searchsorted(recording.time, validation.time - 0.5 / recording.sample_rate)
     base = base_during(recording, estimate.preparation)
     motion = estimate.model.motion(q, v, a, base, recording.payloads, temperature=recording.temperature)
-    friction = estimate.model.friction_torque(motion, estimate.values)
+    friction = estimate.model.friction_torque(motion, estimate.values)[:, estimate.model.leg.base_rows :]
     filtered = estimate.preparation.filter_columns(friction, recording.sample_rate)[valid]
     return RecordingPrediction(recording, q[valid], v[valid], validation, filtered)

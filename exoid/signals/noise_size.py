@@ -1,0 +1,40 @@
+"""Size of noise that outliers and the signal itself hardly change."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exoid._typing import FloatArray
+
+MAD_TO_STD = 1.4826
+"""Standard deviation of normal noise over the median of its absolute values."""
+
+ORDER = 4
+"""Differences of this order leave nothing of a smooth signal."""
+
+GAIN = 70.0
+"""Variance of the fourth differences of white noise of variance one, 1² + 4² + 6² + 4² + 1²."""
+
+
+def robust_std(x: FloatArray) -> FloatArray:
+    """Standard deviation about zero by the median of the absolute values, 1.4826 med |x|.
+
+    Args:
+        x: Residuals, (N,) or (N, K).
+
+    Returns:
+        Standard deviation in their unit, () or (K,).
+    """
+    return np.asarray(MAD_TO_STD * np.median(np.abs(x), axis=0))
+
+
+def white_noise(signals: FloatArray) -> FloatArray:
+    """Standard deviation of white noise in smooth signals, by their fourth differences.
+
+    Args:
+        signals: Signals at even time stamps, (N, K).
+
+    Returns:
+        Standard deviation of each in its unit, (K,).
+    """
+    return np.asarray(robust_std(np.diff(signals, ORDER, axis=0)) / np.sqrt(GAIN))

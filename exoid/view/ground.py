@@ -1,0 +1,46 @@
+"""Figures of forces of the ground."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from exoid._typing import FloatArray
+
+from .colours import IDENTIFIED, RESIDUAL
+from .style import legend_above
+
+BREAK = 0.05
+"""Lines are not drawn across gaps longer than this [s], in which the foot does not rest."""
+
+
+def plot_ground_force(
+    ax: Axes,
+    time: FloatArray,
+    predicted: FloatArray,
+    half_width: FloatArray,
+    measured: FloatArray | None = None,
+    label: str = "vertical force [N]",
+) -> Axes:
+    """Plot one quantity of the ground on a foot: predicted from joint torques, its 95 % band, and measured.
+
+    Args:
+        ax: Axes to draw on.
+        time: Samples at which the foot rests [s], (N,).
+        predicted: Predicted values, (N,).
+        half_width: Half the width of the 95 % band, (N,).
+        measured: Values of a force plate, (N,); None for none.
+        label: Label of the vertical axis, with the unit.
+
+    Returns:
+        The axes.
+    """
+    broken = np.flatnonzero(np.diff(time) > BREAK) + 1
+    at, middle, half = (np.insert(x, broken, np.nan) for x in (time, predicted, half_width))
+    if measured is not None:
+        ax.plot(at, np.insert(measured, broken, np.nan), color=RESIDUAL, lw=0.5, label="force plate")
+    ax.fill_between(at, middle - half, middle + half, color=IDENTIFIED, alpha=0.35, lw=0, label="95 % band", zorder=2)
+    ax.plot(at, middle, color=IDENTIFIED, lw=1.0, label="from joint torques")
+    ax.set(xlabel="time [s]", ylabel=label)
+    legend_above(ax, columns=3)
+    return ax

@@ -1,0 +1,81 @@
+"""What does stance tell of BLEEX with and without an IMU, on soft soles and on ice? See docs/ground.md.
+
+    python scripts/study_no_imu.py               # 12 seeds, some ten minutes on one core
+
+Each seed has squats, single support on each leg and a swing, and squats on ice (friction 0.022) with the same noise.
+Swing keeps its IMU. Coverage is that of 95 % intervals of all parameters; moves are from dry ground to ice.
+"""
+
+from __future__ import annotations
+
+import argparse
+import warnings
+from dataclasses import replace
+
+import numpy as np
+
+from exoid.catalog import load_exo
+from exoid.estimate import Estimate
+from exoid.ground import split
+from exoid.identification import identify
+from exoid.reproduce.stance import TERMS, true_values
+from exoid.reproduce.stance_logs import StanceExtent, run_stance
+from exoid.signals import Recording
+
+SLIDES = 0.005
+"""A foot that is faster than this slips [m/s]."""
+
+
+def figures(seed: int) -> dict[str, float]:
+    """Figures of one seed."""
+    runs, machine = run_stance(seed, StanceExtent(unseen=3.0, walking=3.0)), load_exo("bleex", base="floating")
+    truth, swing = true_values(runs.plant), runs.log("swing")
+    imu = split(machine, runs.log("squats")).imu
+    if imu is not None and swing.base is not None:
+        swing = replace(swing, base=imu.corrected(swing.base))
+    slip = runs.runs["slipping squats"].feet["left_foot"].slip
+    found = {"samples that slip [%]": 100.0 * float(np.mean(slip > SLIDES)), "fastest slip [mm/s]": 1e3 * slip.max()}
+    for name, measured in (("IMU", True), ("no IMU", False)):
+        dry, ice = (
+            identify(machine, [*(_log(log, measured=measured) for log in logs), swing], TERMS)
+            for logs in (runs.stance(), [runs.log("slipping squats"), *runs.stance()[1:]])
+        )
+        true = np.array([truth[parameter] for parameter in dry.names])
+        low, high = dry.interval(0.95).T
+        found |= {
+            f"{name}: parameters in their 95 % interval [%]": 100.0 * float(np.mean((low <= true) & (true <= high))),
+            f"{name}: J0, error [%]": 100.0 * abs(dry["J0"].value / truth["J0"] - 1.0),
+            f"{name}: largest move on ice [std]": float(np.max(np.abs(ice.values - dry.values) / dry.std)),
+            f"{name}: reported on ice [%]": 100.0 * _reported(ice),
+            f"{name}: reported on dry ground [%]": 100.0 * _reported(dry),
+        }
+    soles = [finding.value for finding in dry.findings if finding.kind == "sole-compliance"]
+    return found | {"no IMU: compliance of the soles [1e-5 rad/(N·m)]": 1e5 * float(np.mean(soles))}
+
+
+def _log(log: Recording, *, measured: bool) -> Recording:
+    """Log with or without its IMU."""
+    return log if measured else replace(log, base=None)
+
+
+def _reported(estimate: Estimate) -> float:
+    """Largest share of a log that findings name."""
+    kinds = ("slipping-contact", "wrong-contact")
+    return max((float(finding.value) for finding in estimate.findings if finding.kind in kinds), default=0.0)
+
+
+def main() -> None:
+    """Read the options and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=12)
+    seeds = parser.parse_args().seeds
+    warnings.simplefilter("ignore")
+    found = [figures(seed) for seed in range(seeds)]
+    print(f"{seeds} seeds {'mean':>50} {'median':>8} {'least':>8} {'most':>8}")
+    for name in found[0]:
+        values = np.array([each[name] for each in found])
+        print(f"{name:52s} {values.mean():8.3g} {np.median(values):8.3g} {values.min():8.3g} {values.max():8.3g}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,87 @@
+"""Report of a leg that stands: forces of the ground on its feet."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from standing import GRAVITY, mirrored, standing
+
+import exoid
+from exoid import Viscous
+from exoid.estimate.ground_prediction import GroundForce
+from exoid.tables import DataTable
+from exoid.view.ground import plot_ground_force
+from exoid.view.report import Picture, identification_report
+from exoid.view.report.ground_pictures import _centre_half, ground_blocks
+
+
+@pytest.fixture(scope="module")
+def exo():
+    return exoid.load_exo("bleex", base="floating")
+
+
+@pytest.fixture(scope="module")
+def logs(exo):
+    options = {"seconds": 12.0, "noise": 0.4, "encoder": 1e-4}
+    both, left, right = (standing(exo, feet, seed=k, **options) for k, feet in enumerate(("both", "left", "left")))
+    return [both, left, mirrored(right)]
+
+
+@pytest.fixture(scope="module")
+def estimate(exo, logs):
+    return exoid.identify(exo, [log.recording for log in logs], terms=(Viscous(),))
+
+
+def test_the_report_has_a_section_of_ground_forces(estimate, logs):
+    html = identification_report(estimate, [log.recording for log in logs]).html()
+    assert "Ground force" in html
+    assert html.count("Vertical force of the ground on left_foot") >= 1
+    assert "Vertical force of the ground on right_foot" in html
+
+
+def test_forces_of_both_feet_add_up_to_the_weight_and_agree_with_plates(exo, estimate, logs):
+    both = logs[0]
+    plates = replace(both.recording, wrenches=both.wrenches)
+    _, table, *pictures = ground_blocks(estimate, [plates])
+    assert isinstance(table, DataTable)
+    assert [row[1] for row in table.rows] == ["left_foot", "right_foot"]
+    assert sum(float(row[3]) for row in table.rows) == pytest.approx(GRAVITY * exo.parameters[0], rel=0.01)
+    assert all(float(row[5]) < 5.0 for row in table.rows)
+    assert all(isinstance(picture, Picture) for picture in pictures)
+    assert len(pictures) == 2
+
+
+def test_without_plates_nothing_is_compared(estimate, logs):
+    _, table, *_ = ground_blocks(estimate, [logs[1].recording])
+    assert table.rows[0][5] == "–"
+
+
+def test_a_leg_that_swings_has_no_ground_forces():
+    leg = exoid.load_leg("bleex")
+    time = np.arange(0.0, 10.0, 0.01)
+    q = 0.4 * np.sin(np.outer(time, (2.0, 3.1, 4.3)) + np.arange(3.0))
+    v, a = np.gradient(q, time, axis=0), np.gradient(np.gradient(q, time, axis=0), time, axis=0)
+    log = exoid.Recording(time, q, tau=leg.inverse_dynamics(q, v, a), joint_names=leg.joint_names)
+    assert not list(ground_blocks(exoid.identify(leg, log, terms=()), [log]))
+
+
+def test_the_band_of_the_centre_of_pressure_is_that_of_its_parts():
+    rng = np.random.default_rng(0)
+    force, moment = np.tile((20.0, 0.0, 500.0), (20_000, 1)), np.tile((0.0, -15.0, 0.0), (20_000, 1))
+    sizes = np.array([2.0, 0.1, 4.0]), np.array([0.1, 0.5, 0.1])
+    bands = [np.tile(size, (20_000, 1)) for size in sizes]
+    exact = GroundForce(np.arange(20_000.0), force, moment, *bands)
+    noisy = GroundForce(
+        exact.time, *(x + s * rng.standard_normal(x.shape) for x, s in zip((force, moment), sizes, strict=True)), *bands
+    )
+    spread = (noisy.center_of_pressure(-0.1) - exact.center_of_pressure(-0.1))[:, 0].std()
+    assert _centre_half(exact, -0.1)[0] == pytest.approx(spread, rel=0.05)
+
+
+def test_lines_are_not_drawn_where_the_foot_does_not_rest():
+    time = np.concatenate([np.arange(0.0, 1.0, 0.01), np.arange(2.0, 3.0, 0.01)])
+    ax = plot_ground_force(Figure().add_subplot(), time, np.full(200, 400.0), np.full(200, 5.0), np.full(200, 401.0))
+    plate, predicted = ax.get_lines()
+    assert np.isnan(predicted.get_ydata()).sum() == np.isnan(plate.get_ydata()).sum() == 1
+    assert ax.get_ylabel() == "vertical force [N]"
