@@ -2,6 +2,7 @@
 
 from .alignment import Alignment, Channels
 from .false_alarms import crossings_per_minute, threshold
+from .kalman_observer import InnovationTest, KalmanObserver
 from .momentum_observer import MomentumObserver
 from .momentum_terms import Momentum, MomentumTerms
 from .observer import ObserverMemory, TorqueObserver
@@ -11,6 +12,8 @@ from .sensor_noise import SensorNoise
 __all__ = [
     "Alignment",
     "Channels",
+    "InnovationTest",
+    "KalmanObserver",
     "Momentum",
     "MomentumObserver",
     "MomentumTerms",

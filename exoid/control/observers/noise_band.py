@@ -59,9 +59,8 @@ class NoiseBand:
 
     Attributes:
         torque: Variance by torque noise and by what the identification left [N²·m²], (n,).
-        velocity: Variance of velocity noise, times its gain, by the joint of the sensor: σ_i² gains M_ij² times this,
-            (n,).
-        derived: The same where velocities are derived from angles.
+        velocity: Gain g_v,i of each reading, and variance σ_v,j² of each sensor [rad²/s²], (2, n).
+        derived: The same where velocities are derived from angles: gain, and variance of angles [rad²].
         level: Threshold in standard deviations, (n,).
     """
 
@@ -95,25 +94,22 @@ class NoiseBand:
             ExoidError: The noise fits other joints, or the rate of false alarms is not positive.
         """
         n, rate = alignment.n, alignment.rate
-        one = np.array([1.0])
-        smoothed, slope = (one, None) if alignment.filters is None else (_first(f, one) for f in alignment.filters)
-        halves, steps = np.array([0.5, 0.5]), np.array([rate, -rate])
-        torque = filters.impulse_response(np.convolve(smoothed, halves))
-        velocity = filters.impulse_response(np.convolve(smoothed, steps))
-        derived = velocity if slope is None else filters.impulse_response(np.convolve(slope, steps))
-        gains = [(h**2).sum(axis=0) for h in (torque, velocity, derived)]
+        responses = filtered_noise(alignment, filters)
+        gains = [(h**2).sum(axis=0) for h in responses]
         if noise is None:
-            white = np.zeros(n) if residual is None else np.maximum(gains[0] * residual.density * rate, residual.variance)
-            return cls(white, np.zeros(n), np.zeros(n), np.full(n, np.inf))
+            white = (
+                np.zeros(n) if residual is None else np.maximum(gains[0] * residual.density * rate, residual.variance)
+            )
+            return cls(white, np.zeros((2, n)), np.zeros((2, n)), np.full(n, np.inf))
         of_torque, of_velocity, of_angle = (std**2 for std in noise.columns(n))
         left = np.zeros(n) if residual is None else residual.variance - residual.share * of_torque
         variances = (of_torque, of_velocity, of_angle)
-        acting = [h for h, found in zip((torque, velocity, derived), variances, strict=True) if found.any()]
+        acting = [h for h, found in zip(responses, variances, strict=True) if found.any()]
         return cls(
             gains[0] * of_torque + np.clip(left, 0.0, None),
-            gains[1].max() * of_velocity,
-            gains[2].max() * of_angle,
-            _levels(acting or [torque], false_alarms, rate),
+            np.stack([gains[1], of_velocity]),
+            np.stack([gains[2], of_angle]),
+            _levels(acting or responses[:1], false_alarms, rate),
         )
 
     def variance(self, M: FloatArray, *, derived: bool) -> FloatArray:
@@ -126,7 +122,41 @@ class NoiseBand:
         Returns:
             Variance [N²·m²], (n,) or (N, n).
         """
-        return np.asarray(self.torque + M**2 @ (self.derived if derived else self.velocity))
+        gain, of_sensor = self.derived if derived else self.velocity
+        return np.asarray(self.torque + gain * (M**2 @ of_sensor))
+
+
+def filtered_noise(alignment: Alignment, filters: JointFilters) -> list[FloatArray]:
+    """Impulse responses from noise of torques, measured velocities and angles to the reading, for M = 1.
+
+    Args:
+        alignment: Filters of the channels.
+        filters: Filters of the torque balance.
+
+    Returns:
+        Responses to one unit in one sample, (N, n) each; that of angles is that of velocities without a low-pass.
+    """
+    one = np.array([1.0])
+    smoothed, slope = (one, one) if alignment.filters is None else (_first(f, one) for f in alignment.filters)
+    halves, steps = np.array([0.5, 0.5]), np.array([alignment.rate, -alignment.rate])
+    pairs = ((smoothed, halves), (smoothed, steps), (slope, steps))
+    return [filters.impulse_response(np.convolve(a, b)) for a, b in pairs]
+
+
+def effective_share(responses: list[FloatArray]) -> FloatArray:
+    """Independent samples that say as much on the size of filtered noise as one of its, the fewest of several kinds.
+
+    Args:
+        responses: Impulse responses of the filters, (N, n) each.
+
+    Returns:
+        (mean S)² / mean S² of the spectrum S, the smallest of all, (n,).
+    """
+    shares = []
+    for response in responses:
+        spectrum = np.abs(np.fft.rfft(response, 2 * len(response), axis=0)) ** 2
+        shares.append(spectrum.mean(axis=0) ** 2 / (spectrum**2).mean(axis=0))
+    return np.asarray(np.min(shares, axis=0))
 
 
 def _first(filters: JointFilters, x: FloatArray) -> FloatArray:

@@ -37,6 +37,9 @@ CUTOFF = 3.0
 LARGEST = 0.2
 """and at most over the sampling rate."""
 
+FASTEST = 30.0
+"""Default cut-off where no bandwidth is given [Hz]."""
+
 STICTION = 1.2
 """Static friction over friction in slow motion, an assumption: an estimate of Coulomb friction does not show it."""
 
@@ -102,7 +105,7 @@ class TorqueObserver(ABC):
     """
 
     source: ModelSource
-    bandwidth: ArrayLike
+    bandwidth: ArrayLike | None
     rate: float
     _: KW_ONLY
     cutoff: float | None = None
@@ -231,7 +234,9 @@ class TorqueObserver(ABC):
         terms, columns = self.terms.at(channels.q, channels.v), self._columns(channels.q[None], channels.v[None])
         torque = channels.tau + terms.model
         now = MomentumColumns(columns.p[0], columns.model[0])
-        torque_read, filtered = self.filters.step(memory.filtered, self._balance(terms.p, memory.p, torque, memory.torque))
+        torque_read, filtered = self.filters.step(
+            memory.filtered, self._balance(terms.p, memory.p, torque, memory.torque)
+        )
         of_columns = self._balance(now.p, memory.columns.p, now.model, memory.columns.model)
         moved, filtered_columns = self.filters.step(memory.filtered_columns, of_columns)
         bound, filtered_stiction = self.filters.step(memory.filtered_stiction, terms.unknown)
@@ -389,7 +394,10 @@ class TorqueObserver(ABC):
         if any(x.shape not in ((), (n,)) or not np.isfinite(x).all() for x in (torque, velocity)):
             raise ExoidError("delays do not fit the joints", remedy=f"give a finite number, or {n} of them, in seconds")
         lags = np.stack([np.broadcast_to(velocity, n), np.broadcast_to(torque, n)])
-        cutoff = min(CUTOFF * float(self.bandwidths.max()), LARGEST * self.rate) if self.cutoff is None else self.cutoff
+        cutoff = self.cutoff
+        if cutoff is None:
+            wanted = FASTEST if self.bandwidth is None else CUTOFF * float(self.bandwidths.max())
+            cutoff = min(wanted, LARGEST * self.rate)
         if not 0.0 < cutoff < 0.5 * self.rate and cutoff != np.inf:
             raise ExoidError(
                 f"a low-pass at {cutoff:g} Hz for channels at {self.rate:g} Hz",
