@@ -10,6 +10,7 @@ from walking import TORQUE_NOISE, Walk
 
 from exoid import Coulomb, Leg, Offset, Recording, Viscous
 from exoid.control.observers import SensorNoise
+from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Run, Sensors, Target, simulate
 from exoid.torques import TorqueModel
 
 Array = NDArray[np.float64]
@@ -110,3 +111,57 @@ class WornLog:
 def nrmse(read: Array, true: Array, skip: int) -> Array:
     """RMS difference over the standard deviation of the truth, without the first samples, (n,)."""
     return np.asarray(np.sqrt(np.mean((read - true)[skip:] ** 2, axis=0)) / true[skip:].std(axis=0))
+
+
+@dataclass(frozen=True, eq=False)
+class StopAndGo:
+    """Motion of B rigs in which each joint moves and rests in turn, at times of its own.
+
+    Attributes:
+        size: Amplitudes [rad], (n, B).
+        phase: Where in its turn each joint begins, (n, B).
+        centre: Mean angles [rad], (n, 1).
+    """
+
+    size: Array
+    phase: Array
+    centre: Array
+
+    @classmethod
+    def draw(cls, n: int, rigs: int, seed: int) -> StopAndGo:
+        """Draw motions of a leg."""
+        rng = np.random.default_rng([seed, 17])
+        size = rng.uniform(0.1, 0.45, (n, rigs))
+        return cls(size, rng.uniform(0.0, 10.0, (n, rigs)), np.array([[0.4], [-0.6], [0.0]])[:n])
+
+    def at(self, time: float) -> Target:
+        """Four seconds of motion at 0.75 Hz, then two of rest, over and over."""
+        turn, share = np.divmod(time + self.phase, 6.0)
+        s = np.minimum(share / 4.0, 1.0)
+        way, rate, change = s**3 * (10 - 15 * s + 6 * s * s), 30 * (s * (1 - s)) ** 2, 60 * s * (1 - s) * (1 - 2 * s)
+        w = 6.0 * np.pi
+        angle, speed, push = w * (turn + way), w * rate / 4.0, w * change / 16.0
+        v = self.size * np.cos(angle) * speed
+        a = self.size * (np.cos(angle) * push - np.sin(angle) * speed**2)
+        return Target(self.centre + self.size * np.sin(angle), v, a)
+
+
+def sticking_run(leg: Leg, rigs: int, seconds: float, seed: int = 0, rate: float = 1000.0) -> Run:
+    """Rigs that nobody wears, with friction that sticks; a soft servo leaves each joint at rest under some torque."""
+    friction = {
+        f"{symbol}_{label}": value
+        for symbol, row in FRICTION.items()
+        if symbol != "offset"
+        for label, value in zip(leg.joint_labels, row, strict=False)
+    }
+    n = len(leg.joint_names)
+    return simulate(
+        Plant.build(leg, friction, pitch=np.zeros(rigs), end_stops=False),
+        StopAndGo.draw(n, rigs, seed),
+        ProportionalDerivative(np.array([[150.0], [120.0], [40.0]])[:n], np.array([[15.0], [8.0], [1.5]])[:n]),
+        IdealTorque(),
+        seconds,
+        sensors=Sensors(torque_noise=TORQUE_NOISE[:n]),
+        rates=Rates(rate, rate),
+        seed=seed,
+    )

@@ -10,19 +10,20 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.control.friction import WIDTH
+from exoid.control.law import refuse_rate
+from exoid.control.model import ControlModel, ModelSource
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.signals import Recording
 
-from ..friction import WIDTH
-from ..law import refuse_rate
-from ..model import ControlModel, ModelSource
 from .alignment import Alignment, AlignmentMemory, Channels
 from .checks import observed_channels, refuse_reading
 from .joint_filters import JointFilters
-from .momentum_terms import Momentum, MomentumTerms
+from .momentum_terms import MomentumTerms
 from .noise_band import NoiseBand, Residual
 from .parameter_band import MomentumColumns, ParameterBand
 from .reading import ObservedTorque, ObserverReading
@@ -276,8 +277,8 @@ class TorqueObserver(ABC):
         self._refuse_no_velocity(channels.v is None)
         speed = self._first_velocity(channels.q) if channels.v is None else channels.v[0]
         blocks = list(self._blocks(self.begin(channels.q[0], speed, channels.tau[0]), channels))
-        parts = (np.concatenate(part) for part in zip(*blocks, strict=True))
-        return ObservedTorque(recording.time, *parts, self._names, self.delay, self.settling)
+        found = ObserverReading(*map(np.concatenate, zip(*blocks, strict=True)))
+        return ObservedTorque(recording.time, *found, joint_names=self._names, delay=self.delay, settling=self.settling)
 
     def _first_velocity(self, q: FloatArray) -> FloatArray:
         """Mean velocity over the first samples of a log, as long as the delay of the channels, (n,)."""
@@ -328,7 +329,7 @@ class TorqueObserver(ABC):
         moved: FloatArray,
         bound: FloatArray,
         M: FloatArray,
-        samples: FloatArray,
+        samples: NDArray[np.int_],
         *,
         derived: bool,
     ) -> ObserverReading:
@@ -359,7 +360,7 @@ class TorqueObserver(ABC):
     @cached_property
     def _reach(self) -> FloatArray:
         """Sum of the absolute impulse response of the filter: what a bounded error can become at most, (n,)."""
-        return np.abs(self.filters.impulse_response(np.array([1.0]))).sum(axis=0)
+        return np.asarray(np.abs(self.filters.impulse_response(np.array([1.0]))).sum(axis=0))
 
     @cached_property
     def model(self) -> ControlModel:
@@ -407,15 +408,11 @@ class TorqueObserver(ABC):
 
     @cached_property
     def bandwidths(self) -> FloatArray:
-        """Bandwidth of each joint [Hz], (n,).
-
-        Raises:
-            ExoidError: It is not positive, or for another number of joints.
-        """
+        """−3 dB frequency of each joint [Hz], (n,)."""
         given = np.asarray(self.bandwidth, dtype=np.float64)
         if given.shape not in ((), (self.model.n,)) or not ((given > 0.0) & np.isfinite(given)).all():
             raise ExoidError(
-                f"a bandwidth of {self.bandwidth}", remedy="give a positive number in Hz, or one for each joint"
+                f"a bandwidth of {self.bandwidth!r}", remedy="give a positive number in Hz, or one for each joint"
             )
         return np.broadcast_to(given, self.model.n).copy()
 
