@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import butter, group_delay, lfilter
 from walking import TORQUE_NOISE, Walk
 
-from exoid import Coulomb, Leg, Offset, Recording, Viscous
+from exoid import Coulomb, Estimate, Leg, Offset, Recording, Viscous, identify
 from exoid.control.observers import SensorNoise
-from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Run, Sensors, Target, simulate
+from exoid.experiments import Harmonics, healthy_gait
+from exoid.experiments.gait import norm_gait
+from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Run, Sensors, Target, Wearer, simulate
 from exoid.torques import TorqueModel
 
 Array = NDArray[np.float64]
@@ -41,6 +44,7 @@ class WornLog:
         noise: Size of the noise over the usual one.
         tachometer: Noise of a measured velocity [rad/s]; None if it is not measured.
         late: Delay of the logged torques [s].
+        zero: Size of the torque sensors' zero offsets over the usual one.
     """
 
     leg: Leg
@@ -51,6 +55,7 @@ class WornLog:
     noise: float = 1.0
     tachometer: float | None = None
     late: float = 0.0
+    zero: float = 1.0
     walk: Walk = field(init=False)
 
     def __post_init__(self) -> None:
@@ -62,6 +67,7 @@ class WornLog:
         model = self.model
         known = dict(zip(self.leg.parameter_names, self.leg.parameters.tolist(), strict=True))
         for symbol, row in FRICTION.items():
+            row = [self.zero * x if symbol == "offset" else x for x in row]
             known |= {f"{symbol}_{label}": x for label, x in zip(self.leg.joint_labels, row, strict=False)}
         return np.array([known[name] for name in model.names])
 
@@ -164,4 +170,48 @@ def sticking_run(leg: Leg, rigs: int, seconds: float, seed: int = 0, rate: float
         sensors=Sensors(torque_noise=TORQUE_NOISE[:n]),
         rates=Rates(rate, rate),
         seed=seed,
+    )
+
+
+def estimate_of(leg: Leg, **changes: float) -> Estimate:
+    """Identify a leg from a log that nobody wears, of 30 s at 200 Hz."""
+    return identify(leg, WornLog(leg, 30.0, 200.0, seed=1, size=0.0, **changes).recording(), terms=TERMS)  # type: ignore[arg-type]
+
+
+def worn_run(leg: Leg, periods: Array, seconds: float, seed: int = 0, rate: float = 1000.0) -> Run:
+    """Rigs whose actuators are off, worn by walkers of several stride times."""
+    friction = {
+        f"{symbol}_{label}": value
+        for symbol, row in FRICTION.items()
+        if symbol != "offset"
+        for label, value in zip(leg.joint_labels, row, strict=False)
+    }
+    n = len(leg.joint_names)
+    strides = [healthy_gait(1.0, period) if n == 2 else bleex_gait(period) for period in periods]
+    gait = Harmonics.concatenate(strides)
+    return simulate(
+        Plant.build(leg, friction, pitch=np.zeros(len(periods)), end_stops=False),
+        gait,
+        ProportionalDerivative(0.0, 0.0),
+        IdealTorque(),
+        seconds,
+        sensors=Sensors(torque_noise=TORQUE_NOISE[:n]),
+        rates=Rates(rate, rate),
+        wearer=Wearer.build(leg, intention=gait),
+        seed=seed,
+    )
+
+
+def bleex_gait(period: float) -> Harmonics:
+    """Normal gait in the angles of BLEEX, whose knee bends backwards."""
+    gait, signs = norm_gait("Free", 1.0, period), np.array([[1.0], [-1.0], [1.0]])
+    return replace(gait, centre=signs * gait.centre, amplitude=signs * gait.amplitude)
+
+
+def slow_tachometer(log: WornLog, cutoff: float) -> tuple[Recording, float]:
+    """Log whose velocities passed a low-pass of second order [Hz], and their lag [s]."""
+    b, a = butter(2, cutoff, fs=log.rate)
+    _, v, _ = log.walk.joints
+    return replace(log.recording(), v=lfilter(b, a, v, axis=0)), float(
+        group_delay((b, a), [1e-3], fs=log.rate)[1][0] / log.rate
     )

@@ -12,6 +12,7 @@ from .limited import Limited
 from .lqr import Weights, lqr
 from .mean_pose import mean_pose
 from .model import ControlModel
+from .observers import KalmanObserver, MomentumObserver, SensorNoise
 from .pd import p, pd
 from .side_by_side import SideBySide
 from .standard_laws import LAWS, default_gains, standard_laws
@@ -27,8 +28,11 @@ __all__ = [
     "ControlModel",
     "Driven",
     "FrictionCompensation",
+    "KalmanObserver",
     "Law",
     "Limited",
+    "MomentumObserver",
+    "SensorNoise",
     "SideBySide",
     "State",
     "StatefulLaw",

@@ -32,11 +32,11 @@ from .sensor_noise import SensorNoise
 BLOCK = 4096
 """Samples of a log worked on at once."""
 
-CUTOFF = 3.0
-"""Default cut-off of the channels' low-pass over the observer's bandwidth,"""
+CUTOFF = 1.0
+"""Default cut-off of the channels' low-pass over the observer's bandwidth: near the least noise for a delay;"""
 
 LARGEST = 0.2
-"""and at most over the sampling rate."""
+"""at most over the sampling rate."""
 
 FASTEST = 30.0
 """Default cut-off where no bandwidth is given [Hz]."""
@@ -90,8 +90,8 @@ class TorqueObserver(ABC):
         bandwidth: −3 dB frequency from the torque of the wearer to the reading, without the channels' low-pass [Hz], a
             number or (n,).
         rate: Sampling rate [Hz].
-        cutoff: Cut-off of the low-pass of all channels [Hz]; inf for none, where velocities are measured. None for 3
-            times the bandwidth, at most a fifth of the rate.
+        cutoff: Cut-off of the low-pass of all channels [Hz]; inf for none, where velocities are measured. None for the
+            bandwidth, at most a fifth of the rate.
         noise: Noise of the sensors. None if it is unknown: :meth:`run` then measures it in the log, and :meth:`step`
             detects nothing.
         false_alarms: False alarms per minute, all joints together, for noise alone.
