@@ -2,11 +2,11 @@
 
     python scripts/study_observer.py             # five minutes on one core; --runs 4 --minutes 2 is quicker
 
-Virtual rigs with friction that sticks, encoders of 2^16 counts a turn, and torque noise of 0.5, 0.4 and 0.2 N·m, logged at
-1 kHz. The model is identified from an unworn log of 30 s. Wearers walk with strides of 1.0 to 2.0 s while the actuators
-are off; NRMSE is the RMS difference between reading and true torque at the same time, over the standard deviation of the
-truth, the largest of all wearers. "Aligned" is the same with the delay taken out. Unworn rigs move and rest in turn. The
-last table delays the velocities only, or all channels alike.
+Virtual rigs with friction that sticks, encoders of 2^16 counts a turn, and torque noise of 0.5, 0.4 and 0.2 N·m, logged
+at 1 kHz. The model is identified from an unworn log of 30 s. Wearers walk with strides of 1.0 to 2.0 s while the
+actuators are off. NRMSE is the RMS difference between reading and true torque at the same time, over the standard
+deviation of the truth, the largest of all wearers. "Aligned" is the same with the delay taken out. Unworn rigs move and
+rest in turn. The last table delays the velocities only, or all channels alike.
 """
 
 from __future__ import annotations
@@ -26,6 +26,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from observing import WornLog, estimate_of, nrmse, slow_tachometer, sticking_run, worn_run
 
 RATE = 1000.0
+BANDWIDTH = 32.0
+"""Bandwidth of the observers [Hz]."""
+
 HELD = 0.5 / RATE
 """The rig logs the torque of the interval before each sample: it is half a sample late."""
 
@@ -34,8 +37,8 @@ def observers(leg: Leg, noise: SensorNoise) -> list[TorqueObserver]:
     """Both observers with the model of an estimate."""
     estimate = estimate_of(leg, zero=0.0)
     return [
-        MomentumObserver(estimate, 28.0, RATE, noise=noise, torque_delay=HELD),
-        KalmanObserver(estimate, 28.0, RATE, noise=noise, torque_delay=HELD),
+        MomentumObserver(estimate, BANDWIDTH, RATE, noise=noise, torque_delay=HELD),
+        KalmanObserver(estimate, BANDWIDTH, RATE, noise=noise, torque_delay=HELD),
     ]
 
 
@@ -60,7 +63,7 @@ def unworn(leg: Leg, minutes: float) -> None:
     for observer in observers(leg, SensorNoise.of(run.recording(0))):
         for stiction in (1.2, 0.0):
             tried = type(observer)(
-                observer.source, 28.0, RATE, noise=observer.noise, torque_delay=HELD, stiction=stiction
+                observer.source, BANDWIDTH, RATE, noise=observer.noise, torque_delay=HELD, stiction=stiction
             )
             alarms, largest = np.zeros((2, len(leg.joint_names)))
             for k in range(rigs):

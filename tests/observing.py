@@ -67,8 +67,8 @@ class WornLog:
         model = self.model
         known = dict(zip(self.leg.parameter_names, self.leg.parameters.tolist(), strict=True))
         for symbol, row in FRICTION.items():
-            row = [self.zero * x if symbol == "offset" else x for x in row]
-            known |= {f"{symbol}_{label}": x for label, x in zip(self.leg.joint_labels, row, strict=False)}
+            scale = self.zero if symbol == "offset" else 1.0
+            known |= {f"{symbol}_{label}": scale * x for label, x in zip(self.leg.joint_labels, row, strict=False)}
         return np.array([known[name] for name in model.names])
 
     @property
@@ -212,6 +212,5 @@ def slow_tachometer(log: WornLog, cutoff: float) -> tuple[Recording, float]:
     """Log whose velocities passed a low-pass of second order [Hz], and their lag [s]."""
     b, a = butter(2, cutoff, fs=log.rate)
     _, v, _ = log.walk.joints
-    return replace(log.recording(), v=lfilter(b, a, v, axis=0)), float(
-        group_delay((b, a), [1e-3], fs=log.rate)[1][0] / log.rate
-    )
+    lag = group_delay((b, a), [1e-3], fs=log.rate)[1][0] / log.rate
+    return replace(log.recording(), v=lfilter(b, a, v, axis=0)), float(lag)

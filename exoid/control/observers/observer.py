@@ -96,7 +96,8 @@ class TorqueObserver(ABC):
             detects nothing.
         false_alarms: False alarms per minute, all joints together, for noise alone.
         torque_delay: Lag of measured torques behind angles [s], a number or (n,); None for the ``torque_delays`` of the
-            estimate. Half a sample less than zero for a command that is held until the next sample.
+            estimate. A torque that is held from one sample to the next lags by −T/2 where it is logged at the beginning
+            of its interval, and by T/2 at the end.
         velocity_delay: Lag of measured velocities behind angles [s], likewise.
         width: Width of the smooth sign of friction [rad/s].
         stiction: Static friction over friction in slow motion.
