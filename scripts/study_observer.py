@@ -3,9 +3,10 @@
     python scripts/study_observer.py             # five minutes on one core; --runs 4 --minutes 2 is quicker
 
 Virtual rigs with friction that sticks, encoders of 2^16 counts a turn, and torque noise of 0.5, 0.4 and 0.2 N·m, logged
-at 1 kHz. The model is identified from an unworn log of 30 s. Wearers walk while the actuators are off. NRMSE is the RMS difference between reading and true torque at the same time, over the standard
-deviation of the truth, the largest of all wearers. "Aligned" is the same with the delay taken out. Unworn rigs move and
-rest in turn. The last table delays the velocities only, or all channels alike.
+at 1 kHz. The model is identified from an unworn log of 30 s. Wearers walk while the actuators are off. NRMSE is the RMS
+difference between reading and true torque at the same time, over the standard deviation of the truth, the largest of all
+wearers. "Aligned" is the same with the delay taken out. Unworn rigs move and rest in turn. The last table delays the
+velocities only, or all channels alike.
 """
 
 from __future__ import annotations
