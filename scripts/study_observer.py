@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from observing import WornLog, estimate_of, nrmse, slow_tachometer, sticking_run, worn_run
 
 RATE = 1000.0
-WALKS = ((1.0, 1.4, (36.0, 45.0)), (1.6, 3.0, (22.0, 30.0)))
+WALKS = ((1.0, 1.4, (36.0, 45.0)), (1.6, 3.0, (22.0, 32.0)))
 """Shortest and longest stride time [s], and bandwidth of the observers of each leg [Hz]."""
 
 BANDWIDTH = 20.0

@@ -29,7 +29,7 @@ class MomentumObserver(TorqueObserver):
         >>> data = exoid.datasets.bleex_swing()
         >>> observer = MomentumObserver(exoid.identify(data.leg, data.train), bandwidth=16.0, rate=100.0)
         >>> observer
-        MomentumObserver(left_hip, left_knee, left_ankle: 16 Hz at 100 Hz, delay 23.6 ms)
+        MomentumObserver(left_hip, left_knee, left_ankle: 16 Hz at 100 Hz, delay 20.5 ms)
     """
 
     @property
