@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from exoid.errors import ExoidError
@@ -149,25 +150,28 @@ class _Walk:
 
     def _value(self, node: Node) -> _Value:
         kind, *parts = node
-        if kind == "number":
-            whole = parts[0].isdigit()
-            return _Value(Counter(), whole, int(parts[0]) if whole else None)
-        if kind == "name":
-            return self._name(parts[0])
-        if kind == "field":
-            return _Value(Counter(), self._file.is_integer_field(parts[0]))
-        if kind == "[]":
-            return _Value(self._value(parts[0]).cost + self._value(parts[1]).cost, self._value(parts[0]).integer)
-        if kind == "call":
-            return self._call(*parts)
-        if kind == "cast":
-            inner = self._value(parts[1])
-            return _Value(inner.cost, self._file.is_integer(parts[0]), inner.known)
-        if kind == "?":
-            return self._choice(*(parts))
+        kinds: dict[str, Callable[..., _Value]] = {
+            "number": _number,
+            "name": self._name,
+            "field": lambda name: _Value(Counter(), self._file.is_integer_field(name)),
+            "[]": self._element,
+            "call": self._call,
+            "cast": self._cast,
+            "?": self._choice,
+        }
+        if kind in kinds:
+            return kinds[kind](*parts)
         if kind.endswith(" of"):
             return self._unary(kind.removesuffix(" of"), parts[0])
         return self._binary(kind, *parts)
+
+    def _element(self, array: Node, index: Node) -> _Value:
+        whole = self._value(array)
+        return _Value(whole.cost + self._value(index).cost, whole.integer)
+
+    def _cast(self, kind: str, operand: Node) -> _Value:
+        inner = self._value(operand)
+        return _Value(inner.cost, self._file.is_integer(kind), inner.known)
 
     def _name(self, name: str) -> _Value:
         if name in self._integers:
@@ -224,6 +228,11 @@ class _Walk:
         if one.known is not None and other.known is not None:
             known = _of_integers(operator, one.known, other.known)
         return _Value(cost, True, known)
+
+
+def _number(text: str) -> _Value:
+    whole = text.isdigit()
+    return _Value(Counter(), whole, int(text) if whole else None)
 
 
 def _of_integers(operator: str, one: int, other: int) -> int | None:

@@ -89,7 +89,7 @@ class LawSource:
         where = self.path or Path(f"{self.prefix}.c")
         return to_text(
             f"{where} and {where.with_name(self.header_name)}: {self.law.equation}",
-            f"{self.dialect.real} precision, C99, needs <math.h> only; joints in the order {', '.join(self.law.joints)}",
+            f"{self.dialect.real} precision, C99, needs <math.h> only; joints: {', '.join(self.law.joints)}",
             f"functions: {', '.join(self.functions)}, {self.law.rate:g} times a second",
             f"inputs: {', '.join(('q', 'v', *(each.name for each in self.law.inputs)))}",
             f"one step in the worst case: {self.operations}",

@@ -139,29 +139,24 @@ class _Parser:
         if self._here in self._types or self._here in QUALIFIERS:
             return self._declaration()
         if self._take("for"):
-            self._expect("(")
-            start = self._expression()
-            self._expect(";")
-            condition = self._expression()
-            self._expect(";")
-            step = self._expression()
-            self._expect(")")
-            return [("for", start, condition, step, self._statement())]
+            return [("for", *self._head(";", ";", ")"), self._statement())]
         if self._take("if"):
-            self._expect("(")
-            condition = self._expression()
-            self._expect(")")
-            then = self._statement()
+            condition, then = *self._head(")"), self._statement()
             return [("if", condition, then, self._statement() if self._take("else") else [])]
-        if self._take("return"):
-            if self._take(";"):
-                return []
-            value = self._expression()
-            self._expect(";")
-            return [("do", value)]
+        if self._take("return") and self._take(";"):
+            return []
         value = self._expression()
         self._expect(";")
         return [("do", value)]
+
+    def _head(self, *ends: str) -> list[Node]:
+        """Expressions in the parentheses after for or if."""
+        self._expect("(")
+        found = []
+        for end in ends:
+            found.append(self._expression())
+            self._expect(end)
+        return found
 
     def _declaration(self) -> list[Node]:
         while self._here in QUALIFIERS:

@@ -1,0 +1,78 @@
+"""Control laws of ``exoid export --law``: from options to a law, and to its C."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exoid import control, experiments
+from exoid.codegen.laws import LawSource, Safety
+from exoid.control import ControlModel
+from exoid.control.in_c import write_c
+from exoid.control.stateful import AnyLaw
+from exoid.errors import ExoidError
+from exoid.estimate import Estimate
+from exoid.estimate.provenance import provenance
+
+from .law_options import LawOptions
+from .numbers import joint_values
+from .track import SCALE, roles_of
+
+PERIOD = 10.0
+"""Period of the gait [s]."""
+
+
+def export_law(estimate: Estimate, name: str, path: str, options: LawOptions, precision: str) -> LawSource:
+    """Write a law for an estimate as C.
+
+    Gains, rate and gait are those of ``exoid track`` unless options say otherwise; the limit is that of the URDF.
+
+    Args:
+        estimate: The estimate.
+        name: Name of the law, out of :data:`exoid.control.LAWS`.
+        path: Source to write.
+        options: Options.
+        precision: "double" or "float".
+
+    Returns:
+        What was written.
+
+    Raises:
+        ExoidError: An option does not fit the leg, the law has no form in C, or the file cannot be written.
+    """
+    default = Safety()
+    safety = Safety(
+        options.safe or default.safe, patience=default.patience if options.patience is None else options.patience
+    )
+    law = _limited(_law(estimate, name, options), estimate, options)
+    return write_c(
+        path, law, precision=precision, safety=safety, provenance=provenance(estimate), warnings=estimate.warnings
+    )
+
+
+def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
+    model = ControlModel.of(estimate)
+    leg, labels = model.leg, model.leg.joint_labels
+    period = PERIOD if options.period is None else options.period
+    if not 0.0 < period < np.inf:
+        raise ExoidError(f"--period {period:g}", remedy="give seconds")
+    reference = experiments.gait_for_leg(leg, experiments.healthy_gait(SCALE, period), roles_of(options.role))
+    kp, kd = control.default_gains(model, control.mean_pose(reference, period))
+    if options.kp is not None:
+        kp = joint_values(options.kp, "--kp", labels, one_for_all=True)
+        kd = 0.1 * kp
+    if options.kd is not None:
+        kd = joint_values(options.kd, "--kd", labels, one_for_all=True)
+    rate = 100.0 if options.rate is None else options.rate
+    return control.standard_laws(model, kp, kd, reference, period, rate=rate, names=[name])[name]
+
+
+def _limited(law: AnyLaw, estimate: Estimate, options: LawOptions) -> control.Limited:
+    """Limit the torque; the URDF's limit of zero means that it has none."""
+    effort, labels = estimate.leg.limits.effort, estimate.leg.joint_labels
+    limit = np.where(effort > 0.0, effort, np.inf)
+    if options.limit is not None:
+        limit = joint_values(options.limit, "--limit", labels, one_for_all=True)
+    slew = np.full(len(labels), np.inf)
+    if options.slew is not None:
+        slew = joint_values(options.slew, "--slew", labels, one_for_all=True)
+    return control.Limited(law, limit, slew)
