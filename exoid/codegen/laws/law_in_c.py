@@ -77,7 +77,7 @@ class LawInC:
     """A law for C.
 
     ``step`` is a template in Jinja: C statements that compute ``tau[j]`` of all joints from ``in->q``, ``in->v``, the
-    other inputs, the tables ``{{p}}_<name>`` and the memory ``state-><name>``, which they update. ``int j`` is declared.
+    other inputs, the tables ``{{p}}_<name>`` and the memory ``state-><name>``, which they update. ``int j`` exists.
     Available names are ``p`` (prefix), ``N`` (number of joints), ``real`` (type), ``number(x)``, ``function("sin")``
     and ``rate`` [Hz]. The functions of the leg are ``{{p}}_gravity(q, tau)``, ``{{p}}_springs(q, tau)``,
     ``{{p}}_friction(v, tau)``, ``{{p}}_inverse_dynamics(q, v, a, tau)`` (all but friction) and
