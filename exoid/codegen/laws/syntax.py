@@ -51,7 +51,7 @@ def functions_of(source: str, types: frozenset[str]) -> dict[str, Function]:
     Raises:
         ExoidError: The file has syntax that exoid does not write.
     """
-    return _Parser(_tokens(source), types | {"int", "void", "uint32_t"}).functions()
+    return _Parser(_tokens(source), types | {"int", "void", "uint32_t", "double", "float"}).functions()
 
 
 def _tokens(source: str) -> list[str]:
