@@ -1,0 +1,121 @@
+"""Linear filter of each joint, sample by sample or over a whole log with the same result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import FloatArray
+
+LONGEST = 200_000
+"""Samples after which an impulse response counts as over."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointFilters:
+    """Filter y = b(z) / a(z) x of order m of each joint, in transposed direct form II.
+
+    Attributes:
+        b: Numerators, powers of z⁻¹ rising, (m + 1, n).
+        a: Denominators, the first coefficient 1, (m + 1, n).
+    """
+
+    b: FloatArray
+    a: FloatArray
+
+    @property
+    def order(self) -> int:
+        """Order m."""
+        return len(self.b) - 1
+
+    def settled(self, x: FloatArray) -> FloatArray:
+        """Make the memory after an input that was constant for ever.
+
+        Args:
+            x: The input, (..., n).
+
+        Returns:
+            Memory, (m, ..., n).
+        """
+        y = self.b.sum(axis=0) / self.a.sum(axis=0) * x
+        memory = np.zeros((self.order + 1, *x.shape))
+        for k in range(self.order, 0, -1):
+            memory[k - 1] = memory[k] + self.b[k] * x - self.a[k] * y
+        return memory[:-1]
+
+    def step(self, memory: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Filter one sample.
+
+        Args:
+            memory: Memory, (m, ..., n).
+            x: Input, (..., n).
+
+        Returns:
+            Output, (..., n), and the memory for the next sample.
+        """
+        y = self.b[0] * x + memory[0]
+        after = np.empty_like(memory)
+        for k in range(self.order):
+            after[k] = self.b[k + 1] * x - self.a[k + 1] * y
+            if k + 1 < self.order:
+                after[k] += memory[k + 1]
+        return y, after
+
+    def run(self, memory: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Filter consecutive samples.
+
+        Args:
+            memory: Memory before the first, (m, ..., n).
+            x: Inputs, (N, ..., n).
+
+        Returns:
+            Outputs, (N, ..., n), and the memory after the last sample.
+        """
+        y, after = np.empty_like(x), np.empty_like(memory)
+        for j, (b, a) in enumerate(zip(self.b.T, self.a.T, strict=True)):
+            y[..., j], after[..., j] = scipy.signal.lfilter(b, a, x[..., j], axis=0, zi=memory[..., j])
+        return y, after
+
+    def response(self, frequency: float, rate: float) -> FloatArray:
+        """Compute the frequency response of each joint.
+
+        Args:
+            frequency: Frequency [Hz].
+            rate: Sampling rate [Hz].
+
+        Returns:
+            Complex gains, (n,).
+        """
+        delays = np.exp(-2j * np.pi * frequency / rate * np.arange(self.order + 1))
+        return np.asarray((delays @ self.b) / (delays @ self.a))
+
+    def impulse_response(self, x: FloatArray) -> FloatArray:
+        """Filter a short input until the output is over.
+
+        Args:
+            x: Input of every joint, (K,).
+
+        Returns:
+            Outputs, (N, n).
+        """
+        radius = max(float(np.abs(np.roots(a)).max(initial=0.0)) for a in self.a.T)
+        rings = LONGEST if radius >= 1.0 else int(np.ceil(-30.0 / np.log(max(radius, 1e-3))))
+        inputs = np.zeros((min(len(x) + rings, LONGEST), self.b.shape[1]))
+        inputs[: len(x)] = x[:, None]
+        return self.run(np.zeros((self.order, self.b.shape[1])), inputs)[0]
+
+
+def of_all_joints(b: FloatArray, a: FloatArray, n: int) -> JointFilters:
+    """Give every joint the same filter.
+
+    Args:
+        b: Numerator, (m + 1,).
+        a: Denominator, the first coefficient 1, (m + 1,).
+        n: Number of joints.
+
+    Returns:
+        The filters.
+    """
+    return JointFilters(np.tile(b[:, None], n), np.tile(a[:, None], n))

@@ -1,0 +1,232 @@
+"""Kalman filter of momentum and wearer's torque, with the noise of the sensors and of the estimate."""
+
+from __future__ import annotations
+
+from dataclasses import KW_ONLY, dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+from exoid.estimate import Estimate
+from exoid.signals import Recording
+
+from .joint_filters import JointFilters
+from .noise_band import NoiseBand, Residual, effective_share, filtered_noise
+from .observer import BLOCK, TorqueObserver
+from .sensor_noise import SensorNoise
+
+WALKS = (-9.0, 9.0)
+"""Powers of ten of the ratio of walk to process noise that are searched for a bandwidth."""
+
+LEAST = 1e-6
+"""Smallest noise of the momentum over that of the torques' impulse: an exact velocity."""
+
+
+class InnovationTest(NamedTuple):
+    """Whether the innovations of a log are as large as the noise says, (n,) each.
+
+    Attributes:
+        ratio: Mean squared innovation over the predicted one; 1 for a leg on which nothing acts and noise as given.
+        probability: Probability of so large a ratio, or a larger one, by chance. Small: something acts on the leg, the
+            model is wrong, or the noise is larger than given.
+        samples: Independent samples that say as much.
+    """
+
+    ratio: FloatArray
+    probability: FloatArray
+    samples: FloatArray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class KalmanObserver(TorqueObserver):
+    """Steady-state Kalman filter of p_k = p_{k−1} + T (u + τ_wearer) + w, τ_wearer a random walk, p measured with noise.
+
+    Noise of the momentum is M(0) σ_v, of the impulse w that of torques T σ_τ and the residuals of the estimate. The random
+    walk is given by ``drift``, or found so that the response is −3 dB at ``bandwidth``. Joints are filtered each by itself,
+    with gains L from the algebraic Riccati equation:
+
+        e_k = p_k − (p̂ + T (ū_k + τ̂)),    p̂ ← p_k − (1 − L1) e_k,    τ̂ ← τ̂ + L2 e_k,
+
+    so that τ̂ = L2 T τ̄ / (1 − (2 − L1 − T L2) z⁻¹ + (1 − L1) z⁻²), with τ̄ of :class:`TorqueObserver`. Where noise of
+    torques dominates it is nearly the filter of :class:`.MomentumObserver`; where noise of velocities does, it is of
+    second order with damping 1/√2.
+
+    Attributes:
+        drift: Standard deviation of the change of the wearer's torque within a second [N·m/√s], a number or (n,). None
+            to take the bandwidth, which may be None otherwise.
+
+    Raises:
+        ExoidError: Neither drift nor bandwidth is given, or the noise is unknown.
+    """
+
+    bandwidth: ArrayLike | None
+    _: KW_ONLY
+    drift: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        """Check the settings."""
+        if (self.bandwidth is None) == (self.drift is None):
+            raise ExoidError("both or none of bandwidth and drift", remedy="give one of them, and None for the other")
+        super().__post_init__()
+
+    @cached_property
+    def gain(self) -> FloatArray:
+        """Gains L1 [–] of the momentum and L2 [1/s] of the torque, (2, n)."""
+        return np.array([found.gain for found in self._joints]).T * np.array([[1.0], [self.rate]])
+
+    @cached_property
+    def filters(self) -> JointFilters:
+        """Filter of the balance."""
+        L1, L2 = self.gain
+        none, step = np.zeros_like(L1), L2 / self.rate
+        return JointFilters(np.stack([step, none, none]), np.stack([none + 1.0, L1 + step - 2.0, 1.0 - L1]))
+
+    @cached_property
+    def steady_std(self) -> FloatArray:
+        """Standard deviation of the filter's error for a torque that walks as assumed [N·m], (n,)."""
+        return np.array([found.std for found in self._joints])
+
+    @cached_property
+    def walk(self) -> FloatArray:
+        """Standard deviation of the change of the wearer's torque within a second [N·m/√s], (n,)."""
+        return np.sqrt([found.walk * self.rate for found in self._joints])
+
+    def innovation_test(self, recording: Recording) -> InnovationTest:
+        """Compare the innovations of a log with those that noise alone causes.
+
+        Args:
+            recording: The log at the observer's rate.
+
+        Returns:
+            The test: by chi-squared with as many degrees of freedom as there are independent innovations.
+
+        Raises:
+            ExoidError: As :meth:`run`.
+        """
+        observer = self if self.noise is not None else replace(self, noise=SensorNoise.of(recording))
+        observed = observer.run(recording)
+        innovation = np.diff(observed.torque, axis=0)[observed.settling :] / observer.gain[1]
+        derived = recording.v is None
+        q = recording.select(observed.joint_names).q[observed.settling + 1 :]
+        squares = innovation**2 / observer._innovation_variance(q, derived=derived)
+        samples = len(squares) * observer._innovation_share
+        ratio = squares.mean(axis=0)
+        return InnovationTest(ratio, scipy.stats.chi2.sf(ratio * samples, samples), samples)
+
+    def _innovation_variance(self, q: FloatArray, *, derived: bool) -> FloatArray:
+        """Variance of innovations that noise of the sensors causes, (N, n)."""
+        band = NoiseBand.of(self.alignment, self._innovations, self.noise, None, self.false_alarms)
+        blocks = (q[start : start + BLOCK] for start in range(0, len(q), BLOCK))
+        return np.concatenate(
+            [band.variance(self.terms.over(part, np.zeros_like(part)).M, derived=derived) for part in blocks]
+        )
+
+    @property
+    def _innovation_share(self) -> FloatArray:
+        """Independent innovations of each sample, (n,)."""
+        return effective_share(filtered_noise(self.alignment, self._innovations))
+
+    @cached_property
+    def _innovations(self) -> JointFilters:
+        """Filter from the balance to the innovation: (1 − z⁻¹) / L2 times that of the torque."""
+        b = np.zeros_like(self.filters.b)
+        b[0], b[1] = 1.0 / self.rate, -1.0 / self.rate
+        return JointFilters(b, self.filters.a)
+
+    @cached_property
+    def _joints(self) -> list[SteadyState]:
+        """Steady state of each joint."""
+        process, measurement = self._noise_variances
+        if self.drift is None:
+            frequencies = self.bandwidths / self.rate
+            return [_of_bandwidth(*each) for each in zip(frequencies, process, measurement, strict=True)]
+        drift = np.asarray(self.drift, dtype=np.float64)
+        if drift.shape not in ((), (self.model.n,)) or not ((drift > 0.0) & np.isfinite(drift)).all():
+            raise ExoidError(
+                f"a drift of {self.drift}", remedy="give a positive number in N·m/√s, or one for each joint"
+            )
+        walks = np.broadcast_to(drift**2 / self.rate, self.model.n)
+        return [_steady_state(*each) for each in zip(walks, process, measurement, strict=True)]
+
+    @cached_property
+    def _noise_variances(self) -> tuple[FloatArray, FloatArray]:
+        """Variances of the mean torque of an interval, by the impulse and by the momentum [N²·m²], (n,) each."""
+        n = self.model.n
+        residual = Residual.of(self.source) if isinstance(self.source, Estimate) else None
+        process = np.zeros(n) if residual is None else residual.density * self.rate
+        speed = np.zeros(n)
+        if self.noise is not None:
+            torque, velocity, angle = self.noise.columns(n)
+            slope = np.array([self.rate, -self.rate])
+            if self.alignment.filters is not None:
+                slope = self.alignment.filters[1].impulse_response(np.array([1.0]))[:, 0]
+            speed = np.where(velocity > 0.0, velocity**2, angle**2 * (slope**2).sum())
+            left = 0.0 if residual is None else np.clip(process - torque**2, 0.0, None)
+            process = torque**2 + left
+        if not (process > 0.0).all():
+            raise ExoidError(
+                "the noise of the torques is unknown, and the model is not an estimate with residuals",
+                remedy="give noise=SensorNoise(torque=..., velocity=..., angle=...), or SensorNoise.of(recording)",
+            )
+        M = self.model.mass_matrix(np.zeros(n))
+        return process, np.maximum(M**2 @ speed * self.rate**2, LEAST * process)
+
+    @cached_property
+    def bandwidths(self) -> FloatArray:
+        """−3 dB frequency of the filter of each joint [Hz], (n,)."""
+        if self.bandwidth is not None:
+            return super().bandwidths
+        return np.array([_bandwidth(found.gain) * self.rate for found in self._joints])
+
+
+class SteadyState(NamedTuple):
+    """Steady state of the filter of one joint, in units of the mean torque of a sampling interval.
+
+    Attributes:
+        gain: Gains L1 and T L2, (2,).
+        std: Standard deviation of the torque's error [N·m].
+        walk: Variance of the torque's change within a sample [N²·m²].
+    """
+
+    gain: FloatArray
+    std: float
+    walk: float
+
+
+def _steady_state(walk: float, process: float, measurement: float) -> SteadyState:
+    """Solve the algebraic Riccati equation of p / T and τ."""
+    A, H = np.array([[1.0, 1.0], [0.0, 1.0]]), np.array([[1.0, 0.0]])
+    P = scipy.linalg.solve_discrete_are(A.T, H.T, np.diag([process, walk]), np.array([[measurement]]))
+    gain = P[:, 0] / (P[0, 0] + measurement)
+    return SteadyState(gain, float(np.sqrt(P[1, 1] - gain[1] * P[0, 1])), walk)
+
+
+def _response(gain: FloatArray, frequency: float) -> float:
+    """Size of the filter's response at a frequency over the sampling rate."""
+    late = np.exp(-2j * np.pi * frequency)
+    return float(abs(gain[1] / (1.0 - (2.0 - gain.sum()) * late + (1.0 - gain[0]) * late**2)))
+
+
+def _of_bandwidth(frequency: float, process: float, measurement: float) -> SteadyState:
+    """Find the walk whose filter is −3 dB at a frequency over the sampling rate."""
+
+    def excess(power: float) -> float:
+        found = _steady_state(10.0**power * process, process, measurement)
+        return _response(found.gain, frequency) - np.sqrt(0.5)
+
+    if not excess(WALKS[0]) < 0.0 < excess(WALKS[1]):
+        raise ExoidError(
+            f"no walk of the torque gives a bandwidth of {frequency:.3g} times the rate", remedy="give drift"
+        )
+    return _steady_state(10.0 ** scipy.optimize.brentq(excess, *WALKS) * process, process, measurement)
+
+
+def _bandwidth(gain: FloatArray) -> float:
+    """Frequency over the sampling rate at which the filter is −3 dB; a half if it never is."""
+    if _response(gain, 0.5) >= np.sqrt(0.5):
+        return 0.5
+    return float(scipy.optimize.brentq(lambda f: _response(gain, f) - np.sqrt(0.5), 1e-9, 0.5))

@@ -1,0 +1,88 @@
+"""Noise of the sensors that an observer reads, given or measured from a log."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+from exoid.signals import Recording
+
+ORDER = 4
+"""Order of the differences that leave noise only."""
+
+GAIN = 70.0
+"""Variance of the fourth difference of white noise over that of the noise: 1 + 16 + 36 + 16 + 1."""
+
+
+@dataclass(frozen=True)
+class SensorNoise:
+    """White noise of each channel at the observer's rate, one number for all joints or (n,).
+
+    Attributes:
+        torque: Standard deviation of torques [N·m].
+        velocity: Standard deviation of measured velocities [rad/s].
+        angle: Standard deviation of angles [rad], which matters where velocities are derived from them.
+
+    Raises:
+        ExoidError: A standard deviation is negative or not finite.
+    """
+
+    torque: ArrayLike
+    velocity: ArrayLike = 0.0
+    angle: ArrayLike = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        for name in ("torque", "velocity", "angle"):
+            values = np.asarray(getattr(self, name), dtype=np.float64)
+            if not np.isfinite(values).all() or (values < 0.0).any() or values.ndim > 1:
+                raise ExoidError(
+                    f"{name} noise of {getattr(self, name)}", remedy="give standard deviations ≥ 0 in SI units"
+                )
+
+    @classmethod
+    def of(cls, recording: Recording) -> SensorNoise:
+        """Measure the noise of a log by fourth differences, which leave almost nothing of a motion.
+
+        The standard deviation of white noise is the RMS of the fourth difference over √70. Motion and torque that change
+        within four samples count as noise, so that slow logs give too much rather than too little.
+
+        Args:
+            recording: A log at the observer's rate, not filtered.
+
+        Returns:
+            The noise.
+
+        Raises:
+            ExoidError: The log has no torque, or time steps are uneven.
+        """
+        if recording.tau is None or not recording.is_uniform:
+            raise ExoidError("noise is measured from evenly sampled torques", remedy="give a log as it was sampled")
+        tau = _white(recording.tau)
+        velocity = 0.0 if recording.v is None else _white(recording.v)
+        return cls(tau, velocity, _white(recording.q))
+
+    def columns(self, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Spread the numbers over the joints.
+
+        Args:
+            n: Number of joints.
+
+        Returns:
+            Standard deviations of torque, velocity and angle, (n,) each.
+
+        Raises:
+            ExoidError: They are for another number of joints.
+        """
+        given = [np.asarray(x, dtype=np.float64) for x in (self.torque, self.velocity, self.angle)]
+        if any(x.shape not in ((), (n,)) for x in given):
+            raise ExoidError(f"{self} does not fit {n} joints", remedy="give one number, or one for each joint")
+        torque, velocity, angle = (np.broadcast_to(x, n).copy() for x in given)
+        return torque, velocity, angle
+
+
+def _white(x: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt(np.mean(np.diff(x, ORDER, axis=0) ** 2, axis=0) / GAIN))
