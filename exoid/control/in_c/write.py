@@ -72,7 +72,7 @@ def c_source(
     Example:
         >>> from exoid.control import pd
         >>> print(c_source(pd((22.0, 56.0), (2.2, 5.6))).operations)
-        14 + −, 8 ×, 0 ÷, 22 compare
+        18 + −, 6 ×, 0 ÷, 36 compare
     """
     dialect = Dialect(precision)
     form = law_in_c(law, dialect)
