@@ -15,11 +15,17 @@ from exoid.control import (
     ControlModel,
     FrictionCompensation,
     Limited,
+    PassiveFriction,
+    admittance,
+    assist_as_needed,
     computed_torque,
     feedforward_pd,
     gravity_friction_pd,
+    gravity_support,
+    impedance,
     lqr,
     pd,
+    sensitivity_amplification,
 )
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.rig import Target
@@ -61,6 +67,11 @@ def laws() -> dict[str, object]:
         "gravity_only": gravity_friction_pd(source, KP, 0.0, friction=None, rate=200.0),
         "pd_feedforward": feedforward_pd(source, KP, KD, friction=FrictionCompensation("desired", 0.03, 0.7)),
         "computed_torque": Limited(computed_torque(source, 25.0, 10.0, friction=SHARP), slew=SLEW),
+        "gravity_support": Limited(gravity_support(source, (1.0, 0.6, 0.3), friction=PassiveFriction()), LIMIT),
+        "sensitivity_amplification": sensitivity_amplification(source, (2.0, 4.0, 1.5), bandwidth=12.0, rate=200.0),
+        "impedance": impedance(source, KP, KD),
+        "admittance": admittance(source, 0.5, 4.0, 10.0, reach=0.4),
+        "assist_as_needed": Limited(assist_as_needed(source, KP, KD, tunnel=0.1), LIMIT),
         "lqr": lqr(source, gait(), PERIOD, friction=AHEAD),
     }
 

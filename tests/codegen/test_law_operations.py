@@ -98,7 +98,7 @@ def test_no_step_does_more_than_was_counted_and_a_normal_one_hardly_less(countin
     limits = np.array([counted.get(kind, 0) for kind in KINDS])
     assert (found <= limits).all()
     assert set(counted) <= set(KINDS)
-    normal = dict(zip(KINDS, found[:200].max(axis=0).tolist(), strict=True))
+    normal = dict(zip(KINDS, found[1:200].max(axis=0).tolist(), strict=True))  # the first step also begins
     inner = count_operations(sources[name].source, sources[name].header, f"{name}_law").by_kind
     if name == "computed_torque":
         inner["×"] -= 3  # constant times sharp sign, which are plain numbers in C++ and not counted
