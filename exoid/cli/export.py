@@ -57,7 +57,10 @@ def export(
         typer.Option(metavar="A,B", help="--law: stiffness of each joint [N·m/rad]; default as exoid track."),
     ] = None,
     kd: Annotated[str | None, typer.Option(metavar="A,B", help="--law: damping [N·m·s/rad]; default kp/10.")] = None,
-    rate: Annotated[float | None, typer.Option(metavar="HZ", help="--law: sampling rate; default 100.")] = None,
+    rate: Annotated[
+        float | None,
+        typer.Option(metavar="HZ", help="--law: sampling rate; default 100, or 500 for sensitivity_amplification."),
+    ] = None,
     period: Annotated[
         float | None, typer.Option(metavar="S", help="--law: period of the gait, for gains; default 10.")
     ] = None,
@@ -76,11 +79,19 @@ def export(
         float | None,
         typer.Option(metavar="S", help="--law: time after which an unchanged input is stale; default 0.05."),
     ] = None,
+    share: Annotated[
+        str | None, typer.Option(metavar="A,B", help="--law gravity_support: share of the weight, 0 to 1; default 1.")
+    ] = None,
+    amplification: Annotated[
+        str | None,
+        typer.Option(metavar="A,B", help="--law sensitivity_amplification: 1 or more; default 2."),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Write an identified leg as a URDF, with LEG.exoid.json for parameters that a URDF cannot hold; or as C.
 
-    With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque or lqr.
+    With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr;
+    for a leg with a wearer gravity_support, sensitivity_amplification or impedance.
     """
     if (output is None) == (c is None):
         raise ExoidError("one file is written at a time", remedy="give either -o LEG.URDF or --c LEG.C")
@@ -90,7 +101,7 @@ def export(
         raise ExoidError(
             "--mass-factor and --pull have no effect on C", remedy="leave them out, or write a URDF with -o LEG.URDF"
         )
-    options = LawOptions(kp, kd, rate, period, role, limit, slew, safe, patience)
+    options = LawOptions(kp, kd, rate, period, role, limit, slew, safe, patience, share, amplification)
     if law is None and options.given():
         raise ExoidError(f"{', '.join(options.given())}: only a control law has it", remedy="name the law with --law")
     if law is not None and c is None:

@@ -13,12 +13,19 @@ from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.estimate.provenance import provenance
 
+from .inputs import refuse
 from .law_options import LawOptions
 from .numbers import joint_values
 from .track import SCALE, roles_of
 
 PERIOD = 10.0
 """Period of the gait [s]."""
+
+AMPLIFICATION = 2.0
+"""Amplification: the wearer feels half of the inertia."""
+
+WORN = ("gravity_support", "sensitivity_amplification", "impedance")
+"""Names of the laws for a leg with a wearer."""
 
 
 def export_law(estimate: Estimate, name: str, path: str, options: LawOptions, precision: str) -> LawSource:
@@ -28,7 +35,7 @@ def export_law(estimate: Estimate, name: str, path: str, options: LawOptions, pr
 
     Args:
         estimate: The estimate.
-        name: Name of the law, out of :data:`exoid.control.LAWS`.
+        name: Name of the law, out of :data:`exoid.control.LAWS` and :data:`WORN`.
         path: Source to write.
         options: Options.
         precision: "double" or "float".
@@ -51,6 +58,23 @@ def export_law(estimate: Estimate, name: str, path: str, options: LawOptions, pr
 
 def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
     model = ControlModel.of(estimate)
+    labels = model.leg.joint_labels
+    _refuse_foreign(name, options)
+    if name == "gravity_support":
+        share = 1.0 if options.share is None else joint_values(options.share, "--share", labels, one_for_all=True)
+        return control.gravity_support(model, share, rate=_rate(options, 100.0))
+    if name == "sensitivity_amplification":
+        amplification = np.full(len(labels), AMPLIFICATION)
+        if options.amplification is not None:
+            amplification = joint_values(options.amplification, "--amplification", labels, one_for_all=True)
+        return control.sensitivity_amplification(model, amplification, rate=_rate(options, 500.0))
+    if name not in (*control.LAWS, *WORN):
+        raise ExoidError(f"no controller {name}", remedy=f"use one of {', '.join((*control.LAWS, *WORN))}")
+    return _with_gains(model, name, options)
+
+
+def _with_gains(model: ControlModel, name: str, options: LawOptions) -> AnyLaw:
+    """Law with gains, which has a gait to follow."""
     leg, labels = model.leg, model.leg.joint_labels
     period = PERIOD if options.period is None else options.period
     if not 0.0 < period < np.inf:
@@ -62,8 +86,14 @@ def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
         kd = 0.1 * kp
     if options.kd is not None:
         kd = joint_values(options.kd, "--kd", labels, one_for_all=True)
-    rate = 100.0 if options.rate is None else options.rate
+    rate = _rate(options, 100.0)
+    if name == "impedance":
+        return control.impedance(model, kp, kd, rate=rate)
     return control.standard_laws(model, kp, kd, reference, period, rate=rate, names=[name])[name]
+
+
+def _rate(options: LawOptions, default: float) -> float:
+    return default if options.rate is None else options.rate
 
 
 def _limited(law: AnyLaw, estimate: Estimate, options: LawOptions) -> control.Limited:
@@ -76,3 +106,14 @@ def _limited(law: AnyLaw, estimate: Estimate, options: LawOptions) -> control.Li
     if options.slew is not None:
         slew = joint_values(options.slew, "--slew", labels, one_for_all=True)
     return control.Limited(law, limit, slew)
+
+
+def _refuse_foreign(name: str, options: LawOptions) -> None:
+    """Refuse options of another law."""
+    gains = ("gains", {"--kp": options.kp, "--kd": options.kd, "--period": options.period, "--role": options.role})
+    foreign = {
+        "gravity_support": (gains, ("amplification", {"--amplification": options.amplification})),
+        "sensitivity_amplification": (gains, ("share", {"--share": options.share})),
+    }.get(name, (("share or amplification", {"--share": options.share, "--amplification": options.amplification}),))
+    for what, given in foreign:
+        refuse(given, f"{name} has no {what}")

@@ -19,6 +19,8 @@ class LawOptions(NamedTuple):
     slew: str | None
     safe: SafeTorque | None
     patience: float | None
+    share: str | None
+    amplification: str | None
 
     def given(self) -> list[str]:
         """List the options that were given."""

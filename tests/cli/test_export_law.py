@@ -7,7 +7,17 @@ import json
 import pytest
 
 import exoid
-from exoid.control import LAWS, Limited, default_gains, mean_pose, standard_laws
+from exoid.codegen.laws import Safety
+from exoid.control import (
+    LAWS,
+    Limited,
+    default_gains,
+    gravity_support,
+    impedance,
+    mean_pose,
+    sensitivity_amplification,
+    standard_laws,
+)
 from exoid.control.in_c import c_source
 from exoid.estimate.provenance import provenance
 from exoid.experiments import gait_for_leg, healthy_gait
@@ -55,6 +65,19 @@ def test_options_reach_the_law(saved, exoid_, tmp_path):
     assert "#define LAW_PATIENCE 20" in text
 
 
+def test_laws_for_a_wearer(saved, exoid_, tmp_path):
+    laws = {
+        ("gravity_support", "--share", "0.5", "--safe", "gravity"): gravity_support(saved, 0.5),
+        ("sensitivity_amplification", "--amplification", "1.5,3,2"): sensitivity_amplification(saved, (1.5, 3.0, 2.0)),
+        ("impedance", "--kp", "30"): impedance(saved, 30.0, 3.0),
+    }
+    for arguments, law in laws.items():
+        exoid_("export", "est.json", "--law", *arguments, "--c", "law.c")
+        safety = Safety("gravity" if "--safe" in arguments else "damping")
+        limited = Limited(law, saved.leg.limits.effort)
+        assert (tmp_path / "law.c").read_text() == c_source(limited, name="law", safety=safety).source
+
+
 def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
     exoid_("export", "est.json", "--c", "leg.c")
     assert (tmp_path / "leg.c").read_text() == saved.to_c("again.c", name="leg").text
@@ -71,6 +94,10 @@ def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
         (("--law", "pd", "--safe", "gravity", "--c", "law.c"), "knows no gravity"),
         (("--law", "pd", "--kp", "1,2", "--c", "law.c"), "--kp 1,2"),
         (("--law", "pd", "--limit", "0", "--c", "law.c"), "limit = "),
+        (("--law", "gravity_support", "--kp", "9", "--c", "law.c"), "gravity_support has no gains"),
+        (("--law", "lqr", "--share", "0.5", "--c", "law.c"), "lqr has no share"),
+        (("--law", "gravity_support", "--share", "2", "--c", "law.c"), "times the weight"),
+        (("--law", "sensitivity_amplification", "--amplification", "0.5", "--c", "law.c"), "amplification of"),
         (("--law", "lqr", "--period", "0", "--c", "law.c"), "--period 0"),
         (("--law", "pd", "--role", "hip", "--c", "law.c"), "JOINT=ROLE"),
         (("--law", "pd", "--patience", "nan", "--c", "law.c"), "patience of nan"),

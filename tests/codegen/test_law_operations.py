@@ -17,6 +17,8 @@ from exoid.control.in_c import c_source
 
 GXX = shutil.which("g++")
 
+COUNTED = ("pd_gravity_friction", "computed_torque", "sensitivity_amplification", "lqr")
+
 KINDS = ("+ −", "×", "÷", "compare", "cos", "exp", "fmod", "rint", "sin", "tanh")
 
 COUNTING = """
@@ -58,7 +60,7 @@ def counting(tmp_path_factory):
         pytest.skip("needs g++")
     folder = tmp_path_factory.mktemp("counting")
     text, sources = COUNTING % len(KINDS), {}
-    for name, law in laws().items():
+    for name, law in ((name, laws()[name]) for name in COUNTED):
         source = sources[name] = c_source(law, name=name, safety=Safety("gravity" if name == "lqr" else "damping"))
         (folder / source.header_name).write_text(
             source.header.replace(f"typedef double {name}_real", f"typedef real {name}_real")
@@ -84,7 +86,7 @@ extern "C" void {name}_count(int n, const {name}_input *in, long *found)
     return ctypes.CDLL(str(folder / "counting.so")), sources
 
 
-@pytest.mark.parametrize("name", laws())
+@pytest.mark.parametrize("name", COUNTED)
 def test_no_step_does_more_than_was_counted_and_a_normal_one_hardly_less(counting, name):
     library, sources = counting
     values = random_values(250)

@@ -126,7 +126,7 @@ def test_in_the_closed_loop_on_the_rig_c_tracks_like_python(library, name):
 SANITIZERS = ("-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all")
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("compiler", ["gcc", pytest.param("clang", marks=pytest.mark.slow)])
 def test_sanitizers_find_nothing_and_every_compiler_computes_the_same(library, tmp_path, compiler):
     if shutil.which(compiler) is None:
         pytest.skip(f"needs {compiler}")

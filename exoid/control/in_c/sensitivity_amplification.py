@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from exoid.codegen import Dialect
-from exoid.codegen.laws import ArrayInC, LawInC
+from exoid.codegen.laws import ArrayInC, LawInC, Needed
 from exoid.codegen.laws.safety import per_joint
 from exoid.control.motion_filter import MotionFilter
 from exoid.control.sensitivity_amplification import SensitivityAmplification
@@ -26,6 +26,10 @@ MEMORY = {
 """Memory of the motion filter."""
 
 
+CALLED: tuple[Needed, ...] = ("gravity", "springs", "inverse_dynamics")
+"""Functions of the leg that a step calls."""
+
+
 @register_law_in_c(SensitivityAmplification)
 def sensitivity_amplification_in_c(law: SensitivityAmplification, dialect: Dialect) -> LawInC:
     """Describe sensitivity amplification; it has no reference.
@@ -42,7 +46,6 @@ def sensitivity_amplification_in_c(law: SensitivityAmplification, dialect: Diale
     """
     n = law.model.n
     share = per_joint(law.share, "amplification", n)
-    called = ("gravity", "springs", "inverse_dynamics")
     return LawInC(
         law.model.leg.joint_names,
         "tau = G(q) + springs(q) + (1 - 1/alpha) (M a + C v"
@@ -53,7 +56,7 @@ def sensitivity_amplification_in_c(law: SensitivityAmplification, dialect: Diale
         tables=(ArrayInC("share", "1 - 1/alpha", share), *_filter_tables(law.filter)),
         memory=tuple(ArrayInC(name, what, np.zeros(n)) for name, what in MEMORY.items()),
         begin=step_of("sensitivity_amplification_begin"),
-        leg=leg_in_c(law.model, called, friction_of(law.friction), dialect),
+        leg=leg_in_c(law.model, CALLED, friction_of(law.friction), dialect),
     )
 
 
