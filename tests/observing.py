@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import butter, group_delay, lfilter
 from walking import TORQUE_NOISE, Walk
 
-from exoid import Coulomb, Leg, Offset, Recording, Viscous
+from exoid import Coulomb, Estimate, Leg, Offset, Recording, Viscous, identify
 from exoid.control.observers import SensorNoise
+from exoid.experiments import Harmonics, healthy_gait
+from exoid.experiments.gait import norm_gait
+from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Run, Sensors, Target, Wearer, simulate
 from exoid.torques import TorqueModel
 
 Array = NDArray[np.float64]
@@ -40,6 +44,7 @@ class WornLog:
         noise: Size of the noise over the usual one.
         tachometer: Noise of a measured velocity [rad/s]; None if it is not measured.
         late: Delay of the logged torques [s].
+        zero: Size of the torque sensors' zero offsets over the usual one.
     """
 
     leg: Leg
@@ -50,6 +55,7 @@ class WornLog:
     noise: float = 1.0
     tachometer: float | None = None
     late: float = 0.0
+    zero: float = 1.0
     walk: Walk = field(init=False)
 
     def __post_init__(self) -> None:
@@ -61,7 +67,8 @@ class WornLog:
         model = self.model
         known = dict(zip(self.leg.parameter_names, self.leg.parameters.tolist(), strict=True))
         for symbol, row in FRICTION.items():
-            known |= {f"{symbol}_{label}": x for label, x in zip(self.leg.joint_labels, row, strict=False)}
+            scale = self.zero if symbol == "offset" else 1.0
+            known |= {f"{symbol}_{label}": scale * x for label, x in zip(self.leg.joint_labels, row, strict=False)}
         return np.array([known[name] for name in model.names])
 
     @property
@@ -110,3 +117,100 @@ class WornLog:
 def nrmse(read: Array, true: Array, skip: int) -> Array:
     """RMS difference over the standard deviation of the truth, without the first samples, (n,)."""
     return np.asarray(np.sqrt(np.mean((read - true)[skip:] ** 2, axis=0)) / true[skip:].std(axis=0))
+
+
+@dataclass(frozen=True, eq=False)
+class StopAndGo:
+    """Motion of B rigs in which each joint moves and rests in turn, at times of its own.
+
+    Attributes:
+        size: Amplitudes [rad], (n, B).
+        phase: Where in its turn each joint begins, (n, B).
+        centre: Mean angles [rad], (n, 1).
+    """
+
+    size: Array
+    phase: Array
+    centre: Array
+
+    @classmethod
+    def draw(cls, n: int, rigs: int, seed: int) -> StopAndGo:
+        """Draw motions of a leg."""
+        rng = np.random.default_rng([seed, 17])
+        size = rng.uniform(0.1, 0.45, (n, rigs))
+        return cls(size, rng.uniform(0.0, 10.0, (n, rigs)), np.array([[0.4], [-0.6], [0.0]])[:n])
+
+    def at(self, time: float) -> Target:
+        """Four seconds of motion at 0.75 Hz, then two of rest, over and over."""
+        turn, share = np.divmod(time + self.phase, 6.0)
+        s = np.minimum(share / 4.0, 1.0)
+        way, rate, change = s**3 * (10 - 15 * s + 6 * s * s), 30 * (s * (1 - s)) ** 2, 60 * s * (1 - s) * (1 - 2 * s)
+        w = 6.0 * np.pi
+        angle, speed, push = w * (turn + way), w * rate / 4.0, w * change / 16.0
+        v = self.size * np.cos(angle) * speed
+        a = self.size * (np.cos(angle) * push - np.sin(angle) * speed**2)
+        return Target(self.centre + self.size * np.sin(angle), v, a)
+
+
+def sticking_run(leg: Leg, rigs: int, seconds: float, seed: int = 0, rate: float = 1000.0) -> Run:
+    """Rigs that nobody wears, with friction that sticks; a soft servo leaves each joint at rest under some torque."""
+    friction = {
+        f"{symbol}_{label}": value
+        for symbol, row in FRICTION.items()
+        if symbol != "offset"
+        for label, value in zip(leg.joint_labels, row, strict=False)
+    }
+    n = len(leg.joint_names)
+    return simulate(
+        Plant.build(leg, friction, pitch=np.zeros(rigs), end_stops=False),
+        StopAndGo.draw(n, rigs, seed),
+        ProportionalDerivative(np.array([[150.0], [120.0], [40.0]])[:n], np.array([[15.0], [8.0], [1.5]])[:n]),
+        IdealTorque(),
+        seconds,
+        sensors=Sensors(torque_noise=TORQUE_NOISE[:n]),
+        rates=Rates(rate, rate),
+        seed=seed,
+    )
+
+
+def estimate_of(leg: Leg, **changes: float) -> Estimate:
+    """Identify a leg from a log that nobody wears, of 30 s at 200 Hz."""
+    return identify(leg, WornLog(leg, 30.0, 200.0, seed=1, size=0.0, **changes).recording(), terms=TERMS)  # type: ignore[arg-type]
+
+
+def worn_run(leg: Leg, periods: Array, seconds: float, seed: int = 0, rate: float = 1000.0) -> Run:
+    """Rigs whose actuators are off, worn by walkers of several stride times."""
+    friction = {
+        f"{symbol}_{label}": value
+        for symbol, row in FRICTION.items()
+        if symbol != "offset"
+        for label, value in zip(leg.joint_labels, row, strict=False)
+    }
+    n = len(leg.joint_names)
+    strides = [healthy_gait(1.0, period) if n == 2 else bleex_gait(period) for period in periods]
+    gait = Harmonics.concatenate(strides)
+    return simulate(
+        Plant.build(leg, friction, pitch=np.zeros(len(periods)), end_stops=False),
+        gait,
+        ProportionalDerivative(0.0, 0.0),
+        IdealTorque(),
+        seconds,
+        sensors=Sensors(torque_noise=TORQUE_NOISE[:n]),
+        rates=Rates(rate, rate),
+        wearer=Wearer.build(leg, intention=gait),
+        seed=seed,
+    )
+
+
+def bleex_gait(period: float) -> Harmonics:
+    """Normal gait in the angles of BLEEX, whose knee bends backwards."""
+    gait, signs = norm_gait("Free", 1.0, period), np.array([[1.0], [-1.0], [1.0]])
+    return replace(gait, centre=signs * gait.centre, amplitude=signs * gait.amplitude)
+
+
+def slow_tachometer(log: WornLog, cutoff: float) -> tuple[Recording, float]:
+    """Log whose velocities passed a low-pass of second order [Hz], and their lag [s]."""
+    b, a = butter(2, cutoff, fs=log.rate)
+    _, v, _ = log.walk.joints
+    lag = group_delay((b, a), [1e-3], fs=log.rate)[1][0] / log.rate
+    return replace(log.recording(), v=lfilter(b, a, v, axis=0)), float(lag)

@@ -86,12 +86,17 @@ def export(
         str | None,
         typer.Option(metavar="A,B", help="--law sensitivity_amplification: 1 or more; default 2."),
     ] = None,
+    bandwidth: Annotated[
+        float | None,
+        typer.Option(metavar="HZ", help="--law sensitivity_amplification (default 20) or momentum_observer (8)."),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Write an identified leg as a URDF, with LEG.exoid.json for parameters that a URDF cannot hold; or as C.
 
     With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr;
-    for a leg with a wearer gravity_support, sensitivity_amplification or impedance.
+    for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or momentum_observer, which gives
+    the torque of the wearer.
     """
     if (output is None) == (c is None):
         raise ExoidError("one file is written at a time", remedy="give either -o LEG.URDF or --c LEG.C")
@@ -101,7 +106,7 @@ def export(
         raise ExoidError(
             "--mass-factor and --pull have no effect on C", remedy="leave them out, or write a URDF with -o LEG.URDF"
         )
-    options = LawOptions(kp, kd, rate, period, role, limit, slew, safe, patience, share, amplification)
+    options = LawOptions(kp, kd, rate, period, role, limit, slew, safe, patience, share, amplification, bandwidth)
     if law is None and options.given():
         raise ExoidError(f"{', '.join(options.given())}: only a control law has it", remedy="name the law with --law")
     if law is not None and c is None:

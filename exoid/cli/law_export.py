@@ -27,6 +27,12 @@ AMPLIFICATION = 2.0
 WORN = ("gravity_support", "sensitivity_amplification", "impedance")
 """Names of the laws for a leg with a wearer."""
 
+OBSERVER = "momentum_observer"
+"""Name of the observer, which gives the torque of the wearer in place of a command."""
+
+OBSERVED = 8.0
+"""Bandwidth of the observer [Hz]."""
+
 
 def export_law(estimate: Estimate, name: str, path: str, options: LawOptions, precision: str) -> LawSource:
     """Write a law for an estimate as C.
@@ -35,7 +41,7 @@ def export_law(estimate: Estimate, name: str, path: str, options: LawOptions, pr
 
     Args:
         estimate: The estimate.
-        name: Name of the law, out of :data:`exoid.control.LAWS` and :data:`WORN`.
+        name: Name of the law, out of :data:`exoid.control.LAWS` and :data:`WORN`, or :data:`OBSERVER`.
         path: Source to write.
         options: Options.
         precision: "double" or "float".
@@ -50,7 +56,10 @@ def export_law(estimate: Estimate, name: str, path: str, options: LawOptions, pr
     safety = Safety(
         options.safe or default.safe, patience=default.patience if options.patience is None else options.patience
     )
-    law = _limited(_law(estimate, name, options), estimate, options)
+    _refuse_foreign(name, options)
+    law = (
+        _observer(estimate, options) if name == OBSERVER else _limited(_law(estimate, name, options), estimate, options)
+    )
     return write_c(
         path, law, precision=precision, safety=safety, provenance=provenance(estimate), warnings=estimate.warnings
     )
@@ -59,7 +68,6 @@ def export_law(estimate: Estimate, name: str, path: str, options: LawOptions, pr
 def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
     model = ControlModel.of(estimate)
     labels = model.leg.joint_labels
-    _refuse_foreign(name, options)
     if name == "gravity_support":
         share = 1.0 if options.share is None else joint_values(options.share, "--share", labels, one_for_all=True)
         return control.gravity_support(model, share, rate=_rate(options, 100.0))
@@ -67,10 +75,17 @@ def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
         amplification = np.full(len(labels), AMPLIFICATION)
         if options.amplification is not None:
             amplification = joint_values(options.amplification, "--amplification", labels, one_for_all=True)
-        return control.sensitivity_amplification(model, amplification, rate=_rate(options, 500.0))
+        bandwidth = 20.0 if options.bandwidth is None else options.bandwidth
+        return control.sensitivity_amplification(model, amplification, bandwidth=bandwidth, rate=_rate(options, 500.0))
     if name not in (*control.LAWS, *WORN):
-        raise ExoidError(f"no controller {name}", remedy=f"use one of {', '.join((*control.LAWS, *WORN))}")
+        raise ExoidError(f"no controller {name}", remedy=f"use one of {', '.join((*control.LAWS, *WORN, OBSERVER))}")
     return _with_gains(model, name, options)
+
+
+def _observer(estimate: Estimate, options: LawOptions) -> control.MomentumObserver:
+    """Observer with measured velocities, whose channels are aligned where they are read."""
+    bandwidth = OBSERVED if options.bandwidth is None else options.bandwidth
+    return control.MomentumObserver(estimate, bandwidth, _rate(options, 100.0), torque_delay=0.0)
 
 
 def _with_gains(model: ControlModel, name: str, options: LawOptions) -> AnyLaw:
@@ -110,10 +125,10 @@ def _limited(law: AnyLaw, estimate: Estimate, options: LawOptions) -> control.Li
 
 def _refuse_foreign(name: str, options: LawOptions) -> None:
     """Refuse options of another law."""
-    gains = ("gains", {"--kp": options.kp, "--kd": options.kd, "--period": options.period, "--role": options.role})
+    gains, limits = ("kp", "kd", "period", "role"), ("limit", "slew")
     foreign = {
-        "gravity_support": (gains, ("amplification", {"--amplification": options.amplification})),
-        "sensitivity_amplification": (gains, ("share", {"--share": options.share})),
-    }.get(name, (("share or amplification", {"--share": options.share, "--amplification": options.amplification}),))
-    for what, given in foreign:
-        refuse(given, f"{name} has no {what}")
+        "gravity_support": (*gains, "amplification", "bandwidth"),
+        "sensitivity_amplification": (*gains, "share"),
+        OBSERVER: (*gains, *limits, "share", "amplification"),
+    }.get(name, ("share", "amplification", "bandwidth"))
+    refuse({f"--{option}": getattr(options, option) for option in foreign}, f"{name} has none")

@@ -21,6 +21,7 @@ class LawOptions(NamedTuple):
     patience: float | None
     share: str | None
     amplification: str | None
+    bandwidth: float | None
 
     def given(self) -> list[str]:
         """List the options that were given."""

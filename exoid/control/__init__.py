@@ -17,6 +17,7 @@ from .lqr import Weights, lqr
 from .mean_pose import mean_pose
 from .model import ControlModel
 from .motion_filter import MotionFilter
+from .observers import KalmanObserver, MomentumObserver, SensorNoise
 from .passive_friction import PassiveFriction
 from .pd import p, pd
 from .sensitivity_amplification import sensitivity_amplification
@@ -34,10 +35,13 @@ __all__ = [
     "ControlModel",
     "Driven",
     "FrictionCompensation",
+    "KalmanObserver",
     "Law",
     "Limited",
+    "MomentumObserver",
     "MotionFilter",
     "PassiveFriction",
+    "SensorNoise",
     "SideBySide",
     "State",
     "StatefulLaw",

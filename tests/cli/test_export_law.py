@@ -11,6 +11,7 @@ from exoid.codegen.laws import Safety
 from exoid.control import (
     LAWS,
     Limited,
+    MomentumObserver,
     default_gains,
     gravity_support,
     impedance,
@@ -78,6 +79,17 @@ def test_laws_for_a_wearer(saved, exoid_, tmp_path):
         assert (tmp_path / "law.c").read_text() == c_source(limited, name="law", safety=safety).source
 
 
+def test_the_momentum_observer(saved, exoid_, tmp_path):
+    exoid_("export", "est.json", "--law", "momentum_observer", "--bandwidth", "5", "--rate", "200", "--c", "seen.c")
+    expected = c_source(
+        MomentumObserver(saved, 5.0, 200.0, torque_delay=0.0), name="seen", provenance=provenance(saved)
+    )
+    assert (tmp_path / "seen.c").read_text() == expected.source
+    assert (tmp_path / "seen.h").read_text() == expected.header
+    assert "tau is the torque of the wearer on the leg" in expected.header
+    assert "safe_damping" not in expected.source
+
+
 def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
     exoid_("export", "est.json", "--c", "leg.c")
     assert (tmp_path / "leg.c").read_text() == saved.to_c("again.c", name="leg").text
@@ -94,8 +106,8 @@ def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
         (("--law", "pd", "--safe", "gravity", "--c", "law.c"), "knows no gravity"),
         (("--law", "pd", "--kp", "1,2", "--c", "law.c"), "--kp 1,2"),
         (("--law", "pd", "--limit", "0", "--c", "law.c"), "limit = "),
-        (("--law", "gravity_support", "--kp", "9", "--c", "law.c"), "gravity_support has no gains"),
-        (("--law", "lqr", "--share", "0.5", "--c", "law.c"), "lqr has no share"),
+        (("--law", "gravity_support", "--kp", "9", "--c", "law.c"), "--kp has no effect: gravity_support has none"),
+        (("--law", "lqr", "--share", "0.5", "--c", "law.c"), "--share has no effect: lqr has none"),
         (("--law", "gravity_support", "--share", "2", "--c", "law.c"), "times the weight"),
         (("--law", "sensitivity_amplification", "--amplification", "0.5", "--c", "law.c"), "amplification of"),
         (("--law", "lqr", "--period", "0", "--c", "law.c"), "--period 0"),

@@ -10,7 +10,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.leg import Leg
 
-Needed = Literal["gravity", "springs", "friction", "inverse_dynamics", "mass_matrix"]
+Needed = Literal["gravity", "springs", "friction", "inverse_dynamics", "rigid_bodies", "mass_matrix"]
 """Functions of the leg that a law may call; see :class:`LegInC`."""
 
 
@@ -80,8 +80,8 @@ class LawInC:
     other inputs, the tables ``{{p}}_<name>`` and the memory ``state-><name>``, which they update. ``int j`` exists.
     Available names are ``p`` (prefix), ``N`` (number of joints), ``real`` (type), ``number(x)``, ``function("sin")``
     and ``rate`` [Hz]. The functions of the leg are ``{{p}}_gravity(q, tau)``, ``{{p}}_springs(q, tau)``,
-    ``{{p}}_friction(v, tau)``, ``{{p}}_inverse_dynamics(q, v, a, tau)`` (all but friction) and
-    ``{{p}}_mass_matrix(q, M)``.
+    ``{{p}}_friction(v, tau)``, ``{{p}}_inverse_dynamics(q, v, a, tau)`` (all but friction),
+    ``{{p}}_rigid_bodies(q, v, a, tau)`` and ``{{p}}_mass_matrix(q, M)``.
 
     Attributes:
         joints: Names of the joints, n of them.
@@ -93,6 +93,8 @@ class LawInC:
         tables: Constants.
         memory: Memory between samples.
         begin: Template of statements that fill the memory at the first sample; empty if initial values suffice.
+        helpers: Template of functions that the steps call.
+        gives: What ``tau`` is.
         leg: Model of the leg; None if the law needs none.
         limit: Largest torque [N·m], (n,); inf for none.
         slew: Largest rate of change of the torque [N·m/s], (n,); inf for none.
@@ -107,6 +109,8 @@ class LawInC:
     tables: tuple[ArrayInC, ...] = ()
     memory: tuple[ArrayInC, ...] = ()
     begin: str = ""
+    helpers: str = ""
+    gives: str = "torque to hold until the next step"
     leg: LegInC | None = None
     limit: FloatArray | float = np.inf
     slew: FloatArray | float = np.inf

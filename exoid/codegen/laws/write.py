@@ -31,6 +31,7 @@ INSIDE: dict[str, frozenset[str]] = {
     "friction": frozenset({"friction"}),
     "gravity": frozenset({"gravity", "rigid"}),
     "inverse_dynamics": frozenset({"inverse_dynamics", "springs", "rigid_bodies", "rotor", "turn", "rigid"}),
+    "rigid_bodies": frozenset({"rigid_bodies", "turn", "rigid"}),
     "mass_matrix": frozenset({"mass_matrix", "rotor", "turn", "rigid"}),
 }
 """Parts of the file that each function of the leg takes."""
@@ -139,8 +140,8 @@ def law_source(
         "plausible": lambda origin: _plausible(law, origin, prefix),
     }
     names = {"p": prefix, "N": f"{prefix.upper()}_JOINTS", "real": f"{prefix}_real", "rate": law.rate}
-    step, begin = (fill(f"{text}\n", dialect, **names) if text else "" for text in (law.step, law.begin))
-    inside |= {"step": step.rstrip("\n") + "\n", "begin": begin}
+    texts = {"step": law.step, "begin": law.begin, "helpers": law.helpers}
+    inside |= {key: fill(f"{text.rstrip()}\n", dialect, **names) if text else "" for key, text in texts.items()}
     source = fill("laws/law.c.jinja", dialect, **inside).replace("\n\n\n", "\n\n")
     declared = fill("laws/law.h.jinja", dialect, **values, operations="not counted yet")
     operations = count_operations(source, declared, f"{prefix}_step")

@@ -11,6 +11,7 @@ from .impedance import impedance_in_c
 from .leg import leg_in_c
 from .limited import limited_in_c
 from .lqr import lqr_in_c
+from .momentum_observer import momentum_observer_in_c
 from .pd import pd_in_c
 from .sensitivity_amplification import sensitivity_amplification_in_c
 from .write import c_source, write_c
@@ -28,6 +29,7 @@ __all__ = [
     "leg_in_c",
     "limited_in_c",
     "lqr_in_c",
+    "momentum_observer_in_c",
     "pd_in_c",
     "register_law_in_c",
     "sensitivity_amplification_in_c",

@@ -18,7 +18,7 @@ from .steps import step_of
 
 MEASURED = InputInC("tau_m", "measured torques of the actuators [N m]", "reading")
 
-CALLED: tuple[Needed, ...] = ("gravity", "springs", "inverse_dynamics", "mass_matrix")
+CALLED: tuple[Needed, ...] = ("gravity", "springs", "rigid_bodies", "mass_matrix")
 """Functions of the leg that a step calls."""
 
 MEMORY = {
@@ -57,24 +57,26 @@ def momentum_observer_in_c(observer: MomentumObserver, dialect: Dialect) -> LawI
         ArrayInC("pole", "exp(-K T)", -observer.filters.a[1]),
     ]
     count = 2 + int(np.ceil(HISTORY * alignment.delay * observer.rate))
-    step, begin = step_of("momentum_observer"), step_of("momentum_observer_begin")
+    begin = step_of("momentum_observer_begin").replace("{{count}}", str(count))
+    low_pass = step_of("no_low_pass")
     if alignment.filters is not None:
         tables += _low_pass(alignment.filters[0].b[:, 0], alignment.filters[0].a[:, 0])
+        low_pass = step_of("low_pass")
         memory.append(ArrayInC("low_pass", "memory of the low-pass of q, v and tau_m", np.zeros((n, 3, 2))))
     return LawInC(
         observer.model.leg.joint_names,
         "torque of the wearer = K (p - integral of (tau_m + C'v - G(q) - springs(q) - F(v) + torque of the wearer)), "
         "p = M(q) v",
-        step,
+        step_of("momentum_observer"),
         observer.rate,
         np.zeros(n),
         (MEASURED,),
         tuple(tables),
         tuple(memory),
-        begin.replace("{{count}}", str(count)),
+        begin,
+        step_of("momentum_observer_helpers").replace("{{low_pass}}", low_pass),
+        "torque of the wearer on the leg",
         leg_in_c(observer.model, CALLED, friction, dialect),
-        gives="torque of the wearer on the leg",
-        helpers=step_of("momentum_observer_helpers_filtered" if alignment.filters is not None else "momentum_observer_helpers"),
     )
 
 

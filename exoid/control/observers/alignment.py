@@ -13,7 +13,6 @@ from exoid._typing import FloatArray
 
 from .joint_filters import JointFilters, of_all_joints
 
-
 HISTORY = 10.0
 """Delays of the channels after which their filters have forgotten."""
 

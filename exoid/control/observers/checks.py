@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.control.model import ControlModel, ModelSource
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
 
-from ..model import ControlModel, ModelSource
 from .alignment import Channels
 
 FASTEST = 50.0

@@ -1,4 +1,4 @@
-"""Threshold of a detector for a rate of false alarms: level crossings of sampled Gaussian noise (Rice 1944)."""
+"""Threshold of a detector for a rate of false alarms: level crossings of sampled Gaussian noise (Rice 1945)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def crossings_per_minute(level: float, correlation: float, rate: float) -> float
 
     A sample below the level u is followed by one above it with probability 2 T(u, √((1 − ρ)/(1 + ρ))), with T Owen's
     function and ρ the correlation of a sample with the next. For a fine time step this is Rice's formula
-    (σ_ẋ / 2π σ_x) exp(−u²/2) (Rice 1944, eq. (3.3-11)), which has no limit for the observer's noise in continuous time.
+    (σ_ẋ / 2π σ_x) exp(−u²/2) (Rice 1945), which has no limit for the observer's noise in continuous time.
 
     Args:
         level: Level u in standard deviations.

@@ -14,6 +14,7 @@ from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.signals import Recording
 
+from .checks import observed_channels
 from .joint_filters import JointFilters
 from .noise_band import NoiseBand, Residual, effective_share, filtered_noise
 from .observer import BLOCK, TorqueObserver
@@ -43,11 +44,12 @@ class InnovationTest(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class KalmanObserver(TorqueObserver):
-    """Steady-state Kalman filter of p_k = p_{k−1} + T (u + τ_wearer) + w, τ_wearer a random walk, p measured with noise.
+    """Steady-state Kalman filter of p_k = p_{k−1} + T (u + τ_wearer) + w with τ_wearer a random walk.
 
-    Noise of the momentum is M(0) σ_v, of the impulse w that of torques T σ_τ and the residuals of the estimate. The random
-    walk is given by ``drift``, or found so that the response is −3 dB at ``bandwidth``. Joints are filtered each by itself,
-    with gains L from the algebraic Riccati equation:
+    The momentum p is measured with noise M(0) σ_v; σ_v is that of measured velocities where it is given, otherwise that
+    of velocities derived from angles. The noise w of the impulse is that of torques, T σ_τ, or that of the residuals of
+    the estimate where it is more. The random walk is given by ``drift``, or found so that the response is −3 dB at
+    ``bandwidth``. Each joint has its own filter, with gains L from the algebraic Riccati equation:
 
         e_k = p_k − (p̂ + T (ū_k + τ̂)),    p̂ ← p_k − (1 − L1) e_k,    τ̂ ← τ̂ + L2 e_k,
 
@@ -76,7 +78,7 @@ class KalmanObserver(TorqueObserver):
     @cached_property
     def gain(self) -> FloatArray:
         """Gains L1 [–] of the momentum and L2 [1/s] of the torque, (2, n)."""
-        return np.array([found.gain for found in self._joints]).T * np.array([[1.0], [self.rate]])
+        return np.asarray(np.array([found.gain for found in self._joints]).T * np.array([[1.0], [self.rate]]))
 
     @cached_property
     def filters(self) -> JointFilters:
@@ -93,7 +95,7 @@ class KalmanObserver(TorqueObserver):
     @cached_property
     def walk(self) -> FloatArray:
         """Standard deviation of the change of the wearer's torque within a second [N·m/√s], (n,)."""
-        return np.sqrt([found.walk * self.rate for found in self._joints])
+        return np.asarray(np.sqrt([found.walk * self.rate for found in self._joints]))
 
     def innovation_test(self, recording: Recording) -> InnovationTest:
         """Compare the innovations of a log with those that noise alone causes.
@@ -111,11 +113,12 @@ class KalmanObserver(TorqueObserver):
         observed = observer.run(recording)
         innovation = np.diff(observed.torque, axis=0)[observed.settling :] / observer.gain[1]
         derived = recording.v is None
-        q = recording.select(observed.joint_names).q[observed.settling + 1 :]
+        q = observed_channels(self.source, recording, self.rate)[1].q[observed.settling + 1 :]
         squares = innovation**2 / observer._innovation_variance(q, derived=derived)
         samples = len(squares) * observer._innovation_share
         ratio = squares.mean(axis=0)
-        return InnovationTest(ratio, scipy.stats.chi2.sf(ratio * samples, samples), samples)
+        probability = np.asarray(scipy.stats.chi2.sf(ratio * samples, samples))
+        return InnovationTest(ratio, probability, samples)
 
     def _innovation_variance(self, q: FloatArray, *, derived: bool) -> FloatArray:
         """Variance of innovations that noise of the sensors causes, (N, n)."""
@@ -208,7 +211,7 @@ def _steady_state(walk: float, process: float, measurement: float) -> SteadyStat
 def _response(gain: FloatArray, frequency: float) -> float:
     """Size of the filter's response at a frequency over the sampling rate."""
     late = np.exp(-2j * np.pi * frequency)
-    return float(abs(gain[1] / (1.0 - (2.0 - gain.sum()) * late + (1.0 - gain[0]) * late**2)))
+    return float(np.abs(gain[1] / (1.0 - (2.0 - gain.sum()) * late + (1.0 - gain[0]) * late**2)))
 
 
 def _of_bandwidth(frequency: float, process: float, measurement: float) -> SteadyState:
@@ -216,7 +219,7 @@ def _of_bandwidth(frequency: float, process: float, measurement: float) -> Stead
 
     def excess(power: float) -> float:
         found = _steady_state(10.0**power * process, process, measurement)
-        return _response(found.gain, frequency) - np.sqrt(0.5)
+        return float(_response(found.gain, frequency) - np.sqrt(0.5))
 
     if not excess(WALKS[0]) < 0.0 < excess(WALKS[1]):
         raise ExoidError(

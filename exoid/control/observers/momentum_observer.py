@@ -15,7 +15,7 @@ from .observer import TorqueObserver
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MomentumObserver(TorqueObserver):
-    """r = K (p − ∫ (τ + Cᵀv − G − springs − friction + r) dt) with p = M(q) v (De Luca and Mattone 2003, eq. (13)).
+    """r = K (p − ∫ (τ + Cᵀv − G − springs − friction + r) dt) with p = M(q) v (De Luca and Mattone 2003).
 
     So ṙ = K (τ_wearer − r): the torque of the wearer, smoothed with time constant 1/K. The discrete filter is exact for
     torques that are constant over each interval, r_k = e^{−KT} r_{k−1} + (1 − e^{−KT}) τ̄_k with τ̄ of

@@ -10,11 +10,10 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
+from exoid.control.model import ControlModel
 from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.model import configuration
-
-from ..model import ControlModel
 
 SLOW = 0.05
 """Velocity at which the level of dry friction is read [rad/s]."""
@@ -41,8 +40,8 @@ class MomentumTerms:
     """Terms of ṗ = τ + τ_wearer + Cᵀv − G(q) − s(q) − r(v), with p = M(q) v.
 
     Cᵀv = Ṁv − Cv is the derivative of the kinetic energy by the angles (De Luca and Mattone 2003). One sample takes it
-    from Pinocchio's Coriolis matrix. Many samples take it from the torque c(v) = RNEA(q, v, 0) − G, which is a quadratic
-    form of v, by (Cᵀv)_i = ½ vᵀ[c(v + e_i) − c(v) − c(e_i)].
+    from Pinocchio's Coriolis matrix. Many samples take it from the torque c(v) = RNEA(q, v, 0) − G, a quadratic form of
+    v, by (Cᵀv)_i = ½ vᵀ[c(v + e_i) − c(v) − c(e_i)].
 
     Friction is c0 tanh(v / w) + d v and so on. Where |v| is not large against w the joint may stick, and friction is
     anything between ± the static friction F_s. Its error is then at most F_s (1 − tanh²(v / w)), which falls to 7 % of
@@ -134,7 +133,7 @@ class MomentumTerms:
 
     @cached_property
     def _rotors(self) -> FloatArray:
-        return self.model.rotors(np.zeros((1, self.model.n)))[0]
+        return np.asarray(self.model.rotors(np.zeros((1, self.model.n)))[0])
 
     @cached_property
     def _pinocchio(self) -> tuple[pin.Model, pin.Data]:

@@ -10,19 +10,20 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.control.friction import WIDTH
+from exoid.control.law import refuse_rate
+from exoid.control.model import ControlModel, ModelSource
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.signals import Recording
 
-from ..friction import WIDTH
-from ..law import refuse_rate
-from ..model import ControlModel, ModelSource
 from .alignment import Alignment, AlignmentMemory, Channels
 from .checks import observed_channels, refuse_reading
 from .joint_filters import JointFilters
-from .momentum_terms import Momentum, MomentumTerms
+from .momentum_terms import MomentumTerms
 from .noise_band import NoiseBand, Residual
 from .parameter_band import MomentumColumns, ParameterBand
 from .reading import ObservedTorque, ObserverReading
@@ -31,11 +32,11 @@ from .sensor_noise import SensorNoise
 BLOCK = 4096
 """Samples of a log worked on at once."""
 
-CUTOFF = 3.0
-"""Default cut-off of the channels' low-pass over the observer's bandwidth,"""
+CUTOFF = 1.0
+"""Default cut-off of the channels' low-pass over the observer's bandwidth: near the least noise for a delay;"""
 
 LARGEST = 0.2
-"""and at most over the sampling rate."""
+"""at most over the sampling rate."""
 
 FASTEST = 30.0
 """Default cut-off where no bandwidth is given [Hz]."""
@@ -89,13 +90,14 @@ class TorqueObserver(ABC):
         bandwidth: −3 dB frequency from the torque of the wearer to the reading, without the channels' low-pass [Hz], a
             number or (n,).
         rate: Sampling rate [Hz].
-        cutoff: Cut-off of the low-pass of all channels [Hz]; inf for none, where velocities are measured. None for 3
-            times the bandwidth, at most a fifth of the rate.
+        cutoff: Cut-off of the low-pass of all channels [Hz]; inf for none, where velocities are measured. None for the
+            bandwidth, at most a fifth of the rate.
         noise: Noise of the sensors. None if it is unknown: :meth:`run` then measures it in the log, and :meth:`step`
             detects nothing.
         false_alarms: False alarms per minute, all joints together, for noise alone.
         torque_delay: Lag of measured torques behind angles [s], a number or (n,); None for the ``torque_delays`` of the
-            estimate. Half a sample less than zero for a command that is held until the next sample.
+            estimate. A torque that is held from one sample to the next lags by −T/2 where it is logged at the beginning
+            of its interval, and by T/2 at the end.
         velocity_delay: Lag of measured velocities behind angles [s], likewise.
         width: Width of the smooth sign of friction [rad/s].
         stiction: Static friction over friction in slow motion.
@@ -276,8 +278,8 @@ class TorqueObserver(ABC):
         self._refuse_no_velocity(channels.v is None)
         speed = self._first_velocity(channels.q) if channels.v is None else channels.v[0]
         blocks = list(self._blocks(self.begin(channels.q[0], speed, channels.tau[0]), channels))
-        parts = (np.concatenate(part) for part in zip(*blocks, strict=True))
-        return ObservedTorque(recording.time, *parts, self._names, self.delay, self.settling)
+        found = ObserverReading(*map(np.concatenate, zip(*blocks, strict=True)))
+        return ObservedTorque(recording.time, *found, joint_names=self._names, delay=self.delay, settling=self.settling)
 
     def _first_velocity(self, q: FloatArray) -> FloatArray:
         """Mean velocity over the first samples of a log, as long as the delay of the channels, (n,)."""
@@ -328,7 +330,7 @@ class TorqueObserver(ABC):
         moved: FloatArray,
         bound: FloatArray,
         M: FloatArray,
-        samples: FloatArray,
+        samples: NDArray[np.int_],
         *,
         derived: bool,
     ) -> ObserverReading:
@@ -359,7 +361,7 @@ class TorqueObserver(ABC):
     @cached_property
     def _reach(self) -> FloatArray:
         """Sum of the absolute impulse response of the filter: what a bounded error can become at most, (n,)."""
-        return np.abs(self.filters.impulse_response(np.array([1.0]))).sum(axis=0)
+        return np.asarray(np.abs(self.filters.impulse_response(np.array([1.0]))).sum(axis=0))
 
     @cached_property
     def model(self) -> ControlModel:
@@ -407,15 +409,11 @@ class TorqueObserver(ABC):
 
     @cached_property
     def bandwidths(self) -> FloatArray:
-        """Bandwidth of each joint [Hz], (n,).
-
-        Raises:
-            ExoidError: It is not positive, or for another number of joints.
-        """
+        """−3 dB frequency of each joint [Hz], (n,)."""
         given = np.asarray(self.bandwidth, dtype=np.float64)
         if given.shape not in ((), (self.model.n,)) or not ((given > 0.0) & np.isfinite(given)).all():
             raise ExoidError(
-                f"a bandwidth of {self.bandwidth}", remedy="give a positive number in Hz, or one for each joint"
+                f"a bandwidth of {self.bandwidth!r}", remedy="give a positive number in Hz, or one for each joint"
             )
         return np.broadcast_to(given, self.model.n).copy()
 

@@ -1,4 +1,4 @@
-"""Columns of the momentum and its torques for each parameter of an estimate: what its covariance does to an observer."""
+"""Columns of the momentum and its torques for each parameter of an estimate, for the band of an observer."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.control.other_term import SLIDING
 from exoid.estimate import Estimate
 from exoid.torques import InternalState, Motion, TorqueModel
 from exoid.torques.with_columns import WithColumns
-
-from ..other_term import SLIDING
 
 
 class MomentumColumns(NamedTuple):

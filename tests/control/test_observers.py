@@ -1,0 +1,521 @@
+"""Observers read what a wearer does to a leg: exact dynamics, stated delay and band, honest alarms, refused logs."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+
+import numpy as np
+import pytest
+from observing import (
+    ANGLE_NOISE,
+    COUNT,
+    FRICTION,
+    TERMS,
+    TORQUE_NOISE,
+    WornLog,
+    estimate_of,
+    nrmse,
+    slow_tachometer,
+    sticking_run,
+    worn_run,
+)
+from planar_chains import random_chain
+from scipy.signal import lfilter
+
+import exoid
+from exoid import ExoidError, Leg, Recording, TorsoMotion
+from exoid.control import ControlModel, KalmanObserver, MomentumObserver, SensorNoise
+from exoid.control.observers import MomentumTerms, crossings_per_minute, threshold
+from exoid.control.observers.parameter_band import ParameterBand
+from exoid.rig import Plant
+
+BLEEX, CUHK = exoid.load_leg("bleex"), exoid.load_leg("cuhk")
+NOISE = SensorNoise(TORQUE_NOISE, 0.01, ANGLE_NOISE)
+HELD = 0.5e-3
+
+
+def spatial_leg() -> Leg:
+    """Three joints that do not move in one plane."""
+    return Leg.from_dh([(0.0, np.pi / 2, 0.2), (0.4, 0.3, 0.0), (0.3, 0.0, 0.1)], "standard")
+
+
+@pytest.fixture(scope="module")
+def estimate():
+    return estimate_of(BLEEX)
+
+
+@pytest.fixture(scope="module")
+def worn():
+    return WornLog(BLEEX, 6.0, seed=2)
+
+
+@pytest.fixture(scope="module")
+def sticking():
+    return sticking_run(BLEEX, 6, 14.0)
+
+
+# ----------------------------------------------------------------------------------------------------- momentum
+
+
+@pytest.mark.parametrize("leg", [BLEEX, CUHK, random_chain(np.random.default_rng(3), 4).leg(), spatial_leg()])
+def test_closed_form_of_many_samples_is_pinocchio_of_one(leg):
+    n = len(leg.joint_names)
+    rng = np.random.default_rng(0)
+    model = dataclasses.replace(ControlModel.of(leg), armature=rng.uniform(0.1, 0.5, n), coulomb=np.full(n, 0.7))
+    terms = MomentumTerms(model, 0.05, 1.2)
+    q, v = rng.uniform(-1.5, 1.5, (2, 50, n)) * [[[1.0]], [[3.0]]]
+    many = terms.over(q, v)
+    for k in range(50):
+        for found, expected in zip(many, terms.at(q[k], v[k]), strict=True):
+            np.testing.assert_allclose(found[k], expected, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("leg", [BLEEX, spatial_leg()])
+def test_momentum_changes_as_the_inverse_dynamics_say(leg):
+    """d(M v)/dt by differences, along a motion with a known acceleration, is RNEA + Cᵀv − G."""
+    n, h = len(leg.joint_names), 1e-5
+    q, v, a = np.random.default_rng(1).uniform(-1.0, 1.0, (3, n))
+    terms = MomentumTerms(ControlModel.of(leg), 0.05, 0.0)
+    before, after = (terms.at(q + s * h * v + 0.5 * h**2 * a, v + s * h * a).p for s in (-1.0, 1.0))
+    torque = leg.inverse_dynamics(q, v, a)[0]
+    np.testing.assert_allclose((after - before) / (2.0 * h), torque + terms.at(q, v).model, rtol=1e-7, atol=1e-7)
+
+
+# -------------------------------------------------------------------------------------------- one and all samples
+
+
+@pytest.mark.parametrize("kind", [MomentumObserver, KalmanObserver])
+@pytest.mark.parametrize("case", ["derived", "tachometer", "no filter", "lags", "leg"])
+def test_a_log_at_once_is_the_same_as_sample_by_sample(kind, case, estimate):
+    log = WornLog(BLEEX, 0.5, seed=4, tachometer=0.01 if case in ("tachometer", "no filter") else None)
+    lags = {"torque_delay": (0.0, 2.3e-3, -0.5e-3), "velocity_delay": 0.7e-3} if case == "lags" else {}
+    cutoff = np.inf if case == "no filter" else None
+    source = BLEEX if case == "leg" else estimate
+    observer = kind(source, (8.0, 10.0, 12.0), 1000.0, noise=NOISE, cutoff=cutoff, **lags)
+    recording = log.recording()
+    found = observer.run(recording)
+    speed = recording.v[0] if recording.v is not None else observer._first_velocity(recording.q)
+    memory = observer.begin(recording.q[0], speed, recording.tau[0])
+    for k in range(len(recording)):
+        v = None if recording.v is None else recording.v[k]
+        reading, memory = observer.step(memory, recording.q[k], v, recording.tau[k])
+        scale = np.abs(found.torque).max()
+        np.testing.assert_allclose(reading.torque, found.torque[k], rtol=0.0, atol=1e-12 * max(scale, 1.0))
+        np.testing.assert_allclose(reading.std, found.std[k], rtol=1e-12)
+        np.testing.assert_allclose(reading.stiction, found.stiction[k], rtol=1e-10, atol=1e-12)
+        np.testing.assert_array_equal(reading.detected, found.detected[k])
+
+
+def test_memory_is_explicit_and_a_step_leaves_it_as_it_was(estimate, worn):
+    recording = worn.recording()
+    observer = MomentumObserver(estimate, 10.0, 1000.0, noise=NOISE)
+    memory = observer.begin(recording.q[0], tau=recording.tau[0])
+    readings = [observer.step(memory, recording.q[1], None, recording.tau[1])[0].torque for _ in range(2)]
+    np.testing.assert_array_equal(*readings)
+
+
+def test_blocks_of_a_long_log_join(estimate, monkeypatch, worn):
+    observer = MomentumObserver(estimate, 10.0, 1000.0, noise=NOISE)
+    recording = worn.recording().slice(0, 500)
+    whole = observer.run(recording)
+    monkeypatch.setattr("exoid.control.observers.observer.BLOCK", 37)
+    pieces = observer.run(recording)
+    np.testing.assert_allclose(pieces.torque, whole.torque, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(pieces.std, whole.std, rtol=1e-12)
+
+
+# ---------------------------------------------------------------------------------------------- filter and delay
+
+
+def held_log(rate: float, pushed, samples: int = 400) -> Recording:
+    """Leg at rest that its actuators hold against a wearer."""
+    q = np.tile([0.4, -0.6, 0.1], (samples, 1))
+    time = np.arange(samples) / rate
+    tau = BLEEX.gravity(q) - pushed(time)[:, None]
+    return Recording(time, q, np.zeros_like(q), tau=tau, joint_names=BLEEX.joint_names)
+
+
+@pytest.mark.parametrize("rate", [10.0, 100.0, 1000.0])
+def test_a_constant_torque_is_read_by_the_exact_exponential_at_every_rate(rate):
+    """Even K T = 126, where forward Euler diverges."""
+    for bandwidth in (3.0, 200.0):
+        observer = MomentumObserver(BLEEX, bandwidth, rate, cutoff=np.inf, noise=NOISE)
+        recording = held_log(rate, lambda time: np.where(time >= 10.0 / rate - 1e-9, 5.0, 0.0))
+        read = observer.run(recording).torque[:, 0]
+        K, since = 2.0 * np.pi * bandwidth, np.clip(recording.time - 10.0 / rate, 0.0, None)
+        late = 1.0 - 0.5 * (1.0 - np.exp(-K / rate))  # the interval of the step has half of it
+        expected = 5.0 * (1.0 - late * np.exp(-K * since))
+        np.testing.assert_allclose(read[10:], expected[10:], rtol=1e-10)
+        assert not np.abs(read[:10]).max() > 1e-12
+
+
+@pytest.mark.parametrize("kind", [MomentumObserver, KalmanObserver])
+@pytest.mark.parametrize("cutoff", [None, 60.0, np.inf])
+def test_delay_and_response_are_those_of_a_reading(kind, cutoff):
+    observer = kind(BLEEX, 10.0, 1000.0, cutoff=cutoff, noise=NOISE, torque_delay=0.0)
+    for frequency in (0.5, 3.0, 15.0):
+        w = 2.0 * np.pi * frequency
+        recording = held_log(1000.0, lambda time, w=w: np.cos(w * time), 6000)
+        read = observer.run(recording).torque[2000:]
+        basis = np.exp(-1j * w * recording.time[2000:])
+        response = 2.0 * (basis[:, None] * read).mean(axis=0)
+        stated = observer.response(frequency) / np.sinc(frequency / 1000.0)
+        stated *= np.cos(0.5 * w / 1000.0)  # a sampled cosine, by the trapezoidal rule
+        np.testing.assert_allclose(response, stated, rtol=2e-3)
+    slow = observer.response(0.01)
+    np.testing.assert_allclose(-np.angle(slow) / (2.0 * np.pi * 0.01), observer.delay, rtol=1e-3)
+
+
+def test_gain_is_that_of_the_bandwidth():
+    observer = MomentumObserver(BLEEX, (5.0, 8.0, 16.0), 5000.0, cutoff=np.inf, noise=NOISE)
+    np.testing.assert_allclose(observer.gain, 2.0 * np.pi * np.array([5.0, 8.0, 16.0]))
+    np.testing.assert_allclose(observer.delay, 1.0 / observer.gain, rtol=1e-3)
+    assert [abs(observer.response(f)[j]) for j, f in enumerate((5.0, 8.0, 16.0))] == pytest.approx([0.5**0.5] * 3, 1e-2)
+
+
+def test_a_kalman_observer_is_the_textbook_filter(estimate):
+    """Prediction and correction with explicit matrices, gains from iterating the Riccati equation."""
+    log = WornLog(BLEEX, 1.0, seed=5, tachometer=0.01)
+    recording = log.recording()
+    observer = KalmanObserver(estimate, None, 1000.0, noise=log.sensors, drift=(60.0, 40.0, 15.0), cutoff=np.inf)
+    read = observer.run(recording).torque
+    terms, T = observer.terms.over(recording.q, recording.v), 1e-3
+    process, measurement = observer._noise_variances
+    for j, drift in enumerate((60.0, 40.0, 15.0)):
+        A, H = np.array([[1.0, T], [0.0, 1.0]]), np.array([[1.0, 0.0]])
+        Q, R = np.diag([process[j] * T**2, drift**2 * T]), measurement[j] * T**2
+        P = np.eye(2)
+        for _ in range(20000):
+            P = A @ P @ A.T + Q
+            gain = P @ H.T / (H @ P @ H.T + R)
+            P = P - gain @ H @ P
+        np.testing.assert_allclose(gain[:, 0], observer.gain[:, j], rtol=1e-6)
+        assert np.sqrt(P[1, 1]) == pytest.approx(observer.steady_std[j], rel=1e-6)
+        u = recording.tau[:, j] + terms.model[:, j]
+        first = observer.begin(recording.q[0], recording.v[0], recording.tau[0])
+        x, u_before = np.array([first.p[j], 0.0]), first.torque[j]
+        for k in range(200):
+            x = A @ x + [0.5 * T * (u[k] + u_before), 0.0]
+            x = x + observer.gain[:, j] * (terms.p[k, j] - x[0])
+            u_before = u[k]
+            assert read[k, j] == pytest.approx(x[1], rel=1e-9, abs=1e-9)
+
+
+def test_a_kalman_observer_has_the_bandwidth_asked_for():
+    for tachometer in (1e-6, 0.01, 0.3):
+        noise = SensorNoise(TORQUE_NOISE, tachometer)
+        observer = KalmanObserver(BLEEX, 10.0, 1000.0, noise=noise, cutoff=np.inf)
+        np.testing.assert_allclose(np.abs(observer.filters.response(10.0, 1000.0)), np.sqrt(0.5), rtol=1e-6)
+        same = KalmanObserver(BLEEX, None, 1000.0, noise=noise, cutoff=np.inf, drift=observer.walk)
+        np.testing.assert_allclose(same.bandwidths, 10.0, rtol=1e-4)
+    exact = KalmanObserver(BLEEX, 10.0, 1000.0, noise=SensorNoise(TORQUE_NOISE), cutoff=np.inf)
+    first_order = MomentumObserver(BLEEX, 10.0, 1000.0, noise=NOISE, cutoff=np.inf)
+    np.testing.assert_allclose(exact.response(4.0), first_order.response(4.0), rtol=0.02)
+
+
+# ------------------------------------------------------------------------------------------------- against truth
+
+
+@pytest.mark.parametrize("name", ["bleex", "cuhk"])
+def test_torque_of_walking_wearers_is_read_to_a_quarter_within_25_ms(name):
+    leg = exoid.load_leg(name)
+    run = worn_run(leg, np.array([1.1, 1.3]), 4.0)
+    model = estimate_of(leg, zero=0.0)
+    for kind in (MomentumObserver, KalmanObserver):
+        observer = kind(model, 36.0, 1000.0, torque_delay=HELD, noise=SensorNoise.of(run.recording(0)))
+        assert observer.delay.max() < 0.025
+        for k in range(2):
+            found = observer.run(run.recording(k))
+            assert nrmse(found.torque, run.interaction[..., k], 1000).max() < 0.25
+            late = round(float(observer.delay.mean()) * 1000.0)
+            aligned = nrmse(found.torque[late:], run.interaction[:-late, :, k], 1000)
+            assert aligned.max() < 0.2
+            assert found.detected[1000:].mean() > 0.3
+
+
+def test_all_channels_must_be_delayed_alike(estimate):
+    """A tachometer with a low-pass of 5 Hz: read as it is, the hip's torque is lost; with its lag told, it is there."""
+    log = WornLog(BLEEX, 10.0, seed=2)
+    recording, lag = slow_tachometer(log, 5.0)
+    errors = []
+    for told in (0.0, lag):
+        observer = MomentumObserver(estimate, 10.0, 1000.0, cutoff=np.inf, noise=log.sensors, velocity_delay=told)
+        read = observer.run(recording)
+        late = round(float(observer.delay.max() - told + lag) * 1000.0)
+        errors.append(nrmse(read.torque[late:], log.wearer[:-late], read.settling))
+    wrong, right = errors
+    assert wrong[0] > 0.8
+    assert right.max() < 0.25
+    assert (wrong[:2] > 4.0 * right[:2]).all()
+
+
+def test_a_torque_that_lags_is_aligned_by_the_delay_of_the_estimate(estimate):
+    log = WornLog(BLEEX, 8.0, seed=6, noise=0.0, late=0.02)
+    recording = log.recording()
+    late = dataclasses.replace(estimate, torque_delays=np.full(3, 0.02))
+    told, untold = (MomentumObserver(est, 10.0, 1000.0, noise=NOISE) for est in (late, estimate))
+    assert told.delay.max() == pytest.approx(untold.delay.max() + 0.02)
+    errors = []
+    for observer in (told, untold):
+        read = observer.run(recording).torque
+        shift = round(float(told.delay.max()) * 1000.0)
+        errors.append(nrmse(read[shift:], log.wearer[:-shift], 1000))
+    assert errors[0].max() < 0.06
+    assert errors[1].max() > 0.3
+
+
+# --------------------------------------------------------------------------------------------- band and detection
+
+
+@pytest.mark.parametrize("kind", [MomentumObserver, KalmanObserver])
+@pytest.mark.parametrize("tachometer", [None, 0.01])
+def test_standard_deviation_is_that_of_readings_where_nobody_is(kind, tachometer):
+    log = WornLog(BLEEX, 40.0, seed=7, size=0.0, tachometer=tachometer)
+    truth = ControlModel.of_parameters(log.model, log.values)
+    smooth = {"width": TERMS[0].smoothing, "stiction": 0.0}
+    observer = kind(truth, 10.0, 1000.0, noise=log.sensors, cutoff=30.0, **smooth)
+    found = observer.run(log.recording())
+    ratio = np.sqrt(np.mean((found.torque / found.std)[observer.settling :] ** 2, axis=0))
+    np.testing.assert_allclose(ratio, 1.0, atol=0.1)
+
+
+def test_band_of_the_parameters_is_the_spread_of_readings_with_other_parameters(estimate):
+    """Readings of an exact log with parameters drawn from the estimate's covariance."""
+    log = WornLog(BLEEX, 1.5, seed=8, size=0.0, noise=0.0, tachometer=0.0)
+    recording = log.recording()
+    settings = {"cutoff": np.inf, "width": TERMS[0].smoothing, "noise": SensorNoise(0.0)}
+    wide = dataclasses.replace(estimate, covariance=100.0 * estimate.covariance, model_error=None)
+    exact = MomentumObserver(dataclasses.replace(wide, residual_rms=np.zeros(3)), 10.0, 1000.0, **settings)
+    rng = np.random.default_rng(0)
+    draws = rng.multivariate_normal(estimate.values, wide.covariance, 200)
+    readings = np.array(
+        [
+            MomentumObserver(ControlModel.of_parameters(estimate.model, values), 10.0, 1000.0, **settings)
+            .run(recording)
+            .torque
+            for values in draws
+        ]
+    )
+    found = exact.run(recording)
+    np.testing.assert_allclose(readings.std(axis=0)[300:].mean(axis=0), found.std[300:].mean(axis=0), rtol=0.08)
+
+
+def test_columns_times_values_are_momentum_and_torque(estimate):
+    q, v = np.random.default_rng(2).uniform(-1.0, 1.0, (2, 20, 3))
+    model = ControlModel.of(estimate)
+    band = ParameterBand(dataclasses.replace(estimate, model_error=None))
+    columns = band.columns(q, v)
+    terms = MomentumTerms(model, TERMS[0].smoothing, 1.0).over(q, v)
+    np.testing.assert_allclose(np.tensordot(columns.p, estimate.values, axes=(1, 0)), terms.p, rtol=1e-9, atol=1e-9)
+    found = np.tensordot(columns.model, estimate.values, axes=(1, 0))
+    np.testing.assert_allclose(found, terms.model, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("pole", [0.0, 0.8, 0.98])
+def test_noise_crosses_the_threshold_as_often_as_asked(pole):
+    rng = np.random.default_rng(0)
+    samples, rate = 2_000_000, 1000.0
+    noise = lfilter([np.sqrt(1.0 - pole**2)], [1.0, -pole], rng.standard_normal(samples))
+    level = threshold(30.0, pole, rate)
+    above = np.abs(noise) > level
+    alarms = np.count_nonzero(above[1:] & ~above[:-1])
+    minutes = samples / rate / 60.0
+    assert alarms / minutes == pytest.approx(30.0, rel=0.12)
+
+
+def test_fine_sampling_of_smooth_noise_is_rices_formula():
+    """ρ = 1 − (ω T)²/2 with ω the RMS frequency."""
+    w, rate = 2.0 * np.pi * 5.0, 1e5
+    found = crossings_per_minute(4.0, 1.0 - 0.5 * (w / rate) ** 2, rate)
+    assert found == pytest.approx(60.0 * 2.0 * w / (2.0 * np.pi) * np.exp(-8.0), rel=1e-3)
+
+
+def test_threshold_grows_as_fewer_alarms_are_asked_for():
+    levels = [threshold(x, 0.95, 1000.0) for x in (60.0, 1.0, 1e-3, 1e-6)]
+    assert all(a < b for a, b in itertools.pairwise(levels))
+    assert levels[2] == pytest.approx(5.6, abs=0.3)
+    with pytest.raises(ExoidError, match="false alarms"):
+        threshold(0.0, 0.5, 100.0)
+
+
+def alarms_of(run, observer) -> np.ndarray:
+    return np.array([observer.run(run.recording(k)).alarms for k in range(run.plant.count)]).sum(axis=0)
+
+
+@pytest.mark.parametrize("kind", [MomentumObserver, KalmanObserver])
+def test_joints_that_stick_raise_no_alarm(kind, sticking):
+    """The servo leaves torque on resting joints; without the band of stiction it counts as a wearer."""
+    truth = Plant.build(
+        BLEEX,
+        {
+            f"{symbol}_{label}": value
+            for symbol in ("c0", "d")
+            for label, value in zip(BLEEX.joint_labels, FRICTION[symbol], strict=True)
+        },
+    )
+    noise = SensorNoise.of(sticking.recording(0))
+    assert ((np.abs(sticking.v) < 1e-9).mean(axis=(0, 2)) > 0.001).all()
+    with_band, without = (
+        kind(truth, 10.0, 1000.0, noise=noise, torque_delay=HELD, stiction=x, cutoff=20.0) for x in (1.2, 0.0)
+    )
+    assert not alarms_of(sticking, with_band).any()
+    assert alarms_of(sticking, without).any()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [MomentumObserver, KalmanObserver])
+def test_ten_minutes_without_wearer_raise_no_alarm(kind):
+    run = sticking_run(BLEEX, 30, 20.5, seed=1)
+    noise = SensorNoise.of(run.recording(0))
+    observer = kind(estimate_of(BLEEX, zero=0.0), 10.0, 1000.0, noise=noise, torque_delay=HELD)
+    assert not alarms_of(run, observer).any()
+
+
+def test_a_push_is_detected_within_a_few_delays(estimate):
+    log = WornLog(BLEEX, 4.0, seed=9, size=0.0)
+    recording = log.recording()
+    tau = recording.tau.copy()
+    tau[2500:, 0] -= 10.0
+    pushed = dataclasses.replace(recording, tau=tau)
+    observer = MomentumObserver(estimate, 10.0, 1000.0, noise=SensorNoise.of(recording))
+    found = observer.run(pushed)
+    first = np.argmax(found.detected[:, 0])
+    assert 2500 < first < 2500 + 3.0 * observer.delay[0] * 1000.0
+    assert not found.detected[:2500].any()
+    assert not found.detected[:, 1:].any()
+    assert found.alarms[0] == 1.0
+    assert "left_hip" in str(found)
+
+
+def test_innovations_tell_a_worn_leg_from_an_unworn_one(estimate):
+    unworn, worn = (WornLog(BLEEX, 20.0, seed=10, size=size, tachometer=0.01) for size in (0.0, 1.0))
+    observer = KalmanObserver(estimate, 10.0, 1000.0, noise=unworn.sensors, cutoff=np.inf)
+    of_unworn, of_worn = (observer.innovation_test(log.recording()) for log in (unworn, worn))
+    np.testing.assert_allclose(of_unworn.ratio, 1.0, atol=0.05)
+    assert (of_unworn.probability > 1e-3).all()
+    assert of_worn.probability.min() < 1e-6
+    louder = dataclasses.replace(observer, noise=SensorNoise(0.5 * TORQUE_NOISE, 0.005))
+    assert (louder.innovation_test(unworn.recording()).probability < 1e-6).all()
+
+
+# ----------------------------------------------------------------------------------------------------- the noise
+
+
+def test_noise_is_measured_from_a_log():
+    log = WornLog(BLEEX, 10.0, seed=11, tachometer=0.01)
+    found = SensorNoise.of(log.recording())
+    np.testing.assert_allclose(found.torque, TORQUE_NOISE, rtol=0.05)
+    np.testing.assert_allclose(found.velocity, 0.01, rtol=0.05)
+    np.testing.assert_allclose(found.angle, COUNT / np.sqrt(6.0), rtol=0.05)
+    rng = np.random.default_rng(0)
+    noisy = dataclasses.replace(log.recording(), q=log.walk.joints[0] + 1e-4 * rng.standard_normal((10_000, 3)))
+    np.testing.assert_allclose(SensorNoise.of(noisy).angle, 1e-4, rtol=0.05)
+
+
+def test_unknown_noise_is_measured_by_run_and_step_says_that_it_detects_nothing(estimate, worn):
+    recording = worn.recording()
+    observer = MomentumObserver(estimate, 10.0, 1000.0)
+    given = dataclasses.replace(observer, noise=SensorNoise.of(recording))
+    np.testing.assert_array_equal(observer.run(recording).std, given.run(recording).std)
+    with pytest.warns(UserWarning, match="nothing is detected"):
+        memory = observer.begin(recording.q[0])
+    assert not observer.step(memory, recording.q[0], None, recording.tau[0] + 1e4)[0].detected.any()
+
+
+# ----------------------------------------------------------------------------------------------- mistakes of logs
+
+
+def test_joints_of_a_log_may_stand_in_any_order(estimate, worn):
+    recording = worn.recording()
+    observer = MomentumObserver(estimate, 10.0, 1000.0, noise=NOISE)
+    mixed = recording.select(("left_ankle", "left_hip", "left_knee"))
+    np.testing.assert_array_equal(observer.run(mixed).torque, observer.run(recording).torque)
+    assert observer.run(mixed).joint_names == BLEEX.joint_names
+
+
+def gap(recording):
+    time = recording.time + np.where(recording.time > 2.0, 0.1, 0.0)
+    return dataclasses.replace(recording, time=time)
+
+
+def jump(recording):
+    q = recording.q.copy()
+    q[1234:, 1] += 2.0 * np.pi
+    return dataclasses.replace(recording, q=q, largest_angle=np.inf)
+
+
+LOGS = {
+    "another rate": (lambda r: dataclasses.replace(r, time=2.0 * r.time), "500 Hz for an observer at 1000 Hz"),
+    "a gap": (gap, "uneven"),
+    "a jump": (jump, "angle of left_knee jumps by 6.28 rad"),
+    "no torque": (lambda r: dataclasses.replace(r, tau=None), "no torque of left_hip, left_knee, left_ankle"),
+    "currents": (
+        lambda r: dataclasses.replace(r, tau=None, current=r.tau),
+        "no torque of left_hip, left_knee, left_ankle",
+    ),
+    "a joint without torque": (
+        lambda r: dataclasses.replace(r, tau=r.tau * [1.0, np.nan, 1.0]),
+        "no torque of left_knee",
+    ),
+    "another leg": (
+        lambda r: dataclasses.replace(r, joint_names=("right_hip", "right_knee", "right_ankle")),
+        "left_hip.* not in the recording",
+    ),
+    "a tilt": (lambda r: dataclasses.replace(r, torso=TorsoMotion(pitch=0.2)), "base is tilted"),
+}
+
+
+@pytest.mark.parametrize("mistake", LOGS)
+def test_mistakes_of_logs_are_refused(mistake, estimate, worn):
+    change, message = LOGS[mistake]
+    observer = MomentumObserver(estimate, 10.0, 1000.0, noise=NOISE)
+    with pytest.raises(ExoidError, match=message):
+        observer.run(change(worn.recording()))
+
+
+@pytest.mark.parametrize(
+    ("reading", "message"),
+    [
+        ((np.array([0.1, np.nan, 0.0]), None, np.zeros(3)), "angle of left_knee is nan"),
+        ((np.zeros(3), None, np.array([0.0, 0.0, np.inf])), "torque of left_ankle is inf"),
+        ((np.array([0.0, 0.0, 1.0]), None, np.zeros(3)), "angle of left_ankle jumps by 1 rad"),
+        ((np.zeros(2), None, np.zeros(3)), "shape"),
+    ],
+)
+def test_a_bad_reading_is_refused_and_the_memory_stays_good(reading, message, estimate):
+    observer = MomentumObserver(estimate, 10.0, 1000.0, noise=NOISE)
+    memory = observer.begin(np.zeros(3))
+    with pytest.raises(ExoidError, match=message):
+        observer.step(memory, *reading)
+    assert np.isfinite(observer.step(memory, np.zeros(3), None, np.zeros(3))[0].torque).all()
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"bandwidth": 0.0}, "bandwidth"),
+        ({"bandwidth": (1.0, 2.0)}, "bandwidth"),
+        ({"rate": -1.0}, "Hz"),
+        ({"cutoff": 600.0}, "low-pass"),
+        ({"torque_delay": (0.0, 1.0)}, "delays"),
+        ({"false_alarms": -1.0}, "false alarms"),
+        ({"width": 0.0}, "width"),
+        ({"noise": SensorNoise((1.0, 2.0))}, "fit 3 joints"),
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(settings, message):
+    with pytest.raises(ExoidError, match=message):
+        MomentumObserver(**{"source": BLEEX, "bandwidth": 10.0, "rate": 1000.0, "noise": NOISE, **settings})
+
+
+def test_velocities_are_needed_without_a_low_pass(estimate, worn):
+    observer = MomentumObserver(estimate, 10.0, 1000.0, cutoff=np.inf, noise=NOISE)
+    with pytest.raises(ExoidError, match="velocities"):
+        observer.run(worn.recording())
+    with pytest.raises(ExoidError, match="one of"):
+        KalmanObserver(estimate, 10.0, 1000.0, drift=3.0)
+    with pytest.raises(ExoidError, match="noise of the torques"):
+        KalmanObserver(BLEEX, 10.0, 1000.0)
+    with pytest.raises(ExoidError, match="standard deviations"):
+        SensorNoise(-1.0)
