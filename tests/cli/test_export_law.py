@@ -81,9 +81,8 @@ def test_laws_for_a_wearer(saved, exoid_, tmp_path):
 
 def test_the_momentum_observer(saved, exoid_, tmp_path):
     exoid_("export", "est.json", "--law", "momentum_observer", "--bandwidth", "5", "--rate", "200", "--c", "seen.c")
-    expected = c_source(
-        MomentumObserver(saved, 5.0, 200.0, torque_delay=0.0), name="seen", provenance=provenance(saved)
-    )
+    observer = MomentumObserver(saved, 5.0, 200.0, torque_delay=0.0)
+    expected = c_source(observer, name="seen", provenance=provenance(saved))
     assert (tmp_path / "seen.c").read_text() == expected.source
     assert (tmp_path / "seen.h").read_text() == expected.header
     assert "tau is the torque of the wearer on the leg" in expected.header

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from exoid.codegen import Dialect
 from exoid.codegen.laws import LawSource, Safety, law_source, write_law
+from exoid.control.observers import MomentumObserver
 from exoid.control.stateful import AnyLaw
 
 from .forms import law_in_c
@@ -14,7 +15,7 @@ from .forms import law_in_c
 
 def write_c(
     path: str | os.PathLike[str],
-    law: AnyLaw,
+    law: AnyLaw | MomentumObserver,
     *,
     precision: str = "double",
     safety: Safety | None = None,
@@ -27,7 +28,7 @@ def write_c(
 
     Args:
         path: Source to write, such as ``law.c``; the header ``law.h`` is written beside it.
-        law: A law with or without memory that has a form in C; see :func:`register_law_in_c`.
+        law: A law with or without memory, or an observer, that has a form in C; see :func:`register_law_in_c`.
         precision: "double" or "float".
         safety: Watchdog and safe torque; None for damping and 50 ms.
         provenance: Lines on the origin of the model, for the comment.
@@ -45,7 +46,7 @@ def write_c(
 
 
 def c_source(
-    law: AnyLaw,
+    law: AnyLaw | MomentumObserver,
     *,
     precision: str = "double",
     name: str = "law",
