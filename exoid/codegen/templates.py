@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING
 
@@ -22,14 +23,14 @@ def fill(template: str, dialect: Dialect, **values: object) -> str:
     Returns:
         The text.
     """
-    environment = _environment()
-    environment.globals.update(precision=dialect.real, number=dialect.number, function=dialect.function)
+    environment = _environment(dialect)
     found = environment.from_string(template) if "\n" in template else environment.get_template(template)
     return found.render(values)
 
 
-def _environment() -> Environment:
-    """Settings of all templates; names of files count from this package."""
+@cache
+def _environment(dialect: Dialect) -> Environment:
+    """Settings of all templates; names of files count from this package, and each file is compiled once."""
     import jinja2  # noqa: PLC0415 - an estimate needs it only to be written as C
 
     folder = resources.files(__package__)
@@ -42,4 +43,5 @@ def _environment() -> Environment:
         keep_trailing_newline=True,
     )
     environment.filters["comment"] = comment
+    environment.globals.update(precision=dialect.real, number=dialect.number, function=dialect.function)
     return environment

@@ -28,6 +28,9 @@ EXACT, SINGLE = 1e-12, 1e-5
 """Largest error allowed in double and in float, relative to the largest torque."""
 
 NAMES = tuple(laws())
+QUICK = ("pd_gravity_friction", "sensitivity_amplification")
+"""Laws that run in the closed loop of every test run."""
+
 SAFE = {"pd_gravity_friction": "gravity", "computed_torque": "zero", "lqr": "gravity"}
 """Safe torque of laws that do not have the default one."""
 
@@ -109,7 +112,9 @@ class FromZero:
         return stateful(self.law).step(memory, state, target)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in NAMES]
+)
 def test_in_the_closed_loop_on_the_rig_c_tracks_like_python(library, name):
     resistances = {f"{symbol}_{joint}": 1.0 for joint in model().leg.joint_labels for symbol in ("c0", "d")}
     plant = Plant.build(model().leg, resistances)
@@ -126,7 +131,8 @@ def test_in_the_closed_loop_on_the_rig_c_tracks_like_python(library, name):
 SANITIZERS = ("-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all")
 
 
-@pytest.mark.parametrize("compiler", ["gcc", pytest.param("clang", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
 def test_sanitizers_find_nothing_and_every_compiler_computes_the_same(library, tmp_path, compiler):
     if shutil.which(compiler) is None:
         pytest.skip(f"needs {compiler}")
@@ -187,7 +193,7 @@ def damping(name):
     name=st.sampled_from(NAMES),
     wrong=st.sampled_from([np.nan, np.inf, -np.inf, 1e300, 2e9]),
 )
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_a_number_that_is_not_finite_ends_in_the_safe_torque(library, seed, name, wrong):
     rng, law = np.random.default_rng(seed), library[f"{name}_double"]
     values = random_values(3, seed)
