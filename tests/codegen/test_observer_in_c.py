@@ -61,13 +61,13 @@ def in_python(observer, values):
 @pytest.mark.parametrize(("precision", "tolerance"), [("double", 1e-12), ("float", 2e-3)])
 def test_a_moving_leg(library, name, precision, tolerance):
     law, observer = library[f"{name}_{precision}"], OBSERVERS[name]
-    values, pushed = motion(300, observer.rate)
-    tau, status, _ = law.run(records(law.source, 300, values))
+    values, pushed = motion(120, observer.rate)
+    tau, status, _ = law.run(records(law.source, 120, values))
     assert not status.any()
     expected = in_python(observer, values)
     largest = np.abs(np.concatenate([values["tau_m"], expected])).max()
     np.testing.assert_allclose(tau, expected, atol=tolerance * largest)
-    assert np.abs(tau[150:] - pushed[150:]).max() < 4.0  # it is the torque of the one who pushes, a little late
+    assert np.abs(tau[80:] - pushed[80:]).max() < 4.0  # it is the torque of the one who pushes, a little late
 
 
 @needs_compiler
