@@ -96,7 +96,11 @@ class Tracking:
 
     @property
     def rms_interaction(self) -> FloatArray:
-        """RMS torque of the wearer on the leg [N·m]: what the wearer feels."""
+        """RMS torque of the wearer on the leg [N·m]: what the wearer feels.
+
+        Raises:
+            ExoidError: Nobody wears the leg.
+        """
         if self.interaction is None:
             raise ExoidError("nobody wears this leg", remedy="simulate it with wearer=")
         return _rms(self._settled(self.interaction))
@@ -119,9 +123,10 @@ class Tracking:
         """Convert the metrics to JSON types.
 
         Returns:
-            Values of the joints by the name of the metric.
+            Values of the joints by the name of the metric; ``rms_interaction`` too if the leg was worn.
         """
-        return attributes(self, "peak_deg", "rms_deg", "rms_torque", "torque_variation")
+        felt = () if self.interaction is None else ("rms_interaction",)
+        return attributes(self, "peak_deg", "rms_deg", "rms_torque", "torque_variation", *felt)
 
     def _settled(self, values: FloatArray) -> FloatArray:
         first = int(np.searchsorted(self.time, self.settle - 1e-9))
@@ -134,17 +139,13 @@ class Tracking:
 
     def __str__(self) -> str:
         """Print as a table, one line for each joint."""
-        columns = zip(
-            self.joint_names,
-            self.peak_deg,
-            self.rms_deg,
-            self.rms_torque,
-            self.energy,
-            self.torque_variation,
-            strict=True,
-        )
-        rows = [(name, *(f"{value:.3g}" for value in values)) for name, *values in columns]
-        headers = ("joint", "peak error [deg]", "rms [deg]", "rms torque [N·m]", "energy [J]", "variation [N·m/s]")
+        columns = [self.peak_deg, self.rms_deg, self.rms_torque, self.energy, self.torque_variation]
+        headers = ["joint", "peak error [deg]", "rms [deg]", "rms torque [N·m]", "energy [J]", "variation [N·m/s]"]
+        if self.interaction is not None:
+            columns.append(self.rms_interaction)
+            headers.append("rms of wearer [N·m]")
+        values = zip(*columns, strict=True)
+        rows = [(name, *(f"{x:.3g}" for x in each)) for name, each in zip(self.joint_names, values, strict=True)]
         span = f"{self.settle:g} to {self.time[-1]:g} s"
         return to_text(DataTable(f"{self.law} at {self.rate:g} Hz, {span}", headers, rows))
 

@@ -6,6 +6,7 @@ from .dynamic import run_motion
 from .followed_log import FollowedLog, follow_log
 from .fourier import fit_harmonics
 from .gait import gait_for_leg, healthy_gait, joint_roles, norm_gait
+from .intentions import Stumble, Tremor
 from .limits import refuse_motion_beyond_limits, refuse_poses_beyond_limits
 from .protocol_files import read_static_log, write_motion, write_static_log, write_static_protocol
 from .references import Approach, Harmonics, Hold
@@ -18,6 +19,8 @@ __all__ = [
     "Harmonics",
     "Hold",
     "StaticProtocol",
+    "Stumble",
+    "Tremor",
     "bleex",
     "cuhk",
     "fit_harmonics",

@@ -18,7 +18,7 @@ from exoid.tables import DataTable, to_text, value_range
 from exoid.torso import TorsoMotion
 
 from .actuators import Actuator
-from .controllers import Controller, Reference, Target, WornController
+from .controllers import Controller, Reference, WornController
 from .plant import Plant
 from .sensors import Sensors
 from .stepper import PlanarStepper, Step, Stepper
@@ -261,20 +261,25 @@ def simulate(
     state, command, torque = np.zeros((3, plant.n, plant.count))
     past: deque[tuple[FloatArray, ...]] = deque(maxlen=sensors.delay * every_control + 1)
     log, balance = _Log(), _Balance(plant, rig.energy())
+    commanded: Callable[..., FloatArray] = controller.command
+    senses = isinstance(controller, WornController)
+    if limb and isinstance(controller, WornController):
+        commanded = controller.command_worn
     with np.errstate(over="ignore", invalid="ignore"):  # overflow of a diverging run, which raises an error below
         for k in range(count + 1):
-            past.append((rig.q, rig.v, torque, *(limb.felt if limb else ())))
+            past.append((rig.q, rig.v, torque, *((limb.limb_q, limb.limb_v) if limb else ())))
             controls, logs = k % every_control == 0, k % every_log == 0
             if controls or logs:
                 _refuse_divergence(rig.v, k * dt)
-                target, (q, v, tau, *felt) = reference.at(k * dt), past[0]
+                target, (q, v, tau, *_) = reference.at(k * dt), past[0]
                 reading = sensors.angle(q, rng), sensors.velocity(v, rng)
             if controls:
-                wanted = _command(controller, target, reading, [sensors.interaction(x, rng) for x in felt[:1]])
-                command = _broadcast(wanted, plant, "command of the controller")
+                felt = (sensors.interaction(_interaction(limb, past[0]), rng),) if limb and senses else ()
+                command = _broadcast(commanded(target, *reading, *felt), plant, "command of the controller")
             if logs:
                 measured = (*reading, sensors.torque(tau, rng))
-                log.add(rig.q, rig.v, torque, *measured, _broadcast(target.q, plant, "target"), *past[-1][3:])
+                worn = (_interaction(limb, past[-1]), limb.limb_q) if limb else ()
+                log.add(rig.q, rig.v, torque, *measured, _broadcast(target.q, plant, "target"), *worn)
                 if progress is not None:
                     progress(k / count)
             if k < count:
@@ -285,17 +290,14 @@ def simulate(
                 torque = actuator.torque(state, command)
     time = every_log * dt * np.arange(len(log.samples), dtype=np.float64)
     energy = balance.energy(rig.energy(), limb.exchange if limb else None)
-    q, v, tau, q_measured, v_measured, tau_measured, targets, *worn = log.arrays()
-    return Run(plant, time, q, v, tau, q_measured, v_measured, tau_measured, targets, energy, *worn)
+    q, v, tau, q_measured, v_measured, tau_measured, targets, *of_wearer = log.arrays()
+    return Run(plant, time, q, v, tau, q_measured, v_measured, tau_measured, targets, energy, *of_wearer)
 
 
-def _command(
-    controller: Controller, target: Target, reading: tuple[FloatArray, FloatArray], felt: list[FloatArray]
-) -> FloatArray:
-    """Command of a controller, which receives the torque of the wearer if it can and there is one."""
-    if felt and isinstance(controller, WornController):
-        return controller.command_worn(target, *reading, *felt)
-    return controller.command(target, *reading)
+def _interaction(limb: WornStepper, sample: tuple[FloatArray, ...]) -> FloatArray:
+    """Torque of the wearers at a sample of angles, velocities, torques, and angles and velocities of limbs."""
+    q, v, _, limb_q, limb_v = sample
+    return limb.interaction(q, v, limb_q, limb_v)
 
 
 def _step_count(duration: float, rates: Rates) -> int:

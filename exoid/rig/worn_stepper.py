@@ -82,7 +82,7 @@ class WornStepper:
         self._k, self._d, self._muscle_k = k, d, muscle_k
         self._c, self._muscle_c = d + 0.5 * leg.dt * k, muscle_d + 0.5 * leg.dt * muscle_k
         self._half = 0.5 * leg.dt * self._c
-        self._work, self._dissipated, self._turnover = (np.zeros(leg.plant.count) for _ in range(3))
+        self._work, self._dissipated, self._turnover = (np.zeros(shape) for _ in range(3))
 
     @property
     def q(self) -> FloatArray:
@@ -104,21 +104,24 @@ class WornStepper:
         """Velocities of the limbs [rad/s], (n, B)."""
         return self._limb.v
 
-    @property
-    def interaction(self) -> FloatArray:
-        """Torque of the wearers on the legs, k (q_l − q) + d (v_l − v) [N·m], (n, B)."""
-        leg, limb = self._leg, self._limb
-        return np.asarray(self._k * (limb.q - leg.q) + self._d * (limb.v - leg.v))
+    def interaction(self, q: FloatArray, v: FloatArray, limb_q: FloatArray, limb_v: FloatArray) -> FloatArray:
+        """Compute the torque of the wearers on the legs, k (q_l − q) + d (v_l − v).
 
-    @property
-    def felt(self) -> tuple[FloatArray, FloatArray]:
-        """Torque of the wearers on the legs [N·m], and angles of the limbs [rad], (n, B) each."""
-        return self.interaction, self.limb_q
+        Args:
+            q: Angles of the legs [rad], (n, B).
+            v: Velocities of the legs [rad/s], (n, B).
+            limb_q: Angles of the limbs [rad], (n, B).
+            limb_v: Velocities of the limbs [rad/s], (n, B).
+
+        Returns:
+            Torque [N·m], (n, B).
+        """
+        return np.asarray(self._k * (limb_q - q) + self._d * (limb_v - v))
 
     @property
     def exchange(self) -> Exchange:
         """Energy that muscles and cuffs exchanged so far."""
-        return Exchange(self._work, self._dissipated, self._turnover)
+        return Exchange(*(x.sum(axis=0) for x in (self._work, self._dissipated, self._turnover)))
 
     def step(self, torque: FloatArray, damping: FloatArray) -> Step:
         """Advance legs and limbs by dt under the actuator torque τ₀ − damping · v̄.
@@ -156,9 +159,9 @@ class WornStepper:
     def _add(self, muscles: FloatArray, mean: FloatArray, slip: FloatArray) -> None:
         """Count the energy of a step, with the mean torque of the muscles and the mean velocity of the cuffs."""
         work = self.dt * muscles * mean
-        self._work += work.sum(axis=0)
-        self._turnover += np.abs(work).sum(axis=0)
-        self._dissipated += self.dt * (self._d * slip * slip).sum(axis=0)
+        self._work += work
+        self._turnover += np.abs(work)
+        self._dissipated += self.dt * self._d * slip * slip
 
 
 def limb_plant(plant: Plant, wearer: Wearer) -> Plant:
@@ -231,8 +234,12 @@ def _coupled(leg: Stepper) -> CoupledMotion:
 
 def _limb_response(limb: Equations, half: FloatArray) -> tuple[FloatArray, FloatArray]:
     """A_l⁻¹ g_l, (n, B), and A_l⁻¹ diag(½ dt c), (n, n, B)."""
-    n = len(half)
-    rows = np.zeros((n, 2 * n + 1, half.shape[1]))
+    n, count = half.shape
+    if count == 1:  # one small system: LAPACK is faster than array operations
+        columns = np.hstack([limb.impulse, np.diag(half[:, 0])])
+        found = np.linalg.solve(limb.M[..., 0], columns)
+        return np.asarray(found[:, :1]), np.asarray(found[:, 1:, None])
+    rows = np.zeros((n, 2 * n + 1, count))
     rows[:, :n], rows[:, n] = limb
     rows[np.arange(n), np.arange(n + 1, 2 * n + 1)] = half
     for k in range(n):  # Gauss-Jordan; A_l is positive definite, so pivoting is not needed

@@ -7,7 +7,8 @@ import pinocchio as pin
 import pytest
 
 import exoid
-from exoid.rig import PinocchioStepper, PlanarStepper, Plant
+from exoid.rig import PinocchioStepper, PlanarStepper, Plant, Wearer
+from exoid.rig.worn_stepper import WornStepper
 
 RIGS, STEPS, ROUNDS, DT = 256, 400, 25, 5e-4
 
@@ -97,3 +98,24 @@ def test_256_rigs_at_once_take_many_times_the_steps_of_a_single_one(speeds):
     ratio = speeds["Batch"] / speeds["SingleArrays"]
     print(f"\n256 rigs / single rig: {ratio:.1f}, to its plain floats {speeds['Batch'] / speeds['Single']:.1f}")
     assert ratio > 12.0
+
+
+def seconds_of_steps(rig, count=500, rounds=6):
+    """Best time of some steps."""
+    torque, damping, best = np.zeros_like(rig.q), np.zeros_like(rig.q), np.inf
+    for _ in range(rounds):
+        begin = time.process_time()
+        for _ in range(count):
+            rig.step(torque, damping)
+        best = min(best, time.process_time() - begin)
+    return best
+
+
+@pytest.mark.parametrize(("rigs", "limit"), [(1, 12.0), (16, 3.5), (256, 3.5)])
+def test_a_worn_step_takes_a_few_times_as_long_as_a_step(rigs, limit):
+    stepper, plant = PinocchioStepper if rigs == 1 else PlanarStepper, PLANT.repeat(rigs)
+    start = np.tile(POSE, rigs), np.zeros((3, rigs)), DT
+    alone = seconds_of_steps(stepper(plant, *start))
+    worn = seconds_of_steps(WornStepper(stepper(plant, *start), Wearer.build(LEG), 3000))
+    print(f"\n{rigs} rigs, worn / alone: {worn / alone:.2f}")
+    assert worn / alone < limit

@@ -1,0 +1,415 @@
+"""Laws for wearers: what the wearer feels on the rig is what the law promises."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from legs import LEG, cuhk_plant, exact_estimate
+from worn_legs import GAIT, LIMB, PASSIVE, RUBBING, SMOOTH, WALKING, accelerations, dynamic_torque
+
+from exoid.control import (
+    ControlModel,
+    Limited,
+    PassiveFriction,
+    State,
+    admittance,
+    assist_as_needed,
+    gravity_support,
+    impedance,
+    pd,
+    sensitivity_amplification,
+    simulate,
+    simulate_many,
+    stateful,
+    transparent,
+)
+from exoid.errors import ExoidError
+from exoid.experiments import Hold
+from exoid.rig import Payload, Plant, Sensors, Target, Wearer, plant_with_payloads
+
+POSE = np.array([0.5, 0.8])
+HOLD = Hold(POSE[:, None])
+EXACT = Sensors(np.inf)
+LAWS = {
+    "gravity_support": gravity_support(RUBBING, (0.5, 0.8), friction=PassiveFriction()),
+    "transparent": transparent(RUBBING),
+    "impedance": impedance(RUBBING, (60.0, 40.0), 5.0),
+    "admittance": admittance(RUBBING, (0.5, 0.3), 2.0, 5.0, reach=0.5),
+    "assist_as_needed": assist_as_needed(RUBBING, 80.0, 4.0, learning=40.0),
+    "sensitivity_amplification": sensitivity_amplification(RUBBING, (5.0, 3.0)),
+}
+EACH = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+
+
+def random_state(seed=0, columns=()):
+    rng = np.random.default_rng(seed)
+    q, v, last, pushed = rng.uniform(-1.0, 1.0, (4, 2, *columns))
+    return State(q, v, 0.1, last, pushed)
+
+
+# ------------------------------------------------------------------------------------------ every law
+
+
+@EACH
+def test_many_legs_at_once_get_what_each_gets_alone(law):
+    law = stateful(law)
+    many, aim = random_state(1, (5,)), Target(*np.random.default_rng(2).uniform(-1.0, 1.0, (3, 2, 5)))
+    after, memory = [], law.begin(many)
+    for k in range(5):
+        columns = [x[:, k] if isinstance(x, np.ndarray) else x for x in many]
+        one, own = State(*columns), Target(*(x[:, k] for x in aim))
+        kept = law.begin(one)
+        for _ in range(4):
+            torque, kept = law.step(kept, one._replace(q=one.q + 0.1), own)
+        after.append(torque)
+    for _ in range(4):
+        torque, memory = law.step(memory, many._replace(q=many.q + 0.1), aim)
+    np.testing.assert_allclose(torque, np.transpose(after), rtol=1e-10, atol=1e-10)
+
+
+@EACH
+def test_laws_are_pure_functions(law):
+    """The same memory and state give the same torque, whatever the law did in between."""
+    law, state, aim = stateful(law), random_state(), Target(POSE, np.zeros(2), np.zeros(2))
+    memory = law.begin(state)
+    first, after = law.step(memory, state, aim)
+    law.step(after, random_state(5), aim)
+    again, _ = law.step(memory, state, aim)
+    np.testing.assert_array_equal(first, again)
+
+
+@EACH
+def test_limits_hold_for_a_worn_leg(law):
+    law = Limited(law, limit=(6.0, 4.0), slew=300.0)
+    run = simulate(RUBBING, law, GAIT, 1.2, wearer=WALKING)
+    assert (np.abs(run.tau).max(axis=0) <= [6.0 + 1e-12, 4.0 + 1e-12]).all()
+    assert np.abs(np.diff(run.tau[1:], axis=0)).max() <= 300.0 / law.rate + 1e-9
+    assert run.audit.relative_error < 1e-4
+
+
+@EACH
+def test_an_estimate_may_be_the_model(law):
+    """Terms of an estimate are those of the plant it describes."""
+    makers = {
+        "GravitySupport": lambda source: gravity_support(source, 0.5, friction=PassiveFriction()),
+        "Impedance": lambda source: impedance(source, 60.0, 5.0),
+        "Admittance": lambda source: admittance(source, 0.5, 2.0),
+        "AssistAsNeeded": lambda source: assist_as_needed(source, 80.0, 4.0),
+        "SensitivityAmplification": lambda source: sensitivity_amplification(source, 5.0),
+    }
+    state, aim = random_state(3), Target(*np.random.default_rng(4).uniform(-1.0, 1.0, (3, 2)))
+    torques = []
+    for source in (exact_estimate(), cuhk_plant()):
+        own = stateful(makers[type(law).__name__](source))
+        torques.append(own.step(own.begin(state), state, aim)[0])
+    np.testing.assert_allclose(*torques, atol=1e-9)
+
+
+# ------------------------------------------------------------------------------------------- friction
+
+
+def test_friction_compensation_never_drives():
+    """Its power is positive and at most that of the true friction; at rest it is zero."""
+    model = ControlModel.of(RUBBING)
+    v = np.random.default_rng(0).normal(0.0, 0.5, (2, 2000))
+    torque = PassiveFriction(share=1.0).of(model, np.zeros_like(v), v)
+    true = RUBBING.coulomb * np.abs(v) + RUBBING.viscous * v**2
+    assert (torque * v >= 0.0).all()
+    assert (torque * v <= true * (1.0 + 1e-12)).all()
+    assert np.mean(torque * v) > 0.8 * np.mean(true)
+    assert not PassiveFriction(share=1.0).of(model, np.zeros(2), np.zeros(2)).any()
+
+
+@pytest.mark.parametrize(("c0", "d"), [(-0.5, 0.1), (0.5, -0.4), (-0.2, -0.1)])
+def test_friction_of_the_wrong_sign_is_not_compensated(c0, d):
+    """Table III as printed, or an estimate whose viscous friction is slightly negative."""
+    model = ControlModel.of(RUBBING)
+    wrong = replace(model, coulomb=np.full(2, c0), viscous=np.full(2, d))
+    v = np.linspace(-3.0, 3.0, 61) * np.ones((2, 1))
+    torque = PassiveFriction().of(wrong, np.zeros_like(v), v)
+    assert (torque * v >= 0.0).all()
+    assert (torque == 0.0)[:, np.abs(v[0]) > 2.0].all() or d > 0.0
+
+
+def test_a_leg_at_rest_stays_at_rest_and_a_moving_one_slows_down():
+    """Weight and friction are compensated; nothing else moves the leg."""
+    law = transparent(RUBBING, friction=PassiveFriction(share=1.0), rate=500.0)
+    rest = simulate(RUBBING, law, HOLD, 3.0, sensors=EXACT)
+    np.testing.assert_array_equal(rest.q[-1], POSE)
+
+    class Throw:
+        def at(self, time):
+            return Target(POSE[:, None], np.array([[1.0], [-1.0]]))
+
+    thrown = simulate(RUBBING, law, Throw(), 0.6, sensors=EXACT)
+    speed = np.einsum("ki,ki->k", thrown.v, dynamic_torque(SMOOTH, thrown.q, 0 * thrown.v, thrown.v))
+    assert speed[-1] < 1.002 * speed[0]
+    assert speed[-1] > 0.5 * speed[0]
+
+
+@pytest.mark.parametrize("bad", [{"share": 1.2}, {"share": -0.1}, {"share": np.nan}, {"width": 0.0}])
+def test_friction_that_could_drive_is_refused(bad):
+    with pytest.raises(ExoidError, match=r"friction|width"):
+        PassiveFriction(**bad)
+
+
+# --------------------------------------------------------------------------------------------- weight
+
+
+@pytest.mark.parametrize("share", [0.0, 0.4, 1.0])
+def test_the_wearer_carries_the_rest_of_the_weight(share):
+    """A wearer who holds still: τ_wearer = (1 − share) G(q) of the leg."""
+    still = Wearer(LIMB, muscle_stiffness=400.0, muscle_damping=20.0, intention=HOLD)
+    run = simulate(SMOOTH, gravity_support(SMOOTH, share), HOLD, 6.0, wearer=still)
+    weight = SMOOTH.leg.gravity(run.q[-1])[0]
+    assert np.abs(weight).min() > 0.5
+    np.testing.assert_allclose(run.interaction[-1], (1.0 - share) * weight, atol=0.01)
+
+
+def test_transparent_is_support_of_all_weight_with_friction():
+    state = random_state(2)
+    friction = PassiveFriction().of(ControlModel.of(RUBBING), state.q, state.v)
+    expected = RUBBING.leg.gravity(state.q)[0] + friction
+    np.testing.assert_allclose(transparent(RUBBING).torque(state, None), expected, rtol=1e-12)
+
+
+def test_an_unworn_transparent_leg_stays_where_it_is_released():
+    run = simulate(SMOOTH, transparent(SMOOTH, rate=1000.0), HOLD, 2.0, start=POSE, sensors=EXACT)
+    np.testing.assert_allclose(run.q, np.tile(POSE, (len(run.q), 1)), atol=1e-6)
+
+
+@pytest.mark.parametrize("share", [1.1, -0.1, np.nan, (0.5, 2.0), np.ones((2, 2))])
+def test_shares_of_the_weight_outside_0_and_1_are_refused(share):
+    with pytest.raises(ExoidError, match="times the weight"):
+        gravity_support(LEG, share)
+
+
+# ------------------------------------------------------------------------------------------ impedance
+
+
+def test_the_stiffness_of_the_closed_loop_is_the_one_asked_for():
+    """A weight that the law does not know bends the loop by exactly K⁻¹ ΔG; on a leg without friction."""
+    load, stiffness = Payload("knee", 2.0, (0.0, 0.0, -0.3)), np.array([80.0, 50.0])
+    loaded = plant_with_payloads(SMOOTH, (load,))
+    run = simulate(loaded, impedance(SMOOTH, stiffness, 15.0, rate=500.0), HOLD, 8.0, sensors=EXACT)
+    known, true = SMOOTH.leg, SMOOTH.leg.with_parameters(loaded.parameters[:, 0])
+    extra = (true.gravity(run.q[-1]) - known.gravity(run.q[-1]))[0]
+    assert np.abs(run.v[-1]).max() < 1e-6
+    assert np.abs(extra).min() > 1.0
+    np.testing.assert_allclose(stiffness * (POSE - run.q[-1]), extra, rtol=1e-4)
+
+
+def test_the_wearer_feels_a_spring_and_a_damper_about_the_target():
+    """τ_wearer = −(M ë + D ė + K e), with sampling at 1 kHz, over a gait against a fixed target."""
+    law = impedance(SMOOTH, 30.0, 4.0, rate=1000.0)
+    run = simulate(SMOOTH, law, HOLD, 2.4, wearer=WALKING, sensors=EXACT, settle=0.2)
+    error, late = POSE - run.q, run.time > 0.2
+    M = SMOOTH.leg.mass_matrix(run.q) + np.diag(SMOOTH.armature[:, 0])
+    felt = np.einsum("kij,kj->ki", M, accelerations(run)) + 4.0 * run.v - 30.0 * error
+    difference = np.sqrt(np.mean((run.interaction - felt)[late] ** 2, axis=0))
+    assert (difference < 0.02 * run.rms_interaction).all()
+
+
+# ----------------------------------------------------------------------------------------- admittance
+
+
+@pytest.mark.parametrize("mass", [0.4, 1.5])
+def test_the_wearer_moves_the_virtual_mass(mass):
+    """τ_wearer = m q̈ + D q̇ on a leg whose own inertia, weight and coupling are others."""
+    law = admittance(SMOOTH, mass, 1.0, rate=1000.0)
+    run = simulate(SMOOTH, law, HOLD, 2.4, wearer=WALKING, sensors=EXACT)
+    late = run.time > 0.6
+    felt, a, v = run.interaction[late], accelerations(run)[late], run.v[late]
+    for joint in range(2):
+        columns = np.column_stack([a[:, joint], v[:, joint]])
+        found, *_ = np.linalg.lstsq(columns, felt[:, joint], rcond=None)
+        assert found[0] == pytest.approx(mass, rel=0.03)
+        assert found[1] == pytest.approx(1.0, rel=0.1)
+        rest = felt[:, joint] - columns @ found
+        assert np.std(rest) < 0.1 * np.std(felt[:, joint])
+
+
+def test_the_virtual_mass_obeys_its_equation():
+    """Against the closed form of a mass, a damper and a spring under a constant push."""
+    law, push = admittance(SMOOTH, 0.5, 0.8, 20.0, rate=1000.0), np.array([2.0, -1.0])
+    state = State(POSE, np.zeros(2), interaction=push)
+    memory = law.begin(state)
+    for _ in range(700):
+        _, memory = law.step(memory, state, Target(POSE, np.zeros(2)))
+    decay, w = 0.8 / (2 * 0.5), np.sqrt(20.0 / 0.5 - (0.8 / (2 * 0.5)) ** 2)
+    shape = 1.0 - np.exp(-decay * 0.7) * (np.cos(w * 0.7) + decay / w * np.sin(w * 0.7))
+    np.testing.assert_allclose(memory.x, push / 20.0 * shape, rtol=1e-4)
+
+
+def test_a_sensor_that_drifts_does_not_carry_the_leg_beyond_its_reach():
+    law = admittance(SMOOTH, 0.5, 1.0, reach=0.3, rate=500.0)
+    loose = Wearer(LIMB, cuff_stiffness=0.0, cuff_damping=0.0)
+    run = simulate(SMOOTH, law, HOLD, 4.0, wearer=loose, sensors=Sensors(np.inf, interaction_offset=1.0))
+    assert 0.25 < np.abs(run.q - POSE).max() < 0.7  # the offset is also taken for a torque on the leg
+
+
+def test_admittance_without_the_torque_of_the_wearer_is_refused():
+    with pytest.raises(ExoidError, match="needs the torque of the wearer"):
+        simulate(SMOOTH, admittance(SMOOTH, 0.5, 1.0), GAIT, 1.0)
+
+
+# ---------------------------------------------------------------------------------- assistance as needed
+
+
+def test_within_the_tunnel_the_leg_is_transparent_and_beyond_it_a_spring_helps():
+    law, plain = assist_as_needed(SMOOTH, 80.0, 0.0, tunnel=0.1), transparent(SMOOTH)
+    state = State(POSE, np.zeros(2))
+    memory = law.begin(state)
+    near, _ = law.step(memory, state, Target(POSE + np.array([0.09, -0.05]), np.zeros(2)))
+    far, _ = law.step(memory, state, Target(POSE + np.array([0.3, -0.15]), np.zeros(2)))
+    np.testing.assert_allclose(near, plain.torque(state, None), rtol=1e-12)
+    np.testing.assert_allclose(far - near, [80.0 * 0.2, -80.0 * 0.05], rtol=1e-9)
+
+
+def test_learnt_assistance_grows_with_the_error_and_fades_with_success():
+    """U = g ε T_f (1 − e^{−t/T_f}), then u e^{−t/T_f}."""
+    law = assist_as_needed(SMOOTH, 0.0, 0.0, tunnel=0.1, learning=40.0, forgetting=2.0, rate=100.0)
+    state = State(POSE, np.zeros(2))
+    far, near = (Target(POSE + error, np.zeros(2)) for error in (0.3, 0.05))
+    memory = law.begin(state)
+    for _ in range(300):
+        _, memory = law.step(memory, state, far)
+    grown = 40.0 * 0.2 * 2.0 * (1.0 - np.exp(-1.5))
+    np.testing.assert_allclose(memory.torque, grown, rtol=1e-9)
+    for _ in range(300):
+        _, memory = law.step(memory, state, near)
+    np.testing.assert_allclose(memory.torque, grown * np.exp(-1.5), rtol=1e-9)
+
+
+def test_a_wearer_who_cannot_is_helped_and_one_who_can_is_not():
+    """The limb's weight is beyond the support of the leg's own, so a passive limb needs help."""
+    law = assist_as_needed(SMOOTH, 150.0, 10.0, tunnel=0.1, learning=100.0, rate=500.0)
+    able = Wearer(LIMB, muscle_stiffness=600.0, muscle_damping=40.0, intention=HOLD)
+    helped, alone = (simulate(SMOOTH, law, HOLD, 6.0, wearer=one, settle=4.0) for one in (PASSIVE, able))
+    unhelped = simulate(SMOOTH, transparent(SMOOTH), HOLD, 6.0, wearer=PASSIVE, settle=4.0)
+    assert (helped.rms_deg < 0.6 * unhelped.rms_deg).all()
+    assert (alone.rms_interaction < 0.02 * helped.rms_interaction).all()
+
+
+# -------------------------------------------------------------------------- sensitivity amplification
+
+
+def felt_share(amplification, bandwidth, rate=1000.0):
+    """Share of the leg's dynamic torque that a walking wearer feels: regression, and what it leaves."""
+    law = sensitivity_amplification(SMOOTH, amplification, bandwidth=bandwidth, rate=rate)
+    run = simulate(SMOOTH, law, GAIT, 1.8, wearer=WALKING, sensors=EXACT)
+    late = run.time > 0.6
+    whole = dynamic_torque(SMOOTH, run.q, run.v, accelerations(run))[late]
+    felt = run.interaction[late]
+    share = (felt * whole).sum() / (whole * whole).sum()
+    return share, np.sqrt(np.mean((felt - whole / amplification) ** 2) / np.mean(whole**2))
+
+
+@pytest.mark.parametrize("amplification", [2.0, 10.0])
+def test_the_wearer_feels_one_alphath_of_the_inertia(amplification):
+    """The difference shrinks as the filter passes more: in proportion to its delay."""
+    errors = []
+    for bandwidth in (10.0, 40.0, 160.0):
+        share, error = felt_share(amplification, bandwidth)
+        errors.append(error)
+    assert share == pytest.approx(1.0 / amplification, abs=0.01)
+    assert errors[2] < 0.03
+    assert errors[1] < 0.5 * errors[0]
+    assert errors[2] < 0.5 * errors[1]
+
+
+@pytest.mark.parametrize("amplification", [1.0, 10.0])
+def test_the_weight_is_not_felt(amplification):
+    still = Wearer(LIMB, muscle_stiffness=400.0, muscle_damping=20.0, intention=HOLD)
+    run = simulate(SMOOTH, sensitivity_amplification(SMOOTH, amplification), HOLD, 5.0, wearer=still, sensors=EXACT)
+    assert np.abs(run.interaction[-1]).max() < 1e-3 * np.abs(SMOOTH.leg.gravity(POSE)).max()
+
+
+def test_an_amplification_of_1_is_support_of_all_weight():
+    law, state = sensitivity_amplification(RUBBING, 1.0), random_state(6)
+    torque, _ = law.step(law.begin(state), state, Target(POSE, np.zeros(2)))
+    np.testing.assert_allclose(torque, gravity_support(RUBBING).torque(state, None), rtol=1e-12)
+
+
+def test_friction_too_is_felt_less():
+    """Under Coulomb friction of 1.4 and 0.6 N·m; all of it is in the loop, and α = 5."""
+    runs = {
+        name: simulate(RUBBING, law, GAIT, 1.8, wearer=WALKING, settle=0.6, sensors=EXACT)
+        for name, law in {
+            "whole": sensitivity_amplification(RUBBING, 5.0, bandwidth=80.0, rate=1000.0),
+            "without": sensitivity_amplification(RUBBING, 5.0, bandwidth=80.0, rate=1000.0, friction=None),
+            "off": gravity_support(RUBBING, rate=1000.0),
+        }.items()
+    }
+    light = sensitivity_amplification(SMOOTH, 5.0, bandwidth=80.0, rate=1000.0)
+    smooth = simulate(SMOOTH, light, GAIT, 1.8, wearer=WALKING, settle=0.6, sensors=EXACT)
+    assert (runs["whole"].rms_interaction < 0.35 * runs["off"].rms_interaction).all()
+    excess = [np.std(runs[name].interaction - smooth.interaction) for name in ("whole", "without")]
+    assert excess[0] < 0.6 * excess[1]
+
+
+def test_a_model_that_is_too_heavy_makes_the_loop_unstable():
+    """Rotors eight times too large in the model: (1 − 1/α) M̂ exceeds M for α = 1.5, not for α = 1.2."""
+    heavy = Plant.build(SMOOTH.leg, {"Ia_hip": 0.8, "Ia_knee": 0.8})
+    ratio = np.linalg.solve(*(ControlModel.of(plant).mass_matrix(POSE) for plant in (SMOOTH, heavy)))
+    largest = np.linalg.eigvals(ratio).real.max()
+    assert largest * (1.0 - 1.0 / 1.2) < 1.0 < largest * (1.0 - 1.0 / 1.5)
+    laws = [sensitivity_amplification(heavy, alpha, bandwidth=60.0) for alpha in (1.2, 1.5)]
+    calm, wild = (simulate(SMOOTH, law, GAIT, 0.4, wearer=WALKING) for law in laws)
+    assert wild.torque_variation.min() > 50.0 * calm.torque_variation.max()
+
+
+@pytest.mark.parametrize("bad", [0.5, np.inf, np.nan, (2.0, 0.9), np.ones((2, 2))])
+def test_amplifications_below_1_are_refused(bad):
+    with pytest.raises(ExoidError, match="an amplification of"):
+        sensitivity_amplification(LEG, bad)
+
+
+# ------------------------------------------------------------------------------------- the worn closed loop
+
+
+def test_the_law_receives_what_the_cuffs_measure():
+    class Listen:
+        rate = 100.0
+
+        def __init__(self):
+            self.heard = []
+
+        def torque(self, state, target):
+            self.heard.append(state.interaction)
+            return np.zeros_like(state.q)
+
+    law = Listen()
+    run = simulate(RUBBING, law, GAIT, 1.0, wearer=WALKING)
+    np.testing.assert_array_equal(law.heard, run.interaction)
+    simulate(RUBBING, unworn := Listen(), GAIT, 0.1)
+    assert unworn.heard[0] is None
+
+
+def test_many_worn_rigs_at_once_do_what_each_does_alone():
+    law, plants = transparent(RUBBING), [RUBBING, Plant.build(RUBBING.leg, {"c0_hip": 3.0})]
+    plants[1] = replace(RUBBING, coulomb=2.0 * RUBBING.coulomb, static=2.0 * RUBBING.static)
+    for one, plant in zip(
+        simulate_many(Plant.concatenate(plants), law, GAIT, 1.2, wearer=WALKING), plants, strict=True
+    ):
+        alone = simulate(plant, law, GAIT, 1.2, wearer=WALKING)
+        np.testing.assert_allclose(one.interaction, alone.interaction, atol=1e-6)
+        np.testing.assert_allclose(one.limb_q, alone.limb_q, atol=1e-8)
+        np.testing.assert_allclose(one.rms_interaction, np.sqrt(np.mean(alone.interaction[1:] ** 2, axis=0)), rtol=1e-6)
+
+
+def test_a_worn_run_prints_what_the_wearer_felt():
+    run = simulate(RUBBING, transparent(RUBBING), GAIT, 0.5, wearer=WALKING)
+    assert "rms of wearer" in str(run)
+    assert f"{run.rms_interaction[1]:.3g}" in str(run)
+    assert run.to_json()["rms_interaction"] == run.rms_interaction.tolist()
+
+
+def test_nobody_feels_anything_in_an_unworn_leg():
+    run = simulate(RUBBING, pd(20.0, 2.0), GAIT, 0.5)
+    assert run.interaction is None
+    assert run.limb_q is None
+    assert "wearer" not in str(run)
+    assert "rms_interaction" not in run.to_json()
+    with pytest.raises(ExoidError, match="nobody wears this leg"):
+        _ = run.rms_interaction
