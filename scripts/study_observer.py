@@ -4,9 +4,9 @@
 
 Virtual rigs with friction that sticks, encoders of 2^16 counts a turn, and torque noise of 0.5, 0.4 and 0.2 N·m, logged
 at 1 kHz. The model is identified from an unworn log of 30 s. Wearers walk while the actuators are off. NRMSE is the RMS
-difference between reading and true torque at the same time, over the standard deviation of the truth, the largest of all
-wearers. "Aligned" is the same with the delay taken out. Unworn rigs move and rest in turn. The last table delays the
-velocities only, or all channels alike.
+difference between reading and true torque at the same time, over the standard deviation of the truth, the largest of
+all wearers. "Aligned" is the same with the delay taken out. Unworn rigs move and rest in turn. The last table delays
+the velocities only, or all channels alike.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from observing import WornLog, estimate_of, nrmse, slow_tachometer, sticking_run, worn_run
 
 RATE = 1000.0
-WALKS = {"strides of 1.0 to 1.4 s": (1.0, 1.4, 36.0), "strides of 1.6 to 3.0 s": (1.6, 3.0, 20.0)}
-"""Shortest and longest stride time [s], and bandwidth of the observers [Hz]."""
+WALKS = ((1.0, 1.4, (36.0, 45.0)), (1.6, 3.0, (22.0, 32.0)))
+"""Shortest and longest stride time [s], and bandwidth of the observers of each leg [Hz]."""
 
 BANDWIDTH = 20.0
 """Bandwidth where nobody walks [Hz]."""
@@ -54,7 +54,8 @@ def worn(leg: Leg, runs: int, shortest: float, longest: float, bandwidth: float)
         errors = [nrmse(read, run.interaction[..., k], 1000) for k, read in enumerate(found)]
         aligned = [nrmse(read[late:], run.interaction[:-late, :, k], 1000) for k, read in enumerate(found)]
         print(
-            f"{leg.description.name:12} {type(observer).__name__:17} delay {1e3 * observer.delay.max():5.1f} ms   "
+            f"{leg.description.name:12} {type(observer).__name__:17} {bandwidth:g} Hz   "
+            f"delay {1e3 * observer.delay.max():5.1f} ms   "
             f"NRMSE {np.max(errors, axis=0).round(3)}   aligned {np.max(aligned, axis=0).round(3)}"
         )
 
@@ -101,10 +102,10 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=10.0)
     options = parser.parse_args()
     legs = [exoid.load_leg(name) for name in ("bleex", "cuhk")]
-    for title, walk in WALKS.items():
-        print(f"worn, {title}, bandwidth {walk[-1]:g} Hz")
-        for leg in legs:
-            worn(leg, options.runs, *walk)
+    for shortest, longest, bandwidths in WALKS:
+        print(f"worn, strides of {shortest:g} to {longest:g} s")
+        for leg, bandwidth in zip(legs, bandwidths, strict=True):
+            worn(leg, options.runs, shortest, longest, bandwidth)
     print(f"\nunworn, {options.minutes:g} min, 1e-3 false alarms a minute asked for")
     for leg in legs:
         unworn(leg, options.minutes)

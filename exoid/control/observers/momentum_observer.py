@@ -27,9 +27,9 @@ class MomentumObserver(TorqueObserver):
     Example:
         >>> import exoid
         >>> data = exoid.datasets.bleex_swing()
-        >>> observer = MomentumObserver(exoid.identify(data.leg, data.train), bandwidth=8.0, rate=100.0)
+        >>> observer = MomentumObserver(exoid.identify(data.leg, data.train), bandwidth=16.0, rate=100.0)
         >>> observer
-        MomentumObserver(left_hip, left_knee, left_ankle: 8 Hz at 100 Hz, delay 30.3 ms)
+        MomentumObserver(left_hip, left_knee, left_ankle: 16 Hz at 100 Hz, delay 20.5 ms)
     """
 
     @property
