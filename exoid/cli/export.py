@@ -1,4 +1,4 @@
-"""``exoid export``: an estimate as a URDF, or as C."""
+"""``exoid export``: an estimate as a URDF, as C, or as a control law in C."""
 
 from __future__ import annotations
 
@@ -10,12 +10,16 @@ import typer
 
 from exoid import estimate as estimates
 from exoid.codegen import CSource
+from exoid.codegen.dialect import identifier
+from exoid.codegen.laws import LawSource
+from exoid.codegen.laws.safety import SafeTorque
 from exoid.errors import ExoidError
 from exoid.estimate import Export
 from exoid.exported import sidecar_of
 from exoid.lift import MASS_FACTOR, PULL
 
 from .inputs import AsJson
+from .law_options import LawOptions
 from .outputs import check_outputs
 
 
@@ -42,9 +46,58 @@ def export(
         ),
     ] = None,
     precision: Annotated[str | None, typer.Option(help="Precision of the C: double (default) or float.")] = None,
+    law: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Write this control law for the leg into the file of --c, and a header beside it."
+        ),
+    ] = None,
+    kp: Annotated[
+        str | None,
+        typer.Option(metavar="A,B", help="--law: stiffness of each joint [N·m/rad]; default as exoid track."),
+    ] = None,
+    kd: Annotated[str | None, typer.Option(metavar="A,B", help="--law: damping [N·m·s/rad]; default kp/10.")] = None,
+    rate: Annotated[
+        float | None,
+        typer.Option(metavar="HZ", help="--law: sampling rate; default 100, or 500 for sensitivity_amplification."),
+    ] = None,
+    period: Annotated[
+        float | None, typer.Option(metavar="S", help="--law: period of the gait, for gains; default 10.")
+    ] = None,
+    role: Annotated[
+        list[str] | None,
+        typer.Option(metavar="JOINT=ROLE", help="--law: joint that is the hip, knee or ankle. Repeatable."),
+    ] = None,
+    limit: Annotated[
+        str | None, typer.Option(metavar="A,B", help="--law: largest torque [N·m]; default that of the URDF.")
+    ] = None,
+    slew: Annotated[
+        str | None, typer.Option(metavar="A,B", help="--law: largest change of the torque [N·m/s]; default none.")
+    ] = None,
+    safe: Annotated[SafeTorque | None, typer.Option(help="--law: safe torque; default damping.")] = None,
+    patience: Annotated[
+        float | None,
+        typer.Option(metavar="S", help="--law: time after which an unchanged input is stale; default 0.05."),
+    ] = None,
+    share: Annotated[
+        str | None, typer.Option(metavar="A,B", help="--law gravity_support: share of the weight, 0 to 1; default 1.")
+    ] = None,
+    amplification: Annotated[
+        str | None,
+        typer.Option(metavar="A,B", help="--law sensitivity_amplification: 1 or more; default 2."),
+    ] = None,
+    bandwidth: Annotated[
+        float | None,
+        typer.Option(metavar="HZ", help="--law sensitivity_amplification (default 20) or momentum_observer (8)."),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Write an identified leg as a URDF, with LEG.exoid.json for parameters that a URDF cannot hold; or as C."""
+    """Write an identified leg as a URDF, with LEG.exoid.json for parameters that a URDF cannot hold; or as C.
+
+    With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr;
+    for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or momentum_observer, which gives
+    the torque of the wearer.
+    """
     if (output is None) == (c is None):
         raise ExoidError("one file is written at a time", remedy="give either -o LEG.URDF or --c LEG.C")
     if c is None and precision is not None:
@@ -53,11 +106,23 @@ def export(
         raise ExoidError(
             "--mass-factor and --pull have no effect on C", remedy="leave them out, or write a URDF with -o LEG.URDF"
         )
+    options = LawOptions(kp, kd, rate, period, role, limit, slew, safe, patience, share, amplification, bandwidth)
+    if law is None and options.given():
+        raise ExoidError(f"{', '.join(options.given())}: only a control law has it", remedy="name the law with --law")
+    if law is not None and c is None:
+        raise ExoidError("--law has no effect on a URDF", remedy="give --c LAW.C")
     sidecar = sidecar_of(Path(output)) if output is not None and Path(output).name else None
-    check_outputs({"--output": output, "the file beside --output": sidecar, "--c": c}, [estimate])
+    check_outputs(
+        {"--output": output, "the file beside --output": sidecar, "--c": c, "the header of --c": _header(c, law)},
+        [estimate],
+    )
     found = estimates.Estimate.load(estimate)
-    if c is not None:
-        written: CSource | Export = found.to_c(c, precision=precision or "double")
+    if c is not None and law is not None:
+        from .law_export import export_law  # noqa: PLC0415 - only a law needs the controllers
+
+        written: CSource | LawSource | Export = export_law(found, law, c, options, precision or "double")
+    elif c is not None:
+        written = found.to_c(c, precision=precision or "double")
     else:
         written = found.to_urdf(
             str(output),
@@ -65,3 +130,8 @@ def export(
             mass_factor=MASS_FACTOR if mass_factor is None else mass_factor,
         )
     typer.echo(json.dumps(written.to_json(), indent=1) if as_json else str(written))
+
+
+def _header(c: str | None, law: str | None) -> Path | None:
+    """Header beside the source of a law."""
+    return None if c is None or law is None else Path(c).with_name(f"{identifier(c)}.h")

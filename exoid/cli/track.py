@@ -144,7 +144,7 @@ def _track_leg(
         kd = 0.1 * kp
     if options.kd is not None:
         kd = joint_values(options.kd, "--kd", labels, one_for_all=True)
-    roles = experiments.joint_roles(model.leg, _roles(options.role))
+    roles = experiments.joint_roles(model.leg, roles_of(options.role))
     joint = labels[roles.index("knee")] if "knee" in roles else labels[-1]
     payloads = [] if options.payload is None else [Payload(joint, options.payload, _below(model.leg, joint))]
     runs = control.track(
@@ -193,7 +193,7 @@ def _reference(leg: Leg, options: TrackOptions, reading: LogOptions) -> _Course:
     if not 0.0 < period < np.inf:
         raise ExoidError(f"--period {period:g}", remedy="give seconds")
     scale = SCALE if options.scale is None else options.scale
-    roles = _roles(options.role)
+    roles = roles_of(options.role)
     if options.speed is None:
         return _Course(experiments.gait_for_leg(leg, experiments.healthy_gait(scale, period), roles), period)
     return _Course(experiments.gait_for_leg(leg, experiments.norm_gait(options.speed, scale, period), roles), period)
@@ -218,8 +218,18 @@ def _logged(leg: Leg, name: str, period: float | None, reading: LogOptions) -> _
     return _Course(periodic, period)
 
 
-def _roles(pairs: list[str] | None) -> dict[str, str]:
-    """Turn "HFE=hip" into a role by joint."""
+def roles_of(pairs: list[str] | None) -> dict[str, str]:
+    """Turn "HFE=hip" into a role by joint.
+
+    Args:
+        pairs: Values of --role; None for none.
+
+    Returns:
+        Role by joint.
+
+    Raises:
+        ExoidError: One is not JOINT=ROLE.
+    """
     roles = {}
     for pair in pairs or ():
         joint, _, role = pair.partition("=")

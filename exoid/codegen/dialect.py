@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 PRECISIONS = ("double", "float")
 """Types of number that a leg can be written in."""
 
-IN_C = str.maketrans({"·": " ", "²": "^2", "³": "^3", "±": "+-", "×": "x", "−": "-", "–": "-", "°": " deg"})
+IN_C = str.maketrans({"·": " ", "²": "^2", "³": "^3", "±": "+-", "×": "x", "÷": "/", "−": "-", "–": "-", "°": " deg"})
 """Characters of exoid's texts that are not ASCII."""
 
 

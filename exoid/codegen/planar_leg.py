@@ -5,10 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from importlib import resources
-from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -18,13 +15,14 @@ from exoid.actuators import Actuators
 from exoid.errors import ExoidError
 from exoid.files import write_whole
 from exoid.fixed_base import refuse_floating_base
-from exoid.reduction import PlanarChain
 from exoid.reduction.planar import GRAVITY
 from exoid.torques import TorqueModel
 
-from .dialect import Dialect, comment, identifier
+from .constants import Constants, constants_of_bodies
+from .dialect import Dialect, identifier
 from .drives import commands_in_c
 from .source import CSource
+from .templates import fill
 from .terms import TermsInC, terms_in_c
 
 TEMPLATE = "planar_leg.c.jinja"
@@ -120,7 +118,8 @@ def c_source(
         )
     numbers = _checked(model, values)
     terms = terms_in_c(model, numbers, f"{prefix}_term", dialect)
-    text = _render(
+    text = fill(
+        TEMPLATE,
         dialect,
         p=prefix,
         urdf=leg.description,
@@ -129,37 +128,12 @@ def c_source(
         cumulative=leg.cumulative,
         gravity=GRAVITY,
         provenance=provenance,
-        tables=list(_tables(model, numbers, leg.chain, terms, dialect)),
+        tables=list(_tables(model, numbers, terms, dialect)),
         terms=terms,
         commands=[] if actuators is None else commands_in_c(actuators, dialect),
         units=() if actuators is None else actuators.units,
     )
     return CSource(text, prefix, dialect, model, numbers, tuple(warnings), commands=actuators is not None)
-
-
-class _Table(NamedTuple):
-    """Constants of the leg: label and number of each row."""
-
-    name: str
-    what: str
-    rows: Sequence[tuple[str, str]]
-
-
-def _render(dialect: Dialect, **values: object) -> str:
-    """Fill the template, in which numbers and functions have one precision."""
-    import jinja2  # noqa: PLC0415 - an estimate needs it only to be written as C
-
-    environment = jinja2.Environment(
-        autoescape=False,  # it is no HTML: texts pass the filter "comment"
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters["comment"] = comment
-    environment.globals.update(precision=dialect.real, number=dialect.number, function=dialect.function)
-    template = resources.files(__package__).joinpath(TEMPLATE).read_text(encoding="utf-8")
-    return environment.from_string(template).render(values)
 
 
 def _checked(model: TorqueModel, values: ArrayLike) -> FloatArray:
@@ -174,25 +148,13 @@ def _checked(model: TorqueModel, values: ArrayLike) -> FloatArray:
     return numbers
 
 
-def _tables(
-    model: TorqueModel, values: FloatArray, chain: PlanarChain, terms: TermsInC, dialect: Dialect
-) -> Iterator[_Table]:
+def _tables(model: TorqueModel, values: FloatArray, terms: TermsInC, dialect: Dialect) -> Iterator[Constants]:
     """Tables of the template, each number with its label."""
-    joints, number = model.leg.joint_names, dialect.number
-    signs = [(f"axis of {joint}", number(sign)) for joint, sign in zip(joints, chain.signs, strict=True)]
-    yield _Table("sign", "+1 where positive q turns x towards z", signs)
-    ends = [*pairwise(joints), (joints[-1], "the end, not needed")]
-    for axis, column in (("dx", 0), ("dz", 1)):
-        reach = zip(ends, [*chain.offsets[:, column], 0.0], strict=True)
-        lengths = [(f"{here} to {there}", number(length)) for (here, there), length in reach]
-        yield _Table(axis, f"to the next joint, along {axis[1]} at the zero pose [m]", lengths)
     known = dict(zip(model.names, values, strict=True))
-    for offset, (symbol, unit) in enumerate((("X", "kg m"), ("Y", "kg m"), ("J", "kg m^2"))):
-        names = model.names[offset : 3 * chain.n : 3]
-        yield _Table(symbol, f"[{unit}]", [(name, number(known[name])) for name in names])
-    rotors = [(f"rotor of {joint}", inertia) for joint, inertia in zip(joints, terms.rotor, strict=True)]
-    yield _Table("rotor", "where it is a separate parameter [kg m^2]", rotors)
+    yield from constants_of_bodies(model.leg, known, dialect)
+    rotors = [(f"rotor of {joint}", inertia) for joint, inertia in zip(model.leg.joint_names, terms.rotor, strict=True)]
+    yield Constants("rotor", "where it is a separate parameter [kg m^2]", rotors)
     if terms.table:
         units = dict(zip(model.names, model.units, strict=True))
-        rows = [(f"{name} [{units[name]}]", number(known[name])) for name in terms.table]
-        yield _Table("term", "friction, springs and offsets", rows)
+        rows = [(f"{name} [{units[name]}]", dialect.number(known[name])) for name in terms.table]
+        yield Constants("term", "friction, springs and offsets", rows)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple, get_args
 
 from exoid._typing import FloatArray
@@ -68,14 +68,34 @@ def terms_in_c(model: TorqueModel, values: FloatArray, table: str, dialect: Dial
     for block, form in forms:
         symbols = zip(block.term.symbols, block.names, strict=True)
         parameters = {symbol: constants[name] for symbol, name in symbols if name in constants}
-        for joint, expression in _torques(block, form, parameters, dialect):
-            summands[form.place][joint].append(_summand(expression))
+        for joint, expression in torques_in_c(block, parameters, dialect):
+            summands[form.place][joint].append(expression)
     zero = dialect.number(0.0)
     sums = {place: [" + ".join(joint) or zero for joint in joints] for place, joints in summands.items()}
     return TermsInC(sums["friction"], sums["stiffness"], sums["rotor"], tabled)
 
 
-def _torques(block: TermBlock, form: CForm, parameters: dict[str, str], dialect: Dialect) -> Iterator[tuple[int, str]]:
+def torques_in_c(block: TermBlock, parameters: Mapping[str, str], dialect: Dialect) -> Iterator[tuple[int, str]]:
+    """Write the torque of one term at each of its joints, in q[j] or v[j] by the place of its form.
+
+    Args:
+        block: The term and its joints.
+        parameters: Constant in C of each symbol of the term.
+        dialect: Precision.
+
+    Yields:
+        Index of a joint and the expression there, ready to join a sum.
+
+    Raises:
+        ExoidError: The term has no form in C.
+    """
+    for joint, expression in _torques(block, c_form(block.term), parameters, dialect):
+        yield joint, _summand(expression)
+
+
+def _torques(
+    block: TermBlock, form: CForm, parameters: Mapping[str, str], dialect: Dialect
+) -> Iterator[tuple[int, str]]:
     """Index of each joint of a term, and the torque of the term there."""
     variables = [{"friction": f"v[{j}]", "stiffness": f"q[{j}]", "rotor": ""}[form.place] for j in block.joints]
     if not isinstance(block.term, CoordinateTerm):

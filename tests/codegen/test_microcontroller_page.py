@@ -25,14 +25,17 @@ pytestmark = [needs_compiler, pytest.mark.skipif(not PAGE.commands, reason="need
 @pytest.mark.slow
 def test_the_commands_and_the_program_print_what_the_page_shows(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    _, (_, program), (_, build), (_, shown), _ = FENCE.findall((ROOT / PAGE.name).read_text(encoding="utf-8"))
+    blocks = FENCE.findall((ROOT / PAGE.name).read_text(encoding="utf-8"))
+    programs, shown = ([text for language, text in blocks if language == kind] for kind in ("c", "text"))
+    builds = [text for language, text in blocks if language == "bash" and text.startswith("cc ")]
     PAGE.run_commands(tmp_path)
-    Path("main.c").write_text(program, encoding="utf-8")
-    done = subprocess.run(build, shell=True, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == shown
-    compile_c((), Path("main.c"), Path("leg.c"), to=Path("strict"))
-    printed = [float(value) for value in re.findall(r": (\S+) N m", shown)]
+    for program, build, output, source in zip(programs, builds, shown, ("leg.c", "law.c"), strict=True):
+        Path("main.c").write_text(program, encoding="utf-8")
+        done = subprocess.run(build, shell=True, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert done.stdout == output
+        compile_c((), Path("main.c"), Path(source), to=Path("strict"))
+    printed = [float(value) for value in re.findall(r": (\S+) N m", shown[0])]
     assert printed == pytest.approx(expected(exoid.Estimate.load("est.json")), abs=0.006)
 
 

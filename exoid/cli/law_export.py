@@ -1,0 +1,134 @@
+"""Control laws of ``exoid export --law``: from options to a law, and to its C."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exoid import control, experiments
+from exoid.codegen.laws import LawSource, Safety
+from exoid.control import ControlModel
+from exoid.control.in_c import write_c
+from exoid.control.stateful import AnyLaw
+from exoid.errors import ExoidError
+from exoid.estimate import Estimate
+from exoid.estimate.provenance import provenance
+
+from .inputs import refuse
+from .law_options import LawOptions
+from .numbers import joint_values
+from .track import SCALE, roles_of
+
+PERIOD = 10.0
+"""Period of the gait [s]."""
+
+AMPLIFICATION = 2.0
+"""Amplification: the wearer feels half of the inertia."""
+
+WORN = ("gravity_support", "sensitivity_amplification", "impedance")
+"""Names of the laws for a leg with a wearer."""
+
+OBSERVER = "momentum_observer"
+"""Name of the observer, which gives the torque of the wearer in place of a command."""
+
+OBSERVED = 8.0
+"""Bandwidth of the observer [Hz]."""
+
+
+def export_law(estimate: Estimate, name: str, path: str, options: LawOptions, precision: str) -> LawSource:
+    """Write a law for an estimate as C.
+
+    Gains, rate and gait are those of ``exoid track`` unless options say otherwise; the limit is that of the URDF.
+
+    Args:
+        estimate: The estimate.
+        name: Name of the law, out of :data:`exoid.control.LAWS` and :data:`WORN`, or :data:`OBSERVER`.
+        path: Source to write.
+        options: Options.
+        precision: "double" or "float".
+
+    Returns:
+        What was written.
+
+    Raises:
+        ExoidError: An option does not fit the leg, the law has no form in C, or the file cannot be written.
+    """
+    default = Safety()
+    safety = Safety(
+        options.safe or default.safe, patience=default.patience if options.patience is None else options.patience
+    )
+    _refuse_foreign(name, options)
+    law = (
+        _observer(estimate, options) if name == OBSERVER else _limited(_law(estimate, name, options), estimate, options)
+    )
+    return write_c(
+        path, law, precision=precision, safety=safety, provenance=provenance(estimate), warnings=estimate.warnings
+    )
+
+
+def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
+    model = ControlModel.of(estimate)
+    labels = model.leg.joint_labels
+    if name == "gravity_support":
+        share = 1.0 if options.share is None else joint_values(options.share, "--share", labels, one_for_all=True)
+        return control.gravity_support(model, share, rate=_rate(options, 100.0))
+    if name == "sensitivity_amplification":
+        amplification = np.full(len(labels), AMPLIFICATION)
+        if options.amplification is not None:
+            amplification = joint_values(options.amplification, "--amplification", labels, one_for_all=True)
+        bandwidth = 20.0 if options.bandwidth is None else options.bandwidth
+        return control.sensitivity_amplification(model, amplification, bandwidth=bandwidth, rate=_rate(options, 500.0))
+    if name not in (*control.LAWS, *WORN):
+        raise ExoidError(f"no controller {name}", remedy=f"use one of {', '.join((*control.LAWS, *WORN, OBSERVER))}")
+    return _with_gains(model, name, options)
+
+
+def _observer(estimate: Estimate, options: LawOptions) -> control.MomentumObserver:
+    """Observer with measured velocities, whose channels are aligned where they are read."""
+    bandwidth = OBSERVED if options.bandwidth is None else options.bandwidth
+    return control.MomentumObserver(estimate, bandwidth, _rate(options, 100.0), torque_delay=0.0)
+
+
+def _with_gains(model: ControlModel, name: str, options: LawOptions) -> AnyLaw:
+    """Law with gains, which has a gait to follow."""
+    leg, labels = model.leg, model.leg.joint_labels
+    period = PERIOD if options.period is None else options.period
+    if not 0.0 < period < np.inf:
+        raise ExoidError(f"--period {period:g}", remedy="give seconds")
+    reference = experiments.gait_for_leg(leg, experiments.healthy_gait(SCALE, period), roles_of(options.role))
+    kp, kd = control.default_gains(model, control.mean_pose(reference, period))
+    if options.kp is not None:
+        kp = joint_values(options.kp, "--kp", labels, one_for_all=True)
+        kd = 0.1 * kp
+    if options.kd is not None:
+        kd = joint_values(options.kd, "--kd", labels, one_for_all=True)
+    rate = _rate(options, 100.0)
+    if name == "impedance":
+        return control.impedance(model, kp, kd, rate=rate)
+    return control.standard_laws(model, kp, kd, reference, period, rate=rate, names=[name])[name]
+
+
+def _rate(options: LawOptions, default: float) -> float:
+    return default if options.rate is None else options.rate
+
+
+def _limited(law: AnyLaw, estimate: Estimate, options: LawOptions) -> control.Limited:
+    """Limit the torque; the URDF's limit of zero means that it has none."""
+    effort, labels = estimate.leg.limits.effort, estimate.leg.joint_labels
+    limit = np.where(effort > 0.0, effort, np.inf)
+    if options.limit is not None:
+        limit = joint_values(options.limit, "--limit", labels, one_for_all=True)
+    slew = np.full(len(labels), np.inf)
+    if options.slew is not None:
+        slew = joint_values(options.slew, "--slew", labels, one_for_all=True)
+    return control.Limited(law, limit, slew)
+
+
+def _refuse_foreign(name: str, options: LawOptions) -> None:
+    """Refuse options of another law."""
+    gains, limits = ("kp", "kd", "period", "role"), ("limit", "slew")
+    foreign = {
+        "gravity_support": (*gains, "amplification", "bandwidth"),
+        "sensitivity_amplification": (*gains, "share"),
+        OBSERVER: (*gains, *limits, "share", "amplification"),
+    }.get(name, ("share", "amplification", "bandwidth"))
+    refuse({f"--{option}": getattr(options, option) for option in foreign}, f"{name} has none")

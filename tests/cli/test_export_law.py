@@ -1,0 +1,121 @@
+"""``exoid export --law`` writes what ``exoid.control.in_c.write_c`` writes, with the defaults of ``exoid track``."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import exoid
+from exoid.codegen.laws import Safety
+from exoid.control import (
+    LAWS,
+    Limited,
+    MomentumObserver,
+    default_gains,
+    gravity_support,
+    impedance,
+    mean_pose,
+    sensitivity_amplification,
+    standard_laws,
+)
+from exoid.control.in_c import c_source
+from exoid.estimate.provenance import provenance
+from exoid.experiments import gait_for_leg, healthy_gait
+
+
+@pytest.fixture(scope="module")
+def estimate():
+    data = exoid.datasets.bleex_swing()
+    return exoid.identify(data.leg, data.train, check=False)
+
+
+@pytest.fixture
+def saved(estimate, exoid_):
+    estimate.save("est.json")
+    return estimate
+
+
+def gait_of(estimate):
+    return gait_for_leg(estimate.leg, healthy_gait(0.8, 10.0))
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_law_has_the_gains_of_track_and_the_limits_of_the_urdf(saved, exoid_, tmp_path, name):
+    printed = exoid_("export", "est.json", "--law", name, "--c", "law.c").out
+    gait = gait_of(saved)
+    law = standard_laws(saved, *default_gains(saved, mean_pose(gait, 10.0)), gait, 10.0, names=[name])[name]
+    expected = c_source(Limited(law, saved.leg.limits.effort), name="law", provenance=provenance(saved))
+    assert (tmp_path / "law.c").read_text() == expected.source
+    assert (tmp_path / "law.h").read_text() == expected.header
+    for words in ("law.c and law.h", "law_init, law_step", f"one step in the worst case: {expected.operations}"):
+        assert words in printed
+
+
+def test_options_reach_the_law(saved, exoid_, tmp_path):
+    given = "--kp 60 --kd 6,4,2 --rate 200 --limit 50,40,30 --slew 500 --safe gravity --patience 0.1 --precision float"
+    data = json.loads(
+        exoid_("export", "est.json", "--law", "pd_feedforward", "--c", "law.c", *given.split(), "--json").out
+    )
+    text = (tmp_path / "law.c").read_text()
+    assert (data["rate"], data["safe"], data["patience"], data["precision"]) == (200.0, "gravity", 0.1, "float")
+    assert "law_kp[3] = {60.0f, 60.0f, 60.0f}" in text
+    assert "law_kd[3] = {6.0f, 4.0f, 2.0f}" in text
+    assert "law_largest[3] = {50.0f, 40.0f, 30.0f}" in text
+    assert "law_change[3] = {2.5f, 2.5f, 2.5f}" in text
+    assert "#define LAW_PATIENCE 20" in text
+
+
+def test_laws_for_a_wearer(saved, exoid_, tmp_path):
+    laws = {
+        ("gravity_support", "--share", "0.5", "--safe", "gravity"): gravity_support(saved, 0.5),
+        ("sensitivity_amplification", "--amplification", "1.5,3,2"): sensitivity_amplification(saved, (1.5, 3.0, 2.0)),
+        ("impedance", "--kp", "30"): impedance(saved, 30.0, 3.0),
+    }
+    for arguments, law in laws.items():
+        exoid_("export", "est.json", "--law", *arguments, "--c", "law.c")
+        safety = Safety("gravity" if "--safe" in arguments else "damping")
+        limited = Limited(law, saved.leg.limits.effort)
+        assert (tmp_path / "law.c").read_text() == c_source(limited, name="law", safety=safety).source
+
+
+def test_the_momentum_observer(saved, exoid_, tmp_path):
+    exoid_("export", "est.json", "--law", "momentum_observer", "--bandwidth", "5", "--rate", "200", "--c", "seen.c")
+    observer = MomentumObserver(saved, 5.0, 200.0, torque_delay=0.0)
+    expected = c_source(observer, name="seen", provenance=provenance(saved))
+    assert (tmp_path / "seen.c").read_text() == expected.source
+    assert (tmp_path / "seen.h").read_text() == expected.header
+    assert "tau is the torque of the wearer on the leg" in expected.header
+    assert "safe_damping" not in expected.source
+
+
+def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
+    exoid_("export", "est.json", "--c", "leg.c")
+    assert (tmp_path / "leg.c").read_text() == saved.to_c("again.c", name="leg").text
+    assert not (tmp_path / "leg.h").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--law", "fuzzy", "--c", "law.c"), "no controller fuzzy"),
+        (("--law", "pd", "-o", "leg.urdf"), "--law has no effect on a URDF"),
+        (("--safe", "zero", "--rate", "50", "--c", "leg.c"), "--rate, --safe: only a control law"),
+        (("--law", "pd", "--c", "law.txt"), "name the source: LAW.c"),
+        (("--law", "pd", "--safe", "gravity", "--c", "law.c"), "knows no gravity"),
+        (("--law", "pd", "--kp", "1,2", "--c", "law.c"), "--kp 1,2"),
+        (("--law", "pd", "--limit", "0", "--c", "law.c"), "limit = "),
+        (("--law", "gravity_support", "--kp", "9", "--c", "law.c"), "--kp has no effect: gravity_support has none"),
+        (("--law", "lqr", "--share", "0.5", "--c", "law.c"), "--share has no effect: lqr has none"),
+        (("--law", "gravity_support", "--share", "2", "--c", "law.c"), "times the weight"),
+        (("--law", "sensitivity_amplification", "--amplification", "0.5", "--c", "law.c"), "amplification of"),
+        (("--law", "lqr", "--period", "0", "--c", "law.c"), "--period 0"),
+        (("--law", "pd", "--role", "hip", "--c", "law.c"), "JOINT=ROLE"),
+        (("--law", "pd", "--patience", "nan", "--c", "law.c"), "patience of nan"),
+    ],
+)
+def test_bad_options_end_in_one_line_and_write_nothing(saved, exoid_, tmp_path, arguments, words):
+    code, out, err = exoid_("export", "est.json", *arguments)
+    assert (code, out) == (2, "")
+    assert words in err
+    assert [path.name for path in tmp_path.iterdir()] == ["est.json"]

@@ -1,0 +1,48 @@
+"""Laws on an emulated Cortex-M: the torques of Python, and how many instructions a step takes.
+
+``pytest tests/codegen/test_laws_on_cortex_m.py -s`` prints the instructions.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from compiled_laws import records
+from cortex_m import BOARDS, emulate, needs_cortex_m
+from laws_of_bleex import laws, random_values
+
+from exoid.control import State, stateful
+from exoid.control.in_c import c_source
+from exoid.rig import Target
+
+pytestmark = needs_cortex_m
+
+CASES = [
+    pytest.param(name, board, marks=() if name == "computed_torque" else pytest.mark.slow)
+    for name in ("pd_gravity_friction", "computed_torque", "sensitivity_amplification", "lqr")
+    for board in BOARDS
+]
+ROWS = 20
+
+
+@pytest.mark.parametrize(("name", "board"), CASES)
+def test_a_law_in_single_precision_runs_on_a_microcontroller(name, board, tmp_path):
+    source = c_source(laws()[name], name="law", precision="float")
+    values = random_values(ROWS)
+    found = emulate(source, records(source, ROWS, values), BOARDS[board], tmp_path)
+    print(
+        f"\n{name} on {board}: {found.mean:.0f} instructions a step, {found.most:.0f} at most; "
+        f"{found.code} bytes of program; {source.operations}"
+    )
+    assert not found.status.any()
+    law, last = stateful(laws()[name]), np.zeros(3)
+    memory = law.begin(State(values["q"][0], values["v"][0]))
+    expected = []
+    for k in range(ROWS):
+        state = State(values["q"][k], values["v"][k], float(values["time"][k]), last)
+        last, memory = law.step(memory, state, Target(*(values[key][k] for key in ("q_d", "v_d", "a_d"))))
+        expected.append(last)
+    np.testing.assert_allclose(found.torque, expected, atol=1e-5 * np.abs(expected).max())
+    assert found.per_tick == pytest.approx(5.0, rel=1e-3)  # it is instructions that are counted
+    arithmetic = sum(number for kind, number in source.operations.by_kind.items() if kind in ("+ −", "×", "÷"))
+    assert 0.5 * arithmetic < found.mean <= found.most < 100_000

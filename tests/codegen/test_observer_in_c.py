@@ -1,0 +1,99 @@
+"""The momentum observer in C reads the torque that it reads in Python."""
+
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+import pytest
+from compiled import COMPILER, needs_compiler
+from compiled_laws import CompiledLaw, build, records, write_all
+from laws_of_bleex import model, random_values
+
+from exoid import ExoidError
+from exoid.codegen.laws import Safety
+from exoid.control.in_c import c_source
+from exoid.control.observers import MomentumObserver, SensorNoise
+
+NOISE = SensorNoise(1e-4, 1e-2, 0.1)
+OBSERVERS = {
+    "observer": MomentumObserver(model(), 8.0, 200.0, noise=NOISE, torque_delay=0.0),
+    "unfiltered": MomentumObserver(model(), (5.0, 8.0, 12.0), 100.0, noise=NOISE, torque_delay=0.0, cutoff=np.inf),
+}
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("observers")
+    sources = [
+        c_source(observer, name=f"{name}_{precision}", precision=precision, safety=Safety("zero"))
+        for name, observer in OBSERVERS.items()
+        for precision in ("double", "float")
+    ]
+    path = build(COMPILER, ("-O1", "-shared", "-fPIC"), write_all(sources, folder), folder / "observers.so")
+    return {source.prefix: CompiledLaw(source, ctypes.CDLL(str(path))) for source in sources}
+
+
+def motion(count, rate):
+    """Smooth motion of three joints with the torque of the model and of somebody who pushes."""
+    time = np.arange(count)[:, None] / rate
+    phase = np.array([0.0, 1.0, 2.0])
+    q = 0.4 * np.sin(5.0 * time + phase)
+    v, a = 2.0 * np.cos(5.0 * time + phase), -10.0 * np.sin(5.0 * time + phase)
+    pushed = 10.0 * np.sin(3.0 * time + phase)
+    tau = np.array(
+        [model().inverse_dynamics(*row) + model().friction(row[0], row[1], 0.05) for row in zip(q, v, a, strict=True)]
+    )
+    return {"q": q, "v": v, "tau_m": tau - pushed}, pushed
+
+
+def in_python(observer, values):
+    rows = list(zip(values["q"], values["v"], values["tau_m"], strict=True))
+    memory, found = observer.begin(*rows[0]), []
+    for row in rows:
+        reading, memory = observer.step(memory, *row)
+        found.append(reading.torque)
+    return np.array(found)
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", OBSERVERS)
+@pytest.mark.parametrize(("precision", "tolerance"), [("double", 1e-12), ("float", 2e-3)])
+def test_a_moving_leg(library, name, precision, tolerance):
+    law, observer = library[f"{name}_{precision}"], OBSERVERS[name]
+    values, pushed = motion(120, observer.rate)
+    tau, status, _ = law.run(records(law.source, 120, values))
+    assert not status.any()
+    expected = in_python(observer, values)
+    largest = np.abs(np.concatenate([values["tau_m"], expected])).max()
+    np.testing.assert_allclose(tau, expected, atol=tolerance * largest)
+    assert np.abs(tau[80:] - pushed[80:]).max() < 4.0  # it is the torque of the one who pushes, a little late
+
+
+@needs_compiler
+def test_random_readings(library):
+    law, observer = library["observer_double"], OBSERVERS["observer"]
+    values = random_values(100)
+    values["q"] = 0.02 * np.cumsum(values["q"], axis=0)  # angles that do not jump
+    values = {"q": values["q"], "v": values["v"], "tau_m": 10.0 * values["q_d"]}
+    expected = in_python(observer, values)
+    tau, _, _ = law.run(records(law.source, 100, values))
+    np.testing.assert_allclose(tau, expected, atol=1e-12 * np.abs(expected).max())
+
+
+@needs_compiler
+def test_a_reading_that_is_not_finite_is_zero_and_the_observer_begins_again(library):
+    law, observer = library["observer_double"], OBSERVERS["observer"]
+    values, _ = motion(60, observer.rate)
+    spoilt = {name: x.copy() for name, x in values.items()}
+    spoilt["tau_m"][30, 2] = np.nan
+    tau, status, _ = law.run(records(law.source, 60, spoilt))
+    assert np.flatnonzero(status).tolist() == [30]
+    assert not tau[30].any()
+    after = in_python(observer, {name: x[31:] for name, x in values.items()})
+    np.testing.assert_allclose(tau[31:], after, atol=1e-10)
+
+
+def test_channels_that_lag_are_refused():
+    with pytest.raises(ExoidError, match="lag behind each other"):
+        c_source(MomentumObserver(model(), 8.0, 200.0, noise=NOISE, torque_delay=0.004))

@@ -1,0 +1,185 @@
+"""A law from outside exoid says how it looks in C, with memory of its own."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from compiled import COMPILER, made_up, needs_compiler
+from compiled_laws import CompiledLaw, build, records, write_all
+from laws_of_bleex import KD, KP, laws, random_values, target_of
+
+import exoid
+from exoid import ExoidError, Leg
+from exoid.codegen import Dialect
+from exoid.codegen.laws import REFERENCE, ArrayInC, LawInC, Safety
+from exoid.control import Limited, State, gravity_friction_pd, pd
+from exoid.control.in_c import c_source, law_in_c, register_law_in_c, write_c
+from exoid.description import describe
+from exoid.torques import LoadFriction
+
+
+class Filtered(NamedTuple):
+    """Memory: filtered velocities [rad/s], and the sum of errors [rad]."""
+
+    v: np.ndarray
+    sum: np.ndarray
+
+
+@dataclass(frozen=True)
+class FilteredPID:
+    """PID control with a low-pass of the velocity: a law with memory, as another package would write it."""
+
+    share: float = 0.2
+    rate: float = 100.0
+
+    def begin(self, state):
+        return Filtered(state.v, np.zeros_like(state.q))
+
+    def step(self, memory, state, target):
+        v = memory.v + self.share * (state.v - memory.v)
+        total = memory.sum + (target.q - state.q)
+        return KP * (target.q - state.q) - KD * v + 0.5 * total, Filtered(v, total)
+
+
+STEP = """\
+    for (j = 0; j < {{N}}; ++j) {
+        state->v_slow[j] += {{p}}_share * (in->v[j] - state->v_slow[j]);
+        state->sum[j] += in->q_d[j] - in->q[j];
+        tau[j] = {{p}}_kp[j] * (in->q_d[j] - in->q[j]) - {{p}}_kd[j] * state->v_slow[j];
+        tau[j] += {{number(0.5)}} * state->sum[j];
+    }
+"""
+
+BEGIN = """\
+    for (j = 0; j < {{N}}; ++j) {
+        state->v_slow[j] = in->v[j];
+    }
+"""
+
+
+@register_law_in_c(FilteredPID)
+def filtered_pid_in_c(law: FilteredPID, dialect: Dialect) -> LawInC:
+    share = ArrayInC("share", "share of the filter", np.array(law.share))
+    tables = share, ArrayInC("kp", "Kp [N m/rad]", KP), ArrayInC("kd", "Kd [N m s/rad]", KD)
+    slow = ArrayInC("v_slow", "filtered velocity [rad/s]", np.zeros(3))
+    memory = slow, ArrayInC("sum", "sum of errors [rad]", np.zeros(3))
+    joints = ("hip", "knee", "ankle")
+    return LawInC(joints, "PID */ int x; /*", STEP, law.rate, KD, REFERENCE, tables, memory, BEGIN)
+
+
+def in_python(values, rows):
+    law = FilteredPID()
+    states = [State(values["q"][k], values["v"][k]) for k in rows]
+    memory, found = law.begin(states[0]), []
+    for k, state in zip(rows, states, strict=True):
+        tau, memory = law.step(memory, state, target_of(values, k))
+        found.append(tau)
+    return np.array(found)
+
+
+@needs_compiler
+def test_a_law_with_memory_begins_again_after_a_fault(tmp_path):
+    source = c_source(FilteredPID(), name="own")
+    path = build(COMPILER, ("-shared", "-fPIC"), write_all([source], tmp_path), tmp_path / "own.so")
+    law, values = CompiledLaw(source, ctypes.CDLL(str(path))), random_values(40)
+    rows = records(source, 40, values)
+    rows["q"][20, 1] = np.nan
+    tau, status, _ = law.run(rows)
+    assert status.tolist() == [0] * 20 + [1] + [0] * 19
+    np.testing.assert_allclose(tau[:20], in_python(values, range(20)), atol=1e-11)
+    np.testing.assert_allclose(tau[20], -KD * values["v"][20], atol=1e-11)
+    np.testing.assert_allclose(tau[21:], in_python(values, range(21, 40)), atol=1e-11)
+
+
+def test_no_text_ends_the_comment():
+    source = c_source(FilteredPID(), name="own", provenance=("*/ #include <evil.h> /*",))
+    for text in (source.header, source.source):
+        assert "*/ int x" not in text
+        assert "*/ #include" not in text
+
+
+class TestRefusals:
+    def test_a_law_without_a_form_is_named_with_the_remedy(self):
+        with pytest.raises(
+            ExoidError, match=r"Unknown has no form in C.*register_law_in_c\(Unknown\).*GravityFrictionPD"
+        ):
+            law_in_c(type("Unknown", (), {})(), Dialect())
+
+    def test_a_subclass_does_not_inherit_the_form(self):
+        law = gravity_friction_pd(laws()["gravity_only"].model, KP, KD)
+        other = type("Other", (type(law),), {})(law.feedback, law.model, law.friction)
+        with pytest.raises(ExoidError, match="Other has no form in C"):
+            c_source(other)
+
+    def test_a_leg_that_is_no_planar_chain(self):
+        text = exoid.load_leg("cuhk").description.text
+        tilted = text.replace('<axis xyz="0.0 1.0 0.0" />', '<axis xyz="1.0 0.0 0.0" />')
+        leg = Leg.from_description(describe(tilted, name="tilted.urdf"), ("left_hip", "left_knee"))
+        with pytest.raises(ExoidError, match=r"tilted.urdf: only a planar chain.*choose joints"):
+            c_source(gravity_friction_pd(leg, 10.0, 1.0))
+
+    def test_a_term_without_a_form(self):
+        model = made_up(exoid.load_leg("cuhk"), (LoadFriction(),))
+        with pytest.raises(ExoidError, match=r"LoadFriction.*depends on the load"):
+            c_source(gravity_friction_pd(model, 10.0, 1.0))
+
+    def test_gains_of_an_unknown_number_of_joints(self):
+        with pytest.raises(ExoidError, match="unknown number of joints"):
+            c_source(pd(10.0, 1.0))
+
+    def test_gains_of_several_legs(self):
+        with pytest.raises(ExoidError, match=r"kp of shape \(3, 2\)"):
+            c_source(gravity_friction_pd(laws()["gravity_only"].model, np.ones((3, 2)), 1.0))
+
+    def test_limits_of_another_number_of_joints(self):
+        with pytest.raises(ExoidError, match=r"limit of shape \(2,\) for 3 joints"):
+            c_source(Limited(laws()["pd"].law, (10.0, 10.0)))
+
+    def test_gravity_as_safe_torque_of_a_law_without_a_model(self):
+        with pytest.raises(ExoidError, match="knows no gravity"):
+            c_source(pd(KP, KD), safety=Safety("gravity"))
+
+    @pytest.mark.parametrize(
+        ("settings", "why"),
+        [
+            ({"safe": "limp"}, "no safe torque 'limp'"),
+            ({"patience": 0.0}, "patience of 0.0 s"),
+            ({"patience": np.nan}, "patience of nan s"),
+            ({"damping": -1.0}, "damping = -1.0"),
+            ({"damping": np.inf}, "damping = inf"),
+        ],
+    )
+    def test_settings_of_the_safety(self, settings, why):
+        with pytest.raises(ExoidError, match=why):
+            Safety(**settings)
+
+    def test_a_file_that_is_no_c(self, tmp_path):
+        with pytest.raises(ExoidError, match=r"name the source: LAW\.c"):
+            write_c(tmp_path / "law.h", pd(KP, KD))
+
+
+def test_the_damping_of_the_safe_torque_may_be_chosen():
+    source = c_source(pd(KP, KD), safety=Safety(damping=(1.0, 2.0, 3.0)))
+    assert "law_safe_damping[3] = {1.0, 2.0, 3.0};" in source.source
+    assert "damping of 1, 2, 3 N m s/rad" in source.header
+    assert "safe_damping" not in c_source(pd(KP, KD), safety=Safety("zero")).source
+
+
+def test_files_and_their_description(tmp_path):
+    written = write_c(tmp_path / "my-law.c", laws()["pd"], precision="float", safety=Safety("zero", patience=0.1))
+    assert (tmp_path / "my-law.c").read_text() == written.source
+    assert (tmp_path / "my_law.h").read_text() == written.header
+    assert '#include "my_law.h"' in written.source
+    data = written.to_json()
+    assert data["functions"] == ["my_law_init", "my_law_step"]
+    assert (data["safe"], data["patience"], data["precision"], data["rate"]) == ("zero", 0.1, "float", 100.0)
+    assert set(data["files"]) == {"my-law.c", "my_law.h"}
+    assert data["operations"] == written.operations.by_kind
+    assert "#define MY_LAW_PATIENCE 10" in written.source
+    again = c_source(laws()["pd"], name="my-law", precision="float", safety=Safety("zero", patience=0.1))
+    assert (again.source, again.header) == (written.source, written.header)
+    assert replace(written, path=None).source_name == "my_law.c"
