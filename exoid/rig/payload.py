@@ -5,24 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from exoid.errors import ExoidError
+from exoid.anthropometry import WINTER, limb_bodies
 from exoid.leg import Leg
 from exoid.payload import Payload
 from exoid.torques.payloads import payload_parameters
 
 from .plant import Plant
 
-WINTER = {
-    "hip": (0.245, ((0.100, 0.433),), 0.323),
-    "knee": (0.246, ((0.0465, 0.433), (0.0145, 1.0)), 0.302),
-}
-"""Winter's anthropometric table for the thigh (hip) and for shank and foot (knee).
-
-Each entry holds the segment length over height, the parts, and the radius of gyration over segment length. A part is
-(mass over body mass, centre of mass over segment length). The foot is a point mass at the end of the shank.
-"""
+__all__ = ["WINTER", "leg_with_payloads", "plant_with_payloads", "sandbags"]
 
 
 def sandbags(height: float = 1.70, mass: float = 65.0, share: float = 1.0) -> tuple[Payload, ...]:
@@ -41,15 +31,7 @@ def sandbags(height: float = 1.70, mass: float = 65.0, share: float = 1.0) -> tu
     Raises:
         ExoidError: Height or mass is not positive, or the fraction is negative.
     """
-    if not (0.0 < height < np.inf and 0.0 < mass < np.inf and 0.0 <= share < np.inf):
-        raise ExoidError(f"a wearer of {height:g} m and {mass:g} kg", remedy="give positive numbers")
-    loads = []
-    for joint, (part, parts, gyration) in WINTER.items():
-        length = part * height
-        for k, (weight, centre) in enumerate(parts):
-            radius = gyration * length if k == 0 else 0.0  # the foot is a point mass
-            loads.append(Payload(joint, share * weight * mass, (0.0, 0.0, -centre * length), radius))
-    return tuple(loads)
+    return limb_bodies(height, mass, share)
 
 
 def plant_with_payloads(plant: Plant, payloads: Sequence[Payload]) -> Plant:
