@@ -24,6 +24,9 @@ from .torque_band import parameter_variance
 RANK = 1e-9
 """Directions of a wrench in which no row reacts, below this part of the largest."""
 
+UNSEEN = 1e-6
+"""A component of a wrench counts as seen if this part of it, or less, is lost in the torques."""
+
 REPEATS = 3
 """Times that noise is added to a motion, to see what it does to forces."""
 
@@ -37,6 +40,9 @@ FOURTH = 70.0
 @dataclass(frozen=True, eq=False)
 class GroundForce:
     """Wrench of the ground on one link that rests flat, in level axes: z up, x and y those of the link at zero angles.
+
+    No joint torque of a planar leg depends on the force to its side, nor on the moments that it causes. Components that
+    torques do not determine are zero with an infinite band.
 
     Attributes:
         time: Samples at which the link rests [s], (N,).
@@ -59,10 +65,18 @@ class GroundForce:
             height: Height h of the sole above the origin of the link [m], below zero for a sole beneath it.
 
         Returns:
-            Forward and sideward position from the origin of the link [m], (N, 2).
+            Forward and sideward position from the origin of the link [m], (N, 2); NaN where torques do not determine
+            it.
         """
         (fx, fy, fz), (mx, my, _) = self.force.T, self.moment.T
-        return np.asarray(np.column_stack([height * fx - my, mx + height * fy]) / fz[:, np.newaxis])
+        forward = (height * fx - my) / fz
+        sideward = (mx + height * fy) / fz
+        bands = (
+            (self.force_half[:, [0, 2]], self.moment_half[:, 1:2]),
+            (self.force_half[:, 1:], self.moment_half[:, :1]),
+        )
+        known = [np.isfinite(np.hstack(each)).all(axis=1) for each in bands]
+        return np.column_stack([np.where(known[0], forward, np.nan), np.where(known[1], sideward, np.nan)])
 
 
 def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, GroundForce]:
@@ -133,7 +147,7 @@ def _with_unknown_feet(leg: Leg, recording: Recording) -> Recording:
 
 
 class _Solution(NamedTuple):
-    """Wrenches of the links of a stretch, (N, 6 m), and their standard deviations."""
+    """Wrenches of the links of a stretch in level axes, (N, 6 m), and their standard deviations."""
 
     wrench: FloatArray
     std: FloatArray
@@ -149,12 +163,10 @@ def _forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> li
     of_motion = np.mean([(each.wrench - found.wrench) ** 2 for each in again], axis=(0, 1))
     half = half_width(0.95, estimate.dof) * np.sqrt(found.std**2 + of_motion)
     forces, time = [], recording.time[recording.mask]
-    for k, link in enumerate(feet):
+    for k in range(len(feet)):
         part = slice(6 * k, 6 * k + 6)
-        level = level_rotation(leg, link)
-        turned = (found.wrench[:, part].reshape(-1, 2, 3) @ level.T).reshape(-1, 6)
-        bands = np.sqrt((half[:, part].reshape(-1, 2, 3) ** 2) @ (level.T**2)).reshape(-1, 6)
-        forces.append(GroundForce(time, turned[:, :3], turned[:, 3:], bands[:, :3], bands[:, 3:]))
+        wrench, band = found.wrench[:, part], half[:, part]
+        forces.append(GroundForce(time, wrench[:, :3], wrench[:, 3:], band[:, :3], band[:, 3:]))
     return forces
 
 
@@ -221,15 +233,24 @@ def _filtered(estimate: EstimateData, recording: Recording, signals: FloatArray)
 def _solve(
     estimate: EstimateData, leg: Leg, q: FloatArray, feet: Sequence[str], W: FloatArray, excess: FloatArray
 ) -> _Solution:
-    """Solve J_cᵀ w = W β − [0; τ] by weighted least squares at each sample."""
-    jacobian = np.concatenate([leg.frame_jacobian(q, link) for link in feet], axis=1)
+    """Solve J_cᵀ w = W β − [0; τ] by weighted least squares at each sample, in level axes."""
+    jacobian = np.concatenate([_level_jacobian(leg, q, link) for link in feet], axis=1)
     noise = np.append(np.zeros(leg.base_rows), estimate.residual_rms) ** 2
     doubt = parameter_variance(estimate.covariance, W).mean(axis=0)
     size = np.sqrt(noise + doubt)
     inverse = np.linalg.pinv(np.swapaxes(jacobian, 1, 2) / size[:, np.newaxis], rcond=RANK) / size
     through = inverse @ W
     variance = inverse**2 @ noise + parameter_variance(estimate.covariance, through)
-    return _Solution(np.einsum("ncr,nr->nc", inverse, excess), np.sqrt(variance))
+    seen = np.einsum("ncr,ncr->nc", inverse, jacobian)  # 1 where w = inverse J_cᵀ w holds for a component
+    std = np.where(seen > 1.0 - UNSEEN, np.sqrt(variance), np.inf)
+    return _Solution(np.einsum("ncr,nr->nc", inverse, excess), std)
+
+
+def _level_jacobian(leg: Leg, q: FloatArray, link: str) -> FloatArray:
+    """Jacobian of a link with its rows in level axes, (N, 6, R)."""
+    jacobian = leg.frame_jacobian(q, link)
+    turned = level_rotation(leg, link) @ jacobian.reshape(len(q), 2, 3, -1)
+    return np.asarray(turned.reshape(jacobian.shape))
 
 
 def _in_order(parts: Sequence[GroundForce]) -> GroundForce:

@@ -100,6 +100,16 @@ def test_ground_force_and_centre_of_pressure_follow_from_torques(exo, estimate, 
         assert np.sqrt(np.mean(apart[:, 0] ** 2)) < 0.005
 
 
+def test_what_the_torques_of_a_planar_leg_do_not_tell_has_an_infinite_band(exo, estimate):
+    log = standing(exo, "both", seconds=6.0, seed=98, noise=NOISE, encoder=ENCODER, friction=friction)
+    for found in exoid.ground_forces(estimate, log.recording).values():
+        assert np.isinf(np.column_stack([found.force_half[:, 1], found.moment_half[:, [0, 2]]])).all()
+        assert np.isfinite(np.column_stack([found.force_half[:, [0, 2]], found.moment_half[:, 1]])).all()
+        forward, sideward = found.center_of_pressure(-0.08).T
+        assert np.isfinite(forward).all()
+        assert np.isnan(sideward).all()
+
+
 def wrongly(log, link, value, seed):
     """Label 5 % of the samples of a link wrongly, in three pieces."""
     rng, recording = np.random.default_rng(seed), log.recording

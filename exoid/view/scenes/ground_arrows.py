@@ -74,7 +74,7 @@ class GroundArrows(NamedTuple):
         if not isinstance(source, Estimate) or replay.recording.tau is None:
             return drawn
         try:
-            predicted = _predicted(source, leg, replay)
+            predicted = _predicted(source, leg, replay, standing)
         except ExoidError as error:
             return drawn._replace(notes=(f"forces of the ground are not predicted: {error.what}",))
         return drawn._with(predicted, "predicted ground force", IDENTIFIED, leg, replay, standing)
@@ -137,15 +137,19 @@ def _measured(leg: Leg, replay: Replay) -> Loads:
     return loads
 
 
-def _predicted(estimate: Estimate, leg: Leg, replay: Replay) -> Loads:
-    """Predicted wrenches at the frames, zero where there is no sample."""
+def _predicted(estimate: Estimate, leg: Leg, replay: Replay, standing: Standing) -> Loads:
+    """Predicted wrenches at the frames, zero where there is no sample.
+
+    Where torques do not determine the moment about x, as of a planar leg, the force acts on the middle of the sole.
+    """
     found: Loads = {}
     for link, each in ground_forces(estimate, replay.recording).items():
         near = np.abs(each.time[:, np.newaxis] - replay.time).min(axis=0) < GAP
         level = level_rotation(leg, link)  # level axes from link
-        force, moment = (
-            _at(replay.time, each.time, x @ level) * near[:, np.newaxis] for x in (each.force, each.moment)
-        )
+        turning = each.moment.copy()
+        known = np.isfinite(each.moment_half[:, 0])
+        turning[:, 0] = np.where(known, turning[:, 0], standing.sides[link] * each.force[:, 2])
+        force, moment = (_at(replay.time, each.time, x @ level) * near[:, np.newaxis] for x in (each.force, turning))
         found[link] = force, moment
     return found
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -28,6 +28,7 @@ class Standing:
         rotation: Rotation matrices, laboratory from root link, (F, 3, 3).
         floor: Height of the ground [m].
         soles: Height of each foot's sole above the origin of its link [m], below zero for a sole beneath it.
+        sides: Sideward centre of each sole, from the origin of its link [m].
         contacts: Frames in which each foot rests, (F,) each.
     """
 
@@ -35,6 +36,7 @@ class Standing:
     rotation: FloatArray
     floor: float
     soles: Mapping[str, float]
+    sides: Mapping[str, float]
     contacts: Mapping[str, BoolArray]
 
     @classmethod
@@ -63,7 +65,9 @@ class Standing:
                 remedy='record the pose, exoid.BaseMotion.from_pose(...), or give wrenches with axes="link"',
             )
         contacts = _contacts(leg, replay)
-        soles = {link: _sole(geometry, link) for link in contacts}
+        drawn = {link: _level_points(geometry, link) for link in contacts}
+        soles = {link: float(points[:, 2].min()) for link, points in drawn.items()}
+        sides = {link: float(points[:, 1].min() + points[:, 1].max()) / 2.0 for link, points in drawn.items()}
         if pose is not None:
             turns = scipy.spatial.transform.Rotation.from_quat(pose.quaternion)
             rotation = scipy.spatial.transform.Slerp(recording.time, turns)(replay.time).as_matrix()
@@ -72,8 +76,8 @@ class Standing:
             rotation, position = _carried(leg, q, contacts, soles)
         else:
             return None
-        standing = cls(position, rotation, 0.0, soles, contacts)
-        return standing if pose is None else cls(position, rotation, _floor(geometry, q, standing), soles, contacts)
+        standing = cls(position, rotation, 0.0, soles, sides, contacts)
+        return standing if pose is None else replace(standing, floor=_floor(geometry, q, standing))
 
     def place(self, leg: Leg, q: FloatArray, link: str) -> tuple[FloatArray, FloatArray]:
         """Compute where a link is in the laboratory.
@@ -103,15 +107,15 @@ def _contacts(leg: Leg, replay: Replay) -> dict[str, BoolArray]:
     return {link: np.asarray(rests)[nearest] for link, rests in flags.items() if link != root}
 
 
-def _sole(geometry: LegGeometry, link: str) -> float:
-    """Height of the lowest drawn point of a link that rests flat, above its origin [m]."""
+def _level_points(geometry: LegGeometry, link: str) -> FloatArray:
+    """Drawn points of a link that rests flat, from its origin in level axes [m], (K, 3); the origin if there is none."""
     leg = geometry.leg
     body, placement = link_frame(leg.model, leg.description, link)
     corners = [visual.bounding_points for visual in geometry.visuals[body + 1]]
     if not corners:
-        return 0.0
+        return np.zeros((1, 3))
     own = (np.vstack(corners) - placement.translation) @ placement.rotation
-    return float((own @ level_rotation(leg, link).T)[:, 2].min())
+    return np.asarray(own @ level_rotation(leg, link).T)
 
 
 def _carried(
