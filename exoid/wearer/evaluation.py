@@ -6,13 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import EstimateData
 from exoid.estimate.ground_validation import compare_on_ground, stands
 from exoid.estimate.motion_ranges import MotionRanges
-from exoid.regression.rows import each_row, prepare, source_of
+from exoid.regression.rows import Prepared, each_row, prepare, source_of
 from exoid.signals import Preparation, Recording
+
+SETTLED = 0.05
+"""Near an end of a segment, samples count if the filter of the torques has so little of its weight beyond the end."""
 
 
 class BodyFit(NamedTuple):
@@ -74,13 +77,21 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
     noise = estimate.measured_variance(np.zeros((1, joints, len(model.names))), bandwidth)[0]
     fit = _BodySums(estimate, noise)
     parts = []
-    for rows in each_row(model, prepared):
-        predicted, payload = rows.W[..., :count] @ estimate.values, 0.0 if rows.payload is None else rows.payload
-        torque = predicted - rows.tau
-        fit.add(rows.W, torque)
-        variance = estimate.measured_variance(rows.W, bandwidth)
-        parts.append((rows.time, torque, predicted + payload, variance))
+    for stretch, rows in zip(prepared.stretches(), each_row(model, prepared), strict=True):
+        keep = _settled(prepared, stretch)
+        W, tau = rows.W[keep], rows.tau[keep]
+        payload = 0.0 if rows.payload is None else rows.payload[keep]
+        predicted = W[..., :count] @ estimate.values
+        fit.add(W, predicted - tau)
+        variance = estimate.measured_variance(W, bandwidth)
+        parts.append((rows.time[keep], predicted - tau, predicted + payload, variance))
     time, torque, predicted, variance = (np.concatenate(part) for part in zip(*parts, strict=True))
+    if not len(time):
+        raise ExoidError(
+            "no sample is so far from the ends of the recording that filters have settled",
+            where=source_of(recording),
+            remedy="record longer, or choose a higher cut-off",
+        )
     used, motion = prepared.inside, prepared.motion
     if not np.isfinite(torque).all():
         raise ExoidError(
@@ -90,6 +101,15 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
         )
     ranges = MotionRanges.of(motion.q[used], motion.v[used], motion.a[used])
     return Evaluation(time, torque, predicted, variance, noise, ranges, fit.result(recording))
+
+
+def _settled(prepared: Prepared, stretch: range) -> BoolArray:
+    """Which rows of a stretch that count are not affected by the ends of a segment, (N,)."""
+    counted = prepared.inside[stretch.start : stretch.stop]
+    if prepared.parallel is None:
+        return np.ones(int(counted.sum()), dtype=np.bool_)
+    gain = prepared.parallel.among_zeros(prepared.inside[np.newaxis].astype(np.float64), stretch)[0]
+    return np.asarray((gain > 1.0 - SETTLED)[counted])
 
 
 class _BodySums:

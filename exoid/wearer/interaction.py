@@ -341,12 +341,6 @@ def _of_recording(
     recording = for_leg(estimate.model, as_trained(estimate, recording))
     name = recording.source.name if recording.source else ""
     measured = recording.measured
-    if not measured.any():
-        raise ExoidError(
-            "the torque of no joint was measured, and a wearer is not seen in the motion alone",
-            where=name,
-            remedy="record the torque of the actuators, or their currents with drives",
-        )
     even = recording.resampled()
     rate, preparation = even.sample_rate, chosen.preparation
     bandwidth = preparation.independent_fraction(rate) / estimate.preparation.independent_fraction(rate)

@@ -26,8 +26,8 @@ from .text import sentence
 
 SIGN = (
     "Positive torque pushes the joint in its positive direction; positive power drives the leg. The band holds the "
-    "true torque with a probability of 95 %. Samples near the ends of a recording are left out, as filters have not settled "
-    "there."
+    "true torque with a probability of 95 %. Samples near the ends of a recording are left out, as filters have not "
+    "settled there."
 )
 """Note below the table."""
 
