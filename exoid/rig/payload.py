@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from exoid.anthropometry import WINTER, limb_bodies
+import numpy as np
+
+from exoid.anthropometry import WINTER, refuse_stature
+from exoid.errors import ExoidError
 from exoid.leg import Leg
 from exoid.payload import Payload
 from exoid.torques.payloads import payload_parameters
 
 from .plant import Plant
-
-__all__ = ["WINTER", "leg_with_payloads", "plant_with_payloads", "sandbags"]
 
 
 def sandbags(height: float = 1.70, mass: float = 65.0, share: float = 1.0) -> tuple[Payload, ...]:
@@ -31,7 +32,16 @@ def sandbags(height: float = 1.70, mass: float = 65.0, share: float = 1.0) -> tu
     Raises:
         ExoidError: Height or mass is not positive, or the fraction is negative.
     """
-    return limb_bodies(height, mass, share)
+    refuse_stature(height, mass)
+    if not 0.0 <= share < np.inf:
+        raise ExoidError(f"sandbags of {share:g} times the masses of a wearer", remedy="give a fraction ≥ 0")
+    loads = []
+    for joint, (part, parts, gyration) in WINTER.items():
+        length = part * height
+        for k, (weight, centre) in enumerate(parts):
+            radius = gyration * length if k == 0 else 0.0  # the foot is a point mass
+            loads.append(Payload(joint, share * weight * mass, (0.0, 0.0, -centre * length), radius))
+    return tuple(loads)
 
 
 def plant_with_payloads(plant: Plant, payloads: Sequence[Payload]) -> Plant:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.anthropometry import limb_bodies
+from exoid.anthropometry import limb_of
 from exoid.errors import ExoidError
 from exoid.estimate import EstimateData, compare
 from exoid.leg import Leg
@@ -107,9 +107,8 @@ def limb_parameters(
 ) -> dict[str, float]:
     """Compute what a limb that is fixed to the leg adds to its X, Y and J.
 
-    Thigh, shank and foot are those of Winter's table (D. A. Winter, Biomechanics and Motor Control of Human Movement),
-    straight below hip and knee, the foot a point at the end of the shank. Tables differ: de Leva's thigh is 42 %
-    heavier, as it begins higher.
+    Thigh, shank and foot are those of :func:`exoid.rig.limb_of` (Winter 2009). Tables differ: de Leva's thigh is 42 %
+    heavier.
 
     Args:
         leg: The leg.
@@ -121,13 +120,13 @@ def limb_parameters(
         Change of each rigid-body parameter, by name.
 
     Raises:
-        ExoidError: Height or mass is not positive, or the leg has no such joint.
+        ExoidError: Height or mass are not those of a person, or the leg has no such joint.
 
     Example:
-        >>> round(limb_parameters(exoid.load_leg("bleex"), height=1.75, mass=70.0)["X2"], 3)
-        1.042
+        >>> round(limb_parameters(exoid.load_leg("cuhk"), height=1.70, mass=65.0)["X1"], 3)
+        2.824
     """
-    added = payload_parameters(leg, limb_bodies(height, mass) if bodies is None else bodies)
+    added = limb_of(leg, height, mass).parameters if bodies is None else payload_parameters(leg, bodies)
     return dict(zip(leg.parameter_names, added.tolist(), strict=True))
 
 
