@@ -17,7 +17,10 @@ from exoid.torques import Term
 
 Array = NDArray[np.float64]
 
-RATES = Rates(control=500.0, log=100.0, step=1e-3)
+RATES = Rates(control=1000.0, log=500.0, step=1e-3)
+DRY = Coulomb(smoothing=0.015, reversal_speed=0.03)
+"""Coulomb friction as in the default terms."""
+
 STRIDE = 2.4
 """Duration of a stride [s]."""
 
@@ -66,12 +69,12 @@ def machine(name: str) -> Machine:
         plant = Plant.build(leg, published.bleex_resistances("left"), end_stops=False)
         cad, terms = (
             exoid.load_leg("bleex", "left", "cad"),
-            (Stiffness(degree=2, joints=("knee", "ankle")), Coulomb(), Viscous()),
+            (Stiffness(degree=2, joints=("knee", "ankle")), DRY, Viscous()),
         )
         centre, amplitude = np.deg2rad([20.0, -38.0, -3.0]), np.deg2rad([35.0, 42.0, 30.0])
         return Machine(plant, cad, terms, centre, amplitude, np.array([0.5, 0.4, 0.2]))
     leg = exoid.load_leg("cuhk")
-    terms = (Stiffness(degree=1, joints=("knee",)), Coulomb(), Viscous(), Armature())
+    terms = (Stiffness(degree=1, joints=("knee",)), DRY, Viscous(), Armature())
     centre, amplitude = np.deg2rad([20.0, 38.0]), np.deg2rad([35.0, 42.0])
     return Machine(Plant.build(leg, CUHK, end_stops=False), leg, terms, centre, amplitude, np.array([0.5, 0.3]))
 
@@ -125,10 +128,11 @@ def passive(
 
 
 def active(one: Machine, seeds: list[int], seconds: float = 30.0) -> Run:
-    """The wearer walks, and the exoskeleton carries its weight by CAD."""
+    """The wearer walks, and the exoskeleton carries its weight."""
     motion = gait(one, seeds)
     wearer = Wearer.build(one.plant.leg, intention=motion)
-    return _run(one, motion, GravitySupport(one.cad), seconds, len(seeds), [*seeds, 2], wearer)
+    support = GravitySupport(one.plant.leg.with_parameters(one.plant.parameters[:, 0]))
+    return _run(one, motion, support, seconds, len(seeds), [*seeds, 2], wearer)
 
 
 def _run(one, motion, law, seconds, count, seed, wearer=None) -> Run:

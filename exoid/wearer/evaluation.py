@@ -37,7 +37,8 @@ class Evaluation(NamedTuple):
         time: [s], (N,).
         torque: Filtered predicted less filtered measured torque [N·m], (N, n).
         predicted: Filtered predicted torque [N·m], (N, n).
-        variance: Variance of the torque where nothing acts [N²·m²], (N, n).
+        variance: Variance of the torque where nothing acts [N²·m²], (N, n). Where a joint turns round or rests, its
+            friction may have any value up to that of sliding.
         noise: Part of it that is noise of the measurement [N²·m²], (n,).
         ranges: Ranges of the motion; None for a leg on the ground.
         bodies: What a change of the leg's bodies explains; None for a leg on the ground.
@@ -76,6 +77,7 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
     joints = len(estimate.joint_names)
     noise = estimate.measured_variance(np.zeros((1, joints, len(model.names))), bandwidth)[0]
     fit = _BodySums(estimate, noise)
+    unknown = _unknown_friction(estimate, prepared)
     parts = []
     for stretch, rows in zip(prepared.stretches(), each_row(model, prepared), strict=True):
         keep = _settled(prepared, stretch)
@@ -84,14 +86,17 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
         predicted = W[..., :count] @ estimate.values
         fit.add(W, predicted - tau)
         variance = estimate.measured_variance(W, bandwidth)
-        parts.append((rows.time[keep], predicted - tau, predicted + payload, variance))
-    time, torque, predicted, variance = (np.concatenate(part) for part in zip(*parts, strict=True))
+        friction = W[..., :count][..., estimate.model.friction] @ estimate.values[estimate.model.friction]
+        share = _share(prepared, unknown, stretch)[keep]
+        parts.append((rows.time[keep], predicted - tau, predicted + payload, variance, friction, share))
+    time, torque, predicted, variance, friction, share = (np.concatenate(part) for part in zip(*parts, strict=True))
     if not len(time):
         raise ExoidError(
             "no sample is so far from the ends of the recording that filters have settled",
             where=source_of(recording),
             remedy="record longer, or choose a higher cut-off",
         )
+    variance = variance + (_sliding_friction(friction, share) * share) ** 2 / 3.0  # uniform between −c and c
     used, motion = prepared.inside, prepared.motion
     if not np.isfinite(torque).all():
         raise ExoidError(
@@ -110,6 +115,31 @@ def _settled(prepared: Prepared, stretch: range) -> BoolArray:
         return np.ones(int(counted.sum()), dtype=np.bool_)
     gain = prepared.parallel.among_zeros(prepared.inside[np.newaxis].astype(np.float64), stretch)[0]
     return np.asarray((gain > 1.0 - SETTLED)[counted])
+
+
+def _unknown_friction(estimate: EstimateData, prepared: Prepared) -> BoolArray | None:
+    """Samples at which a joint turns round or rests, so that its friction is not a function of its velocity, (n, N)."""
+    slow = estimate.model.reversing(prepared.motion.v)
+    if slow is None or prepared.parallel is None:
+        return None
+    return np.ascontiguousarray(slow.T)
+
+
+def _share(prepared: Prepared, unknown: BoolArray | None, stretch: range) -> FloatArray:
+    """Share of a filtered torque that comes of samples with unknown friction, (N, n)."""
+    counted = prepared.inside[stretch.start : stretch.stop]
+    if unknown is None or prepared.parallel is None:
+        return np.zeros((int(counted.sum()), prepared.tau.shape[1]))
+    return prepared.parallel.among_zeros(unknown.astype(np.float64), stretch, prepared.inside).T[counted]
+
+
+def _sliding_friction(friction: FloatArray, share: FloatArray) -> FloatArray:
+    """Friction of each joint while it slides [N·m], (n,): median of its filtered size."""
+    sliding = np.where(share < SETTLED, np.abs(friction), np.nan)
+    known = ~np.isnan(sliding).all(axis=0)
+    found = np.abs(friction).max(axis=0, initial=0.0)
+    found[known] = np.nanmedian(sliding[:, known], axis=0)
+    return np.asarray(found)
 
 
 class _BodySums:
