@@ -1,0 +1,91 @@
+"""X, Y, J of a limb or of sandbags follow from estimates of the machine alone and worn."""
+
+import json
+
+import numpy as np
+import pytest
+from swings import TERMS
+from worn import log, swing
+
+import exoid
+from exoid import ExoidError
+from exoid.rig import leg_with_payloads, limb_of, sandbags
+from exoid.wearer import compare_limb, limb_parameters
+
+SEEDS = range(6)
+
+
+def estimate_of(leg, seed):
+    return exoid.identify(leg, log(swing(leg, seed, seconds=60.0, base=0.2), seed=seed), TERMS)
+
+
+@pytest.fixture(scope="module", params=["bleex", "cuhk"])
+def leg(request):
+    return exoid.load_leg(request.param)
+
+
+@pytest.fixture(scope="module")
+def alone(leg):
+    return [estimate_of(leg, seed) for seed in SEEDS]
+
+
+@pytest.mark.parametrize("kind", ["limb", "sandbags"])
+def test_mass_moments_to_2_and_inertias_to_5_percent_with_intervals_that_hold(leg, alone, kind):
+    if kind == "limb":
+        expected, worn = limb_parameters(leg), leg.with_parameters(leg.parameters + limb_of(leg).parameters)
+    else:
+        expected, worn = limb_parameters(leg, bodies=sandbags()), leg_with_payloads(leg, sandbags())
+    found = [compare_limb(one, estimate_of(worn, 50 + seed), expected) for seed, one in zip(SEEDS, alone, strict=True)]
+    names, truth = found[0].names, found[0].expected
+    assert names == leg.parameter_names
+    error = np.sqrt(np.mean([(each.values - truth) ** 2 for each in found], axis=0))
+    of = dict(zip(names, error, strict=True))
+    for name in ("X1", "X2"):
+        assert of[name] < 0.02 * expected[name]
+        assert of[name.replace("X", "Y")] < 0.02 * expected[name]
+    for name in ("J1", "J2"):
+        assert of[name] < 0.05 * expected[name]
+    inside = np.mean([each.inside for each in found])
+    assert inside > 0.85
+    widths = np.mean([np.diff(each.interval)[:, 0] for each in found], axis=0)
+    assert np.median(widths / error) < 8.0  # they are not much too wide
+
+
+def test_what_a_limb_adds_is_what_pinocchio_says(leg):
+    rng = np.random.default_rng(0)
+    q, v, a = rng.uniform(-1.0, 1.0, (3, 40, len(leg.joint_names)))
+    added = np.array(list(limb_parameters(leg, bodies=sandbags()).values()))
+    loaded = leg_with_payloads(leg, sandbags())
+    difference = loaded.inverse_dynamics(q, v, a) - leg.inverse_dynamics(q, v, a)
+    assert np.allclose(leg.regressor(q, v, a) @ added, difference, atol=1e-10)
+
+
+def test_a_heavier_wearer_has_a_heavier_limb(leg):
+    light, heavy = limb_parameters(leg, 1.75, 60.0), limb_parameters(leg, 1.75, 90.0)
+    assert list(light) == list(leg.parameter_names)
+    assert heavy["X1"] == pytest.approx(1.5 * light["X1"])
+    with pytest.raises(ExoidError, match="wearer"):
+        limb_parameters(leg, -1.0, 70.0)
+
+
+def test_the_result_prints_itself(leg, alone):
+    found = compare_limb(alone[0], alone[1], limb_parameters(leg))
+    assert "expected" in str(found)
+    assert "<table" in found._repr_html_()
+    assert "X1" in repr(found)
+    data = json.loads(json.dumps(found.to_json()))
+    assert data["X1"]["interval"][0] < data["X1"]["value"] < data["X1"]["interval"][1]
+    bare = compare_limb(alone[0], alone[1])
+    assert "expected" not in str(bare)
+    assert not any(bare.inside)
+    assert bare.to_json()["X1"]["expected"] is None
+
+
+def test_intervals_of_a_comparison_are_those_of_students_t(alone):
+    compared = exoid.compare(alone[0], alone[1])
+    wide, narrow = (np.diff(compared.interval(level))[:, 0] for level in (0.99, 0.5))
+    assert (wide > narrow).all()
+    middle = compared.interval().mean(axis=1)
+    assert np.allclose(middle, compared.difference)
+    significant = (compared.interval()[:, 0] > 0.0) | (compared.interval()[:, 1] < 0.0)
+    assert np.array_equal(significant, compared.p_values < 0.05)
