@@ -25,10 +25,10 @@ from study_bands import log as log_of_form
 import exoid
 from exoid.rig import Wearer, plant_with_payloads, sandbags
 from exoid.tables import make_table, to_text
-from exoid.wearer import compare_limb, limb_parameters
+from exoid.wearer import LimbComparison, compare_limb, identify_limb, limb_parameters
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-from worn_rig import active, alone, at, cad_torque, gait, machine, multisine, nrmse, passive
+from worn_rig import active, alone, at, cad_torque, gait, machine, nrmse, passive
 
 LEGS = ("bleex", "cuhk")
 
@@ -66,33 +66,30 @@ def torques(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
 def limbs(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
     """Error and coverage of the parameters of a passive limb and of sandbags, one row a parameter."""
     one, rows = machine(name), []
-    leg = one.plant.leg
-    before = alone(one, seeds)
+    leg, bags = one.plant.leg, sandbags()
+    before, worn = alone(one, seeds), passive(one, seeds, Wearer.build(leg))
+    loads = alone(replace(one, plant=plant_with_payloads(one.plant, bags)), seeds, draw=3)
     first = [exoid.identify(leg, before.recording(k), one.terms) for k in range(len(seeds))]
-    bags = sandbags()
-    loaded = replace(one, plant=plant_with_payloads(one.plant, bags))
-    for kind, expected, run in (
-        ("limb in cuffs", limb_parameters(leg), passive(one, seeds, Wearer.build(leg))),
-        (
-            "limb, slow",
-            limb_parameters(leg),
-            passive(one, seeds, Wearer.build(leg), 120.0, motion=multisine(one, seeds, 0.05)),
-        ),
-        ("sandbags", limb_parameters(leg, bodies=bags), alone(loaded, seeds, draw=3)),
-    ):
-        found = [
-            compare_limb(first[k], exoid.identify(leg, run.recording(k), one.terms), expected)
-            for k in range(len(seeds))
-        ]
-        truth = found[0].expected
-        error = np.array([each.values - truth for each in found])
-        scale = np.array([abs(truth[found[0].names.index(n.replace("Y", "X"))]) for n in found[0].names])
-        inside = np.array([each.inside for each in found]).mean(axis=0)
-        for j, parameter in enumerate(found[0].names):
-            size = f"{100 * np.sqrt((error[:, j] ** 2).mean()) / scale[j]:.2f}"
-            bias = f"{100 * error[:, j].mean() / scale[j]:.2f}"
-            std = f"{100 * np.mean([each.std[j] for each in found]) / scale[j]:.2f}"
-            rows.append((name, kind, parameter, f"{truth[j]:.4g}", size, bias, std, f"{100 * inside[j]:.0f}"))
+    limb, sand = limb_parameters(leg), limb_parameters(leg, bodies=bags)
+    found: dict[str, list[LimbComparison]] = {}
+    for k, estimate in enumerate(first):
+        log = worn.recording(k)
+        rigid, weighed = (exoid.identify(leg, run.recording(k), one.terms) for run in (worn, loads))
+        found.setdefault("limb, cuffs known", []).append(identify_limb(estimate, log, 1000.0, 30.0, expected=limb))
+        found.setdefault("limb, cuffs 20 % softer", []).append(
+            identify_limb(estimate, log, 1200.0, 36.0, expected=limb)
+        )
+        found.setdefault("limb as if rigid", []).append(compare_limb(estimate, rigid, limb))
+        found.setdefault("sandbags", []).append(compare_limb(estimate, weighed, sand))
+    for kind, each in found.items():
+        truth, names = each[0].expected, each[0].names
+        error = np.array([one_.values - truth for one_ in each])
+        scale = np.array([abs(truth[names.index(n.replace("Y", "X"))]) for n in names])
+        inside = np.array([one_.inside for one_ in each]).mean(axis=0)
+        std = np.mean([one_.std for one_ in each], axis=0) / scale
+        sizes = np.sqrt((error**2).mean(axis=0)) / scale, error.mean(axis=0) / scale, std, inside
+        for j, parameter in enumerate(names):
+            rows.append((name, kind, parameter, f"{truth[j]:.4g}", *(f"{100 * x[j]:.2f}" for x in sizes)))
     return rows
 
 

@@ -4,6 +4,7 @@ from .action import ALLOWANCE, LEVEL, JointAction
 from .gait import GaitProfile
 from .interaction import Interaction, interaction
 from .limb import LimbComparison, compare_limb, limb_parameters
+from .limb_in_cuffs import identify_limb, limb_recording
 
 __all__ = [
     "ALLOWANCE",
@@ -13,6 +14,8 @@ __all__ = [
     "JointAction",
     "LimbComparison",
     "compare_limb",
+    "identify_limb",
     "interaction",
     "limb_parameters",
+    "limb_recording",
 ]

@@ -136,7 +136,8 @@ def compare_limb(
     """Take the rigid-body parameters of a leg alone from those of the leg with a passive limb or sandbags.
 
     A limb in cuffs is no rigid body: with stiffness k of the cuff and inertia J of the limb it resonates at √(k/J), and
-    a motion at ω sees an inertia that is too large by (ω √(J/k))². Move slowly, or state the frequency.
+    a motion at ω sees an inertia that is too large by (ω √(J/k))². Gravity
+    bends the cuffs too, by X g / k. :func:`.identify_limb` takes both into account.
 
     Args:
         alone: Estimate of the leg alone.

@@ -10,7 +10,7 @@ from worn import log, swing
 import exoid
 from exoid import ExoidError
 from exoid.rig import leg_with_payloads, limb_of, sandbags
-from exoid.wearer import compare_limb, limb_parameters
+from exoid.wearer import compare_limb, identify_limb, limb_parameters, limb_recording
 
 SEEDS = range(6)
 
@@ -89,3 +89,55 @@ def test_intervals_of_a_comparison_are_those_of_students_t(alone):
     assert np.allclose(middle, compared.difference)
     significant = (compared.interval()[:, 0] > 0.0) | (compared.interval()[:, 1] < 0.0)
     assert np.array_equal(significant, compared.p_values < 0.05)
+
+
+def worn_log(leg, limb, stiffness, damping, seed=70):
+    """The limb follows a swing, and the leg hangs in its cuffs: q = q_l − x with k x + d ẋ = τ_w = −RNEA_limb(q_l)."""
+    motion = swing(leg, seed, seconds=60.0, base=0.2)
+    torque = -limb.inverse_dynamics(*motion.motion)
+    spectrum = np.fft.rfft(torque, axis=0)
+    s = 2j * np.pi * np.fft.rfftfreq(len(torque), 1.0 / motion.rate)[:, None]
+    bent = spectrum / (stiffness + damping * s)
+    x, xv, xa = (np.fft.irfft(bent * s**order, len(torque), axis=0) for order in range(3))
+    q, v, a = (one - other for one, other in zip(motion.motion, (x, xv, xa), strict=True))
+    tau = leg.inverse_dynamics(q, v, a) + motion.coulomb * np.tanh(v / motion.smoothing) + motion.viscous * v - torque
+    rng = np.random.default_rng(seed)
+    noisy = tau + 0.4 * rng.standard_normal(q.shape)
+    names = leg.joint_names
+    return exoid.Recording(
+        motion.time, q + 5e-5 * rng.standard_normal(q.shape), tau=noisy, joint_names=names
+    ), motion.motion[0]
+
+
+@pytest.mark.parametrize("damping", [0.0, 30.0])
+def test_a_limb_in_cuffs_is_found_where_a_rigid_one_is_not(leg, alone, damping):
+    limb, expected = limb_of(leg), limb_parameters(leg)
+    recording, angles = worn_log(leg, limb, 1000.0, damping)
+    log = limb_recording(alone[0], recording, 1000.0, damping)
+    there = angles[np.searchsorted(recording.time, log.time - 5e-3)]
+    inner = slice(300, -300)
+    assert (
+        np.abs(log.q - there)[inner].max()
+        < 0.15 * np.abs(recording.q[np.searchsorted(recording.time, log.time - 5e-3)] - there)[inner].max() + 2e-3
+    )
+    found = identify_limb(alone[0], recording, 1000.0, damping, expected=expected)
+    as_rigid = compare_limb(alone[0], exoid.identify(leg, recording, TERMS, check=False), expected)
+    for name in ("X1", "X2"):
+        k = found.names.index(name)
+        assert abs(found.values[k] / expected[name] - 1.0) < 0.02
+        assert abs(as_rigid.values[k] - expected[name]) > abs(found.values[k] - expected[name])
+    for name in ("J1", "J2"):
+        assert abs(found.values[found.names.index(name)] / expected[name] - 1.0) < 0.05
+    assert np.mean(found.inside) > 0.6
+
+
+@pytest.mark.parametrize(("stiffness", "damping"), [(0.0, 0.0), (-1.0, 0.0), (1000.0, -1.0), (np.nan, 0.0)])
+def test_impossible_cuffs_are_refused(leg, alone, stiffness, damping):
+    with pytest.raises(ExoidError, match="cuffs"):
+        limb_recording(alone[0], log(swing(leg, 3)), stiffness, damping)
+
+
+def test_a_limb_needs_one_segment(leg, alone):
+    parts = log(swing(leg, 3)).segments([(5.0, 12.0), (20.0, 30.0)])
+    with pytest.raises(ExoidError, match="one segment"):
+        identify_limb(alone[0], parts, 1000.0)

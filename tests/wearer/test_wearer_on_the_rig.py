@@ -6,6 +6,7 @@ from worn_rig import active, alone, at, cad_torque, machine, nrmse, passive
 
 import exoid
 from exoid.rig import Wearer
+from exoid.wearer import identify_limb, limb_parameters
 
 SEEDS = [0, 1]
 
@@ -30,6 +31,13 @@ def test_the_torque_of_active_and_passive_wearers_is_found(name):
             inside.append(np.abs(found.torque - truth) <= found.band)
         share = np.mean(np.concatenate(inside))
         assert 0.88 < share < 0.995
+    limb = limb_parameters(leg)
+    for k, estimate in enumerate(estimates):
+        found = identify_limb(estimate, run.recording(k), 1000.0, 30.0, expected=limb)  # of the passive wearer
+        error = dict(zip(found.names, np.abs(found.values - found.expected), strict=True))
+        assert max(error[name] / limb[name] for name in ("X1", "X2")) < 0.02
+        assert max(error[name] / limb[name] for name in ("J1", "J2")) < 0.05
+        assert np.mean(found.inside) > 0.6
     assert not any(exoid.interaction(estimate, trained.recording(k)).worn for k, estimate in enumerate(estimates))
     other = alone(one, [7, 8], 20.0, draw=1)
     assert not any(exoid.interaction(estimate, other.recording(k)).worn for k, estimate in enumerate(estimates))
