@@ -22,6 +22,7 @@ from . import (
     study,
     torques,
     view,
+    wearer,
 )
 from .catalog import load_exo, load_leg
 from .errors import ExoidError
@@ -33,6 +34,7 @@ from .payload import Payload
 from .signals import BaseMotion, BasePose, Recording, Recordings, Wrench
 from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
 from .torso import TorsoMotion
+from .wearer import Interaction, interaction
 
 __version__: str
 
@@ -46,6 +48,7 @@ __all__ = [
     "ExoidError",
     "Finding",
     "GroupedEstimate",
+    "Interaction",
     "Leg",
     "Offset",
     "Payload",
@@ -71,6 +74,7 @@ __all__ = [
     "ground_forces",
     "identification",
     "identify",
+    "interaction",
     "joint_torques",
     "lift",
     "load_exo",
@@ -85,4 +89,5 @@ __all__ = [
     "torques",
     "validate",
     "view",
+    "wearer",
 ]

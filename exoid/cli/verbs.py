@@ -17,6 +17,7 @@ VERBS = {
     ),
     "select": "Select terms, filter and estimator for LEG by blocked cross-validation inside the LOGs.",
     "validate": "Predict the torque of the LOGs from their motion and compare it with the measured one.",
+    "interaction": "Compute the torque between wearer and exoskeleton in the LOGs, and test whether anything acts.",
     "compare": "Test whether B differs from A: left and right, one day and another, with and without a wearer.",
     "export": "Write an identified leg as a URDF, with LEG.exoid.json for parameters that a URDF cannot hold; or as C.",
     "plan": "Find the motion that identifies LEG best, and predict the precision of its parameters; or --assess a log.",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.regression.intervals import intervals
 from exoid.tables import DataTable, make_table, to_html, to_text, with_error
 
 from .data import EstimateData
@@ -48,6 +49,7 @@ class Comparison:
         statistic: F statistic of all differences together.
         p_value: p-value of all differences together.
         notes: Notes on what is known or has a prior in both.
+        dof: Degrees of freedom of each difference, (P,).
     """
 
     names: tuple[str, ...]
@@ -59,11 +61,26 @@ class Comparison:
     statistic: float
     p_value: float
     notes: tuple[str, ...] = ()
+    dof: FloatArray = field(kw_only=True)
 
     def __post_init__(self) -> None:
         """Forbid changes."""
-        for array in (self.difference, self.std, self.p_values, self.adjusted):
+        for array in (self.difference, self.std, self.p_values, self.adjusted, self.dof):
             array.flags.writeable = False
+
+    def interval(self, level: float = 0.95) -> FloatArray:
+        """Confidence intervals of the differences, each alone.
+
+        Args:
+            level: Probability that an interval contains the true difference.
+
+        Returns:
+            Lower and upper ends, (P, 2).
+
+        Raises:
+            ExoidError: The level is not between 0 and 1.
+        """
+        return intervals(self.difference, self.std, self.dof, level)
 
     @property
     def differ(self) -> bool:
@@ -220,7 +237,8 @@ def wald(
     tested = np.ones(len(names), dtype=np.bool_) if held is None else ~held
     p_values = np.where(tested, _each(difference, std, dof), 1.0)
     statistic, p_value = hotelling(difference[tested], covariance[np.ix_(tested, tested)], least)
-    return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value, notes)
+    dof = np.broadcast_to(np.asarray(dof, dtype=np.float64), difference.shape).copy()
+    return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value, notes, dof=dof)
 
 
 def _own(estimate: EstimateData) -> FloatArray:

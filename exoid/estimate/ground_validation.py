@@ -65,7 +65,12 @@ def stands(estimate: EstimateData, recording: Recording) -> bool:
 
 
 def compare_on_ground(
-    estimate: EstimateData, recording: Recording, preparation: Preparation, bandwidth: float
+    estimate: EstimateData,
+    recording: Recording,
+    preparation: Preparation,
+    bandwidth: float,
+    *,
+    unknown_wrenches: bool = True,
 ) -> Compared:
     """Predict the torques of a recording with contacts.
 
@@ -77,6 +82,8 @@ def compare_on_ground(
         recording: The recording.
         preparation: Way to filtered torques.
         bandwidth: Noise bandwidth of its filter over that of the training's.
+        unknown_wrenches: Whether to compare samples too at which a link rests by an unknown wrench. The root link does
+            not count: only base rows have its wrench.
 
     Returns:
         Torques of all samples that count, in order of time.
@@ -86,6 +93,15 @@ def compare_on_ground(
     """
     leg = estimate.model.leg
     stretches = split(leg, for_leg(estimate.model, recording)).stretches
+    if not unknown_wrenches:
+        resting = {link for stretch in stretches for link in stretch.links} - {leg.description.root_link}
+        stretches = tuple(each for each in stretches if not {*each.links} & resting)
+        if not stretches:
+            raise ExoidError(
+                f"{', '.join(sorted(resting))} on the ground throughout, and the wrenches there were not measured",
+                where=recording.source.name if recording.source else "",
+                remedy=f"record the wrenches (columns wrench_{min(resting)}_fx to _mz), or the leg in the air",
+            )
     parts = [_compare(estimate, stretch, preparation, bandwidth) for stretch in stretches]
     order = np.argsort(np.concatenate([part.time for part in parts]), kind="stable")
     return Compared(*(np.concatenate(arrays)[order] for arrays in zip(*parts, strict=True)))

@@ -3,6 +3,9 @@
 MEASURED, IDENTIFIED, CAD, RESIDUAL, GUIDE = "#222222", "#0072B2", "#D55E00", "#999999", "#cccccc"
 """Colours of measured data, identified models, CAD models, residuals, and guide lines."""
 
+WEARER = "#B04A9B"
+"""Colour of the torque of the wearer."""
+
 JOINT_COLOURS = ("#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2", "#D55E00", "#7F7F7F")
 """Colours of hip, knee, ankle, and the further joints of an arm."""
 

@@ -16,6 +16,7 @@ COMMANDS = {
     "check": "check one.urdf log.csv",
     "select": "select one.urdf log.csv --friction coulomb --test test.csv",
     "validate": "validate est.json test.csv",
+    "interaction": "interaction est.json test.csv -o torque.csv --report report.html",
     "compare": "compare est.json other.json",
     "export": "export est.json -o leg.urdf",
     "export --c": "export est.json --c leg.c",

@@ -13,8 +13,10 @@ from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.leg import Leg
 from exoid.signals import Recording
+from exoid.wearer import Interaction
 
 from .commands import set_animation
+from .interaction_arrows import with_interaction
 from .leg_geometry import LegGeometry
 from .leg_view import LegView
 from .replay import Replay
@@ -33,6 +35,7 @@ def scene(
     ghost: Recording | None = None,
     ghost_label: str = "reference",
     identified: Sequence[Leg] = (),
+    interaction: Interaction | None = None,
     meshes: str | Path | None = None,
     title: str | None = None,
 ) -> Scene:
@@ -53,6 +56,8 @@ def scene(
             (:func:`exoid.estimate.predict_motion`).
         ghost_label: Name of the second leg in the legend.
         identified: The same legs with identified inertias, to draw beside their own.
+        interaction: Torque of the wearer during the recording (:func:`exoid.interaction`), drawn as circular arrows
+            beside those of the actuators.
         meshes: Folder in which the URDF's meshes are searched.
         title: Title of the page; None for the names of the legs.
 
@@ -70,14 +75,22 @@ def scene(
         raise ExoidError("no leg to draw", remedy="pass a Leg or an Estimate")
     if ghost is not None and recording is None:
         raise ExoidError("a ghost without a recording", remedy="pass the motion as recording=")
+    if interaction is not None and recording is None:
+        raise ExoidError("an interaction without a recording", remedy="pass the motion as recording=")
     replay = None if recording is None else Replay.of(recording, ghost)
     geometries = _geometries(legs, identified, None if meshes is None else Path(meshes))
     poses = pose_angles([geometry.leg for geometry in geometries], pose or {})
     _check_joints(geometries, recording, ghost)
+    if interaction is not None and interaction.parts:
+        raise ExoidError("the interaction of several recordings", remedy="pass one of interaction.parts")
     views = [
         LegView.of(geometry, q, replay, ghost_label).standing(leg, geometry, replay)
         for leg, geometry, q in zip(legs, geometries, poses, strict=True)
     ]
+    if interaction is not None and replay is not None:
+        shown, found = replay, interaction
+        pairs = zip(views, geometries, strict=True)
+        views = [with_interaction(view, geometry, shown, found) for view, geometry in pairs]
     floors = [view.floor for view in views if view.floor is not None]
     points = np.vstack([view.bounding_points for view in views])
     _check_size(points, geometries)

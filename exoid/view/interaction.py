@@ -1,0 +1,65 @@
+"""Figures of the torque between wearer and exoskeleton."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from exoid._typing import FloatArray
+from exoid.wearer import GaitProfile
+
+from .colours import GUIDE, MEASURED, WEARER, joint_colour
+from .style import legend_above
+
+
+def plot_interaction(
+    ax: Axes, time: FloatArray, torque: FloatArray, band: FloatArray, label: str, truth: FloatArray | None = None
+) -> Axes:
+    """Plot the torque of the wearer at one joint over time with its band.
+
+    Args:
+        ax: Axes to draw on.
+        time: Time [s], (N,).
+        torque: Torque of the wearer on the leg [N·m], (N,).
+        band: Half the width of its 95 % band [N·m], (N,).
+        label: Name of the joint.
+        truth: True torque of a simulation, filtered alike [N·m], (N,).
+
+    Returns:
+        The axes.
+    """
+    ax.fill_between(time, torque - band, torque + band, color=WEARER, alpha=0.3, lw=0, label="95 % band")
+    if truth is not None:
+        ax.plot(time, truth, color=MEASURED, lw=0.8, label="truth")
+    ax.plot(time, torque, color=WEARER, lw=1.0, label="torque of the wearer")
+    ax.axhline(0.0, color=GUIDE, lw=0.6, zorder=0)
+    ax.set(xlabel="time [s]", ylabel=f"{label} torque [N·m]")
+    legend_above(ax)
+    return ax
+
+
+def plot_gait_profile(axes: tuple[Axes, Axes], profile: GaitProfile, labels: tuple[str, ...]) -> tuple[Axes, Axes]:
+    """Plot mean ± RMS torque and mean power of the wearer over the phase of the gait.
+
+    Args:
+        axes: Axes for the torque and for the power.
+        profile: Torque and power by phase.
+        labels: Names of the joints, (n,).
+
+    Returns:
+        The axes.
+    """
+    above, below = axes
+    percent = 100.0 * profile.phase
+    for joint, label in enumerate(labels):
+        colour, mean, rms = joint_colour(joint), profile.mean[:, joint], profile.rms[:, joint]
+        spread = np.sqrt(np.maximum(rms**2 - mean**2, 0.0))
+        above.fill_between(percent, mean - spread, mean + spread, color=colour, alpha=0.2, lw=0)
+        above.plot(percent, mean, color=colour, label=label)
+        below.plot(percent, profile.power[:, joint], color=colour)
+    for ax in axes:
+        ax.axhline(0.0, color=GUIDE, lw=0.6, zorder=0)
+    above.set(ylabel="torque of the wearer [N·m]")
+    below.set(xlabel="phase [%]", ylabel="power on the leg [W]")
+    legend_above(above)
+    return axes

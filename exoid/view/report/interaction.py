@@ -1,0 +1,118 @@
+"""Report of the torque between wearer and exoskeleton."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from exoid.errors import ExoidError
+from exoid.estimate import Estimate
+from exoid.findings import finding_lines, findings_table
+from exoid.regression.rows import for_leg
+from exoid.signals import Recording
+from exoid.tables import DataTable
+from exoid.view.interaction import plot_gait_profile, plot_interaction
+from exoid.view.scenes import scene
+from exoid.view.style import decimation
+from exoid.wearer import Interaction
+from exoid.wearer.interaction import HEADERS
+
+from .page import Block, EmbeddedPage, Page, Section, Text, draw_picture
+from .pictures import MAX_LINE_POINTS, SHOWN_SECONDS
+from .text import sentence
+
+SIGN = (
+    "Positive torque pushes the joint in its positive direction; positive power drives the leg. The band holds the "
+    "true torque with a probability of 95 %. Samples near the ends of a recording are left out, as filters have not "
+    "settled there."
+)
+"""Note below the table."""
+
+
+def interaction_report(estimate: Estimate, found: Interaction, recordings: Sequence[Recording]) -> Page:
+    """Report an interaction: figures of each joint, torque over time and phase, and a replay with arrows.
+
+    Args:
+        estimate: The estimate.
+        found: The interaction.
+        recordings: Recordings that it was computed from.
+
+    Returns:
+        A page: ``interaction_report(...).save("report.html")``.
+    """
+    parts = found.parts or (found,)
+    contents: dict[str, Iterator[Block]] = {
+        "Torque of the wearer": _figures(found),
+        "Findings": _findings(found),
+        "Over time": _over_time(estimate, parts),
+        "Over the gait": _over_gait(estimate, parts),
+        "Replay": _replay(estimate, parts[0], recordings[0]),
+    }
+    sections = [Section(title, blocks) for title, content in contents.items() if (blocks := list(content))]
+    title = f"{estimate.model.leg.description.name}: torque of the wearer in {found.source}"
+    return Page(title, [sentence(str(found).rsplit("\n", 1)[-1])], sections)
+
+
+def _figures(found: Interaction) -> Iterator[Block]:
+    yield DataTable(found.source, HEADERS, found.rows())
+    for part in found.parts:
+        yield DataTable(part.source, HEADERS, part.rows())
+    yield Text([SIGN])
+
+
+def _findings(found: Interaction) -> Iterator[Block]:
+    if found.findings:
+        yield findings_table(found.findings)
+        yield Text([sentence(line) for line in finding_lines(found.findings)])
+
+
+def _over_time(estimate: Estimate, parts: Sequence[Interaction]) -> Iterator[Block]:
+    for part in parts:
+        for joint, label in enumerate(estimate.model.leg.joint_labels):
+            if not np.isnan(part.torque[:, joint]).all():
+                yield draw_picture(
+                    partial(_draw_time, part=part, joint=joint, label=label),
+                    f"Torque of the wearer at the {label} over time with its 95 % band",
+                    f"{label}, the first {SHOWN_SECONDS:.0f} s of {part.source}",
+                )
+
+
+def _over_gait(estimate: Estimate, parts: Sequence[Interaction]) -> Iterator[Block]:
+    for part in parts:
+        if part.period is not None:
+            yield draw_picture(
+                partial(_draw_gait, part=part, labels=estimate.model.leg.joint_labels),
+                "Torque and power of the wearer over the phase of the gait",
+                f"{part.source}: mean ± standard deviation; a cycle of {part.period:.3g} s begins at the "
+                f"{part.phase_source}",
+                aspect=1.0,
+            )
+
+
+def _replay(estimate: Estimate, part: Interaction, recording: Recording) -> Iterator[Block]:
+    """Replay the beginning of a recording with arrows."""
+    shown = for_leg(estimate.model, recording)
+    shown = shown.between(shown.time[0], shown.time[0] + SHOWN_SECONDS)
+    try:
+        replay = scene(estimate, recording=shown, interaction=part)
+    except ExoidError as error:
+        yield Text([f"The leg cannot be drawn: {error.what}."])
+        return
+    yield Text([f"The first {SHOWN_SECONDS:.0f} s of {part.source}, with the torque of the wearer around each joint."])
+    yield EmbeddedPage(replay.html(), f"{replay.title} in three dimensions")
+
+
+def _draw_time(figure: Figure, part: Interaction, joint: int, label: str) -> None:
+    """Draw the torque of a joint at the beginning of a recording."""
+    time = part.time - part.time[0]
+    shown = decimation(int(np.searchsorted(time, SHOWN_SECONDS)), MAX_LINE_POINTS)
+    plot_interaction(figure.add_subplot(), time[shown], part.torque[shown, joint], part.band[shown, joint], label)
+
+
+def _draw_gait(figure: Figure, part: Interaction, labels: tuple[str, ...]) -> None:
+    """Draw torque and power over the phase."""
+    above, below = figure.subplots(2, 1, sharex=True)
+    plot_gait_profile((above, below), part.by_phase(), labels)

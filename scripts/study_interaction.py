@@ -1,0 +1,151 @@
+"""How well is the torque of a wearer found, does its band hold the truth, and is an unworn leg called worn?
+
+    python scripts/study_interaction.py --seeds 16            # torque of active and passive wearers, some minutes
+    python scripts/study_interaction.py --limb --seeds 16     # X, Y, J of a passive limb, and of sandbags
+    python scripts/study_interaction.py --unworn --seeds 40   # false alarms; friction of other forms, fast motion
+
+BLEEX and CUHK-EXO on the rig, with friction that sticks. Each seed is one training of 60 s without a wearer (five
+harmonics of 0.3 Hz under a servo) and one worn log: "active", a wearer who walks at 2.4 s a stride while the
+exoskeleton carries its own weight; "passive", a limb that the servo moves. Cuffs have 1000 N·m/rad and
+30 N·m·s/rad. Sensors: angles 2e-5 rad and 16 bits; torques 0.5, 0.4 and 0.2 N·m. Estimated and true torque pass the
+same filter. NRMSE is the RMS error over the standard deviation of the true torque.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from study_bands import FORMS
+from study_bands import log as log_of_form
+
+import exoid
+from exoid.rig import Wearer, plant_with_payloads, sandbags
+from exoid.tables import make_table, to_text
+from exoid.wearer import LimbComparison, compare_limb, identify_limb, limb_parameters
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+from worn_rig import active, alone, at, cad_torque, gait, machine, nrmse, passive
+
+LEGS = ("bleex", "cuhk")
+
+
+def torques(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
+    """Error and coverage of the torque of active and passive wearers, one row a kind and joint."""
+    one = machine(name)
+    trained = alone(one, seeds)
+    estimates = [exoid.identify(one.plant.leg, trained.recording(k), one.terms) for k in range(len(seeds))]
+    limb = Wearer.build(one.plant.leg)
+    rows = []
+    for kind, run in (
+        ("active", active(one, seeds)),
+        ("passive", passive(one, seeds, limb, 30.0, motion=gait(one, seeds))),
+    ):
+        assert run.interaction is not None
+        errors, of_cad, inside, worn, sizes = [], [], [], [], []
+        for k, estimate in enumerate(estimates):
+            recording = run.recording(k)
+            found = exoid.interaction(estimate, recording)
+            truth = at(estimate, recording, run.interaction[..., k], found.time)
+            errors.append(nrmse(found.torque, truth))
+            of_cad.append(nrmse(cad_torque(one, estimate, recording, found.time), truth))
+            inside.append((np.abs(found.torque - truth) <= found.band).mean(axis=0))
+            worn.append(found.worn)
+            sizes.append(np.sqrt((truth**2).mean(axis=0)))
+        for j, joint in enumerate(one.plant.leg.joint_labels):
+            figures = (np.mean(sizes, axis=0)[j], np.mean(errors, axis=0)[j], np.max(errors, axis=0)[j])
+            cad, share = np.mean(of_cad, axis=0)[j], np.mean(inside, axis=0)[j]
+            cells = (*(f"{x:.3f}" for x in figures), f"{cad:.2f}", f"{100 * share:.1f}", f"{100 * np.mean(worn):.0f}")
+            rows.append((name, kind, joint, *cells))
+    return rows
+
+
+def limbs(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
+    """Error and coverage of the parameters of a passive limb and of sandbags, one row a parameter."""
+    one, rows = machine(name), []
+    leg, bags = one.plant.leg, sandbags()
+    before, worn = alone(one, seeds), passive(one, seeds, Wearer.build(leg))
+    loads = alone(replace(one, plant=plant_with_payloads(one.plant, bags)), seeds, draw=3)
+    first = [exoid.identify(leg, before.recording(k), one.terms) for k in range(len(seeds))]
+    limb, sand = limb_parameters(leg), limb_parameters(leg, bodies=bags)
+    found: dict[str, list[LimbComparison]] = {}
+    for k, estimate in enumerate(first):
+        log = worn.recording(k)
+        rigid, weighed = (exoid.identify(leg, run.recording(k), one.terms) for run in (worn, loads))
+        found.setdefault("limb, cuffs known", []).append(identify_limb(estimate, log, 1000.0, 30.0, expected=limb))
+        found.setdefault("limb, cuffs 20 % too stiff", []).append(
+            identify_limb(estimate, log, 1200.0, 36.0, expected=limb)
+        )
+        found.setdefault("limb as if rigid", []).append(compare_limb(estimate, rigid, limb))
+        found.setdefault("sandbags", []).append(compare_limb(estimate, weighed, sand))
+    for kind, each in found.items():
+        truth, names = each[0].expected, each[0].names
+        error = np.array([one_.values - truth for one_ in each])
+        scale = np.array([abs(truth[names.index(n.replace("Y", "X"))]) for n in names])
+        scale = np.where(scale > 0.0, scale, abs(truth[0]))  # sandbags have no foot
+        inside = np.array([one_.inside for one_ in each]).mean(axis=0)
+        std = np.mean([one_.std for one_ in each], axis=0) / scale
+        sizes = np.sqrt((error**2).mean(axis=0)) / scale, error.mean(axis=0) / scale, std, inside
+        for j, parameter in enumerate(names):
+            rows.append((name, kind, parameter, f"{truth[j]:.4g}", *(f"{100 * x[j]:.2f}" for x in sizes)))
+    return rows
+
+
+def unworn(seeds: int) -> list[tuple[str, ...]]:
+    """False alarms on the rig, and with friction of other forms at once and twice the speed of the training."""
+    rows = []
+    for name in LEGS:
+        one, numbers = machine(name), list(range(seeds))
+        trained, again = alone(one, numbers), alone(one, [100 + k for k in numbers], draw=4)
+        walk = alone(one, numbers, 30.0, motion=gait(one, numbers), draw=5)
+        estimates = [exoid.identify(one.plant.leg, trained.recording(k), one.terms) for k in numbers]
+        for kind, run in (("rig, other harmonics", again), ("rig, gait", walk)):
+            rows.append(
+                _alarms(f"{name}, {kind}", [exoid.interaction(e, run.recording(k)) for k, e in enumerate(estimates)])
+            )
+        leg = one.cad
+        for form in FORMS:
+            models = [exoid.identify(leg, log_of_form(leg, form, 0.1, seed)) for seed in range(min(seeds, 5))]
+            for times in (1.0, 2.0):
+                logs = [log_of_form(leg, form, 0.1 * times, 100 + seed) for seed in range(len(models))]
+                found = [exoid.interaction(model, log) for model, log in zip(models, logs, strict=True)]
+                rows.append(_alarms(f"{name}, {form}, {times:g} × speed", found))
+    return rows
+
+
+def _alarms(label: str, found: list[exoid.Interaction]) -> tuple[str, ...]:
+    """Label, number of logs, false alarms, and the largest torque over the smallest that the test would notice."""
+    ratios = [np.std(each.torque[:, j]) / action.least for each in found for j, action in enumerate(each.actions)]
+    return (
+        label,
+        str(len(found)),
+        str(sum(each.worn for each in found)),
+        f"{np.mean(ratios):.2f}",
+        f"{np.max(ratios):.2f}",
+    )
+
+
+def main() -> None:
+    """Read the options and print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seeds", type=int, default=16)
+    parser.add_argument("--limb", action="store_true", help="parameters of the limb instead")
+    parser.add_argument("--unworn", action="store_true", help="false alarms instead")
+    options = parser.parse_args()
+    seeds = list(range(options.seeds))
+    if options.unworn:
+        headers, rows = ("logs", "number", "called worn", "mean torque / least", "largest"), unworn(options.seeds)
+    elif options.limb:
+        headers = ("leg", "kind", "parameter", "truth", "error [%]", "bias [%]", "std [%]", "in 95 % interval [%]")
+        rows = [row for name in LEGS for row in limbs(name, seeds)]
+    else:
+        headers = ("leg", "wearer", "joint", "RMS [N·m]", "NRMSE", "largest", "CAD", "in band [%]", "worn [%]")
+        rows = [row for name in LEGS for row in torques(name, seeds)]
+    print(to_text(make_table(headers, rows)))
+
+
+if __name__ == "__main__":
+    main()

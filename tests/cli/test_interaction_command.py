@@ -1,0 +1,93 @@
+"""``exoid interaction``: table, JSON, CSV, report, and refusals."""
+
+import dataclasses
+import json
+import sys
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.cli import main
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """An estimate, and a log of the leg with a wearer who pushes at 0.7 Hz."""
+    path = tmp_path_factory.mktemp("interaction")
+    data = exoid.datasets.bleex_swing()
+    exoid.identify(data.leg, data.train).save(path / "leg.json")
+    test = data.test
+    push = 3.0 * np.sin(2.0 * np.pi * 0.7 * test.time)[:, None]
+    dataclasses.replace(test, tau=test.tau - push).to_csv(path / "worn.csv")
+    return path
+
+
+@pytest.fixture
+def interaction(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["exoid", "interaction", "leg.json", *arguments])
+        with pytest.raises(SystemExit) as exit_:
+            main()
+        return exit_.value.code or 0, *capsys.readouterr()
+
+    return run
+
+
+def test_the_json_has_figures_of_each_joint_and_whether_the_leg_is_worn(interaction):
+    code, out, err = interaction("worn.csv", "--json")
+    assert (code, err) == (0, "")
+    data = json.loads(out)
+    assert data["worn"] is True
+    for figures in data["joints"].values():
+        assert figures["rms"] == pytest.approx(3.0 / np.sqrt(2.0), rel=0.05)
+        assert figures["peak"] == pytest.approx(3.0, abs=0.6)
+        assert figures["outside_band"] > 0.9
+    assert json.loads(interaction("bleex_swing:test", "--json")[1])["worn"] is False
+
+
+def test_the_table_ends_with_the_conclusion(interaction):
+    assert "worn: something acts on left_hip, left_knee, left_ankle" in interaction("worn.csv")[1]
+    assert "not worn: nothing beyond model error" in interaction("bleex_swing:test")[1]
+
+
+def test_the_csv_holds_the_torque_and_its_band(interaction, tmp_path):
+    path = tmp_path / "torque.csv"
+    assert interaction("worn.csv", "-o", str(path))[0] == 0
+    header, *rows = [line.split(",") for line in path.read_text().splitlines() if not line.startswith("#")]
+    table = dict(zip(header, np.array(rows, dtype=np.float64).T, strict=True))
+    found = exoid.interaction(exoid.Estimate.load("leg.json"), exoid.Recording.from_csv("worn.csv"))
+    assert np.array_equal(table["interaction_left_knee"], found.torque[:, 1])
+    assert np.array_equal(table["band_left_knee"], found.band[:, 1])
+
+
+def test_strides_give_the_phase(interaction):
+    _, out, _ = interaction("worn.csv", "--strides", "2,4,6,8", "--json")
+    gait = json.loads(out)["gait"]
+    assert gait["period"] == 2.0
+    assert len(gait["phase"]) == len(gait["joints"]["left_hip"]["power"]) == 20
+
+
+def test_the_report_is_one_page_with_the_torque_and_a_scene(interaction, tmp_path):
+    path = tmp_path / "report.html"
+    assert interaction("worn.csv", "--report", str(path))[0] == 0
+    page = path.read_text(encoding="utf-8")
+    assert "torque of the wearer" in page
+    assert "Worn: something acts on" in page
+    assert "in three dimensions" in page
+
+
+def test_bad_input_is_one_line(interaction, tmp_path):
+    for arguments, message in (
+        (("worn.csv", "--strides", "a,b"), "--strides a,b"),
+        (("worn.csv", "bleex_swing:test", "-o", str(tmp_path / "x.csv")), "--output of 2 logs"),
+        (("worn.csv", "-o", "worn.csv"), "worn.csv"),
+        (("missing.csv",), "missing.csv"),
+        (("worn.csv", "--cutoff", "-1"), "cutoff is -1"),
+    ):
+        code, out, err = interaction(*arguments)
+        assert (code, out) == (2, "")
+        assert message in err
+        assert err.count("\n") == 1

@@ -1,0 +1,265 @@
+"""The torque of the wearer is what joints need and actuators do not give; its band holds the truth."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from standing import mirrored, standing
+from walking import Walk
+from worn import filtered, log, push, swing, unworn_estimate
+
+import exoid
+from exoid import ExoidError, Payload, Recording, TorsoMotion
+from exoid.actuators import Motor
+
+LEGS = ("bleex", "cuhk")
+
+
+@pytest.fixture(scope="module", params=LEGS)
+def leg(request):
+    return exoid.load_leg(request.param)
+
+
+@pytest.fixture(scope="module")
+def estimate(leg):
+    return unworn_estimate(leg)
+
+
+@pytest.fixture(scope="module")
+def worn(leg):
+    motion = swing(leg, 7)
+    return motion, log(motion, push(motion)), push(motion)
+
+
+def nrmse(found, truth):
+    return np.sqrt(((found - truth) ** 2).mean(axis=0)) / truth.std(axis=0)
+
+
+def test_without_noise_it_is_the_filtered_torque_of_the_wearer(leg):
+    exact = unworn_estimate(leg, noise=0.0)
+    motion = swing(leg, 7)
+    truth = push(motion)
+    recording = log(motion, truth, noise=0.0)
+    found = exoid.interaction(exact, recording)
+    error = nrmse(found.torque, filtered(exact, recording, truth, found.time))
+    assert error.max() < 0.02  # friction has another width than that of the term
+
+
+def test_noise_leaves_little_error_and_the_band_holds_the_truth(estimate, worn):
+    _, recording, truth = worn
+    found = exoid.interaction(estimate, recording)
+    expected = filtered(estimate, recording, truth, found.time)
+    assert nrmse(found.torque, expected).max() < 0.05
+    assert found.worn
+    assert all(action.acts for action in found.actions)
+
+
+def test_the_band_holds_the_truth_in_95_of_100_samples(leg, estimate):
+    inside = []
+    for seed in range(20, 28):
+        motion = swing(leg, seed)
+        truth = push(motion, seed)
+        recording = log(motion, truth, seed=seed)
+        found = exoid.interaction(estimate, recording)
+        inside.append(np.abs(found.torque - filtered(estimate, recording, truth, found.time)) <= found.band)
+    share = np.mean(np.concatenate(inside), axis=0)
+    assert ((share > 0.93) & (share < 0.975)).all()
+
+
+def test_the_sign_is_that_of_the_torque_on_the_leg(estimate, worn):
+    motion, recording, _ = worn
+    pushed = dataclasses.replace(recording, tau=recording.tau - 2.0)  # the wearer carries 2 N·m more
+    difference = exoid.interaction(estimate, pushed).torque - exoid.interaction(estimate, recording).torque
+    assert np.allclose(difference, 2.0, atol=1e-6)
+    drives = log(motion, 4.0 * motion.motion[1])  # along the velocity
+    assert (exoid.interaction(estimate, drives).power > 0.0).all()
+
+
+def test_it_is_the_residual_of_a_validation_with_the_other_sign(estimate, worn):
+    found, validation = exoid.interaction(estimate, worn[1]), exoid.validate(estimate, worn[1])
+    common = np.isin(validation.time, found.time)
+    assert common.mean() > 0.98
+    assert np.allclose(found.torque, -validation.residual[common], atol=1e-9)
+    assert np.allclose(found.band, validation.half_width[common], atol=1e-9)
+
+
+def test_an_unworn_leg_is_not_called_worn(leg, estimate):
+    for seed in range(30, 36):
+        for factor in (1.0, 2.0):
+            recording = log(swing(leg, seed, base=0.15 * factor), seed=seed)
+            assert not exoid.interaction(estimate, recording).worn
+
+
+def test_a_torque_twice_as_large_as_the_smallest_that_the_test_notices_is_noticed(leg, estimate):
+    motion = swing(leg, 9)
+    least = np.array([action.least for action in exoid.interaction(estimate, log(motion)).actions])
+    shape = push(motion)
+    found = exoid.interaction(estimate, log(motion, 2.0 * least * shape / shape.std(axis=0)))
+    assert all(action.acts for action in found.actions)
+
+
+def test_real_logs_without_a_wearer_are_not_worn():
+    for data in (exoid.datasets.bleex_swing(), exoid.datasets.dfki_double_pendulum()):
+        estimate = exoid.identify(data.leg, data.train)
+        assert not exoid.interaction(estimate, data.test).worn
+        assert not exoid.interaction(estimate, data.train).worn
+
+
+def test_several_recordings_are_joined_and_kept_apart(leg, estimate, worn):
+    unworn = log(swing(leg, 31), seed=31)
+    both = exoid.interaction(estimate, [unworn, worn[1]])
+    assert [part.worn for part in both.parts] == [False, True]
+    assert both.worn
+    assert len(both.time) == sum(len(part.time) for part in both.parts)
+    assert len(both.to_json()["recordings"]) == 2
+    assert "each recording:" in str(both)
+    with pytest.raises(ExoidError, match="2 recordings"):
+        both.to_csv("both.csv")
+
+
+def test_the_base_may_be_tilted(leg, estimate):
+    motion = swing(leg, 7)
+    truth, torso = push(motion), TorsoMotion(pitch=0.2)
+    q, v, a = motion.motion
+    friction = motion.torque - leg.inverse_dynamics(q, v, a)
+    tau = leg.inverse_dynamics(q, v, a, torso) + friction - truth
+    recording = dataclasses.replace(log(motion, truth), tau=tau, torso=torso)
+    found = exoid.interaction(estimate, recording)
+    assert nrmse(found.torque, filtered(estimate, recording, truth, found.time)).max() < 0.04
+
+
+def test_the_base_may_move():
+    leg = exoid.load_leg("bleex")
+    estimate = exoid.identify(leg, Walk(leg, seconds=60.0, seed=1).recording(), terms=())
+    walk = Walk(leg, seconds=30.0, seed=2)
+    truth = 8.0 * np.column_stack([np.sin(2.0 * np.pi * f * walk.time) for f in (0.6, 1.1, 0.9)])
+    unworn = walk.recording()
+    recording = dataclasses.replace(unworn, tau=unworn.tau - truth)
+    found = exoid.interaction(estimate, recording)
+    assert nrmse(found.torque, filtered(estimate, recording, truth, found.time)).max() < 0.08
+    assert found.worn
+    assert not exoid.interaction(estimate, unworn).worn
+
+
+def test_drives_give_the_torque_of_the_actuators(estimate, leg, worn):
+    motion, recording, _ = worn
+    motors = {name: Motor(torque_constant=0.1, ratio=50.0) for name in leg.joint_names}
+    current = recording.tau / (0.1 * 50.0)
+    driven = Recording(motion.time, recording.q, current=current, joint_names=leg.joint_names)
+    found = exoid.interaction(estimate, driven, actuators=motors)
+    assert np.allclose(found.torque, exoid.interaction(estimate, recording).torque, atol=1e-9)
+    with pytest.raises(ExoidError, match="motor currents and no torque"):
+        exoid.interaction(estimate, driven)
+
+
+def test_a_stated_payload_is_not_taken_for_a_wearer(leg, estimate):
+    motion = swing(leg, 7)
+    sand = Payload(leg.joint_names[1], 3.0, (0.0, 0.0, -0.3))
+    loaded = dataclasses.replace(motion, leg=exoid.rig.leg_with_payloads(leg, [sand]))
+    recording = log(loaded)
+    stated = exoid.interaction(estimate, dataclasses.replace(recording, payloads=(sand,)))
+    assert not stated.worn
+    forgotten = exoid.interaction(estimate, recording)
+    assert forgotten.worn
+    (finding,) = [each for each in forgotten.findings if each.kind == "body-like-interaction"]
+    assert "more torque than the estimate says" in finding.message
+    assert "payload" in finding.remedy
+
+
+def test_a_joint_without_torque_is_left_out_by_name(leg, estimate, worn):
+    recording = worn[1]
+    tau = recording.tau.copy()
+    tau[:, 1] = np.nan
+    found = exoid.interaction(estimate, dataclasses.replace(recording, tau=tau))
+    assert np.isnan(found.torque[:, 1]).all()
+    assert not found.actions[1].acts
+    assert found.actions[0].acts
+    assert found.to_json()["joints"][leg.joint_names[1]]["rms"] is None
+    assert "not measured" in str(found)
+    assert "unmeasured-torque" in {finding.kind for finding in found.findings}
+
+
+def test_a_log_without_any_torque_is_refused(estimate, worn):
+    with pytest.raises(ExoidError, match="no torque"):
+        exoid.interaction(estimate, dataclasses.replace(worn[1], tau=None))
+    with pytest.raises(ExoidError, match="no torque"):
+        exoid.interaction(estimate, dataclasses.replace(worn[1], tau=np.full_like(worn[1].tau, np.nan)))
+
+
+def test_samples_near_the_ends_are_left_out_and_so_are_those_outside_segments(estimate, worn):
+    recording = worn[1]
+    found = exoid.interaction(estimate, recording)
+    assert recording.time[0] < found.time[0]
+    assert found.time[-1] < recording.time[-1]
+    segments = recording.segments([(10.0, 15.0), (20.0, 30.0)])
+    part = exoid.interaction(estimate, segments)
+    assert ((part.time <= 15.0) | (part.time >= 20.0)).all()
+    common = np.isin(np.round(found.time, 6), np.round(part.time[(part.time > 21.0) & (part.time < 29.0)], 6))
+    inner = (part.time > 21.0) & (part.time < 29.0)
+    assert np.allclose(found.torque[common], part.torque[inner], atol=1e-6)
+
+
+def test_a_log_that_is_too_short_is_refused(estimate, worn):
+    recording = worn[1]
+    with pytest.raises(ExoidError, match="too few"):
+        exoid.interaction(estimate, recording.between(recording.time[0], recording.time[0] + 0.12))
+
+
+def test_a_foot_on_the_ground_needs_a_measured_wrench():
+    exo = exoid.load_exo("bleex", base="floating")
+    options = {"seconds": 20.0, "noise": 0.4, "encoder": 1e-4}
+    both, left, other = (standing(exo, feet, seed=k, **options) for k, feet in enumerate(("both", "left", "left")))
+    training = [both.recording, left.recording, mirrored(other).recording]
+    estimate = exoid.identify(exo, training, terms=())
+    log = standing(exo, "left", seed=7, **options)
+    with pytest.raises(ExoidError, match="left_foot on the ground throughout"):
+        exoid.interaction(estimate, log.recording)
+    measured = dataclasses.replace(log.recording, wrenches={"left_foot": log.wrenches["left_foot"]})
+    assert not exoid.interaction(estimate, measured).worn
+    truth = 8.0 * np.column_stack([np.sin(2.0 * np.pi * (0.5 + 0.1 * k) * log.recording.time) for k in range(6)])
+    recording = dataclasses.replace(measured, tau=measured.tau - truth)
+    found = exoid.interaction(estimate, recording)
+    assert found.worn
+    assert nrmse(found.torque, filtered(estimate, recording, truth, found.time)).max() < 0.2
+
+
+def test_json_csv_and_text(estimate, worn, tmp_path):
+    found = exoid.interaction(estimate, worn[1])
+    data = json.loads(json.dumps(found.to_json()))
+    assert data["worn"] is True
+    for name, figures in data["joints"].items():
+        assert {"rms", "peak", "outside_band"} <= set(figures)
+        column = found.torque[:, found.joint_names.index(name)]
+        assert figures["peak"] == np.abs(column).max() >= figures["rms"] > 0.0
+        assert 0.5 < figures["outside_band"] <= 1.0
+    found.to_csv(tmp_path / "torque.csv")
+    lines = (tmp_path / "torque.csv").read_text().splitlines()
+    header = lines[1].split(",")
+    table = np.array([line.split(",") for line in lines[2:]], dtype=float)
+    n = len(found.joint_names)
+    assert header[: 1 + n] == ["time", *(f"interaction_{name}" for name in found.joint_names)]
+    assert np.array_equal(table[:, 1 : 1 + n], found.torque)
+    assert np.array_equal(table[:, 1 + n : 1 + 2 * n], found.band)
+    assert "worn: something acts on" in str(found)
+    assert "<table" in found._repr_html_()
+    assert "worn" in repr(found)
+
+
+def test_wrong_arguments_are_refused(estimate, worn):
+    for arguments, match in (
+        (([],), "no recordings"),
+        ((["log.csv"],), "is no recording"),
+    ):
+        with pytest.raises(ExoidError, match=match):
+            exoid.interaction(estimate, *arguments)
+    with pytest.raises(ExoidError, match="pass one of them"):
+        exoid.interaction(estimate, worn[1], cutoff=5.0, preparation=exoid.signals.FiniteDifference())
+    with pytest.raises(ExoidError, match="strides of several"):
+        exoid.interaction(estimate, [worn[1], worn[1]], strides=[1.0, 2.0])
+
+
+def test_the_result_cannot_be_changed(estimate, worn):
+    found = exoid.interaction(estimate, worn[1])
+    with pytest.raises(ValueError, match="read-only"):
+        found.torque[0] = 0.0

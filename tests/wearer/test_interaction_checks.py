@@ -1,0 +1,112 @@
+"""Mistakes of real logs that look like a wearer are named."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from worn import log, push, swing, unworn_estimate
+
+import exoid
+from exoid import Payload
+
+
+@pytest.fixture(scope="module")
+def leg():
+    return exoid.load_leg("bleex")
+
+
+@pytest.fixture(scope="module")
+def estimate(leg):
+    return unworn_estimate(leg)
+
+
+@pytest.fixture(scope="module")
+def unworn(leg):
+    return log(swing(leg, 7))
+
+
+def of_kind(found, kind):
+    return [finding for finding in found.findings if finding.kind == kind]
+
+
+def test_a_clean_log_has_no_finding(estimate, leg):
+    motion = swing(leg, 1)
+    assert exoid.interaction(estimate, log(motion, seed=5)).findings == ()
+    assert exoid.interaction(estimate, log(motion, push(motion))).findings == ()
+
+
+def test_a_sensor_whose_zero_is_off_is_no_wearer(estimate, unworn):
+    found = exoid.interaction(estimate, dataclasses.replace(unworn, tau=unworn.tau + np.array([0.0, 1.5, 0.0])))
+    (finding,) = of_kind(found, "constant-interaction")
+    assert finding.joint == estimate.joint_names[1]
+    assert finding.value == pytest.approx(-1.5, abs=0.1)
+    assert not found.worn
+
+
+def test_torques_of_the_other_sign(estimate, unworn):
+    (finding,) = of_kind(
+        exoid.interaction(estimate, dataclasses.replace(unworn, tau=-unworn.tau)), "body-like-interaction"
+    )
+    assert "other sign" in finding.message
+
+
+def test_an_estimate_that_was_identified_with_a_wearer_inside(leg, unworn):
+    limb = exoid.rig.leg_with_payloads(leg, exoid.rig.sandbags())
+    inside = unworn_estimate(limb)
+    found = exoid.interaction(inside, unworn)
+    assert found.worn
+    (finding,) = of_kind(found, "body-like-interaction")
+    assert "less torque than the estimate says" in finding.message
+    assert "unworn" in finding.remedy
+
+
+def test_an_estimate_that_was_identified_while_a_wearer_pushed(leg, unworn):
+    motion = swing(leg, 1)
+    pushed = exoid.identify(leg, log(motion, push(motion, size=15.0)), check=False)
+    assert of_kind(exoid.interaction(pushed, unworn), "rough-estimate")
+
+
+def test_another_leg(leg, estimate):
+    heavy = leg.with_parameters(1.3 * leg.parameters)
+    found = exoid.interaction(estimate, log(swing(heavy, 7)))
+    (finding,) = of_kind(found, "body-like-interaction")
+    assert finding.value > 0.9
+    assert "more torque" in finding.message
+
+
+def test_a_payload_on_the_foot_is_body_like_too(leg, estimate):
+    loaded = exoid.rig.leg_with_payloads(leg, [Payload(leg.joint_names[2], 2.0, (0.1, 0.0, -0.05))])
+    assert of_kind(exoid.interaction(estimate, log(swing(loaded, 7))), "body-like-interaction")
+
+
+def test_a_motion_faster_than_the_training_widens_the_band(leg, estimate, unworn):
+    fast = exoid.interaction(estimate, log(swing(leg, 7, base=0.4)))
+    assert {finding.kind for finding in fast.findings} == {"extrapolation"}
+    slow = exoid.interaction(estimate, unworn)
+    assert (fast.band.mean(axis=0) > slow.band.mean(axis=0)).all()
+    assert not fast.worn
+
+
+def test_a_saturated_torque_is_an_error(estimate, unworn):
+    limit = 0.5 * np.abs(unworn.tau[:, 0]).max()
+    clipped = np.clip(unworn.tau, [-limit, -np.inf, -np.inf], [limit, np.inf, np.inf])
+    found = exoid.interaction(estimate, dataclasses.replace(unworn, tau=clipped))
+    finding = of_kind(found, "saturation")[0]
+    assert (finding.joint, finding.severity) == (estimate.joint_names[0], "error")
+
+
+def test_a_short_log_is_said_to_be_short(estimate, unworn):
+    found = exoid.interaction(estimate, unworn.between(unworn.time[0], unworn.time[0] + 1.0))
+    assert of_kind(found, "short-recording")
+
+
+def test_a_joint_whose_friction_was_not_trained_is_not_tested(leg, unworn):
+    training = log(swing(leg, 1))
+    tau = training.tau.copy()
+    tau[:, 2] = np.nan
+    estimate = exoid.identify(leg, dataclasses.replace(training, tau=tau))
+    found = exoid.interaction(estimate, unworn)
+    assert np.isnan(found.actions[2].p_value)
+    assert "not tested" in str(found)
+    assert not found.worn
+    assert of_kind(found, "unmeasured-torque")
