@@ -1,0 +1,160 @@
+"""Controller linearised at several amplifications and poses, with the search for the first unstable amplification."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.control.law import Law
+from exoid.control.stateful import StatefulLaw
+
+from .linear_law import LinearLaw, linear_law
+from .sampled_loop import HeldLeg, loop_matrices
+
+NODES = 33
+"""Number of amplifications at which the controller is linearised."""
+
+BISECTIONS = 10
+"""Bisections between two nodes: of an interval of 16 % (up to 100), 0.02 % remain."""
+
+NEUTRAL = 1e-9
+"""Spectral radius above 1 that is rounding."""
+
+LawOf = Callable[[float], Law | StatefulLaw]
+"""Function that makes a controller from an amplification."""
+
+
+@dataclass(frozen=True, eq=False)
+class LawTable:
+    """Linearised controllers at some amplifications α and poses.
+
+    Between them the matrices are interpolated linearly in the share 1 − 1/α. This is exact for sensitivity
+    amplification, whose torque is linear in the share.
+
+    Attributes:
+        shares: Shares 1 − 1/α in increasing order, (G,).
+        poses: For each pose, matrices with G along the first axis.
+        delay: Delay of the readings in sampling periods.
+    """
+
+    shares: FloatArray
+    poses: tuple[LinearLaw, ...]
+    delay: int
+
+    @classmethod
+    def of(cls, laws: Sequence[Law | StatefulLaw], shares: FloatArray, poses: FloatArray, delay: int) -> LawTable:
+        """Linearise controllers.
+
+        Args:
+            laws: Controllers, (G,).
+            shares: Their shares, (G,).
+            poses: Poses [rad], (N, n).
+            delay: Delay of the readings in sampling periods.
+
+        Returns:
+            The table.
+
+        Raises:
+            ExoidError: A controller has no derivatives at a pose.
+        """
+        at = [[linear_law(law, q) for law in laws] for q in poses]
+        stacked = tuple(LinearLaw(*(np.array(each) for each in zip(*row, strict=True))) for row in at)
+        return cls(shares, stacked, delay)
+
+    @classmethod
+    def of_amplifications(cls, law: LawOf, most: float, poses: FloatArray, delay: int) -> LawTable:
+        """Linearise a controller at amplifications between 1 and the largest.
+
+        Args:
+            law: Function that makes the controller from an amplification.
+            most: Largest amplification.
+            poses: Poses [rad], (N, n).
+            delay: Delay of the readings in sampling periods.
+
+        Returns:
+            The table.
+
+        Raises:
+            ExoidError: A controller has no derivatives at a pose.
+        """
+        amplifications = np.geomspace(1.0, most, NODES)
+        laws = [law(float(each)) for each in amplifications]
+        return cls.of(laws, 1.0 - 1.0 / amplifications, poses, delay)
+
+    def radius(self, legs: Sequence[HeldLeg], share: FloatArray) -> FloatArray:
+        """Compute the largest spectral radius over the poses.
+
+        Args:
+            legs: B legs at each pose.
+            share: Share of each leg, (B,).
+
+        Returns:
+            Spectral radius, (B,).
+        """
+        return np.asarray(np.max([np.abs(each).max(axis=-1) for each in self.eigenvalues(legs, share)], axis=0))
+
+    def eigenvalues(self, legs: Sequence[HeldLeg], share: FloatArray) -> list[FloatArray]:
+        """Compute the eigenvalues of one period of the loop at each pose.
+
+        Args:
+            legs: B legs at each pose.
+            share: Share of each leg, (B,).
+
+        Returns:
+            Complex eigenvalues, (B, s) for each pose.
+        """
+        return [
+            np.linalg.eigvals(loop_matrices(leg, self._law(table, share), self.delay))
+            for leg, table in zip(legs, self.poses, strict=True)
+        ]
+
+    def stable(self, legs: Sequence[HeldLeg], share: FloatArray) -> FloatArray:
+        """Tell which loops are stable at every pose.
+
+        Args:
+            legs: B legs at each pose.
+            share: Share of each leg, (B,).
+
+        Returns:
+            Whether the spectral radius is at most 1, (B,).
+        """
+        return self.radius(legs, share) <= 1.0 + NEUTRAL
+
+    def largest(self, legs: Sequence[HeldLeg]) -> FloatArray:
+        """Find the largest stable amplification: the first unstable one from 1 upward, by nodes and then by bisection.
+
+        Args:
+            legs: B legs at each pose.
+
+        Returns:
+            Amplifications, (B,): 0 if even 1 is unstable, inf if all nodes are stable.
+        """
+        count = len(legs[0].A)
+        first = np.full(count, len(self.shares))
+        for node, share in enumerate(self.shares):
+            open_ = np.flatnonzero(first == len(self.shares))
+            stable = self.stable([leg.take(open_) for leg in legs], np.full(len(open_), share))
+            first[open_[~stable]] = node
+        found = np.where(first == 0, 0.0, np.inf)
+        between = np.flatnonzero((first > 0) & (first < len(self.shares)))
+        if len(between):
+            taken = [leg.take(between) for leg in legs]
+            below, above = (1.0 / (1.0 - self.shares[first[between] - k]) for k in (1, 0))
+            for _ in range(BISECTIONS):
+                middle = np.sqrt(below * above)
+                stable = self.stable(taken, 1.0 - 1.0 / middle)
+                below, above = np.where(stable, middle, below), np.where(stable, above, middle)
+            found[between] = np.sqrt(below * above)
+        return found
+
+    def _law(self, table: LinearLaw, share: FloatArray) -> LinearLaw:
+        """Interpolate the matrices, with B along the first axis."""
+        last = len(self.shares) - 1
+        upper = np.clip(np.searchsorted(self.shares, share), min(1, last), last)
+        lower = np.maximum(upper - 1, 0)
+        width = np.where(upper > lower, self.shares[upper] - self.shares[lower], 1.0)
+        part = ((share - self.shares[lower]) / width)[:, None, None]
+        return LinearLaw(*((1.0 - part) * each[lower] + part * each[upper] for each in table))
