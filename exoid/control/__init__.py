@@ -15,6 +15,7 @@ from .model import ControlModel
 from .pd import p, pd
 from .side_by_side import SideBySide
 from .standard_laws import LAWS, default_gains, standard_laws
+from .stateful import StatefulLaw, stateful
 from .track import track
 from .tracking import Tracking, command_table
 
@@ -30,6 +31,7 @@ __all__ = [
     "Limited",
     "SideBySide",
     "State",
+    "StatefulLaw",
     "Tracking",
     "Weights",
     "command_table",
@@ -45,5 +47,6 @@ __all__ = [
     "simulate",
     "simulate_many",
     "standard_laws",
+    "stateful",
     "track",
 ]

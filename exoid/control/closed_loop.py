@@ -14,7 +14,8 @@ from exoid.experiments import refuse_motion_beyond_limits
 from exoid.rig import Actuator, IdealTorque, PinocchioStepper, PlanarStepper, Plant, Rates, Reference, Sensors, Target
 from exoid.rig import simulate as simulate_rig
 
-from .law import Law, State
+from .law import State
+from .stateful import AnyLaw, Memory, stateful
 from .tracking import Tracking, tracking_of
 
 LONGEST_STEP = 5e-4
@@ -32,7 +33,7 @@ LOG_RATE = 100.0
 
 def simulate(
     plant: Plant,
-    law: Law,
+    law: AnyLaw,
     reference: Reference,
     duration: float,
     *,
@@ -49,7 +50,7 @@ def simulate(
 
     Args:
         plant: The true leg, one rig.
-        law: Controller, sampled at its rate; its torque is held in between.
+        law: Controller with or without memory, sampled at its rate; its torque is held in between.
         reference: Reference to follow.
         duration: Duration [s].
         sensors: Noise, quantisation and delay (in sampling periods) of the controller's readings; None for exact ones.
@@ -89,7 +90,7 @@ def simulate(
 
 def simulate_many(
     plant: Plant,
-    law: Law,
+    law: AnyLaw,
     reference: Reference,
     duration: float,
     *,
@@ -184,18 +185,22 @@ def plant_step(control: float, log: float) -> float:
 
 
 class _Sampled:
-    """A controller as the rig calls it: keeps the time and the torque of the last sample, for this run only."""
+    """A controller as the rig calls it: keeps its memory, the time and the last torque, for this run only."""
 
-    def __init__(self, law: Law) -> None:
-        self._law, self._count = law, 0
+    def __init__(self, law: AnyLaw) -> None:
+        self._law, self._count = stateful(law), 0
         self._last: FloatArray | None = None
+        self._memory: Memory = None
 
     def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
         single = q.shape[1] == 1
         if single:  # vectors are quicker than columns
             q, v = q[:, 0], v[:, 0]
             target = Target(*(None if x is None else x[:, 0] for x in target))  # type: ignore[arg-type]
-        torque = self._law.torque(State(q, v, self._count / self._law.rate, self._last), target)
+        state = State(q, v, self._count / self._law.rate, self._last)
+        if self._count == 0:
+            self._memory = self._law.begin(state)
+        torque, self._memory = self._law.step(self._memory, state, target)
         self._count += 1
         self._last = torque
         return torque[:, None] if single else torque

@@ -8,14 +8,14 @@ from exoid.errors import ExoidError
 from exoid.rig import Plant, Reference, Sensors
 
 from .closed_loop import simulate_many
-from .law import Law
 from .side_by_side import SideBySide
+from .stateful import AnyLaw
 from .tracking import Tracking
 
 
 def compare_laws(
     plant: Plant | Mapping[str, Plant],
-    laws: Mapping[str, Law],
+    laws: Mapping[str, AnyLaw],
     reference: Reference,
     duration: float,
     *,
@@ -28,7 +28,7 @@ def compare_laws(
 
     Args:
         plant: The true leg, one rig; or that of each controller by its name, all of the same leg.
-        laws: Controllers by name.
+        laws: Controllers by name, with or without memory.
         reference: Reference of one leg, which all follow.
         duration: Duration [s].
         sensors: See :func:`exoid.control.simulate`; the noise differs from controller to controller.

@@ -8,7 +8,8 @@ from exoid._typing import FloatArray
 from exoid.actuators import Actuators
 from exoid.rig import Target
 
-from .law import Law, State
+from .law import State
+from .stateful import AnyLaw, Memory, stateful, torque_without_memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +21,7 @@ class Driven:
     where no drive is at its limit. It is the torque on the virtual rig.
 
     Attributes:
-        law: The other controller.
+        law: The other controller, with or without memory.
         actuators: Drives of its leg.
 
     Example:
@@ -35,7 +36,7 @@ class Driven:
         10.0 2.0
     """
 
-    law: Law
+    law: AnyLaw
     actuators: Actuators
 
     @property
@@ -54,10 +55,10 @@ class Driven:
             Commands in ``actuators.units``, of the shape of ``state.q``.
 
         Raises:
-            ExoidError: A drive cannot make a torque, such as a cylinder at its dead centre.
+            ExoidError: A drive cannot make a torque, such as a cylinder at its dead centre; or the other controller
+                has memory.
         """
-        torque = self.law.torque(state, target)
-        return self.actuators.command(torque.T, state.q.T, state.v.T).T.reshape(torque.shape)
+        return self._command_of(torque_without_memory(self.law, state, target), state)
 
     def torque(self, state: State, target: Target) -> FloatArray:
         """Compute the torque that the drives make of these commands.
@@ -72,5 +73,49 @@ class Driven:
         Raises:
             ExoidError: See :meth:`command`.
         """
-        command = self.command(state, target)
+        return self._torque_of(self.command(state, target), state)
+
+    def begin(self, state: State) -> Memory:
+        """Compute the memory of the other controller before the first sample.
+
+        Args:
+            state: Measured state at the first sample, (n,) or (n, B).
+
+        Returns:
+            The memory.
+        """
+        return stateful(self.law).begin(state)
+
+    def step_command(self, memory: Memory, state: State, target: Target) -> tuple[FloatArray, Memory]:
+        """Compute the commands to hold until the next sample, and the memory of the other controller.
+
+        Args:
+            memory: Memory of the other controller.
+            state: Measured state, (n,) or (n, B).
+            target: Reference at this moment, likewise.
+
+        Returns:
+            Commands in ``actuators.units``, of the shape of ``state.q``, and the memory for the next sample.
+        """
+        torque, memory = stateful(self.law).step(memory, state, target)
+        return self._command_of(torque, state), memory
+
+    def step(self, memory: Memory, state: State, target: Target) -> tuple[FloatArray, Memory]:
+        """Compute the torque that the drives make of these commands, and the memory of the other controller.
+
+        Args:
+            memory: Memory of the other controller.
+            state: Measured state, (n,) or (n, B).
+            target: Reference at this moment, likewise.
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``, and the memory for the next sample.
+        """
+        command, memory = self.step_command(memory, state, target)
+        return self._torque_of(command, state), memory
+
+    def _command_of(self, torque: FloatArray, state: State) -> FloatArray:
+        return self.actuators.command(torque.T, state.q.T, state.v.T).T.reshape(torque.shape)
+
+    def _torque_of(self, command: FloatArray, state: State) -> FloatArray:
         return self.actuators.torque_of(command.T, state.q.T, state.v.T).T.reshape(command.shape)

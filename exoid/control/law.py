@@ -21,19 +21,22 @@ class State(NamedTuple):
         q: Measured angles [rad].
         v: Measured velocities [rad/s].
         time: Time since the reference began [s].
-        last: Torque commanded at the previous sample [N·m]; None at the first. Controllers have no other memory.
+        last: Torque commanded at the previous sample [N·m]; None at the first.
+        interaction: Torque of the wearer on the leg, by sensors in the cuffs or an observer [N·m]; None if unknown.
     """
 
     q: FloatArray
     v: FloatArray
     time: float = 0.0
     last: FloatArray | None = None
+    interaction: FloatArray | None = None
 
 
 class Law(Protocol):
     """A controller; the same object runs on the virtual rig and in the control loop of a real machine.
 
-    A controller has no internal state, but it may use Pinocchio's work memory: make one for each thread.
+    It has no memory of earlier samples; :class:`exoid.control.StatefulLaw` has one. It may use Pinocchio's work memory:
+    make one for each thread.
 
     Attributes:
         rate: Sampling rate [Hz].

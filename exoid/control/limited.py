@@ -10,18 +10,19 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.rig import Target
 
-from .law import Law, State, spread
+from .law import State, spread
+from .stateful import AnyLaw, Memory, stateful, torque_without_memory
 
 
 @dataclass(frozen=True, eq=False)
 class Limited:
     """Another controller within limits: |τ| ≤ ``limit``, |τ − τ_last| ≤ ``slew`` / rate.
 
-    The last command is part of the state, so this controller has no memory either. The controllers of this package do
-    not integrate, so there is no windup.
+    The last command is part of the state, so that the limits need no memory. A controller that integrates finds the
+    torque that was really commanded in ``state.last``.
 
     Attributes:
-        law: The other controller.
+        law: The other controller, with or without memory.
         limit: Largest torque [N·m], a number or (n,); inf for none.
         slew: Largest rate of change of the torque [N·m/s], likewise. It does not apply to the first sample.
 
@@ -34,7 +35,7 @@ class Limited:
         100.0
     """
 
-    law: Law
+    law: AnyLaw
     limit: ArrayLike = np.inf
     slew: ArrayLike = np.inf
 
@@ -61,8 +62,38 @@ class Limited:
 
         Returns:
             Torque [N·m], of the shape of ``state.q``.
+
+        Raises:
+            ExoidError: The other controller has memory.
         """
-        torque = self.law.torque(state, target)
+        return self._within(torque_without_memory(self.law, state, target), state)
+
+    def begin(self, state: State) -> Memory:
+        """Compute the memory of the other controller before the first sample.
+
+        Args:
+            state: Measured state at the first sample, (n,) or (n, B).
+
+        Returns:
+            The memory.
+        """
+        return stateful(self.law).begin(state)
+
+    def step(self, memory: Memory, state: State, target: Target) -> tuple[FloatArray, Memory]:
+        """Compute the torque of the other controller, within the limits, and its memory.
+
+        Args:
+            memory: Memory of the other controller.
+            state: Measured state, (n,) or (n, B).
+            target: Reference at this moment, likewise.
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``, and the memory for the next sample.
+        """
+        torque, memory = stateful(self.law).step(memory, state, target)
+        return self._within(torque, state), memory
+
+    def _within(self, torque: FloatArray, state: State) -> FloatArray:
         if state.last is not None:
             change = spread(np.asarray(self.slew), torque) / self.rate
             torque = np.clip(torque, state.last - change, state.last + change)

@@ -10,7 +10,8 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.rig import Target
 
-from .law import Law, State
+from .law import State
+from .stateful import AnyLaw, Memory, stateful, torque_without_memory
 
 
 @dataclass(frozen=True)
@@ -18,13 +19,13 @@ class SideBySide:
     """Controller k for rig k: to compare controllers, or controllers with different estimates.
 
     Attributes:
-        laws: Controllers, one for each rig, all of the same rate.
+        laws: Controllers with or without memory, one for each rig, all of the same rate.
 
     Raises:
         ExoidError: There are no controllers, or their rates differ.
     """
 
-    laws: tuple[Law, ...]
+    laws: tuple[AnyLaw, ...]
 
     def __post_init__(self) -> None:
         """Check the rates."""
@@ -50,15 +51,57 @@ class SideBySide:
             Torque [N·m], of the shape of ``state.q``.
 
         Raises:
+            ExoidError: The number of rigs is not that of the controllers, or a controller has memory.
+        """
+        inputs = self._inputs(state, target)
+        columns = [torque_without_memory(law, *one) for law, one in zip(self.laws, inputs, strict=True)]
+        return np.array(columns).T.reshape(state.q.shape)
+
+    def begin(self, state: State) -> tuple[Memory, ...]:
+        """Compute the memory of each controller before the first sample.
+
+        Args:
+            state: Measured state at the first sample, (n, B), or (n,) for one rig.
+
+        Returns:
+            Memories, one for each controller.
+
+        Raises:
             ExoidError: The number of rigs is not that of the controllers.
         """
+        return tuple(stateful(law).begin(one) for law, one in zip(self.laws, self._states(state), strict=True))
+
+    def step(self, memory: tuple[Memory, ...], state: State, target: Target) -> tuple[FloatArray, tuple[Memory, ...]]:
+        """Compute the torque of each controller for its rig, and the memories.
+
+        Args:
+            memory: Memories, one for each controller.
+            state: Measured state, (n, B), or (n,) for one rig.
+            target: Reference at this moment, (n, B) or (n, 1).
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``, and the memories for the next sample.
+
+        Raises:
+            ExoidError: The number of rigs is not that of the controllers.
+        """
+        inputs = self._inputs(state, target)
+        steps = [stateful(law).step(own, *one) for law, own, one in zip(self.laws, memory, inputs, strict=True)]
+        return np.array([torque for torque, _ in steps]).T.reshape(state.q.shape), tuple(own for _, own in steps)
+
+    def _states(self, state: State) -> list[State]:
+        """State of each rig."""
         q, v = np.atleast_2d(state.q.T), np.atleast_2d(state.v.T)
         if len(q) != len(self.laws):
             raise ExoidError(f"{len(self.laws)} controllers for {len(q)} rigs", remedy="give one for each rig")
-        aims = [None if x is None else np.broadcast_to(x.reshape(len(x), -1), q.T.shape).T for x in target]
-        columns = []
-        for k, law in enumerate(self.laws):
-            last = None if state.last is None else np.atleast_2d(state.last.T)[k]
-            aim = Target(*(None if x is None else x[k] for x in aims))  # type: ignore[arg-type]
-            columns.append(law.torque(State(q[k], v[k], state.time, last), aim))
-        return np.array(columns).T.reshape(state.q.shape)
+        rest = [len(q) * [None] if x is None else np.atleast_2d(x.T) for x in (state.last, state.interaction)]
+        return [State(q[k], v[k], state.time, *(x[k] for x in rest)) for k in range(len(q))]
+
+    def _inputs(self, state: State, target: Target) -> list[tuple[State, Target]]:
+        """State and target of each rig."""
+        states, shape = self._states(state), np.atleast_2d(state.q.T).shape
+        aims = [None if x is None else np.broadcast_to(x.reshape(len(x), -1), shape[::-1]).T for x in target]
+        return [
+            (one, Target(*(None if x is None else x[k] for x in aims)))  # type: ignore[arg-type]
+            for k, one in enumerate(states)
+        ]

@@ -1,0 +1,118 @@
+"""Controllers with memory: pure functions, in the closed loop and inside other controllers."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from legs import LEG, cuhk_plant
+
+from exoid._typing import FloatArray
+from exoid.actuators import Actuators, Motor
+from exoid.control import Driven, Limited, SideBySide, State, StatefulLaw, pd, simulate, simulate_many, stateful
+from exoid.errors import ExoidError
+from exoid.experiments import healthy_gait
+from exoid.rig import Target
+
+AIM = Target(np.array([0.3, -0.2]), np.zeros(2))
+REST = State(np.zeros(2), np.zeros(2))
+
+
+class Sum(NamedTuple):
+    total: FloatArray
+
+
+class PI:
+    """τ = 20 e + 5 ∫ e dt, with the sum as its memory."""
+
+    rate = 100.0
+
+    def begin(self, state: State) -> Sum:
+        return Sum(np.zeros_like(state.q))
+
+    def step(self, memory: Sum, state: State, target: Target) -> tuple[FloatArray, Sum]:
+        error = target.q - state.q
+        total = memory.total + error / self.rate
+        return 20.0 * error + 5.0 * total, Sum(total)
+
+
+def test_a_law_with_memory_is_itself_and_one_without_gets_an_empty_memory():
+    law = PI()
+    assert isinstance(law, StatefulLaw)
+    assert stateful(law) is law
+    plain = stateful(pd(10.0, 1.0))
+    assert plain.rate == 100.0
+    memory = plain.begin(REST)
+    torque, after = plain.step(memory, REST, AIM)
+    assert memory == after == ()
+    np.testing.assert_array_equal(torque, pd(10.0, 1.0).torque(REST, AIM))
+
+
+def test_something_else_is_no_law():
+    with pytest.raises(ExoidError, match="dict is no controller"):
+        stateful({})
+
+
+def test_the_closed_loop_hands_the_memory_on():
+    """The torque of each sample is that of the sum of all errors until then."""
+    run = simulate(cuhk_plant(), PI(), healthy_gait(), 2.0)
+    error = run.target - run.q
+    expected = 20.0 * error + 5.0 * np.cumsum(error, axis=0) / 100.0
+    np.testing.assert_allclose(run.tau[1:], expected[:-1], rtol=1e-3, atol=1e-3)  # readings have encoder counts
+
+
+def test_one_law_object_may_run_many_times_and_on_many_rigs():
+    law, plant, gait = PI(), cuhk_plant(), healthy_gait()
+    first, again = (simulate(plant, law, gait, 1.0) for _ in range(2))
+    np.testing.assert_array_equal(first.tau, again.tau)
+    for one in simulate_many(plant.repeat(3), law, gait, 1.0):
+        np.testing.assert_allclose(one.tau, first.tau, atol=1e-8)
+
+
+def test_limits_act_on_a_law_with_memory():
+    law = Limited(PI(), limit=2.0, slew=50.0)
+    memory = law.begin(REST)
+    state = REST._replace(last=np.array([1.9, -0.1]))
+    torque, memory = law.step(memory, state, AIM)
+    np.testing.assert_allclose(torque, [2.0, -0.6])  # 6 and −4 N·m wanted
+    np.testing.assert_allclose(memory.total, AIM.q / 100.0)
+    run = simulate(cuhk_plant(), law, healthy_gait(period=2.0), 2.0)
+    assert np.abs(run.tau).max() == pytest.approx(2.0)
+    assert np.abs(np.diff(run.tau[1:], axis=0)).max() <= 0.5 + 1e-9
+
+
+def test_drives_make_the_torque_of_a_law_with_memory():
+    motors = Actuators.of(LEG, {"hip": Motor(0.07, 50.0), "knee": Motor(0.07, 50.0)})
+    law = Driven(PI(), motors)
+    memory = law.begin(REST)
+    torque, after = law.step(memory, REST, AIM)
+    wanted, _ = PI().step(memory, REST, AIM)
+    np.testing.assert_allclose(torque, wanted, rtol=1e-12)
+    current, same = law.step_command(memory, REST, AIM)
+    np.testing.assert_allclose(current, wanted / 3.5, rtol=1e-12)
+    np.testing.assert_array_equal(after.total, same.total)
+
+
+def test_side_by_side_each_law_keeps_its_memory():
+    plant, gait = cuhk_plant(), healthy_gait()
+    laws = (PI(), pd(20.0, 1.0), Limited(PI(), limit=1.0))
+    together = simulate_many(plant.repeat(3), SideBySide(laws), gait, 1.0)
+    for one, law in zip(together, laws, strict=True):
+        np.testing.assert_allclose(one.tau, simulate(plant, law, gait, 1.0).tau, atol=1e-8)
+
+
+def test_side_by_side_each_law_receives_its_interaction():
+    class Follow:
+        rate = 100.0
+
+        def torque(self, state: State, target: Target) -> FloatArray:
+            return 2.0 * state.interaction
+
+    state = State(np.zeros((2, 2)), np.zeros((2, 2)), interaction=np.array([[1.0, 2.0], [3.0, 4.0]]))
+    aim = Target(np.zeros((2, 1)), np.zeros((2, 1)))
+    np.testing.assert_array_equal(SideBySide((Follow(), Follow())).torque(state, aim), 2.0 * state.interaction)
+
+
+@pytest.mark.parametrize("law", [Limited(PI()), SideBySide((PI(),))])
+def test_torque_of_a_law_with_memory_is_refused(law):
+    with pytest.raises(ExoidError, match="PI has memory, which torque\\(\\) cannot keep"):
+        law.torque(REST, AIM)
