@@ -10,10 +10,9 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.control.law import Law
 from exoid.control.model import ControlModel, ModelSource
 from exoid.control.sensitivity_amplification import sensitivity_amplification
-from exoid.control.stateful import StatefulLaw
+from exoid.control.stateful import AnyLaw
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.json_values import attributes, json_value
@@ -22,7 +21,6 @@ from exoid.tables import make_table, to_text
 
 from .draws import draw_truths
 from .limiting import TAIL, variance_shares
-from .linear_leg import SPEED
 from .sampled_loop import HeldLeg
 from .worn_loop import WornLoop, poses_of
 
@@ -35,7 +33,7 @@ MOST = 100.0
 LISTED = 5
 """Number of parameters in the printed table."""
 
-AmplifiedLaw = Callable[[Any, float], Law | StatefulLaw]
+AmplifiedLaw = Callable[[Any, float], AnyLaw]
 """Function that makes a controller from the source of its model and an amplification."""
 
 
@@ -155,9 +153,9 @@ def largest_amplification(
     """Find the largest amplification at which a worn leg is stable, although the controller's model is not exact.
 
     The controller uses the estimate. The true parameters are drawn from the estimate's distribution N(β̂, Σ), or are
-    given. For each of them the closed loop of leg, cuffs, limb, muscles, controller memory, hold and delay is linearised
-    at several poses. It is stable if all eigenvalues have a modulus of at most 1. The search goes from 1 upward to the
-    first unstable amplification, because stability need not be monotone.
+    given. For each of them the closed loop of leg, cuffs, limb, muscles, controller memory, hold and delay is
+    linearised at several poses. It is stable if all eigenvalues have a modulus of at most 1. The search goes from 1
+    upward to the first unstable amplification, because stability need not be monotone.
 
     Coulomb friction of the leg and its smooth compensation are left out: their slope is zero while joints move. Limits
     of the torque count as inactive. See ``docs/amplification.md``.
@@ -252,9 +250,7 @@ def amplification_of_draws(
     )
 
 
-def _boundary(
-    loop: WornLoop, legs: Sequence[HeldLeg], values: FloatArray, share: float
-) -> tuple[FloatArray, float]:
+def _boundary(loop: WornLoop, legs: Sequence[HeldLeg], values: FloatArray, share: float) -> tuple[FloatArray, float]:
     """Pose and frequency at which the draw at the quantile becomes unstable."""
     which = int(np.argsort(values, kind="stable")[_rank(len(values), share)])
     if np.isinf(values[which]):
@@ -272,7 +268,7 @@ def _rank(count: int, share: float) -> int:
 
 
 def _interval(values: FloatArray, share: float) -> tuple[float, float]:
-    below, above = scipy.stats.binom.ppf((0.025, 0.975), len(values), 1.0 - share).astype(int)
+    below, above = (int(scipy.stats.binom.ppf(p, len(values), 1.0 - share)) for p in (0.025, 0.975))
     ordered = np.sort(values)
     return float(ordered[max(below - 1, 0)]), float(ordered[min(above, len(values) - 1)])
 

@@ -18,7 +18,7 @@ from exoid.rig import Wearer
 from exoid.signals import Recording
 from exoid.tables import make_table, to_text
 
-from .amplification import DRAWS, MOST, Amplification, AmplifiedLaw, amplification_of_draws
+from .amplification import MOST, Amplification, AmplifiedLaw, amplification_of_draws
 from .worn_loop import WornLoop, poses_of
 
 HIGHEST = {"slow": 0.3, "walking speed": 1.0, "fast": 2.0}
@@ -26,6 +26,9 @@ HIGHEST = {"slow": 0.3, "walking speed": 1.0, "fast": 2.0}
 
 TILTS = (-20.0, 20.0)
 """Torso tilts of one more candidate [deg]."""
+
+DRAWS = 200
+"""Number of draws for each experiment."""
 
 STARTS = 2
 """Starts of the search for each candidate."""
@@ -71,7 +74,7 @@ class BetterExperiments:
         """Print as a table."""
         results = {"none": self.now, **self.after}
         rows = [
-            (name, _text(found.largest), f"{_text(found.interval[0])} to {_text(found.interval[1])}", str(found.limited_by))
+            (name, _text(found.largest), " to ".join(map(_text, found.interval)), str(found.limited_by))
             for name, found in results.items()
         ]
         table = make_table(("experiment to add", "largest amplification", "Monte-Carlo 95 %", "limited by"), rows)

@@ -8,7 +8,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.torques import Armature, Coulomb, TorqueModel, Viscous
+from exoid.torques import TorqueModel, Viscous
 
 from .linear_leg import mass_matrices
 
@@ -34,7 +34,7 @@ class Draws(NamedTuple):
 def draw_truths(model: TorqueModel, values: FloatArray, covariance: FloatArray, count: int, seed: int) -> Draws:
     """Draw from N(values, covariance), without those whose mass matrix is not positive definite at random poses.
 
-    Friction or rotor inertia that is drawn negative becomes zero, as on the rig.
+    Viscous friction that is drawn negative becomes zero, as on the rig.
 
     Args:
         model: Leg and terms.
@@ -78,7 +78,6 @@ def _root(covariance: FloatArray) -> FloatArray:
 
 
 def _never_negative(model: TorqueModel) -> list[int]:
-    """Columns of friction and rotor inertia."""
-    kinds = (Armature, Coulomb, Viscous)
-    names = {name for block in model.blocks if isinstance(block.term, kinds) for name in block.names}
+    """Columns of viscous friction."""
+    names = {name for block in model.blocks if isinstance(block.term, Viscous) for name in block.names}
     return [k for k, name in enumerate(model.names) if name in names]

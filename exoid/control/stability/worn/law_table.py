@@ -6,24 +6,24 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.control.law import Law
-from exoid.control.stateful import StatefulLaw
+from exoid.control.stateful import AnyLaw
 
 from .linear_law import LinearLaw, linear_law
 from .sampled_loop import HeldLeg, loop_matrices
 
-NODES = 33
+NODES = 17
 """Number of amplifications at which the controller is linearised."""
 
-BISECTIONS = 10
-"""Bisections between two nodes: of an interval of 16 % (up to 100), 0.02 % remain."""
+BISECTIONS = 11
+"""Bisections between two nodes: of an interval of 33 % (up to 100), 0.02 % remain."""
 
 NEUTRAL = 1e-9
 """Spectral radius above 1 that is rounding."""
 
-LawOf = Callable[[float], Law | StatefulLaw]
+LawOf = Callable[[float], AnyLaw]
 """Function that makes a controller from an amplification."""
 
 
@@ -45,7 +45,7 @@ class LawTable:
     delay: int
 
     @classmethod
-    def of(cls, laws: Sequence[Law | StatefulLaw], shares: FloatArray, poses: FloatArray, delay: int) -> LawTable:
+    def of(cls, laws: Sequence[AnyLaw], shares: FloatArray, poses: FloatArray, delay: int) -> LawTable:
         """Linearise controllers.
 
         Args:
@@ -61,7 +61,7 @@ class LawTable:
             ExoidError: A controller has no derivatives at a pose.
         """
         at = [[linear_law(law, q) for law in laws] for q in poses]
-        stacked = tuple(LinearLaw(*(np.array(each) for each in zip(*row, strict=True))) for row in at)
+        stacked = tuple(LinearLaw(*(np.array(each) for each in zip(*row, strict=True))).without_last() for row in at)
         return cls(shares, stacked, delay)
 
     @classmethod
@@ -96,7 +96,7 @@ class LawTable:
         """
         return np.asarray(np.max([np.abs(each).max(axis=-1) for each in self.eigenvalues(legs, share)], axis=0))
 
-    def eigenvalues(self, legs: Sequence[HeldLeg], share: FloatArray) -> list[FloatArray]:
+    def eigenvalues(self, legs: Sequence[HeldLeg], share: FloatArray) -> list[NDArray[np.complex128]]:
         """Compute the eigenvalues of one period of the loop at each pose.
 
         Args:
@@ -107,11 +107,11 @@ class LawTable:
             Complex eigenvalues, (B, s) for each pose.
         """
         return [
-            np.linalg.eigvals(loop_matrices(leg, self._law(table, share), self.delay))
+            np.asarray(np.linalg.eigvals(loop_matrices(leg, self._law(table, share), self.delay)), dtype=np.complex128)
             for leg, table in zip(legs, self.poses, strict=True)
         ]
 
-    def stable(self, legs: Sequence[HeldLeg], share: FloatArray) -> FloatArray:
+    def stable(self, legs: Sequence[HeldLeg], share: FloatArray) -> NDArray[np.bool_]:
         """Tell which loops are stable at every pose.
 
         Args:
@@ -121,7 +121,7 @@ class LawTable:
         Returns:
             Whether the spectral radius is at most 1, (B,).
         """
-        return self.radius(legs, share) <= 1.0 + NEUTRAL
+        return np.asarray(self.radius(legs, share) <= 1.0 + NEUTRAL)
 
     def largest(self, legs: Sequence[HeldLeg]) -> FloatArray:
         """Find the largest stable amplification: the first unstable one from 1 upward, by nodes and then by bisection.

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control.law import Law, State
-from exoid.control.stateful import StatefulLaw, stateful
+from exoid.control.law import State
+from exoid.control.stateful import AnyLaw, Memory, StatefulLaw, stateful
 from exoid.errors import ExoidError
 from exoid.rig import Target
 
@@ -25,7 +25,7 @@ SMOOTH = 1e-3
 class LinearLaw(NamedTuple):
     """One step of a controller, linearised: δτ = F δy + H δm and δm⁺ = E δy + N δm.
 
-    The reading is y = (q, v, interaction torque), the memory m has r numbers.
+    The reading is y = (q, v, interaction torque). The memory m has r numbers, the last n of which are the last torque.
 
     Attributes:
         F: Torque by reading, (n, 3 n).
@@ -39,12 +39,23 @@ class LinearLaw(NamedTuple):
     E: FloatArray
     N: FloatArray
 
+    def without_last(self) -> LinearLaw:
+        """Take the last torque out of the memory if nothing depends on it.
 
-def linear_law(law: Law | StatefulLaw, q: FloatArray) -> LinearLaw:
+        Returns:
+            Such a controller; otherwise the same one. Matrices may have more axes in front.
+        """
+        n = self.F.shape[-2]
+        if self.H[..., -n:].any() or self.N[..., -n:].any():
+            return self
+        return LinearLaw(self.F, self.H[..., :-n], self.E[..., :-n, :], self.N[..., :-n, :-n])
+
+
+def linear_law(law: AnyLaw, q: FloatArray) -> LinearLaw:
     """Linearise a controller at a pose that is also its target.
 
-    As for :class:`LinearLeg`, derivatives are the mean of those at +0.5 and −0.5 rad/s, where smooth friction compensation
-    is constant. Limits of torque and of its rate count as inactive.
+    As for :class:`LinearLeg`, derivatives are the mean of those at +0.5 and −0.5 rad/s, where smooth friction
+    compensation is constant. Limits of torque and of its rate count as inactive.
 
     Args:
         law: Any controller of one leg.
@@ -69,7 +80,7 @@ def linear_law(law: Law | StatefulLaw, q: FloatArray) -> LinearLaw:
 
 
 def _derivatives(law: StatefulLaw, q: FloatArray, step: float) -> FloatArray:
-    """Derivatives of (torque, next memory) by (q, v, interaction, memory), (n + r, 3 n + r)."""
+    """Derivatives of (torque, next memory, torque) by (q, v, interaction, memory, last torque), (n + r, 3 n + r)."""
     return 0.5 * (_derivatives_at(law, q, SPEED, step) + _derivatives_at(law, q, -SPEED, step))
 
 
@@ -79,12 +90,12 @@ def _derivatives_at(law: StatefulLaw, q: FloatArray, speed: float, step: float) 
     target = Target(q, still, still)
     memory = law.begin(_state(reading))
     torque, _ = law.step(memory, _state(reading), target)
-    operating = np.concatenate([reading, _numbers(memory)])
+    operating = np.concatenate([reading, _numbers(memory), torque])
 
     def after(numbers: FloatArray) -> FloatArray:
-        state = _state(numbers[: len(reading)])._replace(last=torque)
+        state = _state(numbers[: len(reading)])._replace(last=numbers[-len(q) :])
         applied, then = law.step(_with_numbers(memory, iter(numbers[len(reading) :])), state, target)
-        return np.concatenate([applied, _numbers(then)])
+        return np.concatenate([applied, _numbers(then), applied])
 
     columns = []
     for k, size in enumerate(step * np.maximum(1.0, np.abs(operating))):
@@ -98,14 +109,14 @@ def _state(reading: FloatArray) -> State:
     return State(q, v, interaction=interaction)
 
 
-def _numbers(memory: Any) -> FloatArray:  # noqa: ANN401 - memories are of many types
+def _numbers(memory: Memory) -> FloatArray:
     """All floating-point numbers of a memory in order, (r,)."""
     if isinstance(memory, tuple):
         return np.concatenate([np.zeros(0), *map(_numbers, memory)])
     return np.ravel(memory) if _is_float(memory) else np.zeros(0)
 
 
-def _with_numbers(memory: Any, numbers: Iterator[float]) -> Any:  # noqa: ANN401
+def _with_numbers(memory: Memory, numbers: Iterator[float]) -> Memory:
     """Copy of a memory with other floating-point numbers."""
     if isinstance(memory, tuple):
         parts = [_with_numbers(part, numbers) for part in memory]

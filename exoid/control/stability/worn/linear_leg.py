@@ -20,8 +20,8 @@ STEP = 1e-5
 class LinearLeg(NamedTuple):
     """B legs linearised at a pose, M δa + D δv + K δq = δτ.
 
-    Coulomb friction has no slope while a joint moves. D is therefore the mean of the slopes at +0.5 and −0.5 rad/s of all
-    joints, in which Coriolis torques cancel.
+    Coulomb friction has no slope while a joint moves. D is therefore the mean of the slopes at +0.5 and −0.5 rad/s
+    of all joints, in which Coriolis torques cancel.
 
     Attributes:
         M: Mass matrices with rotors [kg·m²], (B, n, n).

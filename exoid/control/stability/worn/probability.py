@@ -9,8 +9,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.control.law import Law
-from exoid.control.stateful import StatefulLaw
+from exoid.control.stateful import AnyLaw
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.json_values import attributes
@@ -83,7 +82,7 @@ class StabilityProbability:
 
 
 def stability_probability(
-    law: Law | StatefulLaw,
+    law: AnyLaw,
     estimate: Estimate,
     *,
     wearer: Wearer | None = None,

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
@@ -29,11 +30,11 @@ class HeldLeg(NamedTuple):
     B: FloatArray
     C: FloatArray
 
-    def take(self, rows: FloatArray) -> HeldLeg:
+    def take(self, rows: NDArray[np.intp]) -> HeldLeg:
         """Select some legs.
 
         Args:
-            rows: Indices or mask.
+            rows: Indices.
 
         Returns:
             These legs.
@@ -102,12 +103,11 @@ def loop_matrices(leg: HeldLeg, law: LinearLaw, delay: int) -> FloatArray:
         loop[:, size : size + width, :size] = C
         for k in range(size + width, past):
             loop[:, k, k - width] = 1.0
-        by_reading = loop[:, :size, late], loop[:, past:, late]
     else:
-        F, E, by_reading = F @ C, E @ C, (loop[:, :size, :size], loop[:, past:, :size])
+        F, E, late = F @ C, E @ C, slice(size)
     loop[:, :size, :size] = leg.A
-    for view, part in zip(by_reading, (leg.B @ F, E), strict=True):
-        view += part
+    loop[:, :size, late] += leg.B @ F
+    loop[:, past:, late] += E
     loop[:, :size, past:] = leg.B @ H
     loop[:, past:, past:] = N
     return loop

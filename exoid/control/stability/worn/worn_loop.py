@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.control.law import Law, refuse_rate
+from exoid.control.law import refuse_rate
 from exoid.control.model import ControlModel
-from exoid.control.stateful import StatefulLaw
+from exoid.control.stateful import AnyLaw
 from exoid.errors import ExoidError
 from exoid.experiments.gait import gait_for_leg, healthy_gait
 from exoid.leg import Leg
@@ -67,7 +67,7 @@ class WornLoop:
         return cls(table, _wearers(wearer, poses), poses, rate)
 
     @classmethod
-    def of_law(cls, law: Law | StatefulLaw, wearer: Wearer | None, poses: FloatArray, delay: int) -> WornLoop:
+    def of_law(cls, law: AnyLaw, wearer: Wearer | None, poses: FloatArray, delay: int) -> WornLoop:
         """Prepare loops with one controller, as of share 0.
 
         Args:
