@@ -49,7 +49,7 @@ class Amplification:
         pose: Pose at which the loop first becomes unstable [rad], (n,); empty if it does not.
         frequency: Frequency of the oscillation at that boundary [Hz]; NaN without one.
         variance_shares: Share of the variance of the stability margin that vanishes if a parameter becomes known
-            exactly, by name; empty for given truths, and without a boundary.
+            exactly, by name; empty for given truths. The margin is that at the largest amplification, or at ``most``.
         rejected: Share of draws that no rigid bodies have.
         drawn: Whether the true legs are draws from the distribution of an estimate.
         rate: Sampling rate of the controller [Hz].
@@ -81,9 +81,9 @@ class Amplification:
 
     @property
     def limited_by(self) -> str | None:
-        """Parameter whose exact knowledge would reduce the variance of the margin most; None if nothing limits."""
+        """Parameter whose exact knowledge would reduce the variance of the margin most; None for given truths."""
         shares = self.variance_shares
-        return max(shares, key=lambda name: shares[name]) if shares else None
+        return max(shares, key=lambda name: shares[name]) if any(shares.values()) else None
 
     def probability(self, amplification: float) -> float:
         """Compute the share of the draws that are stable at an amplification and all smaller ones.
@@ -233,17 +233,15 @@ def amplification_of_draws(
     values = loop.table.largest(legs)
     pose, frequency = _boundary(loop, legs, values, share)
     largest = float(np.sort(values)[_rank(draws, share)])
-    named: dict[str, float] = {}
-    if np.isfinite(largest):
-        worst = np.argsort(values, kind="stable")[: max(1, round(TAIL * draws))]
-        at = 1.0 - 1.0 / max(1.0, largest)
+    worst = np.argsort(values, kind="stable")[: max(1, round(TAIL * draws))]
+    at = 1.0 - 1.0 / np.clip(largest, 1.0, most)
 
-        def margin(parameters: FloatArray) -> FloatArray:
-            radius = loop.table.radius(loop.legs(model, parameters), np.full(len(parameters), at))
-            return np.asarray(-np.log(radius))
+    def margin(parameters: FloatArray) -> FloatArray:
+        radius = loop.table.radius(loop.legs(model, parameters), np.full(len(parameters), at))
+        return np.asarray(-np.log(radius))
 
-        shares = variance_shares(margin, drawn.parameters[worst].mean(axis=0), covariance)
-        named = dict(zip(model.names, shares.tolist(), strict=True))
+    shares = variance_shares(margin, drawn.parameters[worst].mean(axis=0), covariance)
+    named = dict(zip(model.names, shares.tolist(), strict=True))
     name = model.leg.description.name
     return Amplification(
         name, values, share, pose, frequency, named, drawn.rejected, True, loop.rate, loop.table.delay, most
