@@ -190,13 +190,17 @@ def test_the_limiting_parameter_is_the_uncertain_one(wearer):
     assert found.limited_by == "J1"
     assert found.variance_shares["J1"] > 0.99
     assert "J1" in str(found)
+    small = replace(est, covariance=1e-2 * covariance)  # no draw has a boundary
+    found = largest_amplification(small, wearer=wearer, law=AMPLIFIED, poses=POSE, draws=100)
+    assert found.largest == np.inf
+    assert found.limited_by == "J1"
 
 
-def test_variance_shares_of_a_linear_margin_are_squared_correlations():
+def test_variance_shares_are_squared_correlations():
     rng = np.random.default_rng(2)
     root = rng.normal(size=(4, 4))
     covariance, gradient = root @ root.T, np.array([1.0, -2.0, 0.0, 0.5])
-    shares = variance_shares(lambda beta: beta @ gradient, np.zeros(4), covariance)
+    shares = variance_shares(gradient, covariance)
     draws = rng.standard_normal((200_000, 4)) @ root.T
     measured = [np.corrcoef(draws[:, k], draws @ gradient)[0, 1] ** 2 for k in range(4)]
     np.testing.assert_allclose(shares, measured, atol=0.01)

@@ -20,7 +20,7 @@ from exoid.rig import Plant, Wearer
 from exoid.tables import make_table, to_text
 
 from .draws import draw_truths
-from .limiting import TAIL, variance_shares
+from .limiting import limiting_shares
 from .sampled_loop import HeldLeg
 from .worn_loop import WornLoop, poses_of
 
@@ -48,8 +48,8 @@ class Amplification:
         share: Share of the draws that must be stable.
         pose: Pose at which the loop first becomes unstable [rad], (n,); empty if it does not.
         frequency: Frequency of the oscillation at that boundary [Hz]; NaN without one.
-        variance_shares: Share of the variance of the stability margin that vanishes if a parameter becomes known
-            exactly, by name; empty for given truths. The margin is that at the largest amplification, or at ``most``.
+        variance_shares: Share of the variance of the boundary that vanishes if a parameter becomes known exactly, by
+            name; empty for given truths. Without a boundary, of the one that wider distributions reach first.
         rejected: Share of draws that no rigid bodies have.
         drawn: Whether the true legs are draws from the distribution of an estimate.
         rate: Sampling rate of the controller [Hz].
@@ -81,7 +81,7 @@ class Amplification:
 
     @property
     def limited_by(self) -> str | None:
-        """Parameter whose exact knowledge would reduce the variance of the margin most; None for given truths."""
+        """Parameter whose exact knowledge would reduce the variance of the boundary most; None if nothing limits."""
         shares = self.variance_shares
         return max(shares, key=lambda name: shares[name]) if any(shares.values()) else None
 
@@ -130,7 +130,7 @@ class Amplification:
         if self.variance_shares:
             listed = sorted(self.variance_shares.items(), key=lambda item: -item[1])[:LISTED]
             rows = [(name, f"{100.0 * share:.0f} %") for name, share in listed]
-            parts.append(make_table(("limiting parameter", "variance of the margin that it explains"), rows))
+            parts.append(make_table(("limiting parameter", "variance of the boundary that it explains"), rows))
         if self.rejected:
             parts.append(f"{100.0 * self.rejected:.2g} % of the draws were rejected: no bodies have these parameters")
         parts.append(f"{self.rate:g} Hz, readings {self.delay} periods late; linearised without Coulomb friction.")
@@ -232,15 +232,7 @@ def amplification_of_draws(
     legs = loop.legs(model, drawn.parameters)
     values = loop.table.largest(legs)
     pose, frequency = _boundary(loop, legs, values, share)
-    largest = float(np.sort(values)[_rank(draws, share)])
-    worst = np.argsort(values, kind="stable")[: max(1, round(TAIL * draws))]
-    at = 1.0 - 1.0 / np.clip(largest, 1.0, most)
-
-    def margin(parameters: FloatArray) -> FloatArray:
-        radius = loop.table.radius(loop.legs(model, parameters), np.full(len(parameters), at))
-        return np.asarray(-np.log(radius))
-
-    shares = variance_shares(margin, drawn.parameters[worst].mean(axis=0), covariance)
+    shares = limiting_shares(loop, model, estimate.values, covariance, drawn.parameters, values, seed)
     named = dict(zip(model.names, shares.tolist(), strict=True))
     name = model.leg.description.name
     return Amplification(
