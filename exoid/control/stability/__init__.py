@@ -1,4 +1,4 @@
-"""Stability of a leg under a controller: document 2's proof, its consequences and its limits; a worn leg with a wrong model."""
+"""Stability of a leg under a controller: document 2's proof and its limits; a worn leg with a wrong model."""
 
 from .equilibrium import Equilibrium, find_equilibrium
 from .gain_margin import GainMargins, gain_margins, spectral_radius
