@@ -11,7 +11,18 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.experiments import refuse_motion_beyond_limits
-from exoid.rig import Actuator, IdealTorque, PinocchioStepper, PlanarStepper, Plant, Rates, Reference, Sensors, Target
+from exoid.rig import (
+    Actuator,
+    IdealTorque,
+    PinocchioStepper,
+    PlanarStepper,
+    Plant,
+    Rates,
+    Reference,
+    Sensors,
+    Target,
+    Wearer,
+)
 from exoid.rig import simulate as simulate_rig
 
 from .law import State
@@ -44,6 +55,7 @@ def simulate(
     log_rate: float | None = None,
     seed: int | np.random.Generator = 0,
     name: str | None = None,
+    wearer: Wearer | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Tracking:
     """Simulate one rig that follows a reference under a controller.
@@ -60,6 +72,8 @@ def simulate(
         log_rate: Rate of the log [Hz]; None for 100, or the controller's rate if that is higher.
         seed: Seed of the sensor noise.
         name: Name of the controller in tables; None for its class.
+        wearer: Wearer of the leg; None for nobody. The controller receives the torque of the wearer as
+            ``state.interaction``.
         progress: Function that receives the completed share, 0 to 1.
 
     Returns:
@@ -67,7 +81,7 @@ def simulate(
 
     Raises:
         ExoidError: The plant has several rigs, the reference leaves the limits of a plant with end stops, rates do
-            not fit, or the run diverges.
+            not fit, the wearer does not fit, or the run diverges.
     """
     if plant.count != 1:
         raise ExoidError(f"a plant of {plant.count} rigs", remedy="use simulate_many, or plant.take([k])")
@@ -84,6 +98,7 @@ def simulate(
         log_rate=log_rate,
         seed=seed,
         names=None if name is None else (name,),
+        wearer=wearer,
         progress=progress,
     )[0]
 
@@ -101,6 +116,7 @@ def simulate_many(
     log_rate: float | None = None,
     seed: int | np.random.Generator = 0,
     names: tuple[str, ...] | None = None,
+    wearer: Wearer | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[Tracking, ...]:
     """Simulate B rigs at once; arguments as for :func:`simulate`.
@@ -117,6 +133,7 @@ def simulate_many(
         log_rate: Rate of the log [Hz].
         seed: Seed of the sensor noise.
         names: Names of the controllers, one for each rig.
+        wearer: See :func:`simulate`; every rig has one.
         progress: Function that receives the completed share, 0 to 1.
 
     Returns:
@@ -147,6 +164,7 @@ def simulate_many(
         rates=Rates(law.rate, log, plant_step(law.rate, log)),
         seed=seed,
         stepper=PinocchioStepper if plant.count == 1 or plant.leg.chain is None else PlanarStepper,
+        wearer=wearer,
         progress=progress,
     )
     labels = names or (type(law).__name__,) * plant.count
@@ -193,11 +211,18 @@ class _Sampled:
         self._memory: Memory = None
 
     def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
+        return self._command(target, q, v, None)
+
+    def command_worn(self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray) -> FloatArray:
+        return self._command(target, q, v, interaction)
+
+    def _command(self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray | None) -> FloatArray:
         single = q.shape[1] == 1
         if single:  # vectors are quicker than columns
             q, v = q[:, 0], v[:, 0]
+            interaction = None if interaction is None else interaction[:, 0]
             target = Target(*(None if x is None else x[:, 0] for x in target))  # type: ignore[arg-type]
-        state = State(q, v, self._count / self._law.rate, self._last)
+        state = State(q, v, self._count / self._law.rate, self._last, interaction)
         if self._count == 0:
             self._memory = self._law.begin(state)
         torque, self._memory = self._law.step(self._memory, state, target)

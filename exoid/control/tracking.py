@@ -10,6 +10,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators
+from exoid.errors import ExoidError
 from exoid.json_values import attributes
 from exoid.rig import Energy, Run
 from exoid.signals import Recording
@@ -34,6 +35,8 @@ class Tracking:
         recording: Log of the sensors.
         audit: Energy balance of the whole run, summed over joints.
         settle: Time at the beginning that the metrics leave out [s].
+        interaction: True torque of the wearer on the leg [N·m], (N, n); None without wearer.
+        limb_q: True angles of the wearer's limb [rad], (N, n); None without wearer.
     """
 
     law: str
@@ -47,10 +50,14 @@ class Tracking:
     recording: Recording
     audit: Energy
     settle: float = 0.0
+    interaction: FloatArray | None = None
+    limb_q: FloatArray | None = None
 
     def __post_init__(self) -> None:
         """Forbid changes."""
-        for name in ("time", "target", "q", "v", "tau"):
+        for name in ("time", "target", "q", "v", "tau", "interaction", "limb_q"):
+            if getattr(self, name) is None:
+                continue
             array = np.array(getattr(self, name), dtype=np.float64)
             array.flags.writeable = False
             object.__setattr__(self, name, array)
@@ -86,6 +93,13 @@ class Tracking:
         """Total variation Σ |Δτ| per second, a measure of chatter [N·m/s]."""
         time = self._settled(self.time)
         return np.asarray(np.abs(np.diff(self._settled(self.tau), axis=0)).sum(axis=0) / (time[-1] - time[0]))
+
+    @property
+    def rms_interaction(self) -> FloatArray:
+        """RMS torque of the wearer on the leg [N·m]: what the wearer feels."""
+        if self.interaction is None:
+            raise ExoidError("nobody wears this leg", remedy="simulate it with wearer=")
+        return _rms(self._settled(self.interaction))
 
     def commands(self, actuators: Actuators) -> FloatArray:
         """Compute what drives need for the torques of the run.
@@ -199,6 +213,7 @@ def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tra
         Run of that rig.
     """
     energy = run.energy
+    worn = {name: None if (x := getattr(run, name)) is None else x[..., rig] for name in ("interaction", "limb_q")}
     return Tracking(
         law=law,
         rate=rate,
@@ -211,6 +226,7 @@ def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tra
         recording=run.recording(rig, velocity=True),
         audit=Energy(*(each[rig] for each in energy)),
         settle=settle,
+        **worn,
     )
 
 

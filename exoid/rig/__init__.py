@@ -3,7 +3,8 @@
 from exoid.payload import Payload
 
 from .actuators import Actuator, DcMotor, Drive, HydraulicServo, IdealTorque
-from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
+from .anthropometry import limb_of
+from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target, WornController
 from .coupled_stepper import CoupledMotors, CoupledStepper
 from .payload import leg_with_payloads, plant_with_payloads, sandbags
 from .pinocchio_stepper import PinocchioStepper
@@ -12,6 +13,7 @@ from .sensors import Sensors
 from .simulate import Energy, Rates, Run, simulate
 from .smooth_stepper import SmoothStepper
 from .stepper import PlanarStepper, Step, Stepper
+from .wearer import Wearer
 
 __all__ = [
     "Actuator",
@@ -37,7 +39,10 @@ __all__ = [
     "Step",
     "Stepper",
     "Target",
+    "Wearer",
+    "WornController",
     "leg_with_payloads",
+    "limb_of",
     "plant_with_payloads",
     "sandbags",
     "simulate",

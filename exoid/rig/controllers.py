@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -49,6 +49,25 @@ class Controller(Protocol):
             target: Reference motion at this time.
             q: Measured angles [rad], (n, B).
             v: Measured velocities [rad/s], (n, B).
+
+        Returns:
+            Command in the unit of the actuator, (n, B).
+        """
+        ...
+
+
+@runtime_checkable
+class WornController(Protocol):
+    """Control law that also receives the torque of the wearer, as sensors in the cuffs measure it."""
+
+    def command_worn(self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray) -> FloatArray:
+        """Compute the command.
+
+        Args:
+            target: Reference motion at this time.
+            q: Measured angles [rad], (n, B).
+            v: Measured velocities [rad/s], (n, B).
+            interaction: Measured torque of the wearers on the legs [N·m], (n, B).
 
         Returns:
             Command in the unit of the actuator, (n, B).

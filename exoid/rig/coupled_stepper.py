@@ -18,7 +18,7 @@ from exoid.errors import ExoidError
 from exoid.model import configuration
 
 from .plant import Plant
-from .stepper import Step, spring_energy
+from .stepper import Equations, Step, spring_energy
 
 
 @dataclass(frozen=True)
@@ -102,6 +102,7 @@ class CoupledStepper:
             rotors = np.append(rotors, motors.rotor)
         self._rotors = self._axes.T * rotors @ self._axes
         self._smoothing = smoothing * np.linalg.norm(self._axes, axis=1)
+        self._steady, self._gain = np.zeros(plant.n), np.zeros((plant.n, plant.n))
 
     def step(self, torque: FloatArray, damping: FloatArray) -> Step:
         """Advance by dt under the actuator torque τ₀ − damping · v̄.
@@ -113,25 +114,60 @@ class CoupledStepper:
         Returns:
             Mean velocity and impulse of friction, that of the motors included.
         """
+        return self.solve(self.equations(torque, damping))
+
+    def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
+        """Compute the equations of the next step, with smooth friction of joints and motors.
+
+        Args:
+            torque: Torque τ₀ [N·m], (n, 1).
+            damping: Damping of the actuators [N·m·s/rad], (n, 1).
+
+        Returns:
+            Mass matrix and impulse.
+        """
         dt, v, axes = self.dt, self.v[:, 0], self._axes
         q = self.q[:, 0] + 0.5 * dt * v
         ahead = axes @ self._ahead
         sign = np.tanh(ahead / self._smoothing)
         slope = self._coulomb * (1.0 - sign * sign) / self._smoothing
-        steady = axes.T @ (self._coulomb * sign - slope * ahead)
-        gain = axes.T * (slope + self._viscous) @ axes
+        self._steady = axes.T @ (self._coulomb * sign - slope * ahead)
+        self._gain = axes.T * (slope + self._viscous) @ axes
         M = self._mass_matrix(q)
         at = configuration(self._model, q[None])[0]
         bias = pin.nonLinearEffects(self._model, self._data, at, self._ahead)
         b2, b1, b0 = self.plant.stiffness[..., 0]
-        D = gain + np.diag(damping[:, 0])
-        force = torque[:, 0] - bias - (b2 * q + b1) * q - b0 - steady - D @ v
-        new = v + np.linalg.solve(M + 0.5 * dt * D, dt * force)
-        mean = 0.5 * (v + new)
-        self._ahead = 2.0 * new - mean
-        self.q, self.v = self.q + dt * mean[:, None], new[:, None]
-        of_joints = self.plant.viscous[:, 0] * mean  # the rig counts these itself
-        return Step(mean[:, None], dt * (steady + gain @ mean - of_joints)[:, None])
+        D = self._gain + np.diag(damping[:, 0])
+        force = torque[:, 0] - bias - (b2 * q + b1) * q - b0 - self._steady - D @ v
+        return Equations((M + 0.5 * dt * D)[..., None], dt * force[:, None])
+
+    def solve(self, equations: Equations) -> Step:
+        """Advance by dt: solve the equations.
+
+        Args:
+            equations: Equations of the step.
+
+        Returns:
+            Mean velocity and impulse of friction, that of the motors included.
+        """
+        M, impulse = equations
+        mean = self.move(self.v + np.linalg.solve(M[..., 0], impulse))
+        of_joints = self.plant.viscous * mean  # the rig counts these itself
+        return Step(mean, self.dt * (self._steady[:, None] + self._gain @ mean - of_joints))
+
+    def move(self, v: FloatArray) -> FloatArray:
+        """Advance by dt to known velocities.
+
+        Args:
+            v: Velocities after the step [rad/s], (n, 1).
+
+        Returns:
+            Mean velocity of the step [rad/s], (n, 1).
+        """
+        mean = 0.5 * (self.v + v)
+        self.v, self._ahead = v, (2.0 * v - mean)[:, 0]
+        self.q = self.q + self.dt * mean
+        return mean
 
     def energy(self) -> FloatArray:
         """Compute the mechanical energy, springs and rotors included.

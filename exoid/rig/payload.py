@@ -12,17 +12,8 @@ from exoid.leg import Leg
 from exoid.payload import Payload
 from exoid.torques.payloads import payload_parameters
 
+from .anthropometry import WINTER, refuse_stature
 from .plant import Plant
-
-WINTER = {
-    "hip": (0.245, ((0.100, 0.433),), 0.323),
-    "knee": (0.246, ((0.0465, 0.433), (0.0145, 1.0)), 0.302),
-}
-"""Winter's anthropometric table for the thigh (hip) and for shank and foot (knee).
-
-Each entry holds the segment length over height, the parts, and the radius of gyration over segment length. A part is
-(mass over body mass, centre of mass over segment length). The foot is a point mass at the end of the shank.
-"""
 
 
 def sandbags(height: float = 1.70, mass: float = 65.0, share: float = 1.0) -> tuple[Payload, ...]:
@@ -41,8 +32,9 @@ def sandbags(height: float = 1.70, mass: float = 65.0, share: float = 1.0) -> tu
     Raises:
         ExoidError: Height or mass is not positive, or the fraction is negative.
     """
-    if not (0.0 < height < np.inf and 0.0 < mass < np.inf and 0.0 <= share < np.inf):
-        raise ExoidError(f"a wearer of {height:g} m and {mass:g} kg", remedy="give positive numbers")
+    refuse_stature(height, mass)
+    if not 0.0 <= share < np.inf:
+        raise ExoidError(f"sandbags of {share:g} times the masses of a wearer", remedy="give a fraction ≥ 0")
     loads = []
     for joint, (part, parts, gyration) in WINTER.items():
         length = part * height

@@ -13,7 +13,7 @@ from exoid.errors import ExoidError
 from exoid.model import configuration
 
 from .plant import Plant
-from .stepper import Step, spring_energy
+from .stepper import Equations, Step, spring_energy
 from .stick_slip import CORRECTIONS, REVERSALS, Friction, descend
 
 Matrix = list[list[float]]
@@ -122,14 +122,53 @@ class PinocchioStepper:
                 slides = False
         new = self._slide() if slides else None
         if new is None:
-            new, impulse = self._stick_or_slip(force)
-        q, ahead = [], []
-        for x, y, z in zip(old, last, new, strict=True):
-            mean = 0.5 * (y + z)
-            q.append(x + dt * mean)
-            ahead.append(2.0 * z - mean)
-        self._q, self._v, self._ahead = q, new, ahead
+            new, impulse = self._stick_or_slip(*self._mass_and_impulse(force))
+        self._move(new)
         return impulse
+
+    def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
+        """Compute the equations of the next step.
+
+        Args:
+            torque: Torque τ₀ [N·m], (n, 1).
+            damping: Damping of the actuators [N·m·s/rad], (n, 1).
+
+        Returns:
+            Mass matrix and impulse.
+        """
+        half, force = 0.5 * self.dt, []
+        for i, (b2, b1, b0, viscous, armature, *_) in enumerate(self._joints):
+            y = self._v[i]
+            x = self._q[i] + half * y
+            resistance = viscous + damping.item(i)
+            self._inertia[i] = armature + half * resistance
+            self._at[i], self._rate[i] = x, self._ahead[i]
+            force.append(torque.item(i) - resistance * y - (b2 * x + b1) * x - b0)
+        M, impulse = self._mass_and_impulse(force)
+        return Equations(np.array(M)[..., None], np.array([impulse]).T)
+
+    def solve(self, equations: Equations) -> Step:
+        """Advance by dt: solve the equations with stick-slip friction and end stops.
+
+        Args:
+            equations: Equations of the step.
+
+        Returns:
+            Mean velocity and impulse of friction and end stops.
+        """
+        new, impulse = self._stick_or_slip(equations.M[..., 0].tolist(), equations.impulse[:, 0].tolist())
+        return Step(np.array([self._move(new)]).T, np.array([impulse]).T)
+
+    def move(self, v: FloatArray) -> FloatArray:
+        """Advance by dt to known velocities.
+
+        Args:
+            v: Velocities after the step [rad/s], (n, 1).
+
+        Returns:
+            Mean velocity of the step [rad/s], (n, 1).
+        """
+        return np.array([self._move(v[:, 0].tolist())]).T
 
     def energy(self) -> FloatArray:
         """Compute the mechanical energy, springs and rotors included.
@@ -155,19 +194,35 @@ class PinocchioStepper:
             new.append(z)
         return new
 
-    def _stick_or_slip(self, force: list[float]) -> tuple[list[float], list[float]]:
-        """Velocities after the step, and impulses of friction and end stops, in all other cases."""
-        dt, at, last = self.dt, self._configuration(), self._v
+    def _move(self, new: list[float]) -> list[float]:
+        """Take over the velocities after the step; return the mean velocities."""
+        q, means, ahead = [], [], []
+        for x, y, z in zip(self._q, self._v, new, strict=True):
+            mean = 0.5 * (y + z)
+            means.append(mean)
+            q.append(x + self.dt * mean)
+            ahead.append(2.0 * z - mean)
+        self._q, self._v, self._ahead = q, new, ahead
+        return means
+
+    def _mass_and_impulse(self, force: list[float]) -> tuple[Matrix, list[float]]:
+        """Mass matrix and impulse without friction, at the middle of the step."""
+        at = self._configuration()
         bias = pin.nonLinearEffects(self._model, self._data, at, self._rate).tolist()
         upper = pin.crba(self._model, self._data, at).tolist()
         for i, row in enumerate(upper):
             for j in range(i):
                 row[j] = upper[j][i]
-        b = [sum(map(mul, row, last)) + dt * (f - h) for row, f, h in zip(upper, force, bias, strict=True)]
+        return upper, [self.dt * (f - h) for f, h in zip(force, bias, strict=True)]
+
+    def _stick_or_slip(self, M: Matrix, impulse: list[float]) -> tuple[list[float], list[float]]:
+        """Velocities after the step, and impulses of friction and end stops, in all other cases."""
+        dt, last = self.dt, self._v
+        b = [sum(map(mul, row, last)) + p for row, p in zip(M, impulse, strict=True)]
         joints = list(zip(self._at.tolist(), self._joints, strict=True))
         low = [-INFINITE if x <= joint.lower else -dt * joint.static for x, joint in joints]
         high = [INFINITE if x >= joint.upper else dt * joint.static for x, joint in joints]
-        new = solve_scalar(upper, b, self._kinetic, low, high, last)
+        new = solve_scalar(M, b, self._kinetic, low, high, last)
         for _ in range(REVERSALS):
             if all(x * y >= 0.0 for x, y in zip(last, new, strict=True)):
                 break
@@ -175,8 +230,8 @@ class PinocchioStepper:
                 x - 2.0 * y / (abs(y) + abs(z)) * c if y * z < 0.0 else x
                 for x, y, z, c in zip(b, last, new, self._kinetic, strict=True)
             ]
-            new = solve_scalar(upper, before, self._kinetic, low, high, new)
-        return new, [x - sum(map(mul, row, new)) for x, row in zip(b, upper, strict=True)]
+            new = solve_scalar(M, before, self._kinetic, low, high, new)
+        return new, [x - sum(map(mul, row, new)) for x, row in zip(b, M, strict=True)]
 
     def _configuration(self) -> FloatArray:
         return configuration(self._model, self._at[None])[0] if self._turns else self._at

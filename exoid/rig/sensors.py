@@ -12,7 +12,7 @@ from exoid.errors import ExoidError
 
 @dataclass(frozen=True)
 class Sensors:
-    """Encoders or potentiometers, tachometers and torque sensors of a rig.
+    """Encoders or potentiometers, tachometers, torque sensors, and sensors in the cuffs of a rig.
 
     Noise, offset and resolution are one number for all joints, or (n,).
 
@@ -26,6 +26,8 @@ class Sensors:
         delay: Delay of all readings in periods of the controller.
         noise_blocks: Number of equal blocks of rigs that receive the same noise: rig k of each block has the same
             readings. A comparison of the blocks is then free of sampling noise.
+        interaction_noise: Standard deviation of the torque of the wearer that controllers receive [N·m].
+        interaction_offset: Zero offset of that torque [N·m].
 
     Raises:
         ExoidError: A number has the wrong sign, or is not finite (``encoder_counts`` may be infinite).
@@ -39,11 +41,13 @@ class Sensors:
     torque_resolution: ArrayLike = 0.0
     delay: int = 0
     noise_blocks: int = 1
+    interaction_noise: ArrayLike = 0.0
+    interaction_offset: ArrayLike = 0.0
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        positive = ("angle_noise", "velocity_noise", "torque_noise", "torque_resolution")
-        for name in (*positive, "torque_offset"):
+        positive = ("angle_noise", "velocity_noise", "torque_noise", "torque_resolution", "interaction_noise")
+        for name in (*positive, "torque_offset", "interaction_offset"):
             values = np.asarray(getattr(self, name), dtype=np.float64)
             if not np.isfinite(values).all() or (name in positive and (values < 0.0).any()):
                 raise ExoidError(f"{name} of the sensors is {getattr(self, name)}", remedy="give finite SI numbers ≥ 0")
@@ -104,6 +108,22 @@ class Sensors:
         read = tau + _column(self.torque_offset) + self._noise(self.torque_noise, tau, rng)
         step = _column(self.torque_resolution)
         return np.asarray(np.where(step > 0.0, np.rint(read / np.where(step > 0.0, step, 1.0)) * step, read))
+
+    def interaction(self, tau: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """Read torques of wearers.
+
+        Args:
+            tau: True torques of the wearers on the legs [N·m], (n, B).
+            rng: Generator of the noise.
+
+        Returns:
+            Readings [N·m], (n, B).
+
+        Raises:
+            ExoidError: The rigs cannot be divided into ``noise_blocks`` equal blocks.
+        """
+        noise = self._noise(self.interaction_noise, tau, rng) if np.any(self.interaction_noise) else 0.0
+        return np.asarray(tau + _column(self.interaction_offset) + noise)
 
     def _noise(self, std: ArrayLike, like: FloatArray, rng: np.random.Generator) -> FloatArray:
         joints, rigs = like.shape

@@ -18,10 +18,12 @@ from exoid.tables import DataTable, to_text, value_range
 from exoid.torso import TorsoMotion
 
 from .actuators import Actuator
-from .controllers import Controller, Reference
+from .controllers import Controller, Reference, Target, WornController
 from .plant import Plant
 from .sensors import Sensors
 from .stepper import PlanarStepper, Step, Stepper
+from .wearer import Wearer
+from .worn_stepper import Exchange, WornStepper
 
 STEP = 5e-4
 """Default step of the plant [s]."""
@@ -74,10 +76,11 @@ class Energy(NamedTuple):
     """Energy balance of a run [J], (B,) each: work = gain + dissipated, up to the integration error.
 
     Attributes:
-        work: Work of the actuators.
-        gain: Gain of mechanical energy, springs and rotors included.
-        dissipated: Energy that friction and end stops dissipate.
-        turnover: ∫ |power| dt of the actuators or of friction, the larger of the two; the scale of errors.
+        work: Work of the actuators, and of the muscles of wearers.
+        gain: Gain of mechanical energy, springs, rotors and limbs of wearers included.
+        dissipated: Energy that friction, end stops and cuffs dissipate.
+        turnover: ∫ |power| dt of actuators and muscles or of what dissipates, the larger of the two; the scale of
+            errors.
     """
 
     work: FloatArray
@@ -113,6 +116,8 @@ class Run:
         tau_measured: Torque readings [N·m], (K, n, B).
         target: Reference angles [rad], (K, n, B).
         energy: Energy balance.
+        interaction: True torque of the wearers on the legs [N·m], (K, n, B); None without wearer.
+        limb_q: True angles of the wearers' limbs [rad], (K, n, B); None without wearer.
     """
 
     plant: Plant
@@ -125,6 +130,8 @@ class Run:
     tau_measured: FloatArray
     target: FloatArray
     energy: Energy
+    interaction: FloatArray | None = None
+    limb_q: FloatArray | None = None
 
     def __repr__(self) -> str:
         """Name the plant and the size of the log."""
@@ -208,6 +215,7 @@ def simulate(
     rates: Rates | None = None,
     seed: int | np.random.Generator = 0,
     stepper: Callable[[Plant, FloatArray, FloatArray, float], Stepper] = PlanarStepper,
+    wearer: Wearer | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Run:
     """Let B rigs follow a motion.
@@ -225,13 +233,16 @@ def simulate(
         seed: Seed or generator of the sensor noise.
         stepper: Integrator: :class:`PlanarStepper`, :class:`SmoothStepper`, or :class:`PinocchioStepper` for a single
             rig of any leg.
+        wearer: Wearer of every rig, whose limb starts with the motion of the leg; None for nobody. A
+            :class:`WornController` receives the torque of the wearer.
         progress: Function that receives the completed share of the run, 0 to 1.
 
     Returns:
         True and measured motion and torque at the rate of the log.
 
     Raises:
-        ExoidError: Rates or shapes do not fit, the start is not finite or beyond an end stop, or the run diverges.
+        ExoidError: Rates or shapes do not fit, the start is not finite or beyond an end stop, the wearer does not fit
+            (see :class:`exoid.rig.Wearer`), or the run diverges.
 
     Example:
         >>> import exoid
@@ -245,21 +256,25 @@ def simulate(
     every_control, every_log = rates.steps()
     dt, count = rates.step, _step_count(duration, rates)
     rig = stepper(plant, *_start(plant, reference, start), dt)
+    limb = None if wearer is None else WornStepper(rig, wearer, count)
+    rig = limb or rig
     state, command, torque = np.zeros((3, plant.n, plant.count))
-    past: deque[tuple[FloatArray, FloatArray, FloatArray]] = deque(maxlen=sensors.delay * every_control + 1)
+    past: deque[tuple[FloatArray, ...]] = deque(maxlen=sensors.delay * every_control + 1)
     log, balance = _Log(), _Balance(plant, rig.energy())
     with np.errstate(over="ignore", invalid="ignore"):  # overflow of a diverging run, which raises an error below
         for k in range(count + 1):
-            past.append((rig.q, rig.v, torque))
+            past.append((rig.q, rig.v, torque, *(limb.felt if limb else ())))
             controls, logs = k % every_control == 0, k % every_log == 0
             if controls or logs:
                 _refuse_divergence(rig.v, k * dt)
-                target, (q, v, tau) = reference.at(k * dt), past[0]
+                target, (q, v, tau, *felt) = reference.at(k * dt), past[0]
                 reading = sensors.angle(q, rng), sensors.velocity(v, rng)
             if controls:
-                command = _broadcast(controller.command(target, *reading), plant, "command of the controller")
+                wanted = _command(controller, target, reading, [sensors.interaction(x, rng) for x in felt[:1]])
+                command = _broadcast(wanted, plant, "command of the controller")
             if logs:
-                log.add(rig.q, rig.v, torque, *reading, sensors.torque(tau, rng), _broadcast(target.q, plant, "target"))
+                measured = (*reading, sensors.torque(tau, rng))
+                log.add(rig.q, rig.v, torque, *measured, _broadcast(target.q, plant, "target"), *past[-1][3:])
                 if progress is not None:
                     progress(k / count)
             if k < count:
@@ -269,8 +284,18 @@ def simulate(
                 balance.add(drive.torque - drive.damping * step.mean_velocity, step, dt)
                 torque = actuator.torque(state, command)
     time = every_log * dt * np.arange(len(log.samples), dtype=np.float64)
-    q, v, tau, q_measured, v_measured, tau_measured, targets = log.arrays()
-    return Run(plant, time, q, v, tau, q_measured, v_measured, tau_measured, targets, balance.energy(rig.energy()))
+    energy = balance.energy(rig.energy(), limb.exchange if limb else None)
+    q, v, tau, q_measured, v_measured, tau_measured, targets, *worn = log.arrays()
+    return Run(plant, time, q, v, tau, q_measured, v_measured, tau_measured, targets, energy, *worn)
+
+
+def _command(
+    controller: Controller, target: Target, reading: tuple[FloatArray, FloatArray], felt: list[FloatArray]
+) -> FloatArray:
+    """Command of a controller, which receives the torque of the wearer if it can and there is one."""
+    if felt and isinstance(controller, WornController):
+        return controller.command_worn(target, *reading, *felt)
+    return controller.command(target, *reading)
 
 
 def _step_count(duration: float, rates: Rates) -> int:
@@ -336,9 +361,12 @@ class _Balance:
         self._turnover += np.abs(work).sum(axis=0)
         self._dissipated += ((step.friction_impulse + self._plant.viscous * travelled) * step.mean_velocity).sum(axis=0)
 
-    def energy(self, end: FloatArray) -> Energy:
-        turnover = np.maximum(self._turnover, self._dissipated)
-        return Energy(self._work, end - self._begin, self._dissipated, turnover)
+    def energy(self, end: FloatArray, exchange: Exchange | None) -> Energy:
+        work, dissipated, turnover = self._work, self._dissipated, self._turnover
+        if exchange is not None:
+            work, dissipated = work + exchange.work, dissipated + exchange.dissipated
+            turnover = turnover + exchange.turnover
+        return Energy(work, end - self._begin, dissipated, np.maximum(turnover, dissipated))
 
 
 def _refuse_divergence(v: FloatArray, time: float) -> None:

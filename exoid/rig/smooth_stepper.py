@@ -11,7 +11,7 @@ import numpy as np
 from exoid._typing import FloatArray
 
 from .plant import Plant
-from .stepper import PlanarStepper, Step
+from .stepper import Equations, PlanarStepper, Step
 from .stick_slip import eliminate
 
 
@@ -32,21 +32,34 @@ class SmoothStepper(PlanarStepper):
     def __init__(self, plant: Plant, q: FloatArray, v: FloatArray, dt: float, smoothing: float = 0.02) -> None:
         super().__init__(plant, q, v, dt)
         self.smoothing = smoothing
+        self._steady = self._gain = np.zeros_like(self.q)
 
-    def step(self, torque: FloatArray, damping: FloatArray) -> Step:
-        """Advance by dt under the actuator torque τ₀ − damping · v̄, with smooth friction.
+    def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
+        """Compute the equations of the next step, with smooth friction.
 
         Args:
             torque: Torque τ₀ [N·m], (n, B).
             damping: Damping of the actuators [N·m·s/rad], (n, B).
 
         Returns:
-            Mean velocity and impulse of friction.
+            Mass matrices and impulses.
         """
         plant, ahead = self.plant, self._ahead
         sign = np.tanh(ahead / self.smoothing)
         slope = (1.0 - sign * sign) / self.smoothing
-        friction, gain = plant.coulomb * (sign - slope * ahead), plant.coulomb * slope  # τ = friction + gain · v̄
-        M, force = self._equations(self._middle(), torque, plant.viscous + damping + gain, friction)
-        mean = self._advance(self.v + eliminate(M, self.dt * force))
-        return Step(mean, self.dt * (friction + gain * mean))
+        self._steady, self._gain = plant.coulomb * (sign - slope * ahead), plant.coulomb * slope  # τ = steady + gain·v̄
+        self._middle = self.q + 0.5 * self.dt * self.v
+        M, force = self._equations(torque, plant.viscous + damping + self._gain, self._steady)
+        return Equations(M, self.dt * force)
+
+    def solve(self, equations: Equations) -> Step:
+        """Advance by dt: solve the equations.
+
+        Args:
+            equations: Equations of the step.
+
+        Returns:
+            Mean velocity and impulse of friction.
+        """
+        mean = self.move(self.v + eliminate(*equations))
+        return Step(mean, self.dt * (self._steady + self._gain * mean))

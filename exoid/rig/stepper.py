@@ -76,6 +76,59 @@ class Stepper(Protocol):
         ...
 
 
+class Equations(NamedTuple):
+    """Equations of one step: M (v⁺ − v) = impulse − r, with the impulse r of dry friction and end stops.
+
+    Attributes:
+        M: Mass matrices with rotors and half the damping of a step on their diagonals [kg·m²], (n, n, B).
+        impulse: Impulse of all other torques [N·m·s], (n, B).
+    """
+
+    M: FloatArray
+    impulse: FloatArray
+
+
+class CoupledMotion(Stepper, Protocol):
+    """Integrator whose step has two parts, so that another body may be coupled to the leg in between.
+
+    The equations of a step come first, then :meth:`solve` or :meth:`move`, once.
+    """
+
+    def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
+        """Compute the equations of the next step.
+
+        Args:
+            torque: Torque τ₀ [N·m], (n, B).
+            damping: Damping of the actuators [N·m·s/rad], (n, B).
+
+        Returns:
+            Mass matrices and impulses.
+        """
+        ...
+
+    def solve(self, equations: Equations) -> Step:
+        """Advance by dt: solve the equations with friction and end stops.
+
+        Args:
+            equations: Equations, those of :meth:`equations` or with another body in them.
+
+        Returns:
+            Mean velocity and impulse of friction and end stops.
+        """
+        ...
+
+    def move(self, v: FloatArray) -> FloatArray:
+        """Advance by dt to known velocities, without friction.
+
+        Args:
+            v: Velocities after the step [rad/s], (n, B).
+
+        Returns:
+            Mean velocity of the step [rad/s], (n, B).
+        """
+        ...
+
+
 class PlanarStepper:
     """B planar rigs in one batch of array operations.
 
@@ -93,6 +146,7 @@ class PlanarStepper:
         self.plant, self.dt = plant, dt
         self.q, self.v = np.array(q, dtype=np.float64), np.array(v, dtype=np.float64)
         self._ahead = self.v  # velocity expected in the middle of the next step
+        self._middle = self.q  # angles in the middle of the step that the equations are for
         self._bodies = PlanarBodies.from_parameters(plant.leg, plant.parameters, plant.pitch)
         self._friction = Friction(dt * plant.coulomb, -dt * plant.static, dt * plant.static, stops=False)
         self._stops = bool(np.isfinite(plant.lower).any() or np.isfinite(plant.upper).any())
@@ -107,10 +161,33 @@ class PlanarStepper:
         Returns:
             Mean velocity and impulse of friction and end stops.
         """
-        last, q = self.v, self._middle()
-        M, force = self._equations(q, torque, self.plant.viscous + damping)
-        v, impulse = solve_stick_slip(M, self.dt * force, self._with_stops(q), last)
-        return Step(self._advance(v), impulse)
+        return self.solve(self.equations(torque, damping))
+
+    def equations(self, torque: FloatArray, damping: FloatArray) -> Equations:
+        """Compute the equations of the next step.
+
+        Args:
+            torque: Torque τ₀ [N·m], (n, B).
+            damping: Damping of the actuators [N·m·s/rad], (n, B).
+
+        Returns:
+            Mass matrices and impulses.
+        """
+        self._middle = self.q + 0.5 * self.dt * self.v
+        M, force = self._equations(torque, self.plant.viscous + damping)
+        return Equations(M, self.dt * force)
+
+    def solve(self, equations: Equations) -> Step:
+        """Advance by dt: solve the equations with stick-slip friction and end stops.
+
+        Args:
+            equations: Equations of the step.
+
+        Returns:
+            Mean velocity and impulse of friction and end stops.
+        """
+        v, impulse = solve_stick_slip(*equations, self._with_stops(), self.v)
+        return Step(self.move(v), impulse)
 
     def energy(self) -> FloatArray:
         """Compute the mechanical energy, springs and rotors included.
@@ -121,15 +198,11 @@ class PlanarStepper:
         rotors = 0.5 * (self.plant.armature * self.v**2).sum(axis=0)
         return np.asarray(self._bodies.energy(self.q, self.v) + rotors + spring_energy(self.plant, self.q))
 
-    def _middle(self) -> FloatArray:
-        """Angles at the middle of the step [rad], (n, B)."""
-        return self.q + 0.5 * self.dt * self.v
-
     def _equations(
-        self, q: FloatArray, torque: FloatArray, damping: FloatArray, friction: FloatArray | None = None
+        self, torque: FloatArray, damping: FloatArray, friction: FloatArray | None = None
     ) -> tuple[FloatArray, FloatArray]:
         """Effective mass matrix, (n, n, B), and net torque without dry friction, (n, B), at the middle of the step."""
-        plant = self.plant
+        plant, q = self.plant, self._middle
         b2, b1, b0 = plant.stiffness
         M, force = self._bodies.dynamics(q, self._ahead)
         force += (b2 * q + b1) * q + b0
@@ -141,16 +214,24 @@ class PlanarStepper:
         diagonal += plant.armature + 0.5 * self.dt * damping
         return M, force
 
-    def _advance(self, v: FloatArray) -> FloatArray:
-        """Take over the new velocities; return the mean velocities of the step."""
+    def move(self, v: FloatArray) -> FloatArray:
+        """Advance by dt to known velocities.
+
+        Args:
+            v: Velocities after the step [rad/s], (n, B).
+
+        Returns:
+            Mean velocity of the step [rad/s], (n, B).
+        """
         mean = 0.5 * (self.v + v)
         self.v, self._ahead = v, 2.0 * v - mean
         self.q = self.q + self.dt * mean
         return mean
 
-    def _with_stops(self, q: FloatArray) -> Friction:
+    def _with_stops(self) -> Friction:
         if not self._stops:
             return self._friction
+        q = self._middle
         at_lower, at_upper = q <= self.plant.lower, q >= self.plant.upper
         if not (at_lower.any() or at_upper.any()):
             return self._friction

@@ -1,0 +1,242 @@
+"""Integration step of legs with a wearer: leg and limb, coupled by cuffs.
+
+Each body has the scheme of :class:`exoid.rig.PlanarStepper`. Springs of cuffs and muscles are evaluated at the middle
+of the step, q + ½ dt v̄, with the unknown mean velocities. A cuff with stiffness k and damping d then has the damping c:
+
+    c = d + ½ dt k,      τ_wearer = k (q_l − q) + c (v̄_l − v̄)
+
+No cuff is too stiff for the step, and the work of its spring in a step is exactly the change of its energy. With the
+change Δv of the velocities of the leg and Δv_l of the limb, and impulses g and g_l that contain the velocities before,
+
+    A Δv − ½ dt c Δv_l = g − r,      A_l Δv_l − ½ dt c Δv = g_l.
+
+Δv_l is eliminated. What remains is a stick-slip problem of the leg alone, with the mass matrix
+A − (½ dt)² c A_l⁻¹ c.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+
+from .muscles import Muscles, intended
+from .pinocchio_stepper import PinocchioStepper
+from .plant import Plant
+from .stepper import CoupledMotion, Equations, PlanarStepper, Step, Stepper
+from .wearer import Wearer
+
+TOLERANCE = 1e-9
+"""Tolerance of equal geometry [m], and of an end stop [rad]."""
+
+CHECK_RATE = 100.0
+"""Rate at which an intended motion is checked [Hz]."""
+
+LARGEST_ANGLE = 2.0 * np.pi
+"""Largest angle of an intended motion [rad]; a larger one is in degrees."""
+
+
+class Exchange(NamedTuple):
+    """Energy that muscles and cuffs exchanged so far [J], (B,) each.
+
+    Attributes:
+        work: Work of the muscles on the limb.
+        dissipated: Energy that the cuffs dissipated.
+        turnover: ∫ |power| dt of the muscles.
+    """
+
+    work: FloatArray
+    dissipated: FloatArray
+    turnover: FloatArray
+
+
+class WornStepper:
+    """B rigs with their wearers. Angles, velocities and friction are those of the legs.
+
+    Args:
+        leg: Integrator of the legs, at the start.
+        wearer: The wearer; the limb starts with the motion of the leg.
+        count: Number of steps of the run.
+
+    Raises:
+        ExoidError: The limb is not that of the leg, or the intention does not fit.
+    """
+
+    def __init__(self, leg: Stepper, wearer: Wearer, count: int) -> None:
+        self.plant, self.dt, self._wearer = leg.plant, leg.dt, wearer
+        self._leg = _coupled(leg)
+        limb = limb_plant(leg.plant, wearer)
+        refuse_intention(leg.plant, wearer, count * leg.dt)
+        stepper = PlanarStepper if limb.count > 1 else PinocchioStepper
+        self._limb: CoupledMotion = stepper(limb, leg.q, leg.v, leg.dt)
+        self._muscles = Muscles(wearer, limb, leg.dt, count)
+        shape = (leg.plant.n, leg.plant.count)
+        k, d, muscle_k, muscle_d = (
+            np.broadcast_to(x, shape)
+            for x in (wearer.cuff_stiffness, wearer.cuff_damping, wearer.muscle_stiffness, wearer.muscle_damping)
+        )
+        self._k, self._d, self._muscle_k = k, d, muscle_k
+        self._c, self._muscle_c = d + 0.5 * leg.dt * k, muscle_d + 0.5 * leg.dt * muscle_k
+        self._half = 0.5 * leg.dt * self._c
+        self._work, self._dissipated, self._turnover = (np.zeros(leg.plant.count) for _ in range(3))
+
+    @property
+    def q(self) -> FloatArray:
+        """Angles of the legs [rad], (n, B)."""
+        return self._leg.q
+
+    @property
+    def v(self) -> FloatArray:
+        """Velocities of the legs [rad/s], (n, B)."""
+        return self._leg.v
+
+    @property
+    def limb_q(self) -> FloatArray:
+        """Angles of the limbs [rad], (n, B)."""
+        return self._limb.q
+
+    @property
+    def limb_v(self) -> FloatArray:
+        """Velocities of the limbs [rad/s], (n, B)."""
+        return self._limb.v
+
+    @property
+    def interaction(self) -> FloatArray:
+        """Torque of the wearers on the legs, k (q_l − q) + d (v_l − v) [N·m], (n, B)."""
+        leg, limb = self._leg, self._limb
+        return np.asarray(self._k * (limb.q - leg.q) + self._d * (limb.v - leg.v))
+
+    @property
+    def felt(self) -> tuple[FloatArray, FloatArray]:
+        """Torque of the wearers on the legs [N·m], and angles of the limbs [rad], (n, B) each."""
+        return self.interaction, self.limb_q
+
+    @property
+    def exchange(self) -> Exchange:
+        """Energy that muscles and cuffs exchanged so far."""
+        return Exchange(self._work, self._dissipated, self._turnover)
+
+    def step(self, torque: FloatArray, damping: FloatArray) -> Step:
+        """Advance legs and limbs by dt under the actuator torque τ₀ − damping · v̄.
+
+        Args:
+            torque: Torque τ₀ [N·m], (n, B).
+            damping: Damping of the actuators [N·m·s/rad], (n, B).
+
+        Returns:
+            Mean velocity of the legs, and impulse of their friction and end stops.
+        """
+        leg, limb, c = self._leg, self._limb, self._c
+        q, v, limb_v = leg.q, leg.v, limb.v
+        spring = self._k * (limb.q - q)
+        drive = self._muscles.next() - self._muscle_k * limb.q
+        of_leg = leg.equations(torque + spring + c * limb_v, damping + c)
+        of_limb = limb.equations(drive - spring + c * v, self._muscle_c + c)
+        free, response = _limb_response(of_limb, self._half)
+        half = self._half[:, None]
+        step = leg.solve(Equations(of_leg.M - half * response, of_leg.impulse + self._half * free))
+        change = 2.0 * (step.mean_velocity - v)
+        mean = limb.move(limb_v + free + (response * change).sum(axis=1))
+        self._add(drive - self._muscle_c * mean, mean, mean - step.mean_velocity)
+        return step
+
+    def energy(self) -> FloatArray:
+        """Compute the mechanical energy of legs and limbs, springs of the cuffs included.
+
+        Returns:
+            Energy [J], (B,).
+        """
+        cuffs = 0.5 * (self._k * (self._limb.q - self._leg.q) ** 2).sum(axis=0)
+        return np.asarray(self._leg.energy() + self._limb.energy() + cuffs)
+
+    def _add(self, muscles: FloatArray, mean: FloatArray, slip: FloatArray) -> None:
+        """Count the energy of a step, with the mean torque of the muscles and the mean velocity of the cuffs."""
+        work = self.dt * muscles * mean
+        self._work += work.sum(axis=0)
+        self._turnover += np.abs(work).sum(axis=0)
+        self._dissipated += self.dt * (self._d * slip * slip).sum(axis=0)
+
+
+def limb_plant(plant: Plant, wearer: Wearer) -> Plant:
+    """Build the limbs of the rigs of a plant: bodies without friction, on the same torso.
+
+    Args:
+        plant: B rigs.
+        wearer: The wearer.
+
+    Returns:
+        B limbs.
+
+    Raises:
+        ExoidError: The limb has other joints or another geometry than the leg, impedances are for another number of
+            rigs, or no bodies have the parameters of the limb.
+    """
+    leg, limb = plant.leg, wearer.limb
+    if limb.joint_names != leg.joint_names or not _same_geometry(leg, limb):
+        raise ExoidError(
+            f"a limb of {limb.description.name} ({', '.join(limb.joint_names)}) in a leg of {plant.description}",
+            remedy="make the wearer of the plant's leg: Wearer.build(plant.leg, height, mass)",
+        )
+    for name in ("cuff_stiffness", "cuff_damping", "muscle_stiffness", "muscle_damping"):
+        columns = np.shape(getattr(wearer, name))[1:]
+        if columns not in ((), (1,), (plant.count,)):
+            raise ExoidError(f"{name} for {columns[0]} rigs on {plant.count}", remedy="give one number for each joint")
+    return Plant.build(limb, pitch=plant.pitch, end_stops=False)
+
+
+def refuse_intention(plant: Plant, wearer: Wearer, duration: float) -> None:
+    """Refuse an intended motion that the rigs cannot follow.
+
+    Args:
+        plant: B rigs.
+        wearer: The wearer.
+        duration: Duration of the run [s].
+
+    Raises:
+        ExoidError: The intention goes beyond an end stop, is in degrees, or has another shape.
+    """
+    if wearer.intention is None:
+        return
+    times = np.linspace(0.0, duration, max(2, round(duration * CHECK_RATE) + 1)).tolist()
+    q = intended(wearer.intention, times, (plant.n, plant.count), wearer.feedforward)[0]
+    lower, upper = (np.clip(x, -LARGEST_ANGLE, LARGEST_ANGLE) for x in (plant.lower, plant.upper))
+    beyond = np.argwhere((q < lower - TOLERANCE) | (q > upper + TOLERANCE))
+    if len(beyond):
+        k, joint, rig = beyond[0]
+        raise ExoidError(
+            f"the wearer intends {q[k, joint, rig]:.4g} rad of {plant.leg.joint_names[joint]} at {times[k]:.2f} s, "
+            f"beyond {lower[joint, rig]:.4g} and {upper[joint, rig]:.4g} rad",
+            remedy="give an intention in rad between the end stops, or build the plant with end_stops=False",
+        )
+
+
+def _same_geometry(leg: Leg, limb: Leg) -> bool:
+    one, other = leg.model, limb.model
+    kinds = [[joint.shortname() for joint in model.joints] for model in (one, other)]
+    placements = zip(one.jointPlacements, other.jointPlacements, strict=False)
+    return kinds[0] == kinds[1] and all(at.isApprox(there, TOLERANCE) for at, there in placements)
+
+
+def _coupled(leg: Stepper) -> CoupledMotion:
+    if not all(hasattr(leg, name) for name in ("equations", "solve", "move")):
+        raise ExoidError(
+            f"{type(leg).__name__} cannot carry a wearer", remedy="use PlanarStepper, SmoothStepper or PinocchioStepper"
+        )
+    return leg  # type: ignore[return-value]
+
+
+def _limb_response(limb: Equations, half: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A_l⁻¹ g_l, (n, B), and A_l⁻¹ diag(½ dt c), (n, n, B)."""
+    n = len(half)
+    rows = np.zeros((n, 2 * n + 1, half.shape[1]))
+    rows[:, :n], rows[:, n] = limb
+    rows[np.arange(n), np.arange(n + 1, 2 * n + 1)] = half
+    for k in range(n):  # Gauss-Jordan; A_l is positive definite, so pivoting is not needed
+        pivot = rows[k] / rows[k, k]
+        rows -= rows[:, k : k + 1] * pivot
+        rows[k] = pivot
+    return rows[:, n], rows[:, n + 1 :]

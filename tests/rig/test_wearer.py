@@ -1,0 +1,443 @@
+"""The wearer on the rig: coupled equations, limits, balances, muscles and refusals."""
+
+import re
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from planar_chains import random_chain
+from rigs import BLEEX, EVERYTHING, POSE
+from scipy.integrate import solve_ivp
+
+import exoid
+from exoid.description import describe
+from exoid.errors import ExoidError
+from exoid.experiments import Hold, healthy_gait
+from exoid.rig import (
+    HydraulicServo,
+    IdealTorque,
+    PinocchioStepper,
+    PlanarStepper,
+    Plant,
+    Proportional,
+    ProportionalDerivative,
+    Rates,
+    Sensors,
+    SmoothStepper,
+    Target,
+    Wearer,
+    limb_of,
+    simulate,
+)
+from exoid.rig.worn_stepper import WornStepper
+from exoid.torques.payloads import payload_parameters
+
+CUHK = exoid.load_leg("cuhk")
+FREE = Plant.build(CUHK, {"d_hip": 0.3, "d_knee": 0.2, "b1_knee": 2.0, "Ia_hip": 0.4}, end_stops=False)
+STICKING = Plant.build(CUHK, {"c0_hip": 1.4, "c0_knee": 0.6, "cs_knee": 0.9, "d_knee": 0.2})
+GAIT = healthy_gait(1.0, 1.2)
+PD = ProportionalDerivative((200.0, 80.0), (20.0, 8.0))
+FINE = Rates(500.0, 100.0, 2.5e-4)
+STEPPERS = pytest.mark.parametrize("stepper", [PlanarStepper, PinocchioStepper])
+
+
+class OpenLoop:
+    """Torques that do not depend on the motion, held between samples."""
+
+    def command(self, target, q, v):
+        return np.zeros_like(q)
+
+
+def worn(plant=FREE, wearer=None, duration=1.0, controller=None, reference=GAIT, **options):
+    options = {"rates": FINE, "wearer": wearer or Wearer.build(plant.leg), **options}
+    return simulate(
+        plant, reference, controller or OpenLoop(), options.pop("actuator", IdealTorque()), duration, **options
+    )
+
+
+# ------------------------------------------------------------------------------------- coupled equations
+
+
+def coupled_by_pinocchio(plant, wearer, start, times):
+    """Pinocchio's forward dynamics of leg and limb, no actuator torque, under DOP853: angles of both, (K, 2n)."""
+    leg = plant.leg.with_parameters(plant.parameters[:, 0])
+    models = [body.model.copy() for body in (leg, wearer.limb)]
+    for model in models:
+        model.gravity.linear = leg.gravity_of_tilted_torso(float(plant.pitch[0]))
+    datas, n = [model.createData() for model in models], plant.n
+    k, d, km, dm = (
+        np.broadcast_to(x, (n, 1))[:, 0]
+        for x in (wearer.cuff_stiffness, wearer.cuff_damping, wearer.muscle_stiffness, wearer.muscle_damping)
+    )
+    b2, b1, b0 = plant.stiffness[..., 0]
+
+    def rate(t, y):
+        q, p, v, w = y.reshape(4, n)
+        cuff = k * (p - q) + d * (w - v)
+        muscles = -km * p - dm * w
+        if wearer.intention is not None:
+            aim = [x[:, 0] for x in wearer.intention.at(t)]
+            muscles = muscles + km * aim[0] + dm * aim[1] + pin.rnea(models[1], datas[1], *aim)
+        M = pin.crba(models[0], datas[0], q)
+        M = np.triu(M) + np.triu(M, 1).T + np.diag(plant.armature[:, 0])
+        resistance = b2 * q**2 + b1 * q + b0 + plant.viscous[:, 0] * v
+        a = np.linalg.solve(M, cuff - resistance - pin.nle(models[0], datas[0], q, v))
+        return np.concatenate([v, w, a, pin.aba(models[1], datas[1], p, w, muscles - cuff)])
+
+    begin = np.concatenate([start.q[:, 0], start.q[:, 0], start.v[:, 0], start.v[:, 0]])
+    found = solve_ivp(rate, (0.0, times[-1]), begin, method="DOP853", t_eval=times, rtol=1e-10, atol=1e-12)
+    return found.y.T
+
+
+WEARERS = {
+    "passive": Wearer.build(CUHK),
+    "soft": Wearer.build(CUHK, 1.9, 95.0, cuff_stiffness=(300.0, 500.0), cuff_damping=5.0, muscle_damping=(2.0, 0.5)),
+    "active": Wearer.build(CUHK, intention=GAIT),
+    "weak": Wearer.build(CUHK, intention=GAIT, muscle_stiffness=(40.0, 20.0), muscle_damping=0.0),
+}
+
+
+@STEPPERS
+@pytest.mark.parametrize("kind", WEARERS)
+def test_leg_and_limb_move_as_pinocchio_says(kind, stepper):
+    """Another integrator, other dynamics code, leg and limb as two trees: 1e-5 rad, and the torque between them."""
+    wearer = WEARERS[kind]
+    tilted = Plant.build(CUHK, {"d_hip": 0.3, "d_knee": 0.2, "b1_knee": 2.0, "Ia_hip": 0.4}, pitch=0.2, end_stops=False)
+    plant = FREE if wearer.intention is not None else tilted
+    run = worn(plant, wearer, stepper=stepper)
+    truth = coupled_by_pinocchio(plant, wearer, GAIT.at(0.0), run.time)
+    np.testing.assert_allclose(run.q[..., 0], truth[:, :2], atol=1e-5)
+    np.testing.assert_allclose(run.limb_q[..., 0], truth[:, 2:4], atol=1e-5)
+    k, d = (np.broadcast_to(x, (2, 1))[:, 0] for x in (wearer.cuff_stiffness, wearer.cuff_damping))
+    torque = k * (truth[:, 2:4] - truth[:, :2]) + d * (truth[:, 6:] - truth[:, 4:6])
+    assert np.abs(torque).max() > 1.5
+    np.testing.assert_allclose(run.interaction[..., 0], torque, atol=0.01)
+
+
+@STEPPERS
+def test_half_the_step_quarters_the_error(stepper):
+    wearer, errors = WEARERS["active"], []
+    for step in (1e-3, 5e-4, 2.5e-4):
+        run = worn(wearer=wearer, stepper=stepper, rates=Rates(100.0, 100.0, step))
+        truth = coupled_by_pinocchio(FREE, wearer, GAIT.at(0.0), run.time)
+        errors.append(np.abs(np.concatenate([run.q, run.limb_q], axis=1)[..., 0] - truth[:, :4]).max())
+    for coarse, fine in pairwise(errors):
+        assert 3.5 < coarse / fine < 4.6
+
+
+def test_a_planar_chain_of_any_form_may_be_worn():
+    leg = random_chain(np.random.default_rng(3), 4).leg()
+    wearer = Wearer(leg.with_parameters(0.4 * leg.parameters), cuff_stiffness=500.0, cuff_damping=10.0)
+    plant, start = Plant.build(leg, end_stops=False), Hold(np.full((4, 1), 0.3))
+    runs = [worn(plant, wearer, 0.5, reference=start, stepper=one) for one in (PlanarStepper, PinocchioStepper)]
+    np.testing.assert_allclose(runs[0].interaction, runs[1].interaction, atol=1e-7)
+    truth = coupled_by_pinocchio(plant, wearer, start.at(0.0), runs[0].time)
+    np.testing.assert_allclose(runs[0].q[..., 0], truth[:, :4], atol=2e-4)
+
+
+def test_a_spatial_leg_may_be_worn():
+    """Its second axis is out of the plane of the first."""
+    first, rest = random_chain(np.random.default_rng(2), 2).text.split("<axis", 1)
+    tilted = re.sub(r'xyz="[^"]*"', 'xyz="0.36 0.48 0.8"', rest, count=1)
+    leg = exoid.Leg.from_description(describe(f"{first}<axis{tilted}", "tilted"), joints=("hip", "knee"))
+    assert leg.chain is None
+    plant, start = Plant.build(leg, end_stops=False), Hold(np.full((2, 1), 0.3))
+    wearer = Wearer(leg.with_parameters(0.5 * leg.parameters), 500.0, 10.0, intention=start)
+    run = worn(plant, wearer, 0.5, reference=start, stepper=PinocchioStepper)
+    truth = coupled_by_pinocchio(plant, wearer, start.at(0.0), run.time)
+    np.testing.assert_allclose(run.q[..., 0], truth[:, :2], atol=1e-4)
+
+
+# ------------------------------------------------------------------------------------------------ limits
+
+
+def test_a_limb_in_stiff_cuffs_is_a_payload():
+    """The motion tends to that of the leg with the limb fixed to it, as 1/k."""
+    limb = limb_of(CUHK)
+    welded = replace(FREE, parameters=FREE.parameters + limb.parameters[:, None])
+    truth = simulate(welded, GAIT, PD, IdealTorque(), 1.0, rates=FINE)
+    errors = []
+    for stiffness in (1e4, 1e5, 1e6):
+        run = worn(wearer=Wearer(limb, stiffness, 0.01 * stiffness), controller=PD)
+        errors.append(np.abs(run.q - truth.q).max())
+    assert errors[0] < 5e-3
+    assert errors[1] < 0.2 * errors[0]
+    assert errors[2] < 0.2 * errors[1]
+
+
+def test_no_cuff_no_interaction():
+    """Not a bit of the leg's motion changes."""
+    loose = Wearer.build(CUHK, cuff_stiffness=0.0, cuff_damping=0.0)
+    run = worn(STICKING, loose, controller=PD)
+    alone = simulate(STICKING, GAIT, PD, IdealTorque(), 1.0, rates=FINE)
+    assert not run.interaction.any()
+    np.testing.assert_array_equal(run.q, alone.q)
+    np.testing.assert_array_equal(run.tau_measured, alone.tau_measured)
+    assert alone.interaction is None
+    assert alone.limb_q is None
+
+
+def test_a_limb_without_leg_follows_its_intention_exactly():
+    """Feedforward of the limb's own dynamics, no cuff: to the accuracy of the integrator."""
+    wearer = Wearer.build(CUHK, intention=GAIT, cuff_stiffness=0.0, cuff_damping=0.0)
+    run = worn(wearer=wearer, duration=2.0)
+    np.testing.assert_allclose(run.limb_q, [GAIT.at(t).q for t in run.time], atol=1e-5)
+
+
+def test_a_limb_that_hangs_in_a_leg_at_rest_pulls_with_its_weight():
+    """Held at a pose, the cuffs carry the limb: τ_wearer = −G_limb(q)."""
+    pose = np.array([[0.5], [0.8]])
+    run = worn(Plant.build(CUHK), duration=3.0, controller=ProportionalDerivative(4000.0, 200.0), reference=Hold(pose))
+    weight = limb_of(CUHK).gravity(run.limb_q[-1].T)[0]
+    np.testing.assert_allclose(run.interaction[-1, :, 0], -weight, rtol=1e-4)
+    assert np.abs(weight).min() > 3.0
+
+
+# ------------------------------------------------------------------------------------------------ balances
+
+
+@pytest.mark.parametrize("kind", WEARERS)
+@pytest.mark.parametrize("actuator", [IdealTorque(), HydraulicServo(5000.0, 0.01, 10.0)])
+def test_no_energy_comes_from_nowhere(kind, actuator):
+    """Leg, limb, cuffs and muscles, with sticking joints: as good as the rig alone."""
+    drive = PD if isinstance(actuator, IdealTorque) else Proportional(1.0)
+    run = worn(STICKING, WEARERS[kind], 3.0, controller=drive, actuator=actuator, rates=Rates(500.0, 50.0, 5e-4))
+    assert run.energy.relative_error[0] < 1e-5
+    assert run.energy.dissipated[0] > 1.0
+
+
+def test_the_muscles_work_is_part_of_the_balance():
+    """The wearer walks in a leg without actuators: friction and cuffs dissipate what the muscles give."""
+    run = worn(STICKING, WEARERS["active"], 3.0, rates=Rates(500.0, 50.0, 5e-4))
+    energy = run.energy
+    assert energy.work[0] > 5.0
+    assert energy.work[0] == pytest.approx(energy.gain[0] + energy.dissipated[0], rel=1e-4)
+
+
+@STEPPERS
+def test_a_free_machine_never_gains_energy(stepper):
+    rig = WornStepper(
+        stepper(STICKING, np.array([[0.9], [1.2]]), np.array([[2.0], [-3.0]]), 5e-4), WEARERS["soft"], 4000
+    )
+    before = rig.energy()
+    for _ in range(4000):
+        rig.step(np.zeros((2, 1)), np.zeros((2, 1)))
+        after = rig.energy()
+        assert after <= before + 1e-8
+        before = after
+
+
+@STEPPERS
+def test_what_the_leg_gets_the_limb_loses(stepper):
+    """One joint without weight: the angular momentum of leg and limb together does not change."""
+    leg = random_chain(np.random.default_rng(1), 1).leg()
+    leg, limb = (leg.with_parameters([0.0, 0.0, inertia]) for inertia in (0.8, 0.3))
+    plant = Plant.build(leg, end_stops=False)
+    rig = WornStepper(stepper(plant, np.array([[0.2]]), np.array([[3.0]]), 5e-4), Wearer(limb, 400.0, 4.0), 2000)
+    rig._limb.move(np.array([[-1.0]]))
+    momentum = 0.8 * rig.v + 0.3 * rig.limb_v
+    for _ in range(2000):
+        rig.step(np.zeros((1, 1)), np.zeros((1, 1)))
+        np.testing.assert_allclose(0.8 * rig.v + 0.3 * rig.limb_v, momentum, rtol=0, atol=1e-12)
+    np.testing.assert_allclose([rig.v, rig.limb_v], momentum[0, 0] / 1.1, rtol=1e-3)
+
+
+# -------------------------------------------------------------------------------------------- many rigs
+
+
+def test_rigs_of_a_batch_are_worn_as_each_alone():
+    """Each with its tilt, friction and cuff."""
+    plants = [Plant.build(CUHK, {"c0_hip": c}, pitch=p) for c, p in ((0.5, 0.0), (1.5, 0.1), (0.0, -0.2))]
+    cuffs = np.array([[500.0, 1000.0, 2000.0], [300.0, 900.0, 100.0]])
+    runs = worn(Plant.concatenate(plants), Wearer.build(CUHK, intention=GAIT, cuff_stiffness=cuffs), controller=PD)
+    for k, plant in enumerate(plants):
+        wearer = Wearer.build(CUHK, intention=GAIT, cuff_stiffness=cuffs[:, k])
+        for stepper in (PlanarStepper, PinocchioStepper):
+            alone = worn(plant, wearer, controller=PD, stepper=stepper)
+            np.testing.assert_allclose(runs.interaction[..., k], alone.interaction[..., 0], atol=1e-7)
+            np.testing.assert_allclose(runs.energy.work[k], alone.energy.work[0], rtol=1e-9)
+
+
+def test_joints_stick_stop_and_reverse_under_a_wearer():
+    """Both steppers agree where the leg sticks and meets its end stops."""
+    plant = Plant.build(BLEEX, EVERYTHING)
+    wearer, push = Wearer.build(BLEEX), np.array([[40.0], [20.0], [3.0]])
+    rigs = [
+        WornStepper(one(plant, POSE, np.zeros((3, 1)), 5e-4), wearer, 3000) for one in (PlanarStepper, PinocchioStepper)
+    ]
+    rested = stopped = 0
+    for k in range(3000):
+        for rig in rigs:
+            rig.step(push * np.sin(5e-3 * k), np.full((3, 1), 0.05))
+        np.testing.assert_allclose(rigs[0].q, rigs[1].q, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(rigs[0].limb_q, rigs[1].limb_q, rtol=0, atol=1e-9)
+        rested += (rigs[0].v == 0.0).sum()
+        stopped += (rigs[0].q >= plant.upper).sum() + (rigs[0].q <= plant.lower).sum()
+    assert rested > 20
+    assert stopped > 20
+
+
+def test_smooth_friction_may_be_worn():
+    """As stick-slip, but for joints that creep."""
+    smooth, sticking = (worn(STICKING, stepper=one, controller=PD) for one in (SmoothStepper, PlanarStepper))
+    difference = np.sqrt(np.mean((smooth.interaction - sticking.interaction) ** 2))
+    assert 0.0 < difference < 0.05 * np.sqrt(np.mean(sticking.interaction**2))
+
+
+# ------------------------------------------------------------------------------------- sensors and seeds
+
+
+def test_controllers_that_can_receive_the_torque_of_the_wearer():
+    class Feel(OpenLoop):
+        def __init__(self):
+            self.felt = []
+
+        def command_worn(self, target, q, v, interaction):
+            self.felt.append(interaction)
+            return np.zeros_like(q)
+
+    exact, noisy = Feel(), Feel()
+    sensors = Sensors(np.inf, interaction_noise=(2.0, 0.5), interaction_offset=3.0)
+    rates = Rates(100.0, 100.0, 5e-4)
+    run = worn(controller=exact, rates=rates, duration=3.0)
+    np.testing.assert_array_equal(np.array(exact.felt), run.interaction)
+    same = worn(controller=noisy, rates=rates, duration=3.0, sensors=sensors, seed=1)
+    np.testing.assert_array_equal(run.interaction, same.interaction)
+    error = (np.array(noisy.felt) - run.interaction)[..., 0]
+    np.testing.assert_allclose(error.std(axis=0), [2.0, 0.5], rtol=0.15)
+    np.testing.assert_allclose(error.mean(axis=0), 3.0, atol=0.5)
+
+
+def test_the_torque_of_the_wearer_arrives_as_late_as_all_readings():
+    class Feel(OpenLoop):
+        def __init__(self):
+            self.felt = []
+
+        def command_worn(self, target, q, v, interaction):
+            self.felt.append(interaction)
+            return np.zeros_like(q)
+
+    late, rates = Feel(), Rates(100.0, 100.0, 5e-4)
+    run = worn(controller=late, rates=rates, sensors=Sensors(np.inf, delay=3))
+    np.testing.assert_array_equal(np.array(late.felt)[3:], run.interaction[:-3])
+
+
+# -------------------------------------------------------------------------------------------- anthropometry
+
+
+def test_the_limb_is_that_of_winters_table():
+    """Without an ankle it weighs as much as the sandbags; with one, its foot lies ahead of the ankle and below."""
+    limb = limb_of(CUHK, 1.70, 65.0)
+    np.testing.assert_allclose(limb.parameters, payload_parameters(CUHK, exoid.rig.sandbags()), atol=1e-12)
+    X, Y, J = limb_of(BLEEX, 1.80, 80.0).parameters.reshape(3, 3).T
+    foot = 0.0145 * 80.0
+    assert foot * 0.055 * 1.80 == pytest.approx(np.hypot(X[2], Y[2]), rel=0.1)
+    assert Y[2] == pytest.approx(foot * 0.055 * 1.80) or -Y[2] == pytest.approx(foot * 0.055 * 1.80)
+    assert J[2] == pytest.approx(foot * ((0.475 * 0.11 * 1.8) ** 2 + (0.055 * 1.8) ** 2 + (0.0195 * 1.8) ** 2))
+    assert J[0] > J[1] > J[2]
+
+
+def test_a_passive_limb_of_the_same_size_makes_the_documents_leg():
+    """CUHK-EXO as published carries such a wearer: hardware and limb together are that leg again."""
+    limb = limb_of(CUHK, 1.70, 65.0)
+    bare = CUHK.with_parameters(CUHK.parameters - limb.parameters)
+    welded = simulate(Plant.build(CUHK), GAIT, PD, IdealTorque(), 1.0, rates=FINE)
+    cuffed = worn(Plant.build(bare), Wearer(limb, 1e6, 1e4), controller=PD)
+    np.testing.assert_allclose(cuffed.q, welded.q, atol=1e-3)
+
+
+def test_legs_that_are_no_persons_have_no_anthropometry():
+    with pytest.raises(ExoidError, match="no anthropometry for the joints"):
+        limb_of(exoid.datasets.dfki_double_pendulum().leg)
+
+
+@pytest.mark.parametrize("stature", [{"height": 175.0}, {"mass": 7e4}, {"height": -1.7}, {"mass": np.nan}])
+def test_statures_in_other_units_are_refused(stature):
+    with pytest.raises(ExoidError, match="a wearer of"):
+        Wearer.build(CUHK, **stature)
+
+
+# ------------------------------------------------------------------------------------------------ refusals
+
+
+@pytest.mark.parametrize(
+    ("bad", "message"),
+    [
+        ({"cuff_stiffness": -1.0}, "cuff_stiffness of the wearer is -1.0"),
+        ({"cuff_damping": (1.0, -2.0)}, "cuff_damping"),
+        ({"cuff_stiffness": (1.0, 2.0, 3.0)}, "one for each of 2 joints"),
+        ({"muscle_damping": np.nan}, "muscle_damping"),
+        ({"cuff_damping": "soft"}, "cuff_damping"),
+        ({"muscle_stiffness": 10.0}, "muscles with stiffness but without intention"),
+        ({"intention": GAIT, "muscle_stiffness": 0.0, "muscle_damping": 0.0, "feedforward": False}, "without muscles"),
+    ],
+)
+def test_wearers_that_cannot_be_are_refused(bad, message):
+    with pytest.raises(ExoidError, match=message):
+        Wearer.build(CUHK, **bad)
+
+
+def test_a_wearer_of_a_leg_that_floats_is_refused():
+    with pytest.raises(ExoidError, match="a wearer needs a base that is held"):
+        Wearer(exoid.load_leg("cuhk", base="floating"))
+    with pytest.raises(ExoidError, match="a limb of type Plant"):
+        Wearer(FREE)
+
+
+def test_the_limb_of_another_leg_is_refused():
+    with pytest.raises(ExoidError, match=r"a limb of bleex\.urdf .* in a leg of"):
+        worn(FREE, Wearer.build(BLEEX))
+    longer, other = (random_chain(np.random.default_rng(seed), 2).leg() for seed in (0, 1))
+    with pytest.raises(ExoidError, match="make the wearer of the plant's leg"):
+        worn(Plant.build(longer, end_stops=False), Wearer(other))
+
+
+def test_cuffs_of_other_rigs_are_refused():
+    with pytest.raises(ExoidError, match="cuff_stiffness for 3 rigs on 1"):
+        worn(FREE, Wearer.build(CUHK, cuff_stiffness=np.ones((2, 3))))
+
+
+def test_a_limb_without_bodies_is_refused():
+    with pytest.raises(ExoidError, match="mass matrix is not positive definite"):
+        worn(FREE, Wearer(CUHK.with_parameters(np.zeros(6))))
+
+
+def test_an_intention_beyond_the_end_stops_is_refused():
+    beyond = Wearer.build(CUHK, intention=healthy_gait(3.0, 1.2))
+    with pytest.raises(ExoidError, match=r"the wearer intends .* rad of left_knee at"):
+        worn(STICKING, beyond, reference=healthy_gait(0.5, 1.2))
+
+
+@pytest.mark.parametrize(
+    ("intention", "message"),
+    [
+        (Hold(np.array([[40.0], [20.0]])), "the wearer intends 40 rad"),
+        (Hold(np.array([[np.nan], [0.2]])), "not finite"),
+        (Hold(np.zeros((3, 1))), r"an intention of shape \(3, 1\) for 2 joints of 1 rigs"),
+    ],
+)
+def test_intentions_that_do_not_fit_are_refused(intention, message):
+    with pytest.raises(ExoidError, match=message):
+        worn(FREE, Wearer.build(CUHK, intention=intention))
+
+
+def test_an_intention_without_acceleration_needs_muscles_without_feedforward():
+    class Line:
+        def at(self, time):
+            return Target(np.full((2, 1), 0.2 + 0.1 * time), np.full((2, 1), 0.1))
+
+    with pytest.raises(ExoidError, match="the intention has no acceleration"):
+        worn(FREE, Wearer.build(CUHK, intention=Line()))
+    run = worn(FREE, Wearer.build(CUHK, intention=Line(), feedforward=False), reference=Line())
+    assert np.abs(run.limb_q[-1] - run.limb_q[0]).max() > 0.02
+
+
+def test_an_integrator_that_cannot_carry_a_wearer_is_refused():
+    class Bare:
+        def __init__(self, plant, q, v, dt):
+            self.plant, self.q, self.v, self.dt = plant, q, v, dt
+
+    with pytest.raises(ExoidError, match="Bare cannot carry a wearer"):
+        worn(FREE, stepper=Bare)
