@@ -30,6 +30,9 @@ DRAWS = 400
 MOST = 100.0
 """Largest amplification tried."""
 
+DRIFT = 0.1
+"""Frequency below which a growing motion is a drift [Hz]."""
+
 LISTED = 5
 """Number of parameters in the printed table."""
 
@@ -126,7 +129,8 @@ class Amplification:
         parts: list[Any] = [f"{self.leg}: largest amplification {head}"]
         if len(self.pose):
             pose = ", ".join(f"{x:.0f}°" for x in np.rad2deg(self.pose))
-            parts.append(f"beyond it, {self.frequency:.2g} Hz grow at the pose ({pose})")
+            grows = f"{self.frequency:.2g} Hz grow" if self.frequency > DRIFT else "the leg drifts away (its weight)"
+            parts.append(f"beyond it, {grows} at the pose ({pose})")
         if self.variance_shares:
             listed = sorted(self.variance_shares.items(), key=lambda item: -item[1])[:LISTED]
             rows = [(name, f"{100.0 * share:.0f} %") for name, share in listed]
