@@ -1,5 +1,7 @@
 """Controllers for an identified leg, and the closed loop with a virtual rig."""
 
+from .admittance import admittance
+from .assist_as_needed import assist_as_needed
 from .closed_loop import simulate, simulate_many
 from .compare_laws import compare_laws
 from .computed_torque import computed_torque
@@ -7,12 +9,17 @@ from .driven import Driven
 from .feedforward_pd import feedforward_pd
 from .friction import AHEAD, SHARP, SMOOTH, FrictionCompensation
 from .gravity_friction_pd import gravity_friction_pd
+from .gravity_support import gravity_support, transparent
+from .impedance import impedance
 from .law import Law, State
 from .limited import Limited
 from .lqr import Weights, lqr
 from .mean_pose import mean_pose
 from .model import ControlModel
+from .motion_filter import MotionFilter
+from .passive_friction import PassiveFriction
 from .pd import p, pd
+from .sensitivity_amplification import sensitivity_amplification
 from .side_by_side import SideBySide
 from .standard_laws import LAWS, default_gains, standard_laws
 from .stateful import StatefulLaw, stateful
@@ -29,24 +36,32 @@ __all__ = [
     "FrictionCompensation",
     "Law",
     "Limited",
+    "MotionFilter",
+    "PassiveFriction",
     "SideBySide",
     "State",
     "StatefulLaw",
     "Tracking",
     "Weights",
+    "admittance",
+    "assist_as_needed",
     "command_table",
     "compare_laws",
     "computed_torque",
     "default_gains",
     "feedforward_pd",
     "gravity_friction_pd",
+    "gravity_support",
+    "impedance",
     "lqr",
     "mean_pose",
     "p",
     "pd",
+    "sensitivity_amplification",
     "simulate",
     "simulate_many",
     "standard_laws",
     "stateful",
     "track",
+    "transparent",
 ]

@@ -1,0 +1,193 @@
+"""Admittance control: the measured torque of the wearer moves a virtual mass, which the leg follows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+from exoid.rig import Target
+
+from .law import State, gains, refuse_rate, spread
+from .model import ControlModel, ModelSource
+from .passive_friction import PASSIVE, PassiveFriction, wearer_friction
+
+RATE = 500.0
+"""Default sampling rate [Hz]."""
+
+FREQUENCY = 20.0
+"""Default natural frequency with which the leg follows the virtual mass [rad/s], critically damped."""
+
+
+class VirtualMass(NamedTuple):
+    """Memory: motion of the virtual mass about the target, (n,) or (n, B) each.
+
+    Attributes:
+        x: Deviation from the target [rad].
+        rate: Rate of change of the deviation [rad/s].
+    """
+
+    x: FloatArray
+    rate: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Admittance:
+    """m ẍ + D ẋ + K x = τ_wearer, and the leg follows θ_r = θ_d + x; a :class:`exoid.control.StatefulLaw`.
+
+    τ = ID(θ, θ̇, θ̈_r + 2 ω (θ̇_r − θ̇) + ω² (θ_r − θ)) + τ_f − τ_wearer: with an exact model the leg moves as the virtual
+    mass does, whatever its own inertia. The virtual mass is integrated by the trapezoidal rule, which is stable for
+    every mass, damping and stiffness. The loop through the wearer is not: a virtual mass that is small compared with
+    the leg, late readings and stiff cuffs make it oscillate.
+
+    Attributes:
+        mass: Virtual mass m [kg·m²], a number or (n,).
+        damping: Virtual damping D [N·m·s/rad], likewise.
+        stiffness: Virtual stiffness K about the target [N·m/rad], likewise; 0 to go where the wearer pushes.
+        model: Model of the leg.
+        frequency: Natural frequency ω [rad/s] with which the leg follows, likewise.
+        reach: Largest deviation from the target [rad], likewise; inf for none. The virtual mass stops there, so that
+            a constant error of the sensor does not carry it away.
+        friction: Friction compensation, which never drives; None for none.
+        rate: Sampling rate [Hz].
+
+    Raises:
+        ExoidError: A number is negative or not finite, the mass or the reach is not positive, or the rate is not.
+    """
+
+    mass: FloatArray
+    damping: FloatArray
+    stiffness: FloatArray
+    model: ControlModel
+    frequency: FloatArray
+    reach: FloatArray
+    friction: PassiveFriction | None = PASSIVE
+    rate: float = RATE
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        refuse_rate(self.rate)
+        for name in ("mass", "damping", "stiffness", "frequency"):
+            object.__setattr__(self, name, gains(getattr(self, name), name))
+        reach = np.array(self.reach, dtype=np.float64)
+        if not ((self.mass > 0.0).all() and (self.frequency > 0.0).all() and (reach > 0.0).all()):
+            raise ExoidError(
+                f"mass {self.mass!r}, frequency {self.frequency!r} and reach {self.reach!r} of an admittance",
+                remedy="give positive numbers; reach may be inf",
+            )
+        object.__setattr__(self, "reach", reach)
+
+    def begin(self, state: State) -> VirtualMass:
+        """Compute the memory before the first sample.
+
+        Args:
+            state: Measured state at the first sample, (n,) or (n, B).
+
+        Returns:
+            The virtual mass at rest on the target.
+        """
+        return VirtualMass(np.zeros_like(state.q), np.zeros_like(state.q))
+
+    def step(self, memory: VirtualMass, state: State, target: Target) -> tuple[FloatArray, VirtualMass]:
+        """Compute the torque; see the class.
+
+        Args:
+            memory: Virtual mass.
+            state: Measured state with the torque of the wearer, (n,) or (n, B).
+            target: Reference at this moment, likewise; without accelerations it counts as one of constant velocity.
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``, and the memory for the next sample.
+
+        Raises:
+            ExoidError: The state does not contain the torque of the wearer.
+        """
+        pushed = interaction_of(state)
+        q, v = state.q, state.v
+        after, acceleration = self._move(memory, pushed)
+        aim = acceleration if target.a is None else acceleration + target.a
+        frequency = spread(self.frequency, q)
+        error, slope = target.q + memory.x - q, target.v + memory.rate - v
+        wanted = aim + frequency * (2.0 * slope + frequency * error)
+        torque = self.model.inverse_dynamics(q, v, wanted) + wearer_friction(self.friction, self.model, q, v)
+        return torque - pushed, after
+
+    def _move(self, memory: VirtualMass, pushed: FloatArray) -> tuple[VirtualMass, FloatArray]:
+        """Virtual mass a period later, and its mean acceleration until then."""
+        mass, damping, stiffness, reach = (
+            spread(x, pushed) for x in (self.mass, self.damping, self.stiffness, self.reach)
+        )
+        half = 0.5 / self.rate
+        resisted = damping * memory.rate + stiffness * (memory.x + half * memory.rate)
+        acceleration = (pushed - resisted) / (mass + half * (damping + half * stiffness))
+        rate = memory.rate + 2.0 * half * acceleration
+        x = memory.x + half * (memory.rate + rate)
+        stopped = np.abs(x) > reach
+        return VirtualMass(np.clip(x, -reach, reach), np.where(stopped, 0.0, rate)), acceleration
+
+
+def interaction_of(state: State) -> FloatArray:
+    """Take the torque of the wearer out of a state.
+
+    Args:
+        state: Measured state.
+
+    Returns:
+        Torque [N·m], (n,) or (n, B).
+
+    Raises:
+        ExoidError: It is unknown.
+    """
+    if state.interaction is None:
+        raise ExoidError(
+            "this controller needs the torque of the wearer, State(interaction=...)",
+            remedy="measure it in the cuffs, estimate it by an observer, or simulate with wearer=",
+        )
+    return state.interaction
+
+
+def admittance(
+    source: ModelSource,
+    mass: ArrayLike,
+    damping: ArrayLike,
+    stiffness: ArrayLike = 0.0,
+    *,
+    frequency: ArrayLike = FREQUENCY,
+    reach: ArrayLike = np.inf,
+    friction: PassiveFriction | None = PASSIVE,
+    rate: float = RATE,
+) -> Admittance:
+    """Make an :class:`Admittance` controller.
+
+    Args:
+        source: An estimate; a leg, which has no friction; or a plant of one rig, for an exact model.
+        mass: Virtual mass [kg·m²], a number or one for each joint.
+        damping: Virtual damping [N·m·s/rad].
+        stiffness: Virtual stiffness about the target [N·m/rad].
+        frequency: Natural frequency with which the leg follows the virtual mass [rad/s].
+        reach: Largest deviation from the target [rad].
+        friction: Friction compensation; None for none.
+        rate: Sampling rate [Hz].
+
+    Returns:
+        The controller.
+
+    Raises:
+        ExoidError: A number does not fit, or the source has no control model.
+
+    Example:
+        >>> law = admittance(est, mass=0.5, damping=2.0, reach=0.8)  # doctest: +SKIP
+    """
+    return Admittance(
+        mass=gains(mass, "mass"),
+        damping=gains(damping, "damping"),
+        stiffness=gains(stiffness, "stiffness"),
+        model=ControlModel.of(source),
+        frequency=gains(frequency, "frequency"),
+        reach=np.asarray(reach, dtype=np.float64),
+        friction=friction,
+        rate=rate,
+    )

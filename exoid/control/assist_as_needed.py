@@ -1,0 +1,150 @@
+"""Assistance as needed: help outside a tunnel about the target, which grows with the error and fades with success."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+from exoid.rig import Target
+
+from .law import RATE, State, gains, refuse_rate, spread
+from .model import ControlModel, ModelSource
+from .passive_friction import PASSIVE, PassiveFriction, wearer_friction
+
+TUNNEL = float(np.deg2rad(4.0))
+"""Default half width of the tunnel [rad]."""
+
+FORGETTING = 3.0
+"""Default time in which learnt assistance fades to 37 % [s]."""
+
+
+class Learnt(NamedTuple):
+    """Memory: assistance that was learnt.
+
+    Attributes:
+        torque: Torque [N·m], (n,) or (n, B).
+    """
+
+    torque: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class AssistAsNeeded:
+    """τ = Ĝ + ŝ + τ_f + K ε + w D ė + u, a :class:`exoid.control.StatefulLaw` (tunnel: Banala et al. 2009).
+
+    With e = θ_d − θ, ε is the part of e beyond the tunnel ±b and w = |ε| / (|ε| + b). Within the tunnel the leg is
+    transparent. The learnt assistance u obeys u̇ = g ε − u / T_f (forgetting: Wolbrecht et al. 2008): it grows while the
+    wearer needs help, and fades when they do not.
+
+    Attributes:
+        stiffness: Stiffness K beyond the tunnel [N·m/rad], a number or (n,).
+        damping: Damping D beyond the tunnel [N·m·s/rad], likewise.
+        model: Model of the leg.
+        tunnel: Half width b of the tunnel [rad], likewise.
+        learning: Gain g [N·m/(rad·s)], likewise; 0 for assistance without memory.
+        forgetting: Time T_f in which learnt assistance fades to 37 % [s].
+        friction: Friction compensation, which never drives; None for none.
+        rate: Sampling rate [Hz].
+
+    Raises:
+        ExoidError: A number is negative or not finite; tunnel, forgetting or rate is not positive.
+    """
+
+    stiffness: FloatArray
+    damping: FloatArray
+    model: ControlModel
+    tunnel: FloatArray
+    learning: FloatArray
+    forgetting: float = FORGETTING
+    friction: PassiveFriction | None = PASSIVE
+    rate: float = RATE
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        refuse_rate(self.rate)
+        for name in ("stiffness", "damping", "tunnel", "learning"):
+            object.__setattr__(self, name, gains(getattr(self, name), name))
+        if not ((self.tunnel > 0.0).all() and 0.0 < self.forgetting < np.inf):
+            raise ExoidError(
+                f"a tunnel of {self.tunnel!r} rad, forgotten in {self.forgetting:g} s", remedy="give positive numbers"
+            )
+
+    def begin(self, state: State) -> Learnt:
+        """Compute the memory before the first sample.
+
+        Args:
+            state: Measured state at the first sample, (n,) or (n, B).
+
+        Returns:
+            No assistance.
+        """
+        return Learnt(np.zeros_like(state.q))
+
+    def step(self, memory: Learnt, state: State, target: Target) -> tuple[FloatArray, Learnt]:
+        """Compute the torque; see the class.
+
+        Args:
+            memory: Learnt assistance.
+            state: Measured state, (n,) or (n, B).
+            target: Reference at this moment, likewise.
+
+        Returns:
+            Torque [N·m], of the shape of ``state.q``, and the memory for the next sample.
+        """
+        q, v = state.q, state.v
+        error, tunnel = target.q - q, spread(self.tunnel, q)
+        beyond = error - np.clip(error, -tunnel, tunnel)
+        weight = np.abs(beyond) / (np.abs(beyond) + tunnel)
+        help_ = spread(self.stiffness, q) * beyond + weight * spread(self.damping, q) * (target.v - v)
+        torque = self.model.statics(q) + wearer_friction(self.friction, self.model, q, v) + help_ + memory.torque
+        kept = float(np.exp(-1.0 / (self.rate * self.forgetting)))
+        gained = self.forgetting * (1.0 - kept) * spread(self.learning, q) * beyond
+        return torque, Learnt(kept * memory.torque + gained)
+
+
+def assist_as_needed(
+    source: ModelSource,
+    stiffness: ArrayLike,
+    damping: ArrayLike,
+    *,
+    tunnel: ArrayLike = TUNNEL,
+    learning: ArrayLike = 0.0,
+    forgetting: float = FORGETTING,
+    friction: PassiveFriction | None = PASSIVE,
+    rate: float = RATE,
+) -> AssistAsNeeded:
+    """Make an :class:`AssistAsNeeded` controller.
+
+    Args:
+        source: An estimate; a leg, which has no friction; or a plant of one rig, for an exact model.
+        stiffness: Stiffness beyond the tunnel [N·m/rad], a number or one for each joint.
+        damping: Damping beyond the tunnel [N·m·s/rad].
+        tunnel: Half width of the tunnel about the target [rad].
+        learning: Gain of the learnt assistance [N·m/(rad·s)]; 0 for none.
+        forgetting: Time in which learnt assistance fades to 37 % [s].
+        friction: Friction compensation; None for none.
+        rate: Sampling rate [Hz].
+
+    Returns:
+        The controller.
+
+    Raises:
+        ExoidError: A number does not fit, or the source has no control model.
+
+    Example:
+        >>> law = assist_as_needed(est, stiffness=80.0, damping=4.0, learning=40.0)  # doctest: +SKIP
+    """
+    return AssistAsNeeded(
+        stiffness=gains(stiffness, "stiffness"),
+        damping=gains(damping, "damping"),
+        model=ControlModel.of(source),
+        tunnel=gains(tunnel, "tunnel"),
+        learning=gains(learning, "learning"),
+        forgetting=forgetting,
+        friction=friction,
+        rate=rate,
+    )

@@ -1,0 +1,116 @@
+"""Causal filter of a leg's motion: angles, velocities and accelerations with the same delay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+
+from .law import refuse_rate
+
+HALF_POWER = float(np.sqrt(np.sqrt(2.0) - 1.0))
+"""Frequency at which 1 / (1 + jω/λ)² has half the power, over λ."""
+
+
+class FilteredMotion(NamedTuple):
+    """Memory of the filter, which contains the filtered motion, (n,) or (n, B) each.
+
+    Attributes:
+        q: Filtered angles [rad].
+        rate: Rate of change of the filtered angles [rad/s].
+        v: Filtered velocities [rad/s].
+        a: Rate of change of the filtered velocities: accelerations, with the same delay [rad/s²].
+        q_read: Last reading of the angles [rad].
+        v_read: Last reading of the velocities [rad/s].
+    """
+
+    q: FloatArray
+    rate: FloatArray
+    v: FloatArray
+    a: FloatArray
+    q_read: FloatArray
+    v_read: FloatArray
+
+
+@dataclass(frozen=True)
+class MotionFilter:
+    """Low-pass filter λ² / (s + λ)² of angles and velocities, whose states also give the accelerations.
+
+    The step is exact for readings that change linearly over each period T. With a channel x, its rate y, the slope m of
+    its reading u, z = x − u + 2m/λ and w = y − m:
+
+        z⁺ = e^{−λT} [(1 + λT) z + T w],      w⁺ = e^{−λT} [(1 − λT) w − λ²T z].
+
+    The filter has no overshoot and no resonance: its gain is at most 1 at every frequency, from the mean acceleration
+    of a period to the filtered one too. Every channel is late by ``delay``.
+
+    Attributes:
+        bandwidth: Frequency of half the power [Hz].
+        rate: Sampling rate [Hz].
+
+    Raises:
+        ExoidError: The bandwidth is not positive, or is half the sampling rate or more.
+    """
+
+    bandwidth: float
+    rate: float
+
+    def __post_init__(self) -> None:
+        """Check bandwidth and rate."""
+        refuse_rate(self.rate)
+        if not 0.0 < self.bandwidth < 0.5 * self.rate:
+            raise ExoidError(
+                f"a filter of {self.bandwidth:g} Hz at {self.rate:g} Hz",
+                remedy=f"give a bandwidth between 0 and {0.5 * self.rate:g} Hz, or a higher rate",
+            )
+
+    @property
+    def pole(self) -> float:
+        """Pole λ [1/s]."""
+        return 2.0 * np.pi * self.bandwidth / HALF_POWER
+
+    @property
+    def delay(self) -> float:
+        """Delay 2/λ of slow motion [s]."""
+        return 2.0 / self.pole
+
+    def begin(self, q: FloatArray, v: FloatArray) -> FilteredMotion:
+        """Begin as if the leg had moved with constant velocity until the first sample.
+
+        Args:
+            q: Measured angles at the first sample [rad], (n,) or (n, B).
+            v: Measured velocities [rad/s], likewise.
+
+        Returns:
+            Memory before the first sample.
+        """
+        before = q - v / self.rate
+        return FilteredMotion(before - self.delay * v, v, v, np.zeros_like(v), before, v)
+
+    def step(self, motion: FilteredMotion, q: FloatArray, v: FloatArray) -> FilteredMotion:
+        """Filter a sample.
+
+        Args:
+            motion: Memory from the previous sample, or from :meth:`begin`.
+            q: Measured angles [rad], (n,) or (n, B).
+            v: Measured velocities [rad/s], likewise.
+
+        Returns:
+            Filtered motion, the memory for the next sample.
+        """
+        angles = self._channel(motion.q, motion.rate, motion.q_read, q)
+        return FilteredMotion(*angles, *self._channel(motion.v, motion.a, motion.v_read, v), q, v)
+
+    def _channel(
+        self, x: FloatArray, y: FloatArray, before: FloatArray, u: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        step, period, slope = self.pole / self.rate, 1.0 / self.rate, (u - before) * self.rate
+        late, decay = self.delay * slope, float(np.exp(-step))
+        z, w = x - before + late, y - slope
+        z_next = decay * ((1.0 + step) * z + period * w)
+        w_next = decay * ((1.0 - step) * w - self.pole * step * z)
+        return u - late + z_next, slope + w_next
