@@ -250,10 +250,11 @@ def test_the_scan_finds_the_first_of_several_boundaries(wearer):
     """A controller that is unstable only between two amplifications."""
 
     def law(amplification):
-        return pd(1e5 if 3.0 < amplification < 6.0 else 10.0, 1.0, rate=200.0)
+        return pd(1e5 if 1.9 < amplification < 6.0 else 10.0, 1.0, rate=200.0)
 
     loop = WornLoop.of_amplifications(law, None, POSE[None], 0, 100.0)
-    assert 2.0 < loop.table.largest(loop.legs_of([MODEL]))[0] < 6.0
+    assert len(loop.table.shares) > 3  # not linear
+    assert 1.0 < loop.table.largest(loop.legs_of([MODEL]))[0] < 6.0
 
 
 def test_settings_that_make_no_sense_are_refused(wearer):

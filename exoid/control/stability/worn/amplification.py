@@ -24,7 +24,7 @@ from .limiting import limiting_shares
 from .sampled_loop import HeldLeg
 from .worn_loop import WornLoop, poses_of
 
-DRAWS = 400
+DRAWS = 200
 """Number of draws."""
 
 MOST = 100.0

@@ -27,7 +27,7 @@ HIGHEST = {"slow": 0.3, "walking speed": 1.0, "fast": 2.0}
 TILTS = (-20.0, 20.0)
 """Torso tilts of one more candidate [deg]."""
 
-DRAWS = 200
+DRAWS = 100
 """Number of draws for each experiment."""
 
 STARTS = 2

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +15,16 @@ from .linear_law import LinearLaw, linear_law
 from .sampled_loop import HeldLeg, loop_matrices
 
 NODES = 17
-"""Number of amplifications at which the controller is linearised."""
+"""Number of amplifications at which a controller is linearised whose torque is not linear in the share."""
 
-BISECTIONS = 11
-"""Bisections between two nodes: of an interval of 33 % (up to 100), 0.02 % remain."""
+SCANNED = 9
+"""Number of amplifications of the scan for the first unstable one."""
+
+LINEAR = 1e-6
+"""Relative error of interpolated matrices up to which they count as linear in the share."""
+
+BISECTIONS = 12
+"""Bisections between two of these: of an interval of 78 % (up to 100), 0.02 % remain."""
 
 NEUTRAL = 1e-9
 """Spectral radius above 1 that is rounding."""
@@ -38,11 +44,13 @@ class LawTable:
         shares: Shares 1 − 1/α in increasing order, (G,).
         poses: For each pose, matrices with G along the first axis.
         delay: Delay of the readings in sampling periods.
+        scanned: Amplifications of the scan for the first unstable one, in increasing order.
     """
 
     shares: FloatArray
     poses: tuple[LinearLaw, ...]
     delay: int
+    scanned: FloatArray
 
     @classmethod
     def of(cls, laws: Sequence[AnyLaw], shares: FloatArray, poses: FloatArray, delay: int) -> LawTable:
@@ -62,7 +70,7 @@ class LawTable:
         """
         at = [[linear_law(law, q) for law in laws] for q in poses]
         stacked = tuple(LinearLaw(*(np.array(each) for each in zip(*row, strict=True))).without_last() for row in at)
-        return cls(shares, stacked, delay)
+        return cls(shares, stacked, delay, 1.0 / (1.0 - shares))
 
     @classmethod
     def of_amplifications(cls, law: LawOf, most: float, poses: FloatArray, delay: int) -> LawTable:
@@ -80,9 +88,14 @@ class LawTable:
         Raises:
             ExoidError: A controller has no derivatives at a pose.
         """
-        amplifications = np.geomspace(1.0, most, NODES)
-        laws = [law(float(each)) for each in amplifications]
-        return cls.of(laws, 1.0 - 1.0 / amplifications, poses, delay)
+        scanned = np.geomspace(1.0, most, SCANNED)
+        ends = 1.0 - 1.0 / np.array([1.0, most])
+        few = np.array([ends[0], ends.mean(), ends[1]])
+        table = cls.of([law(float(1.0 / (1.0 - share))) for share in few], few, poses, delay)
+        if not table._is_linear():
+            many = np.geomspace(1.0, most, NODES)
+            table = cls.of([law(float(each)) for each in many], 1.0 - 1.0 / many, poses, delay)
+        return replace(table, scanned=scanned)
 
     def radius(self, legs: Sequence[HeldLeg], share: FloatArray) -> FloatArray:
         """Compute the largest spectral radius over the poses.
@@ -132,23 +145,31 @@ class LawTable:
         Returns:
             Amplifications, (B,): 0 if even 1 is unstable, inf if all nodes are stable.
         """
-        count = len(legs[0].A)
-        first = np.full(count, len(self.shares))
-        for node, share in enumerate(self.shares):
-            open_ = np.flatnonzero(first == len(self.shares))
-            stable = self.stable([leg.take(open_) for leg in legs], np.full(len(open_), share))
+        count, last = len(legs[0].A), len(self.scanned)
+        first = np.full(count, last)
+        for node, amplification in enumerate(self.scanned):
+            open_ = np.flatnonzero(first == last)
+            stable = self.stable([leg.take(open_) for leg in legs], np.full(len(open_), 1.0 - 1.0 / amplification))
             first[open_[~stable]] = node
         found = np.where(first == 0, 0.0, np.inf)
-        between = np.flatnonzero((first > 0) & (first < len(self.shares)))
+        between = np.flatnonzero((first > 0) & (first < last))
         if len(between):
             taken = [leg.take(between) for leg in legs]
-            below, above = (1.0 / (1.0 - self.shares[first[between] - k]) for k in (1, 0))
+            below, above = self.scanned[first[between] - 1], self.scanned[first[between]]
             for _ in range(BISECTIONS):
                 middle = np.sqrt(below * above)
                 stable = self.stable(taken, 1.0 - 1.0 / middle)
                 below, above = np.where(stable, middle, below), np.where(stable, above, middle)
             found[between] = np.sqrt(below * above)
         return found
+
+    def _is_linear(self) -> bool:
+        """Whether the matrices at the middle of three nodes are the mean of those at the ends."""
+        return all(
+            np.abs(middle - 0.5 * (first + last)).max(initial=0.0) <= LINEAR * np.abs(last).max(initial=0.0)
+            for table in self.poses
+            for first, middle, last in table
+        )
 
     def _law(self, table: LinearLaw, share: FloatArray) -> LinearLaw:
         """Interpolate the matrices, with B along the first axis."""

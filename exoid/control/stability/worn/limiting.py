@@ -14,16 +14,16 @@ from exoid.torques import TorqueModel
 from .draws import draw_truths
 from .worn_loop import WornLoop
 
-TAIL = 12
+TAIL = 8
 """Number of draws with the smallest amplifications at whose boundaries the gradient is taken."""
 
 STEP = 0.01
 """Step of the gradient in standard deviations."""
 
-WIDER = (2.0, 4.0, 8.0, 16.0, 32.0)
+WIDER = (4.0, 16.0, 64.0)
 """Factors of the standard deviations with which draws are made again until some have a boundary."""
 
-WIDER_DRAWS = 100
+WIDER_DRAWS = 60
 """Number of such draws."""
 
 

@@ -19,7 +19,7 @@ from .draws import draw_truths
 from .law_table import NEUTRAL
 from .worn_loop import WornLoop, poses_of
 
-DRAWS = 400
+DRAWS = 200
 """Number of draws."""
 
 
