@@ -48,6 +48,7 @@ class Amplification:
         leg: Name of the leg.
         values: Largest stable amplification of each draw or truth, (B,): 0 if even 1 is unstable, inf if all up to
             ``most`` are stable.
+        exact: Largest stable amplification with an exact model: what filter, rate, delay and wearer allow.
         share: Share of the draws that must be stable.
         pose: Pose at which the loop first becomes unstable [rad], (n,); empty if it does not.
         frequency: Frequency of the oscillation at that boundary [Hz]; NaN without one.
@@ -62,6 +63,7 @@ class Amplification:
 
     leg: str
     values: FloatArray
+    exact: float
     share: float
     pose: FloatArray
     frequency: float
@@ -110,7 +112,7 @@ class Amplification:
         Returns:
             Values by name; None stands for an amplification without limit, see ``most``.
         """
-        names = ("leg", "largest", "interval", "share", "limited_by", "variance_shares", "rejected", "drawn")
+        names = ("leg", "largest", "interval", "exact", "share", "limited_by", "variance_shares", "rejected", "drawn")
         data = attributes(self, *names, "rate", "delay", "most", "frequency")
         return data | {"pose_deg": json_value(np.rad2deg(self.pose)), "draws": len(self.values)}
 
@@ -124,9 +126,12 @@ class Amplification:
         count, found = len(self.values), _text(self.largest, self.most)
         if self.drawn:
             head = f"{found}, stable for {100.0 * self.share:g} % of {count} draws (Monte-Carlo 95 %: {low} to {high})"
+        elif count == 1:
+            head = f"{found} for the given true leg"
         else:
-            head = f"{found}, stable for {100.0 * self.share:g} % of {count} given {'leg' if count == 1 else 'legs'}"
+            head = f"{found}, stable for {100.0 * self.share:g} % of {count} given legs"
         parts: list[Any] = [f"{self.leg}: largest amplification {head}"]
+        parts.append(f"with an exact model: {_text(self.exact, self.most)}")
         if len(self.pose):
             pose = ", ".join(f"{x:.0f}°" for x in np.rad2deg(self.pose))
             grows = f"{self.frequency:.2g} Hz grow" if self.frequency > DRIFT else "the leg drifts away (its weight)"
@@ -137,7 +142,7 @@ class Amplification:
             parts.append(make_table(("limiting parameter", "variance of the boundary that it explains"), rows))
         if self.rejected:
             parts.append(f"{100.0 * self.rejected:.2g} % of the draws were rejected: no bodies have these parameters")
-        parts.append(f"{self.rate:g} Hz, readings {self.delay} periods late; linearised without Coulomb friction.")
+        parts.append(f"{self.rate:g} Hz, delay {self.delay} sampling periods; linearised without Coulomb friction.")
         return to_text(*parts)
 
 
@@ -205,7 +210,8 @@ def largest_amplification(
         legs = loop.legs_of(truths)
         values = loop.table.largest(legs)
         pose, frequency = _boundary(loop, legs, values, share)
-        return Amplification(name, values, share, pose, frequency, {}, 0.0, False, loop.rate, delay, most)
+        exact = float(loop.table.largest(loop.legs_of([model]))[0])
+        return Amplification(name, values, exact, share, pose, frequency, {}, 0.0, False, loop.rate, delay, most)
     if not isinstance(source, Estimate):
         raise ExoidError("only an estimate has a distribution", remedy="pass an Estimate, or the truth")
     return amplification_of_draws(loop, source, source.covariance, share, draws, most, seed)
@@ -239,8 +245,9 @@ def amplification_of_draws(
     shares = limiting_shares(loop, model, estimate.values, covariance, drawn.parameters, values, seed)
     named = dict(zip(model.names, shares.tolist(), strict=True))
     name = model.leg.description.name
+    exact = float(loop.table.largest(loop.legs(model, estimate.values[None]))[0])
     return Amplification(
-        name, values, share, pose, frequency, named, drawn.rejected, True, loop.rate, loop.table.delay, most
+        name, values, exact, share, pose, frequency, named, drawn.rejected, True, loop.rate, loop.table.delay, most
     )
 
 

@@ -78,7 +78,8 @@ class BetterExperiments:
             for name, found in results.items()
         ]
         table = make_table(("experiment to add", "largest amplification", "Monte-Carlo 95 %", "limited by"), rows)
-        return to_text(table, f"torque noise {self.noise}")
+        exact = f"with an exact model: {_text(self.now.exact)}, which no experiment can raise"
+        return to_text(table, exact, f"torque noise {self.noise}")
 
 
 def better_experiments(

@@ -77,7 +77,7 @@ class StabilityProbability:
         return (
             f"{self.leg}: stable with a probability of {100.0 * self.probability:.3g} % "
             f"({len(self.radius)} draws, Monte-Carlo 95 %: {low:.3g} to {high:.3g} %)\n"
-            f"{self.rate:g} Hz, readings {self.delay} periods late; linearised without Coulomb friction."
+            f"{self.rate:g} Hz, delay {self.delay} sampling periods; linearised without Coulomb friction."
         )
 
 
