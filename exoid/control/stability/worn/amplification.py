@@ -118,7 +118,8 @@ class Amplification:
 
     def __repr__(self) -> str:
         """Write the largest amplification."""
-        return f"Amplification({self.leg}: {_text(self.largest, self.most)}, limited by {self.limited_by})"
+        limited = f", limited by {self.limited_by}" if self.limited_by else ""
+        return f"Amplification({self.leg}: {_text(self.largest, self.most)}{limited})"
 
     def __str__(self) -> str:
         """Print the result with its evidence."""
@@ -171,7 +172,7 @@ def largest_amplification(
 
     Args:
         source: Source of the controller's model; an estimate unless ``truth`` is given.
-        wearer: The wearer; None for nobody.
+        wearer: The wearer; None for nobody: then nothing but the controller holds the leg.
         truth: True legs; None for draws from the distribution of the estimate.
         law: Function that makes the controller from the source and an amplification.
         poses: Poses [rad], (N, n) or (n,), of which the worst counts; None for eight poses of a stride.
@@ -189,11 +190,12 @@ def largest_amplification(
             derivatives at a pose.
 
     Example:
+        >>> from exoid.experiments import Hold
         >>> leg = exoid.load_leg("cuhk")
-        >>> light = leg.with_parameters(0.9 * leg.parameters)
-        >>> found = largest_amplification(leg, truth=light, poses=[0.2, 0.7])
-        >>> 1.0 < found.largest < 20.0
-        True
+        >>> lighter = leg.with_parameters(0.8 * leg.parameters)
+        >>> wearer = Wearer.build(leg, intention=Hold(np.array([[0.2], [0.7]])))
+        >>> largest_amplification(leg, truth=lighter, wearer=wearer, poses=[0.2, 0.7])
+        Amplification(cuhk.urdf: 5.66)
     """
     model = ControlModel.of(source)
     if not (0.0 < share < 1.0 and draws >= 1 and 1.0 < most < np.inf):
