@@ -1,4 +1,4 @@
-"""Stability of a leg under a controller: document 2's proof, its consequences and its limits."""
+"""Stability of a leg under a controller: document 2's proof and its limits; a worn leg with a wrong model."""
 
 from .equilibrium import Equilibrium, find_equilibrium
 from .gain_margin import GainMargins, gain_margins, spectral_radius
@@ -6,8 +6,18 @@ from .limit_cycle import LimitCycle, find_limit_cycle
 from .lyapunov import Lyapunov, lyapunov
 from .properties import ModelProperties, check_properties
 from .regulation import Regulation, Regulations, regulate
+from .worn import (
+    Amplification,
+    BetterExperiments,
+    StabilityProbability,
+    better_experiments,
+    largest_amplification,
+    stability_probability,
+)
 
 __all__ = [
+    "Amplification",
+    "BetterExperiments",
     "Equilibrium",
     "GainMargins",
     "LimitCycle",
@@ -15,11 +25,15 @@ __all__ = [
     "ModelProperties",
     "Regulation",
     "Regulations",
+    "StabilityProbability",
+    "better_experiments",
     "check_properties",
     "find_equilibrium",
     "find_limit_cycle",
     "gain_margins",
+    "largest_amplification",
     "lyapunov",
     "regulate",
     "spectral_radius",
+    "stability_probability",
 ]

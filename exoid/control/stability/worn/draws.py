@@ -1,0 +1,83 @@
+"""Draws of true parameters from the distribution of an estimate, restricted to legs that can exist."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.torques import TorqueModel, Viscous
+
+from .linear_leg import mass_matrices
+
+POSES = 50
+"""Number of random poses at which the mass matrix must be positive definite."""
+
+TRIES = 20
+"""Draws that may be made for each that is needed."""
+
+
+class Draws(NamedTuple):
+    """Draws of true parameters.
+
+    Attributes:
+        parameters: Sets of parameters, (B, P).
+        rejected: Share of draws that no rigid bodies have.
+    """
+
+    parameters: FloatArray
+    rejected: float
+
+
+def draw_truths(model: TorqueModel, values: FloatArray, covariance: FloatArray, count: int, seed: int) -> Draws:
+    """Draw from N(values, covariance), without those whose mass matrix is not positive definite at random poses.
+
+    Viscous friction that is drawn negative becomes zero, as on the rig.
+
+    Args:
+        model: Leg and terms.
+        values: Estimated parameters, (P,).
+        covariance: Their covariance, (P, P).
+        count: Number of draws B.
+        seed: Seed; the same seed gives the same standard normal numbers for each covariance.
+
+    Returns:
+        Draws in a random order.
+
+    Raises:
+        ExoidError: A variance is infinite, or too few draws are physically possible.
+    """
+    if not np.isfinite(covariance).all():
+        unknown = [name for name, row in zip(model.names, covariance, strict=True) if not np.isfinite(row).all()]
+        raise ExoidError(f"the covariance of {', '.join(unknown)} is not finite", remedy="record what determines them")
+    rng, n = np.random.default_rng(seed), len(model.joint_names)
+    poses = np.random.default_rng(0).uniform(-np.pi, np.pi, (POSES, n))
+    root, bounded = _root(covariance), _never_negative(model)
+    kept: list[FloatArray] = []
+    for tries in range(1, TRIES + 1):
+        drawn = values + rng.standard_normal((count, len(values))) @ root.T
+        drawn[:, bounded] = drawn[:, bounded].clip(0.0)
+        kept.extend(drawn[np.linalg.eigvalsh(mass_matrices(model, drawn, poses)).min(axis=(0, 2)) > 0.0])
+        if len(kept) >= count:
+            return Draws(np.array(kept[:count]), 1.0 - len(kept) / (tries * count))
+    raise ExoidError(
+        f"only {len(kept)} of {TRIES * count} draws have a positive definite mass matrix",
+        where=model.leg.description.name,
+        remedy="identify again with more excitation, or with known masses as priors",
+    )
+
+
+def _root(covariance: FloatArray) -> FloatArray:
+    """Matrix L with L Lᵀ = Σ; Σ may be singular."""
+    scale = np.sqrt(np.diag(covariance))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    return np.asarray(scale[:, None] * (vectors * np.sqrt(values.clip(0.0))) @ vectors.T)
+
+
+def _never_negative(model: TorqueModel) -> list[int]:
+    """Columns of viscous friction."""
+    names = {name for block in model.blocks if isinstance(block.term, Viscous) for name in block.names}
+    return [k for k, name in enumerate(model.names) if name in names]
