@@ -10,8 +10,7 @@ import numpy as np
 from exoid._typing import FloatArray
 
 from .correlation import followed, inflations
-from .detection import confirmed, looked, most_likely, thresholds
-from .hypotheses import Hypothesis, hypotheses_of
+from .detection import Detection, confirmed, looked
 from .information import absorb
 from .rows import Block, Rows, filtered_rows, unfiltered_rows
 from .settings import Settings
@@ -21,11 +20,14 @@ from .state import Change, Detector, Information, State, begin
 REMEMBERED = 100
 """Largest number of changes that a state lists."""
 
+SETTLED = 20.0
+"""Rows for each parameter from which on innovations are noise, not errors of the first values."""
+
 CHECKPOINT = 1.0
 """Time between checkpoints over the window of the detection."""
 
 FREED = 1e-3
-"""Factor of what is known of a parameter when it is found to have changed: its standard deviation grows a thousandfold."""
+"""Factor of what is known of a parameter that changed: its standard deviation grows a thousandfold."""
 
 
 class Recursion(NamedTuple):
@@ -33,13 +35,11 @@ class Recursion(NamedTuple):
 
     Attributes:
         settings: Settings.
-        hypotheses: Hypotheses of the change detection.
-        limits: Thresholds of their statistics, (C,).
+        detection: Hypotheses of the change detection with their thresholds.
     """
 
     settings: Settings
-    hypotheses: tuple[Hypothesis, ...]
-    limits: FloatArray
+    detection: Detection
 
     @classmethod
     def of(cls, settings: Settings) -> Recursion:
@@ -51,8 +51,7 @@ class Recursion(NamedTuple):
         Returns:
             All that a step needs.
         """
-        hypotheses = hypotheses_of(settings.model)
-        return cls(settings, hypotheses, thresholds(settings, hypotheses))
+        return cls(settings, Detection.of(settings))
 
     def begin(self) -> State:
         """Make the state before the first sample.
@@ -60,7 +59,7 @@ class Recursion(NamedTuple):
         Returns:
             A state that knows nothing.
         """
-        return begin(self.settings, len(self.hypotheses))
+        return begin(self.settings, len(self.detection.hypotheses))
 
 
 def advance(recursion: Recursion, state: State, block: Block) -> State:
@@ -80,20 +79,16 @@ def advance(recursion: Recursion, state: State, block: Block) -> State:
     else:
         rows, state = filtered_rows(settings, state, block)
     state = state._replace(samples=state.samples + len(block.q))
+    ratios = np.zeros(len(recursion.detection.hypotheses))
     if not rows.used.any():
-        return state._replace(correlation=followed(settings, state.correlation, np.zeros_like(rows.tau), rows.used))
-    innovations = (rows.tau - rows.W @ state.values) * rows.used
-    ratios = np.zeros(len(recursion.hypotheses))
-    if np.isfinite(state.std[0]):
-        correlation = followed(settings, state.correlation, innovations, rows.used)
-        state = state._replace(correlation=correlation)
-        if np.isfinite(recursion.limits[0]):
-            weights = state.weights / np.sqrt(inflations(settings, correlation))
-            found = looked(
-                settings, recursion.hypotheses, recursion.limits, state.detector, rows, innovations, weights
-            )
-            state, ratios = state._replace(detector=found[0]), found[1]
-    state = _updated(settings, state, rows)
+        return _followed(settings, state, rows)
+    known = np.isfinite(state.std[0]) and state.information.rows.sum() > SETTLED * settings.count
+    if known and recursion.detection.on:
+        weights = state.weights / np.sqrt(inflations(settings, state.correlation))
+        innovations = rows.tau - rows.W @ state.values
+        detector, ratios = looked(settings, recursion.detection, state.detector, rows, innovations, weights)
+        state = state._replace(detector=detector)
+    state = _followed(settings, _updated(settings, state, rows), rows)
     if confirmed(settings, state.detector):
         return _changed(recursion, state, ratios)
     return _with_checkpoint(settings, state)
@@ -106,6 +101,13 @@ def _updated(settings: Settings, state: State, rows: Rows) -> State:
     if found is None:
         return state._replace(information=information)
     return state._replace(information=information, values=found.values, std=found.std, weights=found.weights)
+
+
+def _followed(settings: Settings, state: State, rows: Rows) -> State:
+    """Add the residuals to their autocorrelation, once values are known."""
+    used = rows.used & np.isfinite(state.std[0])
+    residuals = (rows.tau - rows.W @ state.values) * used
+    return state._replace(correlation=followed(settings, state.correlation, residuals, used))
 
 
 def _with_checkpoint(settings: Settings, state: State) -> State:
@@ -123,8 +125,8 @@ def _with_checkpoint(settings: Settings, state: State) -> State:
 def _changed(recursion: Recursion, state: State, ratios: FloatArray) -> State:
     """Report a change, and go on from the oldest checkpoint with all that it knew of other parameters."""
     settings = recursion.settings
-    which = most_likely(recursion.hypotheses, recursion.limits, ratios, state.detector)
-    one = recursion.hypotheses[which]
+    which = recursion.detection.most_likely(ratios, state.detector)
+    one = recursion.detection.hypotheses[which]
     change = Change(
         sample=state.samples,
         time=state.samples / settings.rate,
@@ -178,7 +180,8 @@ def freed(settings: Settings, state: State, information: Information, basis: Flo
     first = np.linalg.qr(np.hstack([root @ basis, root @ others, z]), mode="r")
     last = np.linalg.qr(np.hstack([root @ others, root @ basis, z]), mode="r")
     kept = np.hstack([first[freedom:count, freedom:-1] @ others.T, first[freedom:count, -1:]])
-    loose = FREED * np.hstack([last[count - freedom : count, count - freedom : -1] @ basis.T, last[count - freedom : count, -1:]])
+    alone = last[count - freedom : count]
+    loose = FREED * np.hstack([alone[:, count - freedom : -1] @ basis.T, alone[:, -1:]])
     out = np.zeros_like(information.R)
     table = np.vstack([kept, loose, np.zeros((1, count + 1))])
     out[-1] = np.linalg.qr(table, mode="r")

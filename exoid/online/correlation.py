@@ -1,4 +1,4 @@
-"""Autocorrelation of innovations, and how many rows say as much as one that is independent.
+"""Autocorrelation of residuals, and how many rows say as much as one that is independent.
 
 Behind a low-pass, and where the model errs, one row resembles the next. The variance of a mean of N such rows is
 c/N of that of one, with c = 1 + 2 Σ_k ρ_k. Sums of slowly varying columns times rows have the same factor; those of
@@ -26,12 +26,12 @@ NEGLIGIBLE = 0.02
 
 
 def followed(settings: Settings, before: Correlation, e: FloatArray, used: NDArray[np.bool_]) -> Correlation:
-    """Add the innovations of a block.
+    """Add the residuals of a block.
 
     Args:
         settings: Settings.
         before: Autocorrelation so far.
-        e: Innovations [N·m], zero where a row is left out, (m, n).
+        e: Residuals [N·m], zero where a row is left out, (m, n).
         used: Rows of each joint that are used, (m, n).
 
     Returns:
@@ -54,7 +54,7 @@ def inflations(settings: Settings, correlation: Correlation) -> FloatArray:
 
     Args:
         settings: Settings.
-        correlation: Autocorrelation of innovations.
+        correlation: Autocorrelation of residuals.
 
     Returns:
         Factors c of at least 1, and at least that of white noise behind the filters, (n,).

@@ -13,14 +13,15 @@ errors of the model that repeat in this motion. The threshold follows from the r
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
-from .hypotheses import Hypothesis
+from .hypotheses import Hypothesis, hypotheses_of
 from .rows import Rows
 from .settings import Settings
 from .state import Detector
@@ -53,27 +54,86 @@ RIDGE = 1e-9
 """Share of its own energy that is added to that of a direction."""
 
 
-def thresholds(settings: Settings, hypotheses: Sequence[Hypothesis]) -> FloatArray:
-    """Thresholds of the statistics over their mean.
+class Detection(NamedTuple):
+    """What the change detection tests.
 
-    Args:
-        settings: Settings with a rate of false alarms.
+    Attributes:
         hypotheses: The hypotheses, C of them.
-
-    Returns:
-        Thresholds, infinite without a rate, (C,).
+        limits: Thresholds of their statistics over the mean, (C,); infinite for no detection.
+        dimensions: Dimension d of each, (C,).
+        bases: Places of the hypotheses of one dimension, and their bases, (c,) and (c, P, d).
     """
-    if settings.false_alarms == 0.0 or settings.forgetting == "none":
-        return np.full(len(hypotheses), np.inf)
-    looks = LOOKS * 3600.0 / settings.window * len(hypotheses)
-    rare = settings.false_alarms / looks
-    return np.array([scipy.stats.f.isf(rare, one.basis.shape[1], DOF) for one in hypotheses])
+
+    hypotheses: tuple[Hypothesis, ...]
+    limits: FloatArray
+    dimensions: NDArray[np.intp]
+    bases: tuple[tuple[NDArray[np.intp], FloatArray], ...]
+
+    @classmethod
+    def of(cls, settings: Settings) -> Detection:
+        """Make the hypotheses of a leg, and thresholds by the rate of false alarms.
+
+        Args:
+            settings: Settings.
+
+        Returns:
+            What is tested.
+        """
+        hypotheses = hypotheses_of(settings.model)
+        dimensions = np.array([one.basis.shape[1] for one in hypotheses])
+        places = [np.flatnonzero(dimensions == d) for d in np.unique(dimensions)]
+        bases = tuple((of_one, np.array([hypotheses[k].basis for k in of_one])) for of_one in places)
+        limits = np.full(len(hypotheses), np.inf)
+        if settings.false_alarms > 0.0 and settings.forgetting != "none":
+            rare = settings.false_alarms * settings.window / (LOOKS * 3600.0 * len(hypotheses))
+            limits = scipy.stats.f.isf(rare, dimensions, DOF)
+        return cls(hypotheses, limits, dimensions, bases)
+
+    @property
+    def on(self) -> bool:
+        """Whether changes are detected."""
+        return bool(np.isfinite(self.limits).all())
+
+    def statistics(self, score: FloatArray, energy: FloatArray) -> FloatArray:
+        """Compute the likelihood ratio of each hypothesis over its dimension.
+
+        Args:
+            score: s, (P,).
+            energy: E, (P, P).
+
+        Returns:
+            g/d, zero where a direction of the hypothesis was not excited, (C,).
+        """
+        found = np.zeros(len(self.hypotheses))
+        for places, bases in self.bases:
+            s, E = score @ bases, bases.transpose(0, 2, 1) @ (energy @ bases)
+            size = np.sqrt(np.maximum(np.einsum("cdd->cd", E), 0.0))
+            seen = size.all(axis=1)
+            size[~seen] = 1.0
+            unit = np.eye(E.shape[1])
+            scaled = np.where(seen[:, None, None], E / (size[:, :, None] * size[:, None, :]) + RIDGE * unit, unit)
+            y = (s / size)[..., None]
+            found[places] = seen * (y * np.linalg.solve(scaled, y)).sum(axis=(1, 2)) / E.shape[1]
+        return found
+
+    def most_likely(self, ratios: FloatArray, detector: Detector) -> int:
+        """Choose the hypothesis that explains most of the innovations.
+
+        Args:
+            ratios: Statistics over mean and threshold, (C,).
+            detector: The detector.
+
+        Returns:
+            Index of the hypothesis.
+        """
+        mean = np.maximum(1.0, detector.level / max(detector.looks, 1.0))
+        energy = ratios * self.limits * mean * self.dimensions
+        return int(np.argmax(energy - PENALTY * self.dimensions * mean.mean()))
 
 
 def looked(
     settings: Settings,
-    hypotheses: Sequence[Hypothesis],
-    limits: FloatArray,
+    detection: Detection,
     before: Detector,
     rows: Rows,
     innovations: FloatArray,
@@ -83,8 +143,7 @@ def looked(
 
     Args:
         settings: Settings.
-        hypotheses: The hypotheses, C of them.
-        limits: Their thresholds, (C,).
+        detection: What is tested, C hypotheses.
         before: Detector so far.
         rows: Rows of the block.
         innovations: τ − W β of the values before it [N·m], (m, n).
@@ -93,13 +152,11 @@ def looked(
     Returns:
         The detector, and each statistic over its mean and threshold, (C,).
     """
-    if not rows.used.any():
-        return before, np.zeros(len(hypotheses))
     discount = math.exp(-settings.block_time / settings.window)
     W = (rows.W * weights[:, None]).reshape(-1, settings.count)
     score = discount * before.score + W.T @ (innovations * weights).ravel()
     energy = discount * before.energy + W.T @ W
-    statistics = (1.0 + discount) * _statistics(hypotheses, score, energy)
+    statistics = (1.0 + discount) * detection.statistics(score, energy)
     duration = before.settled * settings.block_time / settings.window
     level, looks = before.level, before.looks
     mean = np.maximum(1.0, level / max(looks, 1.0))
@@ -108,44 +165,19 @@ def looked(
         most = CLIPPED * mean if duration > 0.5 * WARM_UP else np.full(len(mean), np.inf)
         level, looks = slow * level + np.minimum(statistics, most), slow * looks + 1.0
         mean = np.maximum(1.0, level / looks)
-    ratios = statistics / (mean * limits) if duration > WARM_UP else np.zeros(len(mean))
-    above = bool((ratios > 1.0).any())
-    crossing = before.crossing + 1 if above else -1
+    ratios = statistics / (mean * detection.limits) if duration > WARM_UP else np.zeros(len(mean))
+    crossing = before.crossing + 1 if (ratios > 1.0).any() else -1
     return Detector(score, energy, level, looks, crossing, before.settled + 1), ratios
 
 
 def confirmed(settings: Settings, detector: Detector) -> bool:
-    """Say whether a statistic has been above its threshold for long enough."""
-    return detector.crossing * settings.block_time >= CONFIRMED * settings.window
-
-
-def most_likely(hypotheses: Sequence[Hypothesis], limits: FloatArray, ratios: FloatArray, detector: Detector) -> int:
-    """Choose the hypothesis that explains most of the innovations.
+    """Say whether a statistic has been above its threshold for long enough.
 
     Args:
-        hypotheses: The hypotheses.
-        limits: Their thresholds, (C,).
-        ratios: Statistics over mean and threshold, (C,).
+        settings: Settings.
         detector: The detector.
 
     Returns:
-        Index of the hypothesis.
+        Whether it has.
     """
-    dimensions = np.array([one.basis.shape[1] for one in hypotheses])
-    mean = np.maximum(1.0, detector.level / max(detector.looks, 1.0))
-    energy = ratios * limits * mean * dimensions
-    return int(np.argmax(energy - PENALTY * dimensions * mean.mean()))
-
-
-def _statistics(hypotheses: Sequence[Hypothesis], score: FloatArray, energy: FloatArray) -> FloatArray:
-    """Likelihood ratio of each hypothesis over its dimension, (C,)."""
-    found = np.zeros(len(hypotheses))
-    for k, one in enumerate(hypotheses):
-        B = one.basis
-        s, E = B.T @ score, B.T @ energy @ B
-        size = np.sqrt(np.diag(E))
-        if not size.all():
-            continue
-        scaled = E / np.multiply.outer(size, size) + RIDGE * np.eye(len(E))
-        found[k] = float(s / size @ np.linalg.solve(scaled, s / size)) / len(E)
-    return found
+    return detector.crossing * settings.block_time >= CONFIRMED * settings.window

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from operator import sub
 from typing import NamedTuple
 
 import numpy as np
@@ -102,22 +103,24 @@ def take(settings: Settings, intake: Intake, sample: tuple[float, ...], time: fl
         late = round(steps) - 1
         if late > intake.missing:
             intake = _counted(intake, "missing-samples", late - intake.missing)._replace(missing=late)
+    q = sample[:n]
     if last:
         widest = FASTEST / settings.rate * (1 + intake.missing)
-        jumped = any(abs(x - y) > widest for x, y in zip(sample[:n], last[:n], strict=False))
+        jumped = max(map(abs, map(sub, q, last))) > widest
         if jumped and intake.implausible < settings.rate * REFUSED:
             return Taken(_refused(settings, intake, "angle-jump"), ())
-    if any(abs(x) > FARTHEST for x in sample[:n]):
-        raise _degrees(settings, sample[:n])
-    limits = settings.torque_limits.tolist()
-    marks = tuple(float(abs(x) >= y) for x, y in zip(sample[3 * n :], limits, strict=True))
-    if any(marks):
-        intake = _counted(intake, "saturated-torque")
-    full = (*sample, *marks)
-    missing, bridged = intake.missing, ()
-    if 0 < missing <= BRIDGED and last:
-        bridged = _between(last, full, missing)
-    after = intake._replace(last=full, time=time, missing=0, implausible=0, received=intake.received + 1)
+    if max(q) > FARTHEST or min(q) < -FARTHEST:
+        raise _degrees(settings, q)
+    marks = (0.0,) * n
+    if settings.limits is not None:
+        marks = tuple(float(abs(x) >= y) for x, y in zip(sample[3 * n :], settings.limits, strict=True))
+        if any(marks):
+            intake = _counted(intake, "saturated-torque")
+    full, missing = (*sample, *marks), intake.missing
+    after = Intake(intake.given, full, time, 0, 0, intake.counts, intake.received + 1)
+    if not missing:
+        return Taken(after, (full,))
+    bridged = _between(last, full, missing) if missing <= BRIDGED and last else ()
     return Taken(after, (*bridged, full), gap=missing > BRIDGED)
 
 

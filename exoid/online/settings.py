@@ -101,12 +101,12 @@ class Settings:
         if self.cutoff is not None:
             _ = self.narrow, self.wide  # refuses a cut-off that the rate cannot carry
 
-    @property
+    @cached_property
     def n(self) -> int:
         """Number of joints."""
         return len(self.model.joint_names)
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number of parameters P."""
         return len(self.model.names)
@@ -125,6 +125,11 @@ class Settings:
     def block(self) -> int:
         """Samples of a block."""
         return SAMPLES if self.cutoff is None else ROWS * self.stride
+
+    @cached_property
+    def limits(self) -> tuple[float, ...] | None:
+        """Largest torque of each joint [N·m], (n,); None for none."""
+        return None if np.isinf(self.torque_limits).all() else tuple(self.torque_limits.tolist())
 
     @property
     def row_time(self) -> float:

@@ -97,7 +97,7 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
     """Make the estimate of a state.
 
     The covariance is A⁻¹ (Σ_j w_j⁴ s_j² c_j A_j) A⁻¹ with A = Σ_j w_j² A_j: the noise of joint j has the size s_j, and
-    c_j = 1 + 2 Σ_k ρ_k of its rows say as much as one independent row, by the autocorrelation ρ_k of innovations.
+    c_j = 1 + 2 Σ_k ρ_k of its rows say as much as one independent row, by the autocorrelation ρ_k of residuals.
 
     Args:
         settings: Settings.

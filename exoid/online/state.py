@@ -34,12 +34,12 @@ class Information(NamedTuple):
 
 
 class Correlation(NamedTuple):
-    """Autocorrelation of the innovations of each joint, over up to :data:`LAGS` rows.
+    """Autocorrelation of the residuals of each joint, over up to :data:`LAGS` rows.
 
     Attributes:
-        tail: The last innovations [N·m], zero where a row was left out, (K, n).
+        tail: The last residuals [N·m], zero where a row was left out, (K, n).
         used: Whether they were used, 0 or 1, (K, n).
-        sums: Discounted sum of products of innovations k rows apart, (K + 1, n).
+        sums: Discounted sum of products of residuals k rows apart, (K + 1, n).
         counts: Discounted number of them, (K + 1, n).
     """
 
@@ -107,7 +107,7 @@ class State(NamedTuple):
         values: Parameters by the last block, (P,).
         std: Their standard deviations by the R factors alone, (P,); infinite before they are determined.
         weights: Weight of the rows of each joint [1/(N·m)], (n,).
-        correlation: Autocorrelation of innovations.
+        correlation: Autocorrelation of residuals.
         detector: Change detection.
         checkpoints: R factors one, two and three seconds ago, (3, n + 1, P + 1, P + 1).
         checkpoint_rows: Rows of each, (3, n + 1).
