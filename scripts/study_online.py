@@ -7,7 +7,7 @@
     python scripts/study_online.py memory --minutes 30    # memory of 30 min at 500 Hz, and time of a step
 
 The three segments of BLEEX walk on the rig, under PD control at 500 Hz, with friction, encoders of 65 536 counts, and
-torque sensors with noise. The estimator knows the geometry, and what the first half minute says.
+torque sensors with noise, which see the mean of the torques held before and after a sample. The estimator knows the geometry, and what the first half minute says.
 """
 
 from __future__ import annotations
@@ -78,8 +78,8 @@ class Machine:
         controller, rig, samples = ProportionalDerivative(*GAINS), PlanarStepper(plant, self._q, self._v, STEP), []
         for _ in range(round(seconds * RATE)):
             reading = self._sensors.angle(rig.q, self._rng)
-            samples.append((reading, self._sensors.torque(self._torque, self._rng)))
-            self._torque = controller.command(reference.at(self._done / RATE), reading, rig.v)
+            before, self._torque = self._torque, controller.command(reference.at(self._done / RATE), reading, rig.v)
+            samples.append((reading, self._sensors.torque(0.5 * (before + self._torque), self._rng)))
             for _ in range(round(1.0 / (RATE * STEP))):
                 rig.step(self._torque, np.zeros_like(self._torque))
             self._done += 1

@@ -41,8 +41,11 @@ WARM_UP = 20.0
 SETTLING = 5.0
 """before the mean statistic is followed."""
 
-CONFIRMED = 0.5
-"""Time for which a statistic must stay above its threshold, over the window."""
+DECISION = 1.5
+"""Time over the window for which innovations are summed up, once a statistic crossed its threshold.
+
+Friction in one direction of motion looks like a load. Only when the joint moved both ways do hypotheses differ.
+"""
 
 CLIPPED = 3.0
 """A statistic enters its mean by no more than so many times the mean."""
@@ -152,32 +155,36 @@ def looked(
     Returns:
         The detector, and each statistic over its mean and threshold, (C,).
     """
-    discount = math.exp(-settings.block_time / settings.window)
+    suspected = before.crossing >= 0
+    discount = 1.0 if suspected else math.exp(-settings.block_time / settings.window)
     W = (rows.W * weights[:, None]).reshape(-1, settings.count)
     score = discount * before.score + W.T @ (innovations * weights).ravel()
     energy = discount * before.energy + W.T @ W
-    statistics = (1.0 + discount) * detection.statistics(score, energy)
+    statistics = (1.0 if suspected else 1.0 + discount) * detection.statistics(score, energy)
     duration = before.settled * settings.block_time / settings.window
     level, looks = before.level, before.looks
     mean = np.maximum(1.0, level / max(looks, 1.0))
-    if duration > SETTLING and before.crossing < 0:
+    if duration > SETTLING and not suspected:
         slow = math.exp(-settings.block_time / (LEVEL * settings.window))
         most = CLIPPED * mean if duration > 0.5 * WARM_UP else np.full(len(mean), np.inf)
         level, looks = slow * level + np.minimum(statistics, most), slow * looks + 1.0
         mean = np.maximum(1.0, level / looks)
     ratios = statistics / (mean * detection.limits) if duration > WARM_UP else np.zeros(len(mean))
-    crossing = before.crossing + 1 if (ratios > 1.0).any() else -1
+    above = bool((ratios > 1.0).any())
+    crossing = before.crossing + 1 if suspected else 0 if above else -1
+    if crossing * settings.block_time > DECISION * settings.window and not above:
+        crossing = -1
     return Detector(score, energy, level, looks, crossing, before.settled + 1), ratios
 
 
 def confirmed(settings: Settings, detector: Detector) -> bool:
-    """Say whether a statistic has been above its threshold for long enough.
+    """Say whether innovations were summed up for long enough, and a statistic stayed above its threshold.
 
     Args:
         settings: Settings.
         detector: The detector.
 
     Returns:
-        Whether it has.
+        Whether there is a change.
     """
-    return detector.crossing * settings.block_time >= CONFIRMED * settings.window
+    return detector.crossing * settings.block_time > DECISION * settings.window
