@@ -84,9 +84,11 @@ def advance(recursion: Recursion, state: State, block: Block) -> State:
         return _followed(settings, state, rows)
     known = np.isfinite(state.std[0]) and state.information.rows.sum() > SETTLED * settings.count
     if known and recursion.detection.on:
-        weights = state.weights / np.sqrt(inflations(settings, state.correlation))
+        inflation = inflations(settings, state.correlation)
         innovations = rows.tau - rows.W @ state.values
-        detector, ratios = looked(settings, recursion.detection, state.detector, rows, innovations, weights)
+        detector, ratios = looked(
+            settings, recursion.detection, state.detector, rows, innovations, state.weights, inflation
+        )
         state = state._replace(detector=detector)
     state = _followed(settings, _updated(settings, state, rows), rows)
     if confirmed(settings, state.detector):
@@ -104,7 +106,9 @@ def _updated(settings: Settings, state: State, rows: Rows) -> State:
 
 
 def _followed(settings: Settings, state: State, rows: Rows) -> State:
-    """Add the residuals to their autocorrelation, once values are known."""
+    """Add the residuals to their autocorrelation, once values are known, and not beside a suspicion."""
+    if state.detector.crossing >= 0:
+        return state
     used = rows.used & np.isfinite(state.std[0])
     residuals = (rows.tau - rows.W @ state.values) * used
     return state._replace(correlation=followed(settings, state.correlation, residuals, used))
@@ -125,6 +129,7 @@ def _with_checkpoint(settings: Settings, state: State) -> State:
 def _changed(recursion: Recursion, state: State, ratios: FloatArray) -> State:
     """Report a change, and go on from the oldest checkpoint with all that it knew of other parameters."""
     settings = recursion.settings
+    state = state._replace(weights=state.detector.weights)
     which = recursion.detection.most_likely(ratios, state.detector)
     one = recursion.detection.hypotheses[which]
     change = Change(
@@ -144,6 +149,7 @@ def _changed(recursion: Recursion, state: State, ratios: FloatArray) -> State:
         0.0,
         -1,
         0,
+        state.detector.weights,
     )
     found = current(settings, information, state.weights, inflations(settings, state.correlation))
     return state._replace(

@@ -50,6 +50,9 @@ Friction in one direction of motion looks like a load. Only when the joint moved
 CLIPPED = 3.0
 """A statistic enters its mean by no more than so many times the mean."""
 
+SLOWLY = 10.0
+"""Time constant of the weights of the rows, over the window."""
+
 PENALTY = 5.0
 """Evidence that a further parameter of a hypothesis has to bring, over the mean statistic."""
 
@@ -141,6 +144,7 @@ def looked(
     rows: Rows,
     innovations: FloatArray,
     weights: FloatArray,
+    inflation: FloatArray,
 ) -> tuple[Detector, FloatArray]:
     """Look at the innovations of a block.
 
@@ -150,15 +154,21 @@ def looked(
         before: Detector so far.
         rows: Rows of the block.
         innovations: τ − W β of the values before it [N·m], (m, n).
-        weights: One over the standard deviation of a row, counted as independent [1/(N·m)], (n,).
+        weights: Weights of the rows by the last block [1/(N·m)], (n,).
+        inflation: Rows that say as much as one independent row, (n,).
 
     Returns:
         The detector, and each statistic over its mean and threshold, (C,).
     """
     suspected = before.crossing >= 0
     discount = 1.0 if suspected else math.exp(-settings.block_time / settings.window)
-    W = (rows.W * weights[:, None]).reshape(-1, settings.count)
-    score = discount * before.score + W.T @ (innovations * weights).ravel()
+    followed = before.weights
+    if not suspected:
+        part = max(settings.block_time / (SLOWLY * settings.window), 1.0 / (1.0 + before.settled))
+        followed = followed + min(1.0, part) * (weights - followed)
+    precision = followed / np.sqrt(inflation)
+    W = (rows.W * precision[:, None]).reshape(-1, settings.count)
+    score = discount * before.score + W.T @ (innovations * precision).ravel()
     energy = discount * before.energy + W.T @ W
     statistics = (1.0 if suspected else 1.0 + discount) * detection.statistics(score, energy)
     duration = before.settled * settings.block_time / settings.window
@@ -174,7 +184,7 @@ def looked(
     crossing = before.crossing + 1 if suspected else 0 if above else -1
     if crossing * settings.block_time > DECISION * settings.window and not above:
         crossing = -1
-    return Detector(score, energy, level, looks, crossing, before.settled + 1), ratios
+    return Detector(score, energy, level, looks, crossing, before.settled + 1, followed), ratios
 
 
 def confirmed(settings: Settings, detector: Detector) -> bool:

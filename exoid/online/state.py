@@ -59,6 +59,7 @@ class Detector(NamedTuple):
         looks: Discounted number of blocks in it.
         crossing: Blocks since a statistic crossed its threshold; −1 for none.
         settled: Blocks with rows since the beginning, or since the last change.
+        weights: Weight of the rows of each joint, followed slowly and not beside a suspicion [1/(N·m)], (n,).
     """
 
     score: FloatArray
@@ -67,6 +68,7 @@ class Detector(NamedTuple):
     looks: float
     crossing: int
     settled: int
+    weights: FloatArray
 
 
 class Change(NamedTuple):
@@ -151,7 +153,7 @@ def begin(settings: Settings, hypotheses: int) -> State:
         correlation=Correlation(
             np.zeros((LAGS, n)), np.zeros((LAGS, n)), np.zeros((LAGS + 1, n)), np.zeros((LAGS + 1, n))
         ),
-        detector=Detector(np.zeros(P), np.zeros((P, P)), np.zeros(hypotheses), 0.0, -1, 0),
+        detector=Detector(np.zeros(P), np.zeros((P, P)), np.zeros(hypotheses), 0.0, -1, 0, np.ones(n)),
         checkpoints=np.tile(R, (CHECKPOINTS, 1, 1, 1)),
         checkpoint_rows=np.zeros((CHECKPOINTS, n + 1)),
         changes=(),
