@@ -64,4 +64,3 @@ def inflations(settings: Settings, correlation: Correlation) -> FloatArray:
     rho = np.divide(sums[1:] / counts[1:], variance, out=np.zeros_like(sums[1:]), where=variance > 0.0)
     believed = np.cumprod((rho > NEGLIGIBLE) & (counts[1:] >= FEWEST), axis=0)
     return np.asarray(np.maximum(settings.filter_inflation, 1.0 + 2.0 * (np.minimum(rho, 1.0) * believed).sum(axis=0)))
-

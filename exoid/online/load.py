@@ -17,7 +17,6 @@ from exoid.torques.payloads import payload_parameters
 from .hypotheses import SPANNED
 
 
-
 class LoadChange(NamedTuple):
     """Load that was added to a segment; prints itself.
 
