@@ -7,7 +7,8 @@
     python scripts/study_online.py memory --minutes 30    # memory of 30 min at 500 Hz, and time of a step
 
 The three segments of BLEEX walk on the rig, under PD control at 500 Hz, with friction, encoders of 65 536 counts, and
-torque sensors with noise, which see the mean of the torques held before and after a sample. The estimator knows the geometry, and what the first half minute says.
+torque sensors with noise, which see the mean of the torques held before and after a sample. The estimator knows the
+geometry, and what the first half minute says.
 """
 
 from __future__ import annotations
@@ -56,10 +57,10 @@ def leg() -> exoid.Leg:
 class Machine:
     """Rigs under PD control that go on from piece to piece, whatever changes between two samples."""
 
-    def __init__(self, plant: Plant, seed: int, noise: float = 1.0) -> None:
+    def __init__(self, plant: Plant, seed: int) -> None:
         """Begin in the stride."""
         self.gait = gait_for_leg(plant.leg, norm_gait("Free", period=PERIOD))
-        torque_noise = noise * np.array(TORQUE_NOISE)[:, None]
+        torque_noise = np.array(TORQUE_NOISE)[:, None]
         self._rng, self._sensors = np.random.default_rng(seed), Sensors(torque_noise=torque_noise)
         start = self.gait.at(0.0)
         self._q, self._v = (np.tile(x, (1, plant.count)) for x in (start.q, start.v))
@@ -161,19 +162,16 @@ def standing(minutes: float = 10.0, seed: int = 5) -> FloatArray:
     return np.asarray(np.abs(online.estimate.values - before.values) / before.std)
 
 
-def quiet(minutes: float, seed: int = 9) -> int:
-    """Walk without any change: number of changes that are reported.
-
-    One minute, which is a whole number of strides, is simulated without noise, and repeated with new noise.
-    """
-    one = plants(1)
-    machine, rng = Machine(one, seed, noise=0.0), np.random.default_rng(seed)
-    stream = machine.walk(one, 60.0)
-    online = RecursiveEstimator(leg(), TERMS, rate=RATE)
-    for _ in range(round(minutes)):
-        noise = np.array(TORQUE_NOISE)[:, None] * rng.standard_normal(stream.tau.shape)
-        feed(online, Stream(stream.q, stream.tau + noise), 0)
-    return len(online.changes)
+def quiet(minutes: float, seed: int = 9, rigs: int = 10) -> int:
+    """Walk without any change, so many minutes in all, shared among rigs: number of changes that are reported."""
+    plant = plants(rigs)
+    machine = Machine(plant, seed)
+    online = [RecursiveEstimator(leg(), TERMS, rate=RATE) for _ in range(rigs)]
+    for _ in range(max(1, round(minutes / rigs))):
+        stream = machine.walk(plant, 60.0)
+        for rig, estimator in enumerate(online):
+            feed(estimator, stream, rig)
+    return sum(len(estimator.changes) for estimator in online)
 
 
 class Cost(NamedTuple):

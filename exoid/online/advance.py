@@ -183,14 +183,14 @@ def freed(settings: Settings, state: State, information: Information, basis: Flo
     count, freedom = basis.shape
     others = np.linalg.svd(basis)[0][:, freedom:]
     root, z = R[:-1, :-1], R[:-1, -1:]
-    first = np.linalg.qr(np.hstack([root @ basis, root @ others, z]), mode="r")
-    last = np.linalg.qr(np.hstack([root @ others, root @ basis, z]), mode="r")
+    first = np.asarray(np.linalg.qr(np.hstack([root @ basis, root @ others, z]), mode="r"))
+    last = np.asarray(np.linalg.qr(np.hstack([root @ others, root @ basis, z]), mode="r"))
     kept = np.hstack([first[freedom:count, freedom:-1] @ others.T, first[freedom:count, -1:]])
     alone = last[count - freedom : count]
     loose = FREED * np.hstack([alone[:, count - freedom : -1] @ basis.T, alone[:, -1:]])
     out = np.zeros_like(information.R)
     table = np.vstack([kept, loose, np.zeros((1, count + 1))])
-    out[-1] = np.linalg.qr(table, mode="r")
+    out[-1] = np.asarray(np.linalg.qr(table, mode="r"))
     samples = np.zeros_like(information.rows)
     samples[-1] = (information.rows[:-1] / inflation).sum() + information.rows[-1]
     return Information(out, samples)

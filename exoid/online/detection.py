@@ -92,7 +92,7 @@ class Detection(NamedTuple):
         limits = np.full(len(hypotheses), np.inf)
         if settings.false_alarms > 0.0 and settings.forgetting != "none":
             rare = settings.false_alarms * settings.window / (LOOKS * 3600.0 * len(hypotheses))
-            limits = scipy.stats.f.isf(rare, dimensions, DOF)
+            limits = np.asarray(scipy.stats.f.isf(rare, dimensions, DOF), dtype=np.float64)
         return cls(hypotheses, limits, dimensions, bases)
 
     @property

@@ -152,7 +152,7 @@ class RecursiveEstimator:
         table = np.hstack([of_q, *(as_table(x, name, n, count) for x, name in ((v, "v"), (a, "a"), (tau, "tau")))])
         stamps = np.full(count, math.nan) if time is None else np.atleast_1d(np.asarray(time, dtype=np.float64))
         if stamps.shape != (count,):
-            raise ExoidError(f"time of shape {np.shape(time)} for {count} samples", remedy="pass one stamp a sample")
+            raise ExoidError(f"time of shape {stamps.shape} for {count} samples", remedy="pass one stamp a sample")
         for sample, stamp in zip(table.tolist(), stamps.tolist(), strict=True):
             self._take(tuple(sample), stamp)
 

@@ -149,13 +149,15 @@ NESTED = (*PARTS, "samples", "changes")
 
 def _memory_from(data: Mapping[str, Any], settings: Settings) -> Memory:
     found = data["state"]
-    parts = {name: kind(**{key: _value(x) for key, x in found[name].items()}) for name, kind in PARTS.items()}
+    parts: dict[str, Any] = {
+        name: kind(**{key: _value(x) for key, x in found[name].items()}) for name, kind in PARTS.items()
+    }
     arrays = {name: _value(found[name]) for name in State._fields if name not in NESTED}
     changes = tuple(
         Change(**{**one, "parameters": tuple(one["parameters"]), "values": tuple(one["values"])})
         for one in found["changes"]
     )
-    state = State(samples=int(found["samples"]), changes=changes, **parts, **arrays)
+    state = State(**{"samples": int(found["samples"]), "changes": changes, **parts, **arrays})
     P, n = settings.count, settings.n
     if state.values.shape != (P,) or state.information.R.shape != (n + 1, P + 1, P + 1):
         raise ValueError("shapes of the state do not fit the settings")

@@ -41,6 +41,9 @@ MESSAGES = {
 }
 """Message and remedy of each fault."""
 
+NOTHING = tuple((kind, 0) for kind in MESSAGES)
+"""Counts before the first sample."""
+
 
 class Intake(NamedTuple):
     """What is known of the stream of samples.
@@ -60,7 +63,7 @@ class Intake(NamedTuple):
     time: float = math.nan
     missing: int = 0
     implausible: int = 0
-    counts: tuple[tuple[str, int], ...] = tuple((kind, 0) for kind in MESSAGES)
+    counts: tuple[tuple[str, int], ...] = NOTHING
     received: int = 0
 
 
