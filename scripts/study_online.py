@@ -14,6 +14,7 @@ geometry, and what the first half minute says.
 from __future__ import annotations
 
 import argparse
+import gc
 import time
 import tracemalloc
 from collections.abc import Mapping
@@ -206,9 +207,11 @@ def cost(minutes: float) -> Cost:
     tracemalloc.start()
     for k in range(len(q)):  # what is allocated before is not traced
         online.update(q[k], None, None, tau[k])
+    gc.collect()
     before_bytes, _ = tracemalloc.get_traced_memory()
     for k in range(count):
         online.update(q[k % len(q)], None, None, tau[k % len(q)])
+    gc.collect()
     after_bytes, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     return Cost(after_bytes - before_bytes, step, longest, rnea)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import tracemalloc
 
 import numpy as np
@@ -118,6 +119,7 @@ def test_memory_does_not_grow(leg, truth):
     for start in range(0, len(q), 3000):
         for k in range(start, start + 3000):
             online.update(q[k], None, None, tau[k])
+        gc.collect()
         sizes.append(tracemalloc.get_traced_memory()[0])
     tracemalloc.stop()
     assert sizes[-1] - sizes[1] < 20_000
