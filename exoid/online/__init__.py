@@ -1,0 +1,23 @@
+"""Recursive estimation: parameters of a leg from a stream of samples, while it moves."""
+
+from .advance import Recursion, advance
+from .estimator import RecursiveEstimator
+from .hypotheses import Hypothesis, hypotheses_of
+from .load import LoadChange, load_change
+from .rows import Block
+from .settings import Settings
+from .state import Change, State
+
+__all__ = [
+    "Block",
+    "Change",
+    "Hypothesis",
+    "LoadChange",
+    "Recursion",
+    "RecursiveEstimator",
+    "Settings",
+    "State",
+    "advance",
+    "hypotheses_of",
+    "load_change",
+]

@@ -1,0 +1,200 @@
+"""Change detection: generalised likelihood ratio of innovations in a short window.
+
+Innovations e of rows W follow a change Δβ = B b of a few parameters, e = W B b + noise. With the discounted score
+s = Wᵀe and energy E = WᵀW of weighted rows, the likelihood ratio of the best b is
+
+    g = (Bᵀs)ᵀ (Bᵀ E B)⁻¹ (Bᵀs),
+
+which over its mean is F-distributed with (d, ν) degrees of freedom while nothing changes (M. Basseville,
+I. V. Nikiforov, Detection of Abrupt Changes, 1993, ch. 7). The mean is that of the last minutes, and contains the
+errors of the model that repeat in this motion. The threshold follows from the rate of false alarms.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+
+from .hypotheses import Hypothesis, hypotheses_of
+from .rows import Rows
+from .settings import Settings
+from .state import Detector
+
+LOOKS = 10.0
+"""Independent looks in a window, of each hypothesis, at most."""
+
+DOF = 20.0
+"""Degrees of freedom ν of the mean statistic, at least."""
+
+LEVEL = 60.0
+"""Time constant of the mean statistic over the window."""
+
+WARM_UP = 20.0
+"""Duration of rows before changes are reported, over the window; and"""
+
+SETTLING = 5.0
+"""before the mean statistic is followed."""
+
+DECISION = 1.5
+"""Time over the window for which innovations are summed up, once a statistic crossed its threshold.
+
+Friction in one direction of motion looks like a load. Only when the joint moved both ways do hypotheses differ.
+"""
+
+CLIPPED = 3.0
+"""A statistic enters its mean by no more than so many times the mean."""
+
+SLOWLY = 10.0
+"""Time constant of the weights of the rows, over the window."""
+
+PENALTY = 5.0
+"""Evidence that a further parameter of a hypothesis has to bring, over the mean statistic."""
+
+RIDGE = 1e-9
+"""Share of its own energy that is added to that of a direction."""
+
+
+class Detection(NamedTuple):
+    """What the change detection tests.
+
+    Attributes:
+        hypotheses: The hypotheses, C of them.
+        limits: Thresholds of their statistics over the mean, (C,); infinite for no detection.
+        dimensions: Dimension d of each, (C,).
+        bases: Places of the hypotheses of one dimension, and their bases, (c,) and (c, P, d).
+    """
+
+    hypotheses: tuple[Hypothesis, ...]
+    limits: FloatArray
+    dimensions: NDArray[np.intp]
+    bases: tuple[tuple[NDArray[np.intp], FloatArray], ...]
+
+    @classmethod
+    def of(cls, settings: Settings) -> Detection:
+        """Make the hypotheses of a leg, and thresholds by the rate of false alarms.
+
+        Args:
+            settings: Settings.
+
+        Returns:
+            What is tested.
+        """
+        hypotheses = hypotheses_of(settings.model)
+        dimensions = np.array([one.basis.shape[1] for one in hypotheses])
+        places = [np.flatnonzero(dimensions == d) for d in np.unique(dimensions)]
+        bases = tuple((of_one, np.array([hypotheses[k].basis for k in of_one])) for of_one in places)
+        limits = np.full(len(hypotheses), np.inf)
+        if settings.false_alarms > 0.0 and settings.forgetting != "none":
+            rare = settings.false_alarms * settings.window / (LOOKS * 3600.0 * len(hypotheses))
+            limits = np.asarray(scipy.stats.f.isf(rare, dimensions, DOF), dtype=np.float64)
+        return cls(hypotheses, limits, dimensions, bases)
+
+    @property
+    def on(self) -> bool:
+        """Whether changes are detected."""
+        return bool(np.isfinite(self.limits).all())
+
+    def statistics(self, score: FloatArray, energy: FloatArray) -> FloatArray:
+        """Compute the likelihood ratio of each hypothesis over its dimension.
+
+        Args:
+            score: s, (P,).
+            energy: E, (P, P).
+
+        Returns:
+            g/d, zero where a direction of the hypothesis was not excited, (C,).
+        """
+        found = np.zeros(len(self.hypotheses))
+        for places, bases in self.bases:
+            s, E = score @ bases, bases.transpose(0, 2, 1) @ (energy @ bases)
+            size = np.sqrt(np.maximum(np.einsum("cdd->cd", E), 0.0))
+            seen = size.all(axis=1)
+            size[~seen] = 1.0
+            unit = np.eye(E.shape[1])
+            scaled = np.where(seen[:, None, None], E / (size[:, :, None] * size[:, None, :]) + RIDGE * unit, unit)
+            y = (s / size)[..., None]
+            found[places] = seen * (y * np.linalg.solve(scaled, y)).sum(axis=(1, 2)) / E.shape[1]
+        return found
+
+    def most_likely(self, ratios: FloatArray, detector: Detector) -> int:
+        """Choose the hypothesis that explains most of the innovations.
+
+        Args:
+            ratios: Statistics over mean and threshold, (C,).
+            detector: The detector.
+
+        Returns:
+            Index of the hypothesis.
+        """
+        mean = np.maximum(1.0, detector.level / max(detector.looks, 1.0))
+        energy = ratios * self.limits * mean * self.dimensions
+        return int(np.argmax(energy - PENALTY * self.dimensions * mean.mean()))
+
+
+def looked(
+    settings: Settings,
+    detection: Detection,
+    before: Detector,
+    rows: Rows,
+    innovations: FloatArray,
+    weights: FloatArray,
+    inflation: FloatArray,
+) -> tuple[Detector, FloatArray]:
+    """Look at the innovations of a block.
+
+    Args:
+        settings: Settings.
+        detection: What is tested, C hypotheses.
+        before: Detector so far.
+        rows: Rows of the block.
+        innovations: τ − W β of the values before it [N·m], (m, n).
+        weights: Weights of the rows by the last block [1/(N·m)], (n,).
+        inflation: Rows that say as much as one independent row, (n,).
+
+    Returns:
+        The detector, and each statistic over its mean and threshold, (C,).
+    """
+    suspected = before.crossing >= 0
+    discount = 1.0 if suspected else math.exp(-settings.block_time / settings.window)
+    followed = before.weights
+    if not suspected:
+        part = max(settings.block_time / (SLOWLY * settings.window), 1.0 / (1.0 + before.settled))
+        followed = followed + min(1.0, part) * (weights - followed)
+    precision = followed / np.sqrt(inflation)
+    W = (rows.W * precision[:, None]).reshape(-1, settings.count)
+    score = discount * before.score + W.T @ (innovations * precision).ravel()
+    energy = discount * before.energy + W.T @ W
+    statistics = (1.0 if suspected else 1.0 + discount) * detection.statistics(score, energy)
+    duration = before.settled * settings.block_time / settings.window
+    level, looks = before.level, before.looks
+    mean = np.maximum(1.0, level / max(looks, 1.0))
+    if duration > SETTLING and not suspected:
+        slow = math.exp(-settings.block_time / (LEVEL * settings.window))
+        most = CLIPPED * mean if duration > 0.5 * WARM_UP else np.full(len(mean), np.inf)
+        level, looks = slow * level + np.minimum(statistics, most), slow * looks + 1.0
+        mean = np.maximum(1.0, level / looks)
+    ratios = statistics / (mean * detection.limits) if duration > WARM_UP else np.zeros(len(mean))
+    above = bool((ratios > 1.0).any())
+    crossing = before.crossing + 1 if suspected else 0 if above else -1
+    if crossing * settings.block_time > DECISION * settings.window and not above:
+        crossing = -1
+    return Detector(score, energy, level, looks, crossing, before.settled + 1, followed), ratios
+
+
+def confirmed(settings: Settings, detector: Detector) -> bool:
+    """Say whether innovations were summed up for long enough, and a statistic stayed above its threshold.
+
+    Args:
+        settings: Settings.
+        detector: The detector.
+
+    Returns:
+        Whether there is a change.
+    """
+    return detector.crossing * settings.block_time > DECISION * settings.window

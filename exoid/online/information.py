@@ -1,0 +1,104 @@
+"""Square-root information filter: R factors that take rows in by QR factorisation, and forget.
+
+Information A = Rᵀ R is never formed. New rows Φ with torques y, and forgetting by a factor λ, give
+
+    [R' z'] = QR of [√λ R  √λ z; Φ  y],
+
+which solves the same least-squares problem as all rows at once (G. J. Bierman, Factorization Methods for Discrete
+Sequential Estimation, 1977).
+
+Exponential forgetting loses what is not excited, and the estimate then follows noise: windup. Directional forgetting
+(R. Kulhavý, M. Kárný, 9th IFAC World Congress, 1984; S. Bittanti, P. Bolzern, M. Campi, Automatica 26, 1990) forgets
+only in directions that the new rows excite. In coordinates x = R β the information is the unit matrix, and that of the
+rows is Gᵀ G with G = Φ R⁻¹ = U S Vᵀ. The factor I − (1 − √(1 − μ_i)) v_i v_iᵀ takes the share μ_i of direction v_i away
+from R and z alike, which does not move the estimate. Here
+
+    μ_i = 1 − λ  where s_i² ≥ ε (1 − λ),   otherwise min(1 − λ, s_i²):
+
+a direction that is hardly excited loses no more than it gains.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exoid._typing import FloatArray
+
+from .rows import Rows
+from .settings import Settings
+from .state import Information
+
+EXCITED = 0.05
+"""ε: a direction is excited if its gain is this part of what balances forgetting."""
+
+EXCITED_BLOCK = 0.2
+"""Exponential forgetting waits for a block whose gain, over all directions, is this part of what balances it."""
+
+RIDGE = 1e-9
+"""Share of a column's size that stands in for information where there is none, to find directions only."""
+
+
+def absorb(settings: Settings, information: Information, rows: Rows, weights: FloatArray) -> Information:
+    """Forget as the settings say, and take rows in.
+
+    Args:
+        settings: Settings.
+        information: R factors so far.
+        rows: New rows; those that are left out are zero.
+        weights: Weight of the rows of each joint [1/(N·m)], (n,).
+
+    Returns:
+        New R factors.
+    """
+    table = np.concatenate([rows.W, rows.tau[..., None]], axis=2).transpose(1, 0, 2)
+    counts = rows.used.sum(axis=0)
+    if not counts.any():
+        return information
+    R, number = information
+    if settings.forgetting != "none":
+        share = 1.0 - np.exp(-counts * settings.row_time / settings.memory)
+        R, number = _forgotten(settings.forgetting, R, number, table, share, weights)
+    out = R.copy()
+    out[:-1] = np.linalg.qr(np.concatenate([R[:-1], table], axis=1), mode="r")
+    return Information(out, number + np.append(counts, 0))
+
+
+def _forgotten(
+    kind: str, R: FloatArray, number: FloatArray, table: FloatArray, share: FloatArray, weights: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """R factors and numbers of rows of which up to a share (n,) is forgotten."""
+    out, number = R.copy(), number.copy()
+    for slot in range(len(share)):
+        if share[slot] > 0.0 and number[slot] > 0.0:
+            out[slot], lost = _of_one(kind, R[slot], table[slot], float(share[slot]))
+            number[slot] *= 1.0 - lost
+    if R[-1].any():
+        weighted = (table * weights[:, None, None]).reshape(-1, table.shape[2])
+        out[-1], _ = _of_one(kind, R[-1], weighted, float(share.max()))
+    return out, number
+
+
+def _of_one(kind: str, R: FloatArray, table: FloatArray, share: float) -> tuple[FloatArray, float]:
+    """One R factor of which a share is forgotten, and the share of its rows that this is."""
+    gains, V = _directions(R, table)
+    if kind == "exponential":
+        excited = float(gains.sum()) >= EXCITED_BLOCK * share * np.count_nonzero(table[:, :-1].any(axis=0))
+        return (R * np.sqrt(1.0 - share), share) if excited else (R, 0.0)
+    lost = np.where(gains >= EXCITED * share, share, np.minimum(share, gains))
+    kept = 1.0 - np.sqrt(1.0 - lost)
+    changed = R.copy()
+    changed[:-1] -= V.T @ (kept[:, None] * (V @ R[:-1]))
+    changed[-1] *= np.sqrt(1.0 - share)
+    return changed, share
+
+
+def _directions(R: FloatArray, table: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Gain s_i² of each direction that rows excite, over the information there, and the direction v_i, (r,), (r, P)."""
+    root, rows = R[:-1, :-1], table[:, :-1]
+    size = np.sqrt((root**2).sum(axis=0) + (rows**2).sum(axis=0))
+    size[size == 0.0] = 1.0
+    regular = root / size
+    regular = regular + RIDGE * np.diag(np.where(np.diag(regular) < 0.0, -1.0, 1.0))
+    G = np.linalg.solve(regular.T, (rows / size).T).T
+    _, s, V = np.linalg.svd(G, full_matrices=False)
+    return s**2, V

@@ -1,0 +1,104 @@
+"""From a block of samples to rows of τ = W β, through the causal filters."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+
+from .settings import Settings
+from .state import STICKING, UNKNOWN, State
+
+TOUCHED = 0.05
+"""Largest share of a row that samples may have at which a joint may stick."""
+
+
+class Block(NamedTuple):
+    """Consecutive samples, (k, n) each.
+
+    Attributes:
+        q: Angles [rad].
+        v: Velocities [rad/s]; NaN where they follow from the angles.
+        a: Accelerations [rad/s²]; NaN where they follow from the velocities.
+        tau: Torques [N·m].
+        left_out: Torques that are not to be used.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    tau: FloatArray
+    left_out: NDArray[np.bool_]
+
+
+class Rows(NamedTuple):
+    """Rows of τ = W β.
+
+    Attributes:
+        W: Regressor, zero where a row is left out, (m, n, P).
+        tau: Torques [N·m], likewise, (m, n).
+        used: Rows of each joint that are used, (m, n).
+    """
+
+    W: FloatArray
+    tau: FloatArray
+    used: NDArray[np.bool_]
+
+
+def unfiltered_rows(settings: Settings, block: Block) -> Rows:
+    """Form rows of samples as they are.
+
+    Args:
+        settings: Settings without a cut-off.
+        block: Samples with velocities and accelerations.
+
+    Returns:
+        One row for each sample.
+    """
+    W = settings.model.regressor(block.q, block.v, block.a)
+    return _kept(W, block.tau, _marks(settings, block.v, np.where(block.left_out, UNKNOWN, 0.0)) < TOUCHED)
+
+
+def filtered_rows(settings: Settings, state: State, block: Block) -> tuple[Rows, State]:
+    """Smooth and differentiate a block, form columns, and filter columns and torques alike.
+
+    Args:
+        settings: Settings with a cut-off.
+        state: State, which has the samples before the block.
+        block: As many samples as the settings say.
+
+    Returns:
+        The rows, and the state with the last samples.
+    """
+    n = settings.n
+    channels = np.hstack([block.q, block.v, block.a, block.tau, np.where(block.left_out, UNKNOWN, 0.0)])
+    given = ~np.isnan(block.v[0, 0]), ~np.isnan(block.a[0, 0])
+    samples = np.concatenate([state.motion, np.nan_to_num(channels)])
+    smooth, first, second = settings.smoothing
+    q, v, a, tau, marks = np.split(smooth @ samples, 5, axis=1)
+    if not given[0]:
+        v = first @ samples[:, :n]
+    if not given[1]:
+        a = first @ samples[:, n : 2 * n] if given[0] else second @ samples[:, :n]
+    parameters, joints = settings.acting
+    columns = settings.model.columns(settings.model.motion(q, v, a))[parameters, joints].T
+    stretch = np.concatenate([state.columns, np.hstack([columns, tau, _marks(settings, v, marks)])])
+    filtered = settings.decimating @ stretch
+    W = np.zeros((len(filtered), n, settings.count))
+    W[:, joints, parameters] = filtered[:, : len(joints)]
+    rows = _kept(W, filtered[:, len(joints) : -n], filtered[:, -n:] < TOUCHED)
+    keep = settings.histories
+    return rows, state._replace(motion=samples[-keep[0] :], columns=stretch[-keep[1] :])
+
+
+def _marks(settings: Settings, v: FloatArray, marks: FloatArray) -> FloatArray:
+    """Add marks where a joint may stick, or is in the dead band of its friction, (k, n)."""
+    sticks = settings.sticking & (np.abs(v) < settings.reversal_speed)
+    return marks + np.where(sticks | ~settings.model.usable(v), STICKING, 0.0)
+
+
+def _kept(W: FloatArray, tau: FloatArray, used: NDArray[np.bool_]) -> Rows:
+    return Rows(W * used[:, :, None], tau * used, used)

@@ -1,0 +1,179 @@
+"""State of a recursive estimator: all that it knows, in arrays whose sizes never change."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+
+from .settings import LAGS, Settings
+
+CHECKPOINTS = 3
+"""States before the present one that are kept, in case that a change is detected."""
+
+UNKNOWN = 1e6
+"""Mark of a sample that must not touch a row, and"""
+
+STICKING = 1.0
+"""of one at which a joint may stick."""
+
+
+class Information(NamedTuple):
+    """R factors of the rows so far: R β = z with noise of the size of the rows'.
+
+    Attributes:
+        R: R factors [R z] of the rows of each joint, and last what was known before them, scaled to noise of unit
+            size, (n + 1, P + 1, P + 1).
+        rows: Rows of each joint, forgotten ones not counted, and samples behind what was known before, (n + 1,).
+    """
+
+    R: FloatArray
+    rows: FloatArray
+
+
+class Correlation(NamedTuple):
+    """Autocorrelation of the residuals of each joint, over up to :data:`LAGS` rows.
+
+    Attributes:
+        tail: The last residuals [N·m], zero where a row was left out, (K, n).
+        used: Whether they were used, 0 or 1, (K, n).
+        sums: Discounted sum of products of residuals k rows apart, (K + 1, n).
+        counts: Discounted number of them, (K + 1, n).
+    """
+
+    tail: FloatArray
+    used: FloatArray
+    sums: FloatArray
+    counts: FloatArray
+
+
+class Detector(NamedTuple):
+    """State of the change detection.
+
+    Attributes:
+        score: Discounted Wᵀe of weighted innovations, (P,).
+        energy: Discounted WᵀW of the same rows, (P, P).
+        level: Discounted sum of the statistic of each hypothesis, (C,).
+        looks: Discounted number of blocks in it.
+        crossing: Blocks since a statistic crossed its threshold; −1 for none.
+        settled: Blocks with rows since the beginning, or since the last change.
+        weights: Weight of the rows of each joint, followed slowly and not beside a suspicion [1/(N·m)], (n,).
+    """
+
+    score: FloatArray
+    energy: FloatArray
+    level: FloatArray
+    looks: float
+    crossing: int
+    settled: int
+    weights: FloatArray
+
+
+class Change(NamedTuple):
+    """Change of parameters that was detected.
+
+    Attributes:
+        sample: Samples that had been received when it was detected.
+        time: The same [s].
+        kind: "friction", "load", "offset", "inertia" or another; see :class:`exoid.online.hypotheses.Hypothesis`.
+        joint: Joint of the friction, or the joint that carries the segment with the load; "" for neither.
+        parameters: Parameters that changed.
+        statistic: Statistic over its threshold.
+        values: All parameters before the change, (P,).
+    """
+
+    sample: int
+    time: float
+    kind: str
+    joint: str
+    parameters: tuple[str, ...]
+    statistic: float
+    values: tuple[float, ...]
+
+    def __str__(self) -> str:
+        """Write one sentence."""
+        where = f" at {self.joint}" if self.joint else ""
+        return f"{self.time:.2f} s: {self.kind}{where} changed ({', '.join(self.parameters)})"
+
+
+class State(NamedTuple):
+    """All that a recursive estimator knows.
+
+    Attributes:
+        samples: Number of samples, those that were left out included.
+        motion: Last samples of q, v, a, τ and of the marks of each joint, for the first filter, (h1, 5 n).
+        columns: Last samples of columns, torques and marks, for the second filter, (h2, c + 2 n).
+        information: R factors.
+        values: Parameters by the last block, (P,).
+        std: Their standard deviations by the R factors alone, (P,); infinite before they are determined.
+        weights: Weight of the rows of each joint [1/(N·m)], (n,).
+        correlation: Autocorrelation of residuals.
+        detector: Change detection.
+        checkpoints: R factors one, two and three seconds ago, (3, n + 1, P + 1, P + 1).
+        checkpoint_rows: Rows of each, (3, n + 1).
+        changes: Changes that were detected, the last :data:`exoid.online.advance.REMEMBERED` at most.
+    """
+
+    samples: int
+    motion: FloatArray
+    columns: FloatArray
+    information: Information
+    values: FloatArray
+    std: FloatArray
+    weights: FloatArray
+    correlation: Correlation
+    detector: Detector
+    checkpoints: FloatArray
+    checkpoint_rows: FloatArray
+    changes: tuple[Change, ...]
+
+
+def begin(settings: Settings, hypotheses: int) -> State:
+    """Make the state before the first sample.
+
+    Args:
+        settings: Settings.
+        hypotheses: Number of hypotheses of the change detection.
+
+    Returns:
+        A state that knows nothing.
+    """
+    n, P = settings.n, settings.count
+    R = np.zeros((n + 1, P + 1, P + 1))
+    state = State(
+        samples=0,
+        motion=np.zeros((settings.histories[0], 5 * n)),
+        columns=np.zeros((settings.histories[1], len(settings.acting[0]) + 2 * n)),
+        information=Information(R, np.zeros(n + 1)),
+        values=np.zeros(P),
+        std=np.full(P, np.inf),
+        weights=np.ones(n),
+        correlation=Correlation(
+            np.zeros((LAGS, n)), np.zeros((LAGS, n)), np.zeros((LAGS + 1, n)), np.zeros((LAGS + 1, n))
+        ),
+        detector=Detector(np.zeros(P), np.zeros((P, P)), np.zeros(hypotheses), 0.0, -1, 0, np.ones(n)),
+        checkpoints=np.tile(R, (CHECKPOINTS, 1, 1, 1)),
+        checkpoint_rows=np.zeros((CHECKPOINTS, n + 1)),
+        changes=(),
+    )
+    return restarted(settings, state)
+
+
+def restarted(settings: Settings, state: State) -> State:
+    """Forget the last samples, as after a gap: rows come again when the filters are full.
+
+    Args:
+        settings: Settings.
+        state: The state.
+
+    Returns:
+        The state with nothing in its filters.
+    """
+    n = settings.n
+    motion, columns = np.zeros_like(state.motion), np.zeros_like(state.columns)
+    motion[:, 4 * n :] = UNKNOWN
+    columns[:, len(settings.acting[0]) + n :] = UNKNOWN
+    correlation = state.correlation._replace(tail=np.zeros((LAGS, n)), used=np.zeros((LAGS, n)))
+    return state._replace(motion=motion, columns=columns, correlation=correlation)

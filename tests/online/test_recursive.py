@@ -1,0 +1,297 @@
+"""The recursive estimator: equal to the batch, in constant memory, and undisturbed by what streams bring."""
+
+from __future__ import annotations
+
+import gc
+import tracemalloc
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid.online import RecursiveEstimator
+from exoid.torques import TorqueModel
+
+TERMS = (exoid.Coulomb(), exoid.Viscous(), exoid.Offset())
+RESISTANCES = np.array([2.0, 1.5, 0.8, 0.5, 0.3, 0.2, 1.0, -1.0, 0.3])
+NOISE = np.array([1.0, 0.7, 0.3])
+RATE = 500.0
+
+
+@pytest.fixture(scope="module")
+def leg():
+    return exoid.load_leg("bleex", inertias="cad")
+
+
+@pytest.fixture(scope="module")
+def truth(leg):
+    return np.concatenate([leg.parameters, RESISTANCES])
+
+
+def swing(leg, truth, seconds, seed=0, noise=1.0):
+    """Exact motion, and torque by the regressor with white noise."""
+    rng = np.random.default_rng(seed)
+    omega = 2.0 * np.pi * np.array([[0.9, 1.3], [0.7, 1.9], [1.1, 2.3]])
+    size, phase = np.array([[0.4, 0.15], [0.5, 0.2], [0.2, 0.1]]), rng.uniform(0.0, 6.0, (3, 2))
+    at = (np.arange(round(seconds * RATE)) / RATE)[:, None, None] * omega + phase
+    q, v, a = (size * x for x in (np.sin(at), omega * np.cos(at), -(omega**2) * np.sin(at)))
+    q, v, a = q.sum(-1), v.sum(-1), a.sum(-1)
+    tau = TorqueModel(leg, TERMS).regressor(q, v, a) @ truth + noise * NOISE * rng.standard_normal(q.shape)
+    return q, v, a, tau
+
+
+def plain(leg, **settings):
+    """Estimator without filter, forgetting and gate."""
+    return RecursiveEstimator(leg, TERMS, rate=RATE, cutoff=None, forgetting="none", reversal_speed=0.0, **settings)
+
+
+@pytest.mark.parametrize("estimator", ["ols", "wls"])
+def test_without_forgetting_it_is_the_batch_estimate(leg, truth, estimator):
+    q, v, a, tau = swing(leg, truth, 10.0)
+    time = np.arange(len(q)) / RATE
+    log = exoid.Recording(time=time, q=q, v=v, a=a, tau=tau, joint_names=leg.joint_names)
+    batch = exoid.identify(leg, log, TERMS, estimator, preparation="finite-difference", noise="white")
+    inner = slice(1, -1)  # the batch leaves out the ends, whose differences are one-sided
+    online = plain(leg, estimator=estimator)
+    online.update(q[inner], v[inner], a[inner], tau[inner])
+    found = online.estimate
+    np.testing.assert_allclose(found.values, batch.values, rtol=1e-9, atol=1e-9 * np.abs(batch.values).max())
+    np.testing.assert_allclose(found.residual_rms, batch.residual_rms, rtol=1e-9)
+    if estimator == "wls":
+        np.testing.assert_allclose(found.std, batch.std, rtol=0.01)
+
+
+def test_samples_one_by_one_and_in_blocks_give_the_same(leg, truth):
+    q, _, _, tau = swing(leg, truth, 6.0)
+    single, blocks = (RecursiveEstimator(leg, TERMS, rate=RATE) for _ in range(2))
+    for k in range(len(q)):
+        single.update(q[k], None, None, tau[k])
+    for start in range(0, len(q), 777):
+        blocks.update(q[start : start + 777], None, None, tau[start : start + 777])
+    assert np.array_equal(single.estimate.values, blocks.estimate.values)
+
+
+def test_the_filter_costs_no_phase_error(leg, truth):
+    """Angles alone, without noise: what is left is how far columns of smoothed angles differ from smoothed columns."""
+    q, _, _, tau = swing(leg, truth, 20.0, noise=0.0)
+    online = RecursiveEstimator(leg, TERMS, rate=RATE, forgetting="none")
+    online.update(q, None, None, tau)
+    scale = np.maximum(np.abs(truth), 0.5)
+    assert (np.abs(online.estimate.values - truth) / scale).max() < 0.02
+    batch = exoid.identify(
+        leg, exoid.Recording(time=np.arange(len(q)) / RATE, q=q, tau=tau, joint_names=leg.joint_names), TERMS
+    )
+    assert online.delay < 0.3
+    np.testing.assert_allclose(online.estimate.values, batch.values, rtol=0.02, atol=0.02)
+
+
+def test_intervals_contain_the_truth(leg, truth):
+    inside = []
+    for seed in range(12):
+        q, v, a, tau = swing(leg, truth, 12.0, seed)
+        online = RecursiveEstimator(leg, TERMS, rate=RATE, forgetting="none", reversal_speed=0.2)
+        online.update(q, v, a, tau)
+        estimate = online.estimate
+        inside.append(np.abs(estimate.values - truth) <= estimate.interval(0.95)[:, 1] - estimate.values)
+    assert np.mean(inside) > 0.9
+
+
+def test_with_correlated_noise_intervals_are_wider(leg, truth):
+    q, v, a, clean = swing(leg, truth, 12.0, noise=0.0)
+    rng = np.random.default_rng(3)
+    white = rng.standard_normal(clean.shape)
+    red = np.zeros_like(white)
+    for k in range(1, len(red)):
+        red[k] = 0.95 * red[k - 1] + np.sqrt(1.0 - 0.95**2) * white[k]
+    std = []
+    for noise in (white, red):
+        online = plain(leg)
+        online.update(q, v, a, clean + NOISE * noise)
+        std.append(online.estimate.std)
+    assert (std[1] > 3.0 * std[0]).all()
+
+
+def test_memory_does_not_grow(leg, truth):
+    q, _, _, tau = swing(leg, truth, 24.0)
+    online = RecursiveEstimator(leg, TERMS, rate=RATE)
+    sizes = []
+    tracemalloc.start()
+    for start in range(0, len(q), 3000):
+        for k in range(start, start + 3000):
+            online.update(q[k], None, None, tau[k])
+        gc.collect()
+        sizes.append(tracemalloc.get_traced_memory()[0])
+    tracemalloc.stop()
+    assert sizes[-1] - sizes[1] < 20_000
+
+
+def test_standing_still_changes_nothing(leg, truth):
+    """The torque at rest holds any friction between −c0 and c0."""
+    q, _, _, tau = swing(leg, truth, 20.0)
+    for forgetting in ("directional", "exponential"):
+        online = RecursiveEstimator(leg, TERMS, rate=RATE, forgetting=forgetting, memory=5.0)
+        online.update(q, None, None, tau)
+        pose = np.tile(q[-1], (250, 1))
+        online.update(pose, None, None, tau[-1] + 0.0 * pose)
+        before = online.estimate
+        rng = np.random.default_rng(1)
+        for _ in range(60):
+            swaying, torque = rng.standard_normal((2, *pose.shape))
+            online.update(pose + 1e-4 * swaying, None, None, 5.0 * torque)
+        assert (np.abs(online.estimate.values - before.values) <= before.std).all()
+
+
+@pytest.mark.parametrize("forgetting", ["directional", "exponential"])
+def test_one_joint_that_moves_alone_leaves_the_others_known(leg, truth, forgetting):
+    """Ten time constants later nothing has blown up."""
+    terms = (exoid.Viscous(),)
+    model = TorqueModel(leg, terms)
+    beta = np.concatenate([leg.parameters, RESISTANCES[3:6]])
+    q, v, a, _ = swing(leg, truth, 20.0)
+    rng = np.random.default_rng(5)
+    online = RecursiveEstimator(leg, terms, rate=RATE, cutoff=None, forgetting=forgetting, memory=2.0, false_alarms=0.0)
+    for still in (False, True):
+        factor = np.array([0.0, 0.0, 1.0]) if still else np.ones(3)
+        part = q * factor, v * factor, a * factor
+        torque = model.regressor(*part) @ beta + NOISE * rng.standard_normal(q.shape)
+        online.update(*part, torque)
+        if not still:
+            before = online.estimate
+    error = np.abs(online.estimate.values - beta)
+    assert (error <= 6.0 * before.std).all() if forgetting == "directional" else (error[:6] < 10.0).all()
+
+
+def test_saved_and_resumed_equals_uninterrupted(leg, truth, tmp_path):
+    q, _, _, tau = swing(leg, truth, 8.0)
+    whole, first = (RecursiveEstimator(leg, TERMS, rate=RATE, torque_limits=(1e3, np.inf, 1e3)) for _ in range(2))
+    whole.update(q, None, None, tau)
+    first.update(q[:1777], None, None, tau[:1777])
+    first.save(tmp_path / "online.json")
+    resumed = RecursiveEstimator.resume(tmp_path / "online.json", leg)
+    resumed.update(q[1777:], None, None, tau[1777:])
+    assert np.array_equal(resumed.estimate.values, whole.estimate.values)
+    assert np.array_equal(resumed.estimate.covariance, whole.estimate.covariance)
+    assert resumed.state.samples == whole.state.samples
+
+
+def test_resuming_with_another_leg_is_refused(leg, tmp_path):
+    RecursiveEstimator(leg, TERMS, rate=RATE).save(tmp_path / "online.json")
+    with pytest.raises(exoid.ExoidError, match="not of this leg"):
+        RecursiveEstimator.resume(tmp_path / "online.json", exoid.load_leg("cuhk"))
+    (tmp_path / "online.json").write_text('{"schema": "exoid-online-1"}')
+    with pytest.raises(exoid.ExoidError, match="damaged"):
+        RecursiveEstimator.resume(tmp_path / "online.json", leg)
+
+
+def test_it_begins_with_an_estimate(leg, truth):
+    q, v, a, tau = swing(leg, truth, 20.0)
+    batch = plain(leg)
+    batch.update(q, v, a, tau)
+    start = batch.estimate
+    online = RecursiveEstimator(leg, TERMS, rate=RATE, start=start)
+    np.testing.assert_allclose(online.estimate.values, start.values, rtol=1e-6, atol=1e-6)
+    q, v, a, tau = swing(leg, truth, 20.0, seed=7)
+    online.update(q, None, None, tau)
+    assert (np.abs(online.estimate.values - truth) <= 4.0 * start.std + 0.01 * np.abs(truth)).all()
+
+
+def test_the_mass_matrix_is_positive_definite_at_every_step(leg, truth):
+    """From so little data and with so much noise that plain values are those of no leg."""
+    q, _, _, tau = swing(leg, truth, 3.0, noise=20.0)
+    online = RecursiveEstimator(leg, TERMS, rate=RATE, consistent=True, forgetting="none")
+    twin = RecursiveEstimator(leg, TERMS, rate=RATE, forgetting="none")
+    poses, indefinite = np.random.default_rng(0).uniform(-1.5, 1.5, (50, 3)), 0
+    for start in range(0, len(q), 100):
+        online.update(q[start : start + 100], None, None, tau[start : start + 100])
+        twin.update(q[start : start + 100], None, None, tau[start : start + 100])
+        try:
+            estimates = online.estimate, twin.estimate
+        except exoid.ExoidError:
+            continue
+        smallest = [np.linalg.eigvalsh(one.leg.mass_matrix(poses)).min() for one in estimates[:1]]
+        assert min(smallest) > 0.0
+        indefinite += not exoid.lift.check(leg, estimates[1].values[:9]).physical
+    assert indefinite > 0
+
+
+def test_samples_that_cannot_be_are_left_out_and_counted(leg, truth):
+    q, _, _, tau = swing(leg, truth, 12.0)
+    time = np.arange(len(q)) / RATE
+    spoilt, torque = q.copy(), tau.copy()
+    spoilt[700] = np.nan
+    spoilt[1500, 1] += 3.0
+    torque[2200, 0] = np.inf
+    torque[3000:3010, 2] = 200.0
+    online = RecursiveEstimator(leg, TERMS, rate=RATE, torque_limits=(500.0, 500.0, 200.0))
+    keep = np.delete(np.arange(len(q)), np.r_[4000:4002, 5000:5040])
+    keep = np.insert(keep, 3500, keep[3500])
+    for k in keep.tolist():
+        online.update(spoilt[k], None, None, torque[k], float(time[k]))
+    kinds = {finding.kind: finding for finding in online.findings}
+    assert kinds["stream-not-finite"].message.startswith("2 of")
+    assert kinds["stream-angle-jump"].message.startswith("1 of")
+    assert kinds["stream-repeated-sample"].message.startswith("1 of")
+    assert kinds["stream-missing-samples"].message.startswith("42 of")
+    assert kinds["stream-saturated-torque"].message.startswith("10 of")
+    clean = RecursiveEstimator(leg, TERMS, rate=RATE)
+    clean.update(q, None, None, tau)
+    assert (np.abs(online.estimate.values - clean.estimate.values) <= clean.estimate.std).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "match"),
+    [
+        ({"q": np.rad2deg([0.5, 0.6, 0.1])}, "radians"),
+        ({"q": np.zeros(2)}, "for 3 joints"),
+        ({"tau": None}, "no tau"),
+        ({"tau": ["a", "b", "c"]}, "no array of numbers"),
+        ({"v": np.zeros((4, 3))}, "shape"),
+    ],
+)
+def test_wrong_samples_are_refused(leg, arguments, match):
+    online = RecursiveEstimator(leg, TERMS, rate=RATE)
+    sample = {"q": np.zeros(3), "v": None, "a": None, "tau": np.zeros(3)}
+    with pytest.raises(exoid.ExoidError) as raised:
+        online.update(**(sample | arguments))
+    assert match in f"{raised.value}"
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"rate": 0.0},
+        {"memory": -1.0},
+        {"forgetting": "slowly"},
+        {"estimator": "huber"},
+        {"cutoff": 300.0},
+        {"cutoff": 90.0},
+        {"torque_limits": (1.0,)},
+        {"false_alarms": -1.0},
+        {"estimator": "ols"},
+    ],
+)
+def test_settings_out_of_range_are_refused(leg, settings):
+    with pytest.raises(exoid.ExoidError):
+        RecursiveEstimator(leg, TERMS, **settings)
+
+
+def test_without_a_filter_nothing_derives(leg):
+    with pytest.raises(exoid.ExoidError, match="without a filter"):
+        plain(leg).update(np.zeros(3), np.zeros(3), None, np.zeros(3))
+
+
+def test_channels_that_come_and_go_are_refused(leg):
+    online = RecursiveEstimator(leg, TERMS)
+    online.update(np.zeros(3), None, None, np.zeros(3))
+    with pytest.raises(exoid.ExoidError, match="same channels"):
+        online.update(np.zeros(3), np.zeros(3), None, np.zeros(3))
+
+
+def test_without_rows_there_is_no_estimate(leg):
+    with pytest.raises(exoid.ExoidError, match="no row so far"):
+        _ = RecursiveEstimator(leg, TERMS).estimate
+
+
+def test_terms_with_memory_are_refused(leg):
+    with pytest.raises(exoid.ExoidError, match="depends on more"):
+        RecursiveEstimator(leg, (exoid.Coulomb(presliding=0.001),))

@@ -1,0 +1,36 @@
+"""What the study of online estimation promises, with few seeds: ``python scripts/study_online.py`` has all."""
+
+from __future__ import annotations
+
+import os
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+STUDY = runpy.run_path(str(Path(__file__).resolve().parents[2] / "scripts" / "study_online.py"))
+FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
+
+pytestmark = pytest.mark.slow
+
+
+def test_a_payload_on_the_shank_is_found_to_100_g_in_5_s():
+    found = STUDY["payload"](16 if FULL else 2)
+    assert np.quantile(np.abs([one.error for one in found]), 0.95) <= 0.1
+    assert {one.detected for one in found} == {"load at left_knee"}
+
+
+@pytest.mark.parametrize("joint", ["hip", "knee", "ankle"])
+def test_friction_that_doubles_is_named_within_3_s(joint):
+    for one in STUDY["friction"](16 if FULL else 1, joint):
+        assert one.detected == f"friction at left_{joint}"
+        assert one.after <= 3.0
+
+
+def test_nobody_moves_and_nothing_changes():
+    assert STUDY["standing"](10.0 if FULL else 1.0).max() <= 1.0
+
+
+def test_walking_on_raises_no_alarm():
+    assert STUDY["quiet"](60.0 if FULL else 10.0) == 0
