@@ -135,7 +135,8 @@ def _track_leg(
     """Run every controller on a leg; return the runs, also as a table and as JSON."""
     from exoid import reproduce  # noqa: PLC0415 - see above
 
-    model = _model(what)
+    source = _source(what)
+    model = ControlModel.of(source)
     reference, period, settle = _reference(model.leg, options, reading)
     labels = model.leg.joint_labels
     kp, kd = control.default_gains(model, control.mean_pose(reference, period))
@@ -148,7 +149,7 @@ def _track_leg(
     joint = labels[roles.index("knee")] if "knee" in roles else labels[-1]
     payloads = [] if options.payload is None else [Payload(joint, options.payload, _below(model.leg, joint))]
     runs = control.track(
-        model,
+        source,
         kp,
         kd,
         reference,
@@ -166,14 +167,12 @@ def _track_leg(
     return runs, tracking_table(title, runs.values()), reproduce.laws_json(runs, kp, kd, seed)
 
 
-def _model(what: str) -> ControlModel:
+def _source(what: str) -> Estimate | Plant:
     if what == "bleex":
-        return ControlModel.of(
-            Plant.build(load_leg("bleex", inertias="identified"), published.bleex_resistances("left"))
-        )
+        return Plant.build(load_leg("bleex", inertias="identified"), published.bleex_resistances("left"))
     if not is_readable(what):
         raise ExoidError(f"no estimate {what!r}", remedy="name an estimate of exoid identify -o, cuhk or bleex")
-    return ControlModel.of(Estimate.load(what))
+    return Estimate.load(what)
 
 
 class _Course(NamedTuple):

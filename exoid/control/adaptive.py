@@ -35,6 +35,9 @@ LIMITED = 1e-6
 CHANGE = ExpectedChange()
 """Default of the expected changes."""
 
+PREDICTION = TorquePrediction()
+"""Default prediction error."""
+
 LEAST_STD = 1e-6
 """Smallest standard deviation of a combination of parameters, over the largest, each in its own."""
 
@@ -198,6 +201,11 @@ class Adaptive:
 
     def _project(self, values: FloatArray, before: FloatArray, after: PredictionMemory | None) -> FloatArray:
         """Project the parameters of each leg on the cone, (B, P)."""
+        if not np.isfinite(values).all():
+            raise ExoidError(
+                "a reading, a target or a held torque is not finite",
+                remedy="stop the leg, and begin again with good readings",
+            )
         found = values.copy()
         for leg in np.flatnonzero((values != before).any(axis=1)):
             whiten = self._whiten if after is None else np.linalg.cholesky(after.information[leg]).T
@@ -223,7 +231,7 @@ def adaptive(
     kd: ArrayLike,
     *,
     change: ExpectedChange = CHANGE,
-    prediction: TorquePrediction | None = None,
+    prediction: TorquePrediction | None = PREDICTION,
     time_constant: float = TIME_CONSTANT,
     dead_zone: ArrayLike = DEAD_ZONE,
     still: ArrayLike = STILL,
@@ -236,7 +244,7 @@ def adaptive(
         kp: Kp [N·m/rad], a number or one for each joint, positive.
         kd: Kd [N·m·s/rad], likewise.
         change: Standard deviations of what may change: payloads and friction.
-        prediction: ``TorquePrediction()`` for composite adaptation; None for Slotine and Li's first controller.
+        prediction: Prediction error of composite adaptation; None for Slotine and Li's first controller.
         time_constant: Time constant of the adaptation, about [s].
         dead_zone: Half width of the dead zone of s [rad/s].
         still: Velocity below which a joint stands [rad/s].
@@ -249,15 +257,16 @@ def adaptive(
         ExoidError: A setting is out of range, no parameter may change, or the source has no control model.
 
     Example:
-        >>> law = adaptive(est, 60.0, 6.0, prediction=TorquePrediction())  # doctest: +SKIP
+        >>> import exoid
+        >>> law = adaptive(exoid.load_leg("cuhk"), 60.0, 6.0)
+        >>> law.names
+        ('X1', 'Y1', 'J1', 'X2', 'Y2', 'J2')
     """
     model = SlotineLiModel.of(source, change)
     cone = ParameterCone.of(model.model.leg, model.positive)
     refuse_unknown_covariance(model.covariance)
     model = replace(model, covariance=_regular(model.covariance, model.values))
-    law = Adaptive(
-        model, gains(kp, "kp"), gains(kd, "kd"), cone, prediction, time_constant, dead_zone, still, rate
-    )
+    law = Adaptive(model, gains(kp, "kp"), gains(kd, "kd"), cone, prediction, time_constant, dead_zone, still, rate)
     nearest, count = law._start, len(model.model.leg.parameter_names)
     floor = np.append(FLOOR * nearest[:count], np.zeros(len(nearest) - count))
     return replace(law, model=replace(model, values=nearest), cone=cone.above(floor))

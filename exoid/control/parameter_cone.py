@@ -22,6 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.leg import Leg
@@ -55,7 +56,7 @@ class ParameterCone:
     floor: FloatArray
 
     @classmethod
-    def of(cls, leg: Leg, positive: FloatArray) -> ParameterCone:
+    def of(cls, leg: Leg, positive: NDArray[np.bool_]) -> ParameterCone:
         """Make the set of a leg, with its floor at zero.
 
         Args:
@@ -68,7 +69,7 @@ class ParameterCone:
         bodies = np.hstack([point_masses(leg, link, places) for link, places in enumerate(_places(leg))])
         bodies = bodies / np.linalg.norm(bodies, axis=0)
         rest = np.eye(len(positive))
-        rest = np.hstack([rest, -rest[:, ~positive.astype(np.bool_)]])
+        rest = np.hstack([rest, -rest[:, ~positive]])
         return cls(np.asarray(scipy.linalg.block_diag(bodies, rest)), np.zeros(len(bodies) + len(positive)))
 
     def above(self, floor: FloatArray) -> ParameterCone:

@@ -1,4 +1,4 @@
-"""Linear model of an adaptive controller: regressor Y(q, v, v_r, a_r) of the documented parameters, and their values."""
+"""Linear model of an adaptive controller: regressor Y(q, v, v_r, a_r) of the documented parameters."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ class SlotineLiModel:
         names: Names of the adapted parameters, (P,).
         values: Initial values, (P,).
         covariance: Covariance of the initial values and of their expected changes, (P, P).
-        powers: Power of the angle of each parameter that is not the bodies'; −1 for others, (P − p,).
+        kinds: Symbol and joint of each parameter that is not one of the bodies.
     """
 
     model: ControlModel
     names: tuple[str, ...]
     values: FloatArray
     covariance: FloatArray
-    _kinds: tuple[tuple[str, int], ...]
+    kinds: tuple[tuple[str, int], ...]
 
     @classmethod
     def of(cls, source: ModelSource, change: ExpectedChange) -> SlotineLiModel:
@@ -83,7 +83,7 @@ class SlotineLiModel:
     @property
     def positive(self) -> NDArray[np.bool_]:
         """Whether each parameter behind those of the bodies is not negative, (P − p,)."""
-        return np.array([symbol in ("c0", "d", "Ia") for symbol, _ in self._kinds], dtype=np.bool_)
+        return np.array([symbol in ("c0", "d", "Ia") for symbol, _ in self.kinds], dtype=np.bool_)
 
     def regressor(self, q: FloatArray, v: FloatArray, v_r: FloatArray, a_r: FloatArray) -> FloatArray:
         """Compute Y; see the class.
@@ -99,10 +99,10 @@ class SlotineLiModel:
         """
         still, count = np.zeros_like(v), len(self.model.leg.parameter_names)
         Y = np.zeros((q.shape[1], self.n, len(self.names)))
-        samples = [np.hstack(rows).T for rows in ((q, q, q), (0.5 * (v + v_r), 0.5 * (v - v_r), still))]
-        W = self.model.leg.regressor(*samples, np.hstack([a_r, still, still]).T).reshape(3, *Y.shape[:2], count)
+        angles, rates = np.hstack([q, q, q]).T, np.hstack([0.5 * (v + v_r), 0.5 * (v - v_r), still]).T
+        W = self.model.leg.regressor(angles, rates, np.hstack([a_r, still, still]).T).reshape(3, *Y.shape[:2], count)
         Y[..., :count] = W[0] - W[1] + W[2]
-        for k, (symbol, joint) in enumerate(self._kinds, start=count):
+        for k, (symbol, joint) in enumerate(self.kinds, start=count):
             Y[:, joint, k] = _column(symbol, q[joint], v_r[joint], a_r[joint])
         return Y
 

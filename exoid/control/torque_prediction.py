@@ -54,10 +54,10 @@ class Learned(NamedTuple):
 class TorquePrediction:
     """Prediction error e = W(q_f, v_f, a_f) β − τ_f of filtered signals, and the information İ = WᵀRW − λ (I − I₀).
 
-    Motion and torque pass the same filter λ_f² / (s + λ_f)², so that accelerations need no derivative of the noise. The
-    information is forgotten towards that of the beginning (M. E. Salgado, G. C. Goodwin, R. H. Middleton 1988). So I ≥ I₀
-    always, and the gain P never exceeds the initial covariance: it does not wind up. Nothing is forgotten while no joint
-    slides.
+    Motion and torque pass the same filter λ_f² / (s + λ_f)², so that accelerations need no derivative of the noise.
+    Information is forgotten towards that of the beginning (M. E. Salgado, G. C. Goodwin, R. H. Middleton 1988). So
+    I ≥ I₀ always, and the gain P never exceeds the initial covariance: it does not wind up. Nothing is forgotten while
+    no joint slides.
 
     Attributes:
         bandwidth: Bandwidth of the filter [Hz].

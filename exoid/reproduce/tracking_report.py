@@ -24,6 +24,7 @@ LABELS = {
     "pd_feedforward": "PD + feed-forward",
     "computed_torque": "computed torque",
     "lqr": "LQR",
+    "adaptive": "adaptive",
 }
 """Labels of the laws in figures."""
 

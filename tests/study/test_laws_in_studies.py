@@ -177,7 +177,7 @@ def test_an_estimate_without_a_controller_is_counted_as_lost(monkeypatch):
     make = TrackingTask.law
 
     def refusing(self, name, known):
-        if known.coulomb[0] > 1.2 * KNOWN.coulomb[0]:
+        if ControlModel.of(known).coulomb[0] > 1.2 * KNOWN.coulomb[0]:
             raise ExoidError("no stabilising gain")
         return make(self, name, known)
 
