@@ -115,6 +115,8 @@ class Adaptive:
                 f"kp = {self.kp}, kd = {self.kd}, time constant {self.time_constant:g} s",
                 remedy="give positive gains and a positive time in s; adaptation needs both gains",
             )
+        if not isinstance(self.prediction, TorquePrediction | None):
+            raise ExoidError(f"prediction = {self.prediction!r}", remedy="give a TorquePrediction, or None")
         if self.prediction is not None:
             self.prediction.filter(self.rate)
 

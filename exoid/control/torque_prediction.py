@@ -20,6 +20,10 @@ SLIDING = 2.0 * WIDTH
 """Velocity above which friction is known well enough to learn from a joint's torque [rad/s]."""
 
 
+SETTLED = 5.0
+"""Delays of the filter until its signals count: the torque before the first sample is unknown."""
+
+
 class PredictionMemory(NamedTuple):
     """Memory of the prediction, with B legs.
 
@@ -28,12 +32,14 @@ class PredictionMemory(NamedTuple):
         torque: Filtered torque [N·m], (n, B).
         torque_rate: Rate of change of it [N·m/s], (n, B).
         information: Information matrix I = P⁻¹, (B, P, P).
+        age: Time since the first sample [s], ().
     """
 
     motion: FilteredMotion
     torque: FloatArray
     torque_rate: FloatArray
     information: FloatArray
+    age: FloatArray
 
 
 class Learned(NamedTuple):
@@ -107,7 +113,7 @@ class TorquePrediction:
         """
         still = np.zeros_like(state.q)
         motion = self.filter(rate).begin(state.q, state.v)
-        return PredictionMemory(motion, still, still, np.tile(information, (state.q.shape[1], 1, 1)))
+        return PredictionMemory(motion, still, still, np.tile(information, (state.q.shape[1], 1, 1)), np.zeros(()))
 
     def learn(
         self,
@@ -138,7 +144,8 @@ class TorquePrediction:
         held = np.zeros_like(state.q) if state.last is None else state.last
         torque, torque_rate = lowpass.hold(memory.torque, memory.torque_rate, held)
         W = model.regressor(motion.q, motion.v, motion.v, motion.a)
-        sliding = usable & (np.abs(motion.v) > SLIDING)
+        settled = memory.age >= SETTLED * lowpass.delay
+        sliding = usable & settled & (np.abs(motion.v) > SLIDING)
         W = W * sliding.T[..., None]
         measured = (torque - model.fixed(motion.q, motion.v, motion.a)) * sliding
         error = np.einsum("bnp,bp->bn", W, values) - measured.T
@@ -146,5 +153,5 @@ class TorquePrediction:
         kept = np.where(sliding.any(axis=0), np.exp(-period / self.memory), 1.0)[:, None, None]
         gained = weight * np.einsum("bnp,bnr->bpr", W, W)
         information = initial + kept * (memory.information - initial) + gained
-        after = PredictionMemory(motion, torque, torque_rate, information)
+        after = PredictionMemory(motion, torque, torque_rate, information, memory.age + period)
         return Learned(after, weight * np.einsum("bnp,bn->bp", W, error), np.linalg.inv(information))
