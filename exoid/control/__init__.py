@@ -22,6 +22,7 @@ from .parameter_change import ExpectedChange
 from .parameter_cone import ParameterCone
 from .passive_friction import PassiveFriction
 from .pd import p, pd
+from .replay import LawReplay, replay_law
 from .sensitivity_amplification import sensitivity_amplification
 from .side_by_side import SideBySide
 from .standard_laws import LAWS, default_gains, standard_laws
@@ -41,6 +42,7 @@ __all__ = [
     "ExpectedChange",
     "FrictionCompensation",
     "Law",
+    "LawReplay",
     "Limited",
     "MotionFilter",
     "ParameterCone",
@@ -66,6 +68,7 @@ __all__ = [
     "mean_pose",
     "p",
     "pd",
+    "replay_law",
     "sensitivity_amplification",
     "simulate",
     "simulate_many",

@@ -2,6 +2,7 @@
 
 from .coverage import plot_coverage, plot_excitation
 from .dynamics import plot_friction, plot_inertial_torque, plot_reference, plot_torques
+from .law_replay import plot_law_replay
 from .parameters import plot_correlation, plot_parameters
 from .plans import plot_planned_motion, plot_precision
 from .residuals import plot_prediction, plot_residual_trend
@@ -22,6 +23,7 @@ __all__ = [
     "plot_friction",
     "plot_gain_margins",
     "plot_inertial_torque",
+    "plot_law_replay",
     "plot_law_torques",
     "plot_lyapunov",
     "plot_parameters",
