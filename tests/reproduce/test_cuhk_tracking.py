@@ -55,13 +55,16 @@ def assert_what_beats_it(laws):
     assert_within(laws["pd_feedforward"], 1.2, 0.5)
     assert_within(laws["computed_torque"], 4.0, 1.0)
     assert_within(laws["lqr"], 0.3, 0.2)
+    assert_within(laws["adaptive"], 0.8, 0.6)
 
 
 def assert_robust(wrong):
     for factor in ("0.5", "1.5"):
         assert_within(wrong[f"pd_feedforward F x{factor}"], 2.0, 1.0)
         assert_within(wrong[f"lqr F x{factor}"], 0.6, 0.4)
-    assert_within(wrong["lqr +1.5kg"], 1.0, 1.0)
+        assert_within(wrong[f"adaptive F x{factor}"], 1.0, 0.8)
+    for name in ("lqr", "adaptive"):
+        assert_within(wrong[f"{name} +1.5kg"], 1.0, 1.0)
 
 
 def test_pd_reproduces_the_documents_peak_errors(laws):
