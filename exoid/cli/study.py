@@ -68,7 +68,8 @@ def study(
         str | None,
         typer.Option(
             metavar="A,B",
-            help="Controllers to run with estimates: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr.",
+            help="Controllers to run with estimates: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr, "
+            "adaptive.",
         ),
     ] = None,
     course: Annotated[

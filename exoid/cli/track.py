@@ -11,7 +11,7 @@ import typer
 
 from exoid import control, experiments, published
 from exoid.catalog import load_leg
-from exoid.control import ControlModel
+from exoid.control import ControlModel, LawReplay
 from exoid.control.tracking import tracking_table
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
@@ -20,6 +20,8 @@ from exoid.leg import Leg
 from exoid.rig import Payload, Plant, Reference
 from exoid.tables import DataTable, to_text
 
+from .dry_run import DryRun
+from .dry_run import dry_run as run_dry
 from .inputs import AsJson, ColumnPairs, Degrees, LogOptions, Names, Report, is_readable, read_log, refuse
 from .messages import note
 from .numbers import joint_values
@@ -85,6 +87,30 @@ def track(
     ] = None,
     payload: Annotated[float | None, typer.Option(metavar="KG", help="Unknown payload on the rig's shank.")] = None,
     friction: Annotated[float | None, typer.Option(metavar="X", help="Factor of the rig's friction.")] = None,
+    dry_run: Annotated[
+        str | None,
+        typer.Option(
+            "--dry-run",
+            metavar="LOG",
+            help="No rig: print the torque that one controller would have commanded in a log.",
+        ),
+    ] = None,
+    law: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Controller of --dry-run: gravity_support (default), transparent, pd, pd_gravity_friction, "
+            "pd_feedforward, computed_torque, lqr, adaptive.",
+        ),
+    ] = None,
+    limit: Annotated[str | None, typer.Option(metavar="A,B", help="--dry-run: largest torques [N·m].")] = None,
+    slew: Annotated[
+        str | None, typer.Option(metavar="A,B", help="--dry-run: largest rates of change of the torques [N·m/s].")
+    ] = None,
+    output: Annotated[
+        str | None,
+        typer.Option("--output", "-o", metavar="CSV", help="--dry-run: write commanded and recorded torques."),
+    ] = None,
     figures: Annotated[str | None, typer.Option(metavar="DIR", help="Write figures into this folder.")] = None,
     form: Annotated[Literal["png", "pdf"], typer.Option("--format", help="Format of the figures.")] = "png",
     report: Report = None,
@@ -93,7 +119,8 @@ def track(
     """Run controllers on a rig and compare tracking error, torque, energy and chatter.
 
     cuhk replays document 2's comparison of controllers, on a leg identified from noisy data. With an estimate, rig and
-    controllers have the same model; --payload and --friction change the rig.
+    controllers have the same model; --payload and --friction change the rig. With --dry-run nothing moves: a controller
+    reads a log.
     """
     from exoid import reproduce  # noqa: PLC0415 - matplotlib would slow down the help
     from exoid.view.figure_files import write_figures  # noqa: PLC0415
@@ -102,9 +129,18 @@ def track(
     if figures is not None:
         make_folder(figures)
     read = {"--column": column, "--degrees": degrees or None, "--names": names}
-    if reference is None:
-        refuse(read, "only the log of --reference is read")
-    check_outputs({"--report": report}, [what, reference])
+    reading = LogOptions(column, degrees, names=names)
+    if reference is None and dry_run is None:
+        refuse(read, "only the log of --reference or --dry-run is read")
+    check_outputs({"--report": report, "--output": output}, [what, reference, dry_run])
+    if dry_run is not None:
+        only = options._replace(kp=None, kd=None, rate=None)
+        given = {f"--{name}": value for name, value in only._asdict().items()}
+        refuse({**given, "--report": report, "--wrong": wrong or None, "--rotor": rotor}, "--dry-run has no rig")
+        dry = run_dry(_source(what), DryRun(dry_run, law, kp, kd, rate, limit, slew), reading)
+        _show_dry_run(dry, output, figures, form, as_json=as_json)
+        return
+    refuse({"--law": law, "--limit": limit, "--slew": slew, "--output": output}, "there is no --dry-run")
     if what == "cuhk":
         given = {f"--{name}": value for name, value in options._asdict().items()}
         refuse(given, "cuhk is document 2's comparison; name an estimate")
@@ -117,7 +153,7 @@ def track(
             table, notes = reproduce.cuhk_tracking_table(replay), reproduce.cuhk_tracking_notes(replay)
             runs, text, data = replay.laws, reproduce.cuhk_tracking_text(replay), reproduce.cuhk_tracking_json(replay)
         else:
-            runs, table, data = _track_leg(what, options, LogOptions(column, degrees, names=names), seed, progress)
+            runs, table, data = _track_leg(what, options, reading, seed, progress)
             drives = Estimate.load(what).actuators if is_readable(what) else None
             commands = () if drives is None else (control.command_table(runs.values(), drives),)
             text, notes = to_text(table, *commands), ()
@@ -129,13 +165,28 @@ def track(
     typer.echo(json.dumps(data, indent=1) if as_json else text)
 
 
+def _show_dry_run(replay: LawReplay, output: str | None, figures: str | None, form: str, *, as_json: bool) -> None:
+    """Write and print a dry run."""
+    from exoid.reproduce.tracking_report import law_replay_figure  # noqa: PLC0415 - see above
+    from exoid.view.figure_files import write_figures  # noqa: PLC0415
+
+    if output is not None:
+        replay.to_csv(output)
+        note(f"wrote {output}")
+    if figures is not None:
+        for path in write_figures(figures, {"dry_run": law_replay_figure(replay)}, form):
+            note(f"wrote {path}")
+    typer.echo(json.dumps(replay.to_json(), indent=1) if as_json else str(replay))
+
+
 def _track_leg(
     what: str, options: TrackOptions, reading: LogOptions, seed: int, progress: Callable[[float], None]
 ) -> tuple[Mapping[str, Any], DataTable, dict[str, Any]]:
     """Run every controller on a leg; return the runs, also as a table and as JSON."""
     from exoid import reproduce  # noqa: PLC0415 - see above
 
-    model = _model(what)
+    source = _source(what)
+    model = ControlModel.of(source)
     reference, period, settle = _reference(model.leg, options, reading)
     labels = model.leg.joint_labels
     kp, kd = control.default_gains(model, control.mean_pose(reference, period))
@@ -148,7 +199,7 @@ def _track_leg(
     joint = labels[roles.index("knee")] if "knee" in roles else labels[-1]
     payloads = [] if options.payload is None else [Payload(joint, options.payload, _below(model.leg, joint))]
     runs = control.track(
-        model,
+        source,
         kp,
         kd,
         reference,
@@ -166,14 +217,12 @@ def _track_leg(
     return runs, tracking_table(title, runs.values()), reproduce.laws_json(runs, kp, kd, seed)
 
 
-def _model(what: str) -> ControlModel:
+def _source(what: str) -> Estimate | Plant:
     if what == "bleex":
-        return ControlModel.of(
-            Plant.build(load_leg("bleex", inertias="identified"), published.bleex_resistances("left"))
-        )
+        return Plant.build(load_leg("bleex", inertias="identified"), published.bleex_resistances("left"))
     if not is_readable(what):
         raise ExoidError(f"no estimate {what!r}", remedy="name an estimate of exoid identify -o, cuhk or bleex")
-    return ControlModel.of(Estimate.load(what))
+    return Estimate.load(what)
 
 
 class _Course(NamedTuple):

@@ -1,5 +1,6 @@
 """Controllers for an identified leg, and the closed loop with a virtual rig."""
 
+from .adaptive import Adaptive, adaptive
 from .admittance import admittance
 from .assist_as_needed import assist_as_needed
 from .closed_loop import simulate, simulate_many
@@ -18,12 +19,16 @@ from .mean_pose import mean_pose
 from .model import ControlModel
 from .motion_filter import MotionFilter
 from .observers import KalmanObserver, MomentumObserver, SensorNoise
+from .parameter_change import ExpectedChange
+from .parameter_cone import ParameterCone
 from .passive_friction import PassiveFriction
 from .pd import p, pd
+from .replay import LawReplay, replay_law
 from .sensitivity_amplification import sensitivity_amplification
 from .side_by_side import SideBySide
 from .standard_laws import LAWS, default_gains, standard_laws
 from .stateful import StatefulLaw, stateful
+from .torque_prediction import TorquePrediction
 from .track import track
 from .tracking import Tracking, command_table
 
@@ -32,21 +37,27 @@ __all__ = [
     "LAWS",
     "SHARP",
     "SMOOTH",
+    "Adaptive",
     "ControlModel",
     "Driven",
+    "ExpectedChange",
     "FrictionCompensation",
     "KalmanObserver",
     "Law",
+    "LawReplay",
     "Limited",
     "MomentumObserver",
     "MotionFilter",
+    "ParameterCone",
     "PassiveFriction",
     "SensorNoise",
     "SideBySide",
     "State",
     "StatefulLaw",
+    "TorquePrediction",
     "Tracking",
     "Weights",
+    "adaptive",
     "admittance",
     "assist_as_needed",
     "command_table",
@@ -61,6 +72,7 @@ __all__ = [
     "mean_pose",
     "p",
     "pd",
+    "replay_law",
     "sensitivity_amplification",
     "simulate",
     "simulate_many",

@@ -105,6 +105,19 @@ class MotionFilter:
         angles = self._channel(motion.q, motion.rate, motion.q_read, q)
         return FilteredMotion(*angles, *self._channel(motion.v, motion.a, motion.v_read, v), q, v)
 
+    def hold(self, x: FloatArray, y: FloatArray, held: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Filter an input that was constant over the last period, such as a commanded torque.
+
+        Args:
+            x: Filtered input at the previous sample, (n,) or (n, B).
+            y: Its rate of change [1/s], likewise.
+            held: The input since then.
+
+        Returns:
+            Filtered input at this sample, and its rate of change.
+        """
+        return self._channel(x, y, held, held)
+
     def _channel(
         self, x: FloatArray, y: FloatArray, before: FloatArray, u: FloatArray
     ) -> tuple[FloatArray, FloatArray]:

@@ -10,16 +10,18 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.rig import Reference
 
+from .adaptive import adaptive
 from .computed_torque import computed_torque
 from .feedforward_pd import feedforward_pd
 from .gravity_friction_pd import gravity_friction_pd
-from .law import RATE, Law
+from .law import RATE
 from .lqr import lqr
 from .mean_pose import mean_pose
 from .model import ControlModel, ModelSource
 from .pd import pd
+from .stateful import AnyLaw
 
-LAWS = ("pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr")
+LAWS = ("pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr", "adaptive")
 """Names of the standard controllers."""
 
 BANDWIDTH = 5.0
@@ -38,11 +40,12 @@ def standard_laws(
     *,
     rate: float = RATE,
     names: Sequence[str] = LAWS,
-) -> dict[str, Law]:
-    """Make PD, PD with gravity and friction, PD with feedforward, computed torque, and LQR.
+) -> dict[str, AnyLaw]:
+    """Make PD, PD with gravity and friction, PD with feedforward, computed torque, LQR, and adaptive control.
 
     Computed torque has the same stiffness as the others: Kp and Kd divided by the diagonal of the mass matrix at the
-    mean pose of the reference. The gain of LQR follows from :class:`exoid.control.Weights`.
+    mean pose of the reference. The gain of LQR follows from :class:`exoid.control.Weights`. Adaptive control
+    is composite; the covariance of an estimate is part of its metric.
 
     Args:
         source: Source of the controllers' model.
@@ -62,12 +65,13 @@ def standard_laws(
     model = ControlModel.of(source)
     inertia = np.diagonal(model.mass_matrix(mean_pose(reference, period)))
     soft = [np.asarray(gain, dtype=np.float64) / inertia for gain in (kp, kd)]
-    makers: dict[str, Callable[[], Law]] = {
+    makers: dict[str, Callable[[], AnyLaw]] = {
         "pd": lambda: pd(kp, kd, rate=rate),
         "pd_gravity_friction": lambda: gravity_friction_pd(model, kp, kd, rate=rate),
         "pd_feedforward": lambda: feedforward_pd(model, kp, kd, rate=rate),
         "computed_torque": lambda: computed_torque(model, *soft, rate=rate),
         "lqr": lambda: lqr(model, reference, period, rate=rate),
+        "adaptive": lambda: adaptive(source, kp, kd, rate=rate),
     }
     refuse_unknown_laws(names)
     return {name: makers[name]() for name in names}

@@ -75,7 +75,7 @@ def track(
     )
     return compare_laws(
         plant_with_payloads(plant, payloads),
-        standard_laws(model, kp, kd, reference, period, rate=rate),
+        standard_laws(source, kp, kd, reference, period, rate=rate),
         reference,
         periods * period,
         sensors=sensors,

@@ -37,6 +37,11 @@ class FollowedLog:
         """Count joints; name the duration."""
         return f"FollowedLog({self.curve.c.shape[1]} joints, {self.duration:g} s)"
 
+    @property
+    def edge(self) -> float:
+        """Time at each end in which velocities and accelerations are inaccurate, as the log is one-sided there [s]."""
+        return DEGREE * float(self.curve.t[DEGREE + 1] - self.curve.t[DEGREE])
+
     def at(self, time: float) -> Target:
         """Evaluate the motion.
 

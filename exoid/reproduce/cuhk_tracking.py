@@ -10,7 +10,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.catalog import load_leg
-from exoid.control import ControlModel, Law, Tracking, compare_laws, gravity_friction_pd, pd, standard_laws
+from exoid.control import ControlModel, Tracking, compare_laws, gravity_friction_pd, pd, standard_laws
+from exoid.control.stateful import AnyLaw
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.experiments import cuhk, healthy_gait, refuse_motion_beyond_limits
@@ -162,17 +163,17 @@ def identify_for_tracking(plant: Plant, seed: int, progress: Callable[[float], N
     return identify(plant.leg, run.recording().between(SETTLE, DURATION), TERMS, preparation=PREPARATION)
 
 
-def document_laws(source: Estimate | ControlModel) -> dict[str, Law]:
+def document_laws(source: Estimate | ControlModel) -> dict[str, AnyLaw]:
     """Make the laws at document 2's gains by name, with PD at 30 and at 100 Hz."""
     kp, kd = GAINS["kp"], GAINS["kd"]
     gait = healthy_gait(AMPLITUDE, PERIOD)
     return {"pd_30hz": pd(kp, kd, rate=SLOW), **standard_laws(source, kp, kd, gait, PERIOD)}
 
 
-def wrong_laws(source: Estimate | ControlModel) -> dict[str, Law]:
+def wrong_laws(source: Estimate | ControlModel) -> dict[str, AnyLaw]:
     """Make the same laws with a wrong model, by name; those that end in :data:`LOADED` are for the rig with payload."""
     model = ControlModel.of(source)
-    laws: dict[str, Law] = {}
+    laws: dict[str, AnyLaw] = {}
     for factor in (0.5, 1.5):
         scaled = document_laws(model.with_friction(factor))
         laws |= {f"{name} F x{factor:g}": law for name, law in scaled.items() if name not in ("pd_30hz", "pd")}

@@ -8,10 +8,10 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from exoid._typing import FloatArray
-from exoid.control import Tracking
+from exoid.control import LawReplay, Tracking
 from exoid.control.tracking import tracking_table
 from exoid.tables import DataTable, to_text
-from exoid.view import paper, plot_law_torques, plot_peak_errors, plot_tracking_errors
+from exoid.view import paper, plot_law_replay, plot_law_torques, plot_peak_errors, plot_tracking_errors
 from exoid.view.style import COLUMN
 from exoid.view.tracking import LAW_COLOURS
 
@@ -24,6 +24,7 @@ LABELS = {
     "pd_feedforward": "PD + feed-forward",
     "computed_torque": "computed torque",
     "lqr": "LQR",
+    "adaptive": "adaptive",
 }
 """Labels of the laws in figures."""
 
@@ -169,6 +170,22 @@ def _figure(
     labels = _labels(runs)
     figure = Figure(figsize=(1.4 * COLUMN, 0.55 * COLUMN * (len(labels) + 0.3)))
     plot(figure.subplots(len(labels), 1, sharex=True, squeeze=False)[:, 0], runs, names=labels, colours=colours)
+    return figure
+
+
+def law_replay_figure(replay: LawReplay) -> Figure:
+    """Draw the torque that a law would have commanded during a log.
+
+    Args:
+        replay: Replay of a law.
+
+    Returns:
+        The figure.
+    """
+    count = len(replay.joint_names)
+    with paper():
+        figure = Figure(figsize=(1.4 * COLUMN, 0.55 * COLUMN * (count + 0.3)))
+        plot_law_replay(list(figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]), replay)
     return figure
 
 

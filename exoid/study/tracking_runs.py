@@ -8,7 +8,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control import ControlModel, Law, SideBySide, Tracking, simulate_many
+from exoid.control import ControlModel, SideBySide, Tracking, simulate_many
+from exoid.control.model import ModelSource
+from exoid.control.stateful import AnyLaw
 from exoid.control.track import SENSORS
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
@@ -20,7 +22,7 @@ from .tracking_task import TrackingTask
 MEASURES = ("rms_deg", "peak_deg", "rms_torque")
 """Metrics of :class:`exoid.control.Tracking`, by joint."""
 
-Laws = Sequence[Law | None]
+Laws = Sequence[AnyLaw | None]
 """One controller for each replicate; None if it cannot be made, as from an estimate that is not physical."""
 
 
@@ -41,20 +43,19 @@ def track_cases(study: Study, chunk: Chunk, estimates: Mapping[str, Sequence[Est
     course = study.course
     assert course is not None
     truth = ControlModel.of_parameters(study.model, np.array(study.truth))
-    known = {name: [ControlModel.of(estimate) for estimate in each] for name, each in estimates.items()}
     exact = [truth] * chunk.replicates
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # about negative friction due to noise
-        laws = [_laws(course, case, known.get(case.knows, exact)) for case in study.tracking_cases]
+        laws = [_laws(course, case, estimates.get(case.knows, exact)) for case in study.tracking_cases]
     seed = (study.seed, chunk.protocol, chunk.noise, chunk.first, 2)
     return np.array(_runs(truth.plant(), course, laws, seed))
 
 
-def _laws(course: TrackingTask, case: TrackingCase, known: Sequence[ControlModel]) -> Laws:
+def _laws(course: TrackingTask, case: TrackingCase, known: Sequence[ModelSource]) -> Laws:
     """Make the controllers of one case; replicates with the same parameters share one."""
     if case.law == WITHOUT_MODEL or case.knows == TRUTH:
         return (course.law(case.law, known[0]),) * len(known)
-    laws: list[Law | None] = []
+    laws: list[AnyLaw | None] = []
     for model in known:
         try:
             laws.append(course.law(case.law, model))
@@ -85,7 +86,7 @@ def _side_by_side(plant: Plant, course: TrackingTask, laws: Sequence[Laws], seed
     return list(figures.reshape(len(laws), -1, *figures.shape[1:]))
 
 
-def _alone(plant: Plant, course: TrackingTask, law: Law | None, seed: tuple[int, ...]) -> FloatArray:
+def _alone(plant: Plant, course: TrackingTask, law: AnyLaw | None, seed: tuple[int, ...]) -> FloatArray:
     try:
         return _figures(_simulate(plant, course, (law,), 1, seed)[0]) if law is not None else _lost(plant)
     except ExoidError:
@@ -93,7 +94,7 @@ def _alone(plant: Plant, course: TrackingTask, law: Law | None, seed: tuple[int,
 
 
 def _simulate(
-    plant: Plant, course: TrackingTask, laws: tuple[Law, ...], alike: int, seed: tuple[int, ...]
+    plant: Plant, course: TrackingTask, laws: tuple[AnyLaw, ...], alike: int, seed: tuple[int, ...]
 ) -> tuple[Tracking, ...]:
     noise = Sensors(SENSORS.encoder_counts, SENSORS.angle_noise, SENSORS.velocity_noise, noise_blocks=alike)
     return simulate_many(

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control import ControlModel, Law, default_gains, mean_pose, standard_laws
+from exoid.control import ControlModel, default_gains, mean_pose, standard_laws
 from exoid.control.closed_loop import plant_step
 from exoid.control.law import RATE
+from exoid.control.model import ModelSource
 from exoid.control.standard_laws import refuse_unknown_laws
+from exoid.control.stateful import AnyLaw
 from exoid.errors import ExoidError
 from exoid.experiments import Harmonics, refuse_motion_beyond_limits
 from exoid.json_values import attributes
@@ -87,12 +89,12 @@ class TrackingTask:
         """Duration [s]."""
         return self.periods * self.period
 
-    def law(self, name: str, known: ControlModel) -> Law:
+    def law(self, name: str, known: ModelSource) -> AnyLaw:
         """Make one of the controllers.
 
         Args:
             name: Name of the controller.
-            known: Its model of the leg.
+            known: Source of its model of the leg.
 
         Returns:
             The controller.

@@ -3,6 +3,7 @@
 from .coverage import plot_coverage, plot_excitation
 from .dynamics import plot_friction, plot_inertial_torque, plot_reference, plot_torques
 from .interaction import plot_gait_profile, plot_interaction
+from .law_replay import plot_law_replay
 from .parameters import plot_correlation, plot_parameters
 from .plans import plot_planned_motion, plot_precision
 from .residuals import plot_prediction, plot_residual_trend
@@ -25,6 +26,7 @@ __all__ = [
     "plot_gait_profile",
     "plot_inertial_torque",
     "plot_interaction",
+    "plot_law_replay",
     "plot_law_torques",
     "plot_lyapunov",
     "plot_parameters",

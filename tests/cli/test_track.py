@@ -15,7 +15,7 @@ from exoid.rig import Plant
 from exoid.signals import ZeroPhase
 from exoid.torques import Armature, Coulomb, Offset, TorqueModel, Viscous
 
-NAMES = ["pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr"]
+NAMES = ["pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr", "adaptive"]
 METRICS = ["peak_deg", "rms_deg", "rms_torque", "torque_variation"]
 
 
@@ -215,3 +215,77 @@ def test_a_model_gives_the_rig_it_describes():
         np.testing.assert_allclose(getattr(rig, name), getattr(truth, name), atol=1e-12)
     negative = control.ControlModel.of(truth).with_friction(-1.0).plant()
     assert not negative.coulomb.any()
+
+
+# ------------------------------------------------------------------------------------------ dry run
+
+
+def gait_log(path):
+    """Text of a log of the leg of an estimate under feedforward."""
+    known = control.ControlModel.of(Estimate.load(path / "est.json"))
+    kp, kd = control.default_gains(known, np.array([0.2, 0.4]))
+    run = control.simulate(
+        known.plant(), control.feedforward_pd(known, 2.0 * kp, 2.0 * kd), healthy_gait(0.8, 4.0), 4.0
+    )
+    run.recording.to_csv(path / "log.csv")
+    return (path / "log.csv").read_text()
+
+
+LOGS = []
+"""Text of the log, which is the same for every test."""
+
+
+@pytest.fixture
+def logged(saved, tmp_path):
+    """The log beside the estimate."""
+    LOGS[:] = LOGS or [gait_log(tmp_path)]
+    (tmp_path / "log.csv").write_text(LOGS[0])
+    return "log.csv"
+
+
+def test_a_dry_run_prints_writes_and_draws_the_torque(track, saved, logged, tmp_path):
+    options = ("--limit", "20,8", "--slew", 100, "-o", "commanded.csv", "--figures", "figs")
+    code, out, err = track(saved, "--dry-run", logged, *options)
+    assert code == 0, err
+    assert "gravity_support at 100 Hz would have commanded" in out
+    assert "wrote commanded.csv" in err
+    assert (tmp_path / "figs" / "dry_run.png").read_bytes().startswith(b"\x89PNG")
+    table = np.loadtxt(tmp_path / "commanded.csv", delimiter=",", skiprows=1)
+    assert (np.abs(table[:, 1:3]).max(axis=0) <= (20.0, 8.0)).all()
+    assert np.abs(np.diff(table[:, 1:3], axis=0)).max() <= 1.0 + 1e-9
+
+
+@pytest.mark.parametrize("law", ["transparent", *NAMES])
+def test_every_controller_has_a_dry_run(track, saved, logged, law):
+    code, out, err = track(saved, "--dry-run", logged, "--law", law, "--json")
+    assert code == 0, err
+    data = json.loads(out)
+    assert (data["law"], data["rate"]) == (law, 100.0)
+    if law == "pd_feedforward":  # the model of the log's own controller
+        assert data["rms_difference"][0] < 0.1 * data["rms_recorded"][0]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--law", "nonsense"), "no controller 'nonsense'"),
+        (("--kp", "10,10"), "gravity_support has no gains"),
+        (("--payload", 1), "--payload has no effect"),
+        (("--wrong",), "--wrong has no effect"),
+        (("--rate", 1000), "1000 Hz"),
+        (("--limit", "0,0"), "limit"),
+        (("--limit", "1,2,3"), "--limit 1,2,3"),
+        (("-o", "log.csv"), "log.csv"),
+    ],
+)
+def test_options_that_a_dry_run_cannot_use(track, saved, logged, options, message):
+    code, out, err = track(saved, "--dry-run", logged, *options)
+    assert (code, out) == (2, "")
+    assert message in err
+
+
+@pytest.mark.parametrize("option", [("--law", "pd"), ("--limit", 3), ("--slew", 3), ("-o", "x.csv")])
+def test_options_of_a_dry_run_need_a_log(track, saved, option):
+    code, _, err = track(saved, *option)
+    assert code == 2
+    assert "there is no --dry-run" in err

@@ -55,13 +55,16 @@ def assert_what_beats_it(laws):
     assert_within(laws["pd_feedforward"], 1.2, 0.5)
     assert_within(laws["computed_torque"], 4.0, 1.0)
     assert_within(laws["lqr"], 0.3, 0.2)
+    assert_within(laws["adaptive"], 0.8, 0.6)
 
 
 def assert_robust(wrong):
     for factor in ("0.5", "1.5"):
         assert_within(wrong[f"pd_feedforward F x{factor}"], 2.0, 1.0)
         assert_within(wrong[f"lqr F x{factor}"], 0.6, 0.4)
-    assert_within(wrong["lqr +1.5kg"], 1.0, 1.0)
+        assert_within(wrong[f"adaptive F x{factor}"], 1.0, 0.8)
+    for name in ("lqr", "adaptive"):
+        assert_within(wrong[f"{name} +1.5kg"], 1.0, 1.0)
 
 
 def test_pd_reproduces_the_documents_peak_errors(laws):
@@ -106,7 +109,7 @@ def test_the_report_shows_every_law_beside_the_document(tracking, laws, wrong):
 def test_the_figures_are_as_promised(tracking):
     data = tracking["json"]
     assert list(data) == ["laws", "gains", "seed", "wrong"]
-    names = ["pd_30hz", "pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr"]
+    names = ["pd_30hz", "pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr", "adaptive"]
     assert list(data["laws"]) == names
     for law in data["laws"].values():
         assert list(law) == ["peak_deg", "rms_deg", "rms_torque", "torque_variation"]

@@ -177,7 +177,7 @@ def test_an_estimate_without_a_controller_is_counted_as_lost(monkeypatch):
     make = TrackingTask.law
 
     def refusing(self, name, known):
-        if known.coulomb[0] > 1.2 * KNOWN.coulomb[0]:
+        if ControlModel.of(known).coulomb[0] > 1.2 * KNOWN.coulomb[0]:
             raise ExoidError("no stabilising gain")
         return make(self, name, known)
 
@@ -264,3 +264,13 @@ def test_a_leg_that_has_no_gait_follows_a_plan(exoid_, tmp_path):
         ran = exoid_("study", *options, "--laws", "pd", *more)
         assert ran.code == code
         assert "--course planned" in ran.err if code else "nothing," in ran.out
+
+
+def test_an_adaptive_controller_runs_in_a_study():
+    """Whether it begins with the truth or with estimates, it tracks far better than PD."""
+    found = run_study(study(course=course("pd", "adaptive"), replicates=2))
+    pd = figures(found, "pd", "nothing")
+    for knows in ("truth", "wls"):
+        learned = figures(found, "adaptive", knows)
+        assert learned.diverged == 0
+        assert (np.array(learned.rms_deg.mean) < 0.2 * np.array(pd.rms_deg.mean)).all()

@@ -6,7 +6,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import exoid
-from exoid.control import Tracking
+from exoid.control import LawReplay, Tracking
 from exoid.control.stability import GainMargins, Lyapunov
 from exoid.rig import Energy
 from exoid.signals import Approaches, Poses, Recording
@@ -19,6 +19,7 @@ from exoid.view import (
     plot_friction,
     plot_gain_margins,
     plot_inertial_torque,
+    plot_law_replay,
     plot_law_torques,
     plot_lyapunov,
     plot_parameters,
@@ -224,3 +225,13 @@ def test_peak_errors_are_bars():
     np.testing.assert_allclose(widths, expected)
     assert [label.get_text() for label in ax.get_yticklabels()] == ["PD", "LQR"]
     assert inside(figure, ax)
+
+
+def test_a_law_replay_shows_both_torques_and_the_limits():
+    time = np.arange(50) / 100.0
+    known = np.column_stack([np.sin(time), np.full(50, np.nan)])
+    commanded = np.column_stack([np.cos(time), np.cos(time)])
+    replay = LawReplay("pd", 100.0, NAMES[:2], time, commanded, known, [1.0, np.inf], [np.inf, np.inf])
+    _, axes = drawn(lambda axes: plot_law_replay(axes, replay), rows=2)
+    assert [len(ax.get_lines()) for ax in axes] == [4, 1]
+    assert axes[0].get_legend_handles_labels()[1] == ["recorded", "pd"]

@@ -1,0 +1,76 @@
+"""Covariance of the changes that an adaptive controller expects: payloads on the links, and other friction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+import pinocchio as pin
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.leg import Leg
+from exoid.lift.pseudo_inertia import make_consistent, pseudo_inertias
+
+AXES = np.array([d for d in product((-1, 0, 1), repeat=3) if np.abs(d).sum() in (1, 2)], dtype=np.float64)
+"""Directions of the places of a payload, (18, 3)."""
+
+SPREAD = np.sqrt(3.0)
+"""Distance of these places from the centre of mass, in standard deviations of the link's own mass distribution."""
+
+
+@dataclass(frozen=True)
+class ExpectedChange:
+    """Standard deviations of what may change on a leg after its identification.
+
+    Attributes:
+        payload: Mass strapped to each link [kg]; its place is distributed like the link's own mass.
+        friction: Change of each friction coefficient, relative to the coefficient.
+
+    Raises:
+        ExoidError: A number is negative or not finite.
+    """
+
+    payload: float = 1.0
+    friction: float = 0.3
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        if not (0.0 <= self.payload < np.inf and 0.0 <= self.friction < np.inf):
+            raise ExoidError(f"no such expected change: {self}", remedy="give standard deviations ≥ 0")
+
+    def of_bodies(self, leg: Leg) -> FloatArray:
+        """Compute the covariance of the leg's parameters that payloads cause.
+
+        Args:
+            leg: The leg.
+
+        Returns:
+            Covariance E[δ δᵀ] of changes δ by a point mass on each link, independently, (p, p).
+        """
+        changes = []
+        for link, P in enumerate(pseudo_inertias(make_consistent(leg.link_parameters))):
+            centre = P[:3, 3] / P[3, 3]
+            squares, axes = np.linalg.eigh(P[:3, :3] / P[3, 3] - np.outer(centre, centre))
+            reach = axes * np.sqrt(squares)
+            places = centre + SPREAD * np.vstack([np.zeros(3), AXES / np.linalg.norm(AXES, axis=1)[:, None]]) @ reach.T
+            changes.append(point_masses(leg, link, places) / np.sqrt(len(places)))
+        change = self.payload * np.hstack(changes)
+        return np.asarray(change @ change.T)
+
+
+def point_masses(leg: Leg, link: int, places: FloatArray) -> FloatArray:
+    """Compute the parameters of unit masses on a link.
+
+    Args:
+        leg: The leg.
+        link: Index of the link.
+        places: Places in the frame of the link's joint [m], (k, 3).
+
+    Returns:
+        Base parameters of each mass, as columns, (p, k).
+    """
+    own = leg.reduction.collect[:, 10 * link : 10 * link + 10]
+    bodies = [pin.Inertia(1.0, place, np.zeros((3, 3))).toDynamicParameters() for place in places]
+    return np.asarray(own @ np.transpose(bodies))

@@ -1,0 +1,255 @@
+"""Replay of a controller on a recorded log: the torque that it would have commanded."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+from exoid.experiments import follow_log
+from exoid.json_values import attributes
+from exoid.rig import Reference, Target
+from exoid.signals import Recording
+from exoid.signals.csv_writer import LogPart, write_parts
+from exoid.signals.source_location import SourceLocation
+from exoid.signals.timebase import refuse_gaps
+from exoid.tables import DataTable, to_text
+
+from .law import State
+from .limited import Limited
+from .stateful import AnyLaw, stateful
+
+AT_LIMIT = 1.0 - 1e-9
+"""Share of a limit from which on a torque is at it."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LawReplay:
+    """Torque that a controller would have commanded during a log; prints itself as a table.
+
+    The motion is that of the log, whatever the torque: nothing says how the leg would have moved. Metrics are (n,).
+
+    Attributes:
+        law: Name of the controller.
+        rate: Sampling rate of the controller [Hz].
+        joint_names: Names of the joints, (n,).
+        time: Time stamps of the controller's samples [s], (N,).
+        commanded: Torque that it would have commanded [N·m], (N, n).
+        recorded: Torque in the log at these times [N·m], (N, n); NaN for joints without one.
+        limit: Largest torque [N·m], (n,); infinite for none.
+        slew: Largest rate of change of the torque [N·m/s], (n,); infinite for none.
+    """
+
+    law: str
+    rate: float
+    joint_names: tuple[str, ...]
+    time: FloatArray
+    commanded: FloatArray
+    recorded: FloatArray
+    limit: FloatArray
+    slew: FloatArray
+
+    def __post_init__(self) -> None:
+        """Forbid changes."""
+        for name in ("time", "commanded", "recorded", "limit", "slew"):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+    @property
+    def rms_torque(self) -> FloatArray:
+        """RMS commanded torque [N·m]."""
+        return _rms(self.commanded)
+
+    @property
+    def peak_torque(self) -> FloatArray:
+        """Largest commanded torque [N·m]."""
+        return np.asarray(np.abs(self.commanded).max(axis=0))
+
+    @property
+    def rms_recorded(self) -> FloatArray:
+        """RMS recorded torque [N·m]; NaN for joints without one."""
+        return _rms(self.recorded)
+
+    @property
+    def peak_recorded(self) -> FloatArray:
+        """Largest recorded torque [N·m]; NaN for joints without one."""
+        return np.asarray(np.abs(self.recorded).max(axis=0))
+
+    @property
+    def rms_difference(self) -> FloatArray:
+        """RMS difference of commanded and recorded torque [N·m]; NaN for joints without a recorded one."""
+        return _rms(self.commanded - self.recorded)
+
+    @property
+    def peak_difference(self) -> FloatArray:
+        """Largest difference of commanded and recorded torque [N·m]; NaN for joints without a recorded one."""
+        return np.asarray(np.abs(self.commanded - self.recorded).max(axis=0))
+
+    @property
+    def peak_rate(self) -> FloatArray:
+        """Largest rate of change of the commanded torque [N·m/s]."""
+        return np.asarray(np.abs(np.diff(self.commanded, axis=0)).max(axis=0) * self.rate)
+
+    @property
+    def share_at_limit(self) -> FloatArray:
+        """Share of the samples at which the torque is at its limit."""
+        return np.asarray((np.abs(self.commanded) >= AT_LIMIT * self.limit).mean(axis=0))
+
+    @property
+    def share_at_slew(self) -> FloatArray:
+        """Share of the samples at which the torque changes as fast as it may."""
+        changes = np.abs(np.diff(self.commanded, axis=0)) * self.rate
+        return np.asarray((changes >= (1.0 - 1e-6) * self.slew).mean(axis=0))
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write columns ``time``, ``tau_<joint>`` of the commanded torque and ``recorded_<joint>`` where there is one.
+
+        Args:
+            path: File to write; an existing one is replaced only when the new one is complete.
+
+        Raises:
+            ExoidError: The file cannot be written.
+        """
+        there = np.flatnonzero(np.isfinite(self.recorded).all(axis=0))
+        names = [f"tau_{name}" for name in self.joint_names]
+        known = [f"recorded_{self.joint_names[k]}" for k in there]
+        parts = [LogPart(["time"], [self.time]), LogPart(names, [self.commanded])]
+        write_parts(path, [*parts, LogPart(known, [self.recorded[:, there]])])
+
+    def to_json(self) -> dict[str, Any]:
+        """Convert the metrics to JSON types.
+
+        Returns:
+            Values of the joints by the name of the metric; None for a joint without recorded torque.
+        """
+        names = ("rms_torque", "peak_torque", "rms_recorded", "peak_recorded", "rms_difference", "peak_difference")
+        return attributes(self, "law", "rate", *names, "peak_rate", "share_at_limit", "share_at_slew")
+
+    def __repr__(self) -> str:
+        """Name the controller and its largest torques."""
+        peaks = ", ".join(f"{n} {x:.3g} N·m" for n, x in zip(self.joint_names, self.peak_torque, strict=True))
+        return f"LawReplay({self.law} at {self.rate:g} Hz: peak {peaks})"
+
+    def __str__(self) -> str:
+        """Print as a table, one line for each joint."""
+        columns = [self.rms_torque, self.rms_recorded, self.rms_difference, self.peak_torque, self.peak_difference]
+        texts = [[_text(x) for x in column] for column in (*columns, self.peak_rate)]
+        texts += [[f"{100.0 * x:.1f} %" for x in column] for column in (self.share_at_limit, self.share_at_slew)]
+        headers = ("joint", "rms [N·m]", "recorded", "difference", "peak [N·m]", "peak difference")
+        limits = ("peak rate [N·m/s]", "at limit", "at rate limit")
+        rows = [tuple(row) for row in zip(self.joint_names, *texts, strict=True)]
+        span = f"{self.time[0]:g} to {self.time[-1]:g} s"
+        title = f"torque that {self.law} at {self.rate:g} Hz would have commanded, {span}"
+        return to_text(DataTable(title, (*headers, *limits), rows))
+
+
+def replay_law(
+    law: AnyLaw, recording: Recording, reference: Reference | None = None, *, name: str | None = None
+) -> LawReplay:
+    """Compute the torque that a controller would have commanded during a log.
+
+    The controller reads the angles and velocities of the log at its own rate. ``state.last`` is its own last torque.
+    Where the log has to be filtered, for a reference or for velocities, its first and last tenths of a second are left
+    out. The log shows neither how the leg would have moved under that torque, nor what a controller that adapts would
+    have learned.
+
+    Args:
+        law: Controller with or without memory.
+        recording: The log, at least as fast as the controller. Without velocities, those of its filtered angles count.
+        reference: Reference to follow from the first sample on; None for the motion of the log itself, so that feedback
+            is small and the model's torque remains.
+        name: Name of the controller in tables; None for its class.
+
+    Returns:
+        Commanded and recorded torque.
+
+    Raises:
+        ExoidError: The log has a gap or fewer samples than the controller's rate asks for, the controller does not fit
+            its joints, or a torque is not finite.
+
+    Example:
+        >>> data = exoid.datasets.bleex_swing()
+        >>> half = exoid.control.gravity_support(data.leg, 0.5)
+        >>> replay_law(half, data.train).commanded.shape[1]
+        3
+    """
+    where = recording.source.name if recording.source else ""
+    refuse_gaps(recording.time, SourceLocation(where))
+    if recording.sample_rate < 0.99 * law.rate:
+        raise ExoidError(
+            f"a log of {recording.sample_rate:.4g} Hz for a controller at {law.rate:g} Hz",
+            where=where,
+            remedy="record faster, or make the controller with the rate of the log",
+        )
+    followed = follow_log(recording) if reference is None or recording.v is None else None
+    elapsed = recording.time - recording.time[0]
+    edge = 0.0 if followed is None else followed.edge
+    times = (
+        np.arange(np.ceil(max(0.0, edge * law.rate - 1e-9)), np.floor((elapsed[-1] - edge) * law.rate + 1e-9) + 1)
+        / law.rate
+    )
+    if len(times) < 2:
+        raise ExoidError(f"a log of {elapsed[-1]:g} s is too short", where=where, remedy="give one of several seconds")
+    q = _sampled(recording.q, elapsed, times)
+    if recording.v is not None:
+        v = _sampled(recording.v, elapsed, times)
+    else:
+        assert followed is not None
+        v = np.array([followed.at(float(t)).v[:, 0] for t in times])
+    aims = followed if reference is None else reference
+    assert aims is not None
+    unknown = np.full_like(q, np.nan)
+    recorded = unknown if recording.tau is None else _sampled(recording.tau, elapsed, times)
+    limit, slew = (_limits(law, which, recording.n_joints) for which in ("limit", "slew"))
+    label = type(law).__name__ if name is None else name
+    commanded = _commanded(law, q, v, times, aims, where)
+    return LawReplay(
+        label, law.rate, recording.joint_names, recording.time[0] + times, commanded, recorded, limit, slew
+    )
+
+
+def _commanded(
+    law: AnyLaw, q: FloatArray, v: FloatArray, times: FloatArray, reference: Reference, where: str
+) -> FloatArray:
+    """Torque of each sample, (N, n)."""
+    runs, last = stateful(law), None
+    memory, torques = runs.begin(State(q[0], v[0])), np.empty_like(q)
+    for k, time in enumerate(times.tolist()):
+        aim = Target(*(None if x is None else x[:, 0] for x in reference.at(time)))  # type: ignore[arg-type]
+        if aim.q.shape != q[k].shape:
+            raise ExoidError(
+                f"a reference of {len(aim.q)} joints for {q.shape[1]} joints", where=where, remedy="select the joints"
+            )
+        torque, memory = runs.step(memory, State(q[k], v[k], time, last), aim)
+        if torque.shape != q[k].shape or not np.isfinite(torque).all():
+            raise ExoidError(
+                f"the controller commands {torque} N·m at {time:g} s",
+                where=where,
+                remedy="check that it is for the joints of the log, and that its parameters are finite",
+            )
+        torques[k] = last = torque
+    return torques
+
+
+def _sampled(values: FloatArray, elapsed: FloatArray, times: FloatArray) -> FloatArray:
+    """Columns at other times, (N, n), interpolated between samples."""
+    return np.column_stack([np.interp(times, elapsed, column) for column in values.T])
+
+
+def _limits(law: AnyLaw, which: str, n: int) -> FloatArray:
+    """Limit of each joint, (n,); infinite for a controller without limits."""
+    limit: ArrayLike = getattr(law, which) if isinstance(law, Limited) else np.inf
+    return np.broadcast_to(np.asarray(limit, dtype=np.float64), (n,))
+
+
+def _rms(values: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt(np.mean(values**2, axis=0)))
+
+
+def _text(value: float) -> str:
+    return "" if np.isnan(value) else f"{value:.3g}"

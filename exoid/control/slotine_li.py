@@ -1,0 +1,150 @@
+"""Linear model of an adaptive controller: regressor Y(q, v, v_r, a_r) of the documented parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.estimate import Estimate
+
+from .friction import WIDTH
+from .model import ControlModel, ModelSource
+from .parameter_change import ExpectedChange
+
+
+@dataclass(frozen=True, eq=False)
+class SlotineLiModel:
+    """τ = Y(q, v, v_r, a_r) β = M(q) a_r + C(q, v) v_r + G(q) + s(q) + c0 tanh(v_r / w) + d v_r + Ia a_r.
+
+    C is the Coriolis matrix of Christoffel's symbols, with ½Ṁ − C skew-symmetric. C(q, v) v_r is bilinear and symmetric
+    in both velocities, so it follows from the torque regressor W of the leg at two velocities (polarisation):
+
+        Y = W(q, (v + v_r)/2, a_r) − W(q, (v − v_r)/2, 0) + W(q, 0, 0).
+
+    Friction is a monotone function f, so (v − v_r)(f(v) − f(v_r)) ≥ 0: compensated at v_r, it only adds damping, and
+    the noise of the measured velocity does not make it chatter.
+
+    Attributes:
+        model: Model with the initial values, the terms without a linear form among them.
+        names: Names of the adapted parameters, (P,).
+        values: Initial values, (P,).
+        covariance: Covariance of the initial values and of their expected changes, (P, P).
+        kinds: Symbol and joint of each parameter that is not one of the bodies.
+    """
+
+    model: ControlModel
+    names: tuple[str, ...]
+    values: FloatArray
+    covariance: FloatArray
+    kinds: tuple[tuple[str, int], ...]
+
+    @classmethod
+    def of(cls, source: ModelSource, change: ExpectedChange) -> SlotineLiModel:
+        """Make the model: parameters of the bodies, and springs, friction and rotors whose coefficient is not zero.
+
+        Args:
+            source: An estimate; or a leg, a plant of one rig or a control model, which are known exactly.
+            change: Expected changes.
+
+        Returns:
+            The model.
+
+        Raises:
+            ExoidError: The source has no control model.
+        """
+        model = ControlModel.of(source)
+        labels, count = model.leg.joint_labels, len(model.leg.parameter_names)
+        powers = range(len(model.spring) - 1, -1, -1)
+        rows = {f"b{power}": row for power, row in zip(powers, model.spring, strict=True)}
+        rows |= {"c0": model.coulomb, "d": model.viscous, "Ia": model.armature}
+        kinds = tuple((symbol, joint) for symbol, row in rows.items() for joint in np.flatnonzero(row).tolist())
+        values = np.append(model.leg.parameters, [rows[symbol][joint] for symbol, joint in kinds])
+        names = (*model.leg.parameter_names, *(f"{symbol}_{labels[joint]}" for symbol, joint in kinds))
+        covariance = np.zeros((len(names), len(names)))
+        covariance[:count, :count] = change.of_bodies(model.leg)
+        for k, (symbol, _) in enumerate(kinds, start=count):
+            covariance[k, k] = (change.friction * values[k]) ** 2 if symbol in ("c0", "d") else 0.0
+        if isinstance(source, Estimate):
+            places = [source.names.index(name) if name in source.names else -1 for name in names]
+            known = np.flatnonzero(np.array(places) >= 0)
+            own = np.array(places)[known]
+            covariance[np.ix_(known, known)] += source.covariance[np.ix_(own, own)]
+        return cls(model, names, values, covariance, kinds)
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return self.model.n
+
+    @property
+    def positive(self) -> NDArray[np.bool_]:
+        """Whether each parameter behind those of the bodies is not negative, (P − p,)."""
+        return np.array([symbol in ("c0", "d", "Ia") for symbol, _ in self.kinds], dtype=np.bool_)
+
+    def regressor(self, q: FloatArray, v: FloatArray, v_r: FloatArray, a_r: FloatArray) -> FloatArray:
+        """Compute Y; see the class.
+
+        Args:
+            q: Angles [rad], (n, B).
+            v: Velocities [rad/s], (n, B).
+            v_r: Reference velocities [rad/s], (n, B).
+            a_r: Reference accelerations [rad/s²], (n, B).
+
+        Returns:
+            Y, (B, n, P).
+        """
+        still, count = np.zeros_like(v), len(self.model.leg.parameter_names)
+        Y = np.zeros((q.shape[1], self.n, len(self.names)))
+        angles, rates = np.hstack([q, q, q]).T, np.hstack([0.5 * (v + v_r), 0.5 * (v - v_r), still]).T
+        W = self.model.leg.regressor(angles, rates, np.hstack([a_r, still, still]).T).reshape(3, *Y.shape[:2], count)
+        Y[..., :count] = W[0] - W[1] + W[2]
+        for k, (symbol, joint) in enumerate(self.kinds, start=count):
+            Y[:, joint, k] = _column(symbol, q[joint], v_r[joint], a_r[joint])
+        return Y
+
+    def fixed(self, q: FloatArray, v_r: FloatArray, a_r: FloatArray) -> FloatArray:
+        """Compute the torque of terms that are not adapted, such as friction that depends on the load.
+
+        Args:
+            q: Angles [rad], (n, B).
+            v_r: Velocities [rad/s], (n, B).
+            a_r: Accelerations [rad/s²], (n, B).
+
+        Returns:
+            Torque [N·m], (n, B).
+        """
+        torque = np.zeros_like(q)
+        if self.model.others:
+            load = self.model.gravity(q)
+            for other in self.model.others:
+                torque[list(other.joints)] += other.torque(q, v_r, a_r, load)
+        return torque
+
+
+def _column(symbol: str, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+    """Torque of a unit coefficient, (B,)."""
+    if symbol == "c0":
+        return np.asarray(np.tanh(v / WIDTH))
+    if symbol == "Ia":
+        return a
+    return v if symbol == "d" else np.asarray(q ** int(symbol[1:]))
+
+
+def refuse_unknown_covariance(covariance: FloatArray) -> None:
+    """Refuse a covariance without any variance.
+
+    Args:
+        covariance: Covariance of all parameters, (P, P).
+
+    Raises:
+        ExoidError: No parameter could change, or a number is not finite.
+    """
+    if not np.isfinite(covariance).all() or not (np.diagonal(covariance) > 0.0).any():
+        raise ExoidError(
+            "no parameter may change, or its covariance is not finite",
+            remedy="give an estimate with a covariance, or an ExpectedChange above zero",
+        )

@@ -1,0 +1,152 @@
+"""Replay of a controller on a log: what it would have commanded, by hand and in a closed loop."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from legs import LEG, cuhk_plant, exact_estimate
+
+from exoid.control import (
+    ControlModel,
+    Limited,
+    State,
+    adaptive,
+    admittance,
+    feedforward_pd,
+    gravity_friction_pd,
+    gravity_support,
+    replay_law,
+    sensitivity_amplification,
+    simulate,
+)
+from exoid.errors import ExoidError
+from exoid.experiments import healthy_gait
+from exoid.signals import Recording
+
+GAIT = healthy_gait(0.8, 4.0)
+PD = gravity_friction_pd(exact_estimate(), 60.0, 6.0)
+
+
+@pytest.fixture(scope="module")
+def run():
+    """A gait under PD with gravity and friction, exact sensors, logged at the rate of the controller."""
+    return simulate(cuhk_plant(), PD, GAIT, 4.0)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [PD, sensitivity_amplification(exact_estimate(), 3.0, rate=100.0), Limited(PD, 10.0, 100.0)],
+    ids=["memoryless", "with memory", "limited"],
+)
+def test_a_law_that_ran_commands_in_the_replay_what_it_commanded_on_the_rig(law):
+    """The log has the torque held until each sample, the replay the one from it on."""
+    run = simulate(cuhk_plant(), law, GAIT, 2.0) if law is not None else None
+    logged = run.recording
+    found = replay_law(law, replace(logged, v=run.v, q=run.q), GAIT)
+    np.testing.assert_allclose(found.commanded[:-1], run.tau[1:], atol=1e-9)
+    np.testing.assert_allclose(found.recorded, logged.tau, atol=1e-12)
+
+
+def test_gravity_support_commands_the_weight_at_the_angles_of_the_log(run):
+    log = replace(run.recording, v=run.v)
+    found = replay_law(gravity_support(exact_estimate(), 0.5), log, GAIT, name="half")
+    np.testing.assert_allclose(found.commanded, 0.5 * ControlModel.of(exact_estimate()).statics(log.q.T).T, atol=1e-12)
+    assert found.law == "half"
+    assert "half at 100 Hz" in str(found)
+
+
+def test_the_feedforward_of_the_right_model_explains_the_recorded_torque(run):
+    """Without a reference the motion of the log is the target, so that the model's torque remains."""
+    found = replay_law(feedforward_pd(exact_estimate(), 60.0, 6.0), run.recording)
+    assert (found.rms_difference < 0.1 * found.rms_recorded).all()
+    wrong = replay_law(feedforward_pd(ControlModel.of(exact_estimate()).with_friction(3.0), 60.0, 6.0), run.recording)
+    assert (wrong.rms_difference > 2.0 * found.rms_difference).all()
+
+
+def test_an_adaptive_controller_learns_nothing_from_the_log_of_another(run):
+    """Its own torque did not move the leg; with the log as target it stays at its estimate."""
+    law = adaptive(exact_estimate(), 60.0, 6.0)
+    found = replay_law(law, run.recording)
+    plain = replay_law(adaptive(exact_estimate(), 60.0, 6.0, still=100.0), run.recording)
+    assert np.abs(found.commanded - plain.commanded).max() < 0.05 * found.peak_torque.max()
+
+
+def test_a_slower_law_reads_the_log_at_its_own_rate(run):
+    slow = replay_law(
+        gravity_friction_pd(exact_estimate(), 60.0, 6.0, rate=40.0), replace(run.recording, v=run.v), GAIT
+    )
+    np.testing.assert_allclose(np.diff(slow.time), 1.0 / 40.0)
+    state = State(*(np.array([np.interp(slow.time[7], run.time, x) for x in y.T]) for y in (run.recording.q, run.v)))
+    aim = GAIT.at(slow.time[7])
+    by_hand = PD.torque(state, type(aim)(*(x[:, 0] for x in aim)))
+    np.testing.assert_allclose(slow.commanded[7], by_hand, atol=1e-9)
+
+
+def test_figures_of_a_replay():
+    """A hand-made log: constant angle, so constant torque but for the limits."""
+    time = np.arange(100) / 100.0
+    q = np.tile([0.3, 0.5], (100, 1))
+    log = Recording(
+        time=time,
+        q=q,
+        v=np.zeros_like(q),
+        tau=np.column_stack([np.full(100, 5.0), np.full(100, np.nan)]),
+        joint_names=LEG.joint_names,
+    )
+    weight = LEG.gravity(q[:1])[0]
+    found = replay_law(Limited(gravity_support(LEG), (0.5 * abs(weight[0]), np.inf)), log, GAIT)
+    np.testing.assert_allclose(found.peak_torque, np.abs(weight) * [0.5, 1.0])
+    np.testing.assert_allclose(found.share_at_limit, [1.0, 0.0])
+    np.testing.assert_allclose(found.peak_difference[0], abs(0.5 * weight[0] - 5.0))
+    assert np.isnan(found.rms_recorded[1])
+    np.testing.assert_allclose(found.peak_rate, 0.0, atol=1e-12)
+    assert json.loads(json.dumps(found.to_json()))["rms_recorded"] == [5.0, None]
+
+
+def test_the_csv_reads_back_as_a_log(run, tmp_path):
+    found = replay_law(PD, run.recording)
+    found.to_csv(tmp_path / "commanded.csv")
+    header, *rows = (tmp_path / "commanded.csv").read_text().splitlines()
+    hip, knee = LEG.joint_names
+    assert header == f"time,tau_{hip},tau_{knee},recorded_{hip},recorded_{knee}"
+    back = np.array([[float(x) for x in row.split(",")] for row in rows])
+    np.testing.assert_array_equal(back, np.column_stack([found.time, found.commanded, found.recorded]))
+
+
+def test_a_gap_in_the_log_raises_an_error(run):
+    keep = (run.time < 1.0) | (run.time > 1.5)
+    log = Recording(time=run.time[keep], q=run.q[keep], v=run.v[keep], joint_names=LEG.joint_names)
+    with pytest.raises(ExoidError, match="gap"):
+        replay_law(PD, log, GAIT)
+
+
+def test_missing_values_raise_an_error(run):
+    q = run.q.copy()
+    q[20, 1] = np.nan
+    with pytest.raises(ExoidError, match="row 20"):
+        replay_law(PD, Recording(time=run.time, q=q, joint_names=LEG.joint_names))
+
+
+def test_a_log_slower_than_the_law_raises_an_error(run):
+    log = run.recording
+    with pytest.raises(ExoidError, match="500 Hz"):
+        replay_law(sensitivity_amplification(exact_estimate(), 2.0), log)
+
+
+def test_a_torque_that_is_not_finite_raises_an_error(run):
+    broken = ControlModel.of(exact_estimate())
+    broken = replace(broken, spring=np.full_like(broken.spring, np.nan))
+    with pytest.raises(ExoidError, match="at 0 s"):
+        replay_law(gravity_support(broken), replace(run.recording, v=run.v), GAIT)
+
+
+def test_a_law_that_needs_the_wearers_torque_raises_its_error(run):
+    with pytest.raises(ExoidError):
+        replay_law(admittance(exact_estimate(), 0.5, 2.0), run.recording)
+
+
+def test_joints_that_do_not_fit_raise_an_error(run):
+    one = run.recording.select(LEG.joint_names[:1])
+    with pytest.raises(ExoidError, match="joints"):
+        replay_law(PD, replace(one, v=run.v[:, :1]), GAIT)
