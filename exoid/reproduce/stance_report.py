@@ -14,7 +14,7 @@ from exoid.estimate import Estimate
 from exoid.findings import Finding
 from exoid.tables import DataTable, to_text, with_error
 from exoid.view import paper
-from exoid.view.colours import IDENTIFIED, RESIDUAL
+from exoid.view.colours import MEASURED, PREDICTED
 from exoid.view.report import Page, Picture, Section, Text
 from exoid.view.style import COLUMN, legend_above
 
@@ -214,9 +214,9 @@ def plot_ground_force(ax: Axes, each: ForceError) -> Axes:
     """
     shown = each.time - each.time[0] < SHOWN
     time, low, high = each.time[shown], each.predicted - each.half, each.predicted + each.half
-    ax.plot(time, each.measured[shown], color=RESIDUAL, lw=0.4, label="force plate")
-    ax.fill_between(time, low[shown], high[shown], color=IDENTIFIED, alpha=0.35, lw=0, label="95 % band", zorder=2)
-    ax.plot(time, each.predicted[shown], color=IDENTIFIED, label="from joint torques")
+    ax.plot(time, each.measured[shown], color=MEASURED, lw=0.4, label="force plate")
+    ax.fill_between(time, low[shown], high[shown], color=PREDICTED, alpha=0.35, lw=0, label="95 % band", zorder=2)
+    ax.plot(time, each.predicted[shown], color=PREDICTED, label="from joint torques")
     ax.set_ylabel("vertical force [N]")
     ax.set_title(f"{each.motion}, {each.link.replace('_', ' ')}", loc="right")
     return ax

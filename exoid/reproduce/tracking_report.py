@@ -12,8 +12,8 @@ from exoid.control import Tracking
 from exoid.control.tracking import tracking_table
 from exoid.tables import DataTable, to_text
 from exoid.view import paper, plot_law_torques, plot_peak_errors, plot_tracking_errors
+from exoid.view.colours import LAW_COLOURS
 from exoid.view.style import COLUMN
-from exoid.view.tracking import LAW_COLOURS
 
 from .cuhk_tracking import DOCUMENT_DEG, GAINS, LOADED, PRINTED, TrackingReplay
 

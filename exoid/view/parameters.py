@@ -18,8 +18,8 @@ from .style import legend_above
 MARKERS = (("D", CAD), ("s", MEASURED), ("^", RESIDUAL))
 """Marker and colour of each set of other values."""
 
-DIVERGING = LinearSegmentedColormap.from_list("exoid", [CAD, "#ffffff", IDENTIFIED])
-"""Colours from −1 through 0 to 1 that colour-blind readers can distinguish."""
+DIVERGING = LinearSegmentedColormap.from_list("exoid", ["#8C510A", "#FFFFFF", "#01665E"])
+"""Colours from −1 (brown) through 0 to 1 (green) that colour-blind readers can distinguish."""
 
 LONGEST = 20
 """Largest number of letters of a name beside an axis."""

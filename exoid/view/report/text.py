@@ -38,7 +38,7 @@ BAND_NOTE = (
 """Text above the figures of torque."""
 
 FRICTION_NOTE = (
-    "Dots in the joint's colour are measured torque less all modelled torque except friction. Blue dots are the "
+    "Dots in the joint's colour are measured torque less all modelled torque except friction. Violet dots are the "
     "friction terms of the model at the same samples. Both passed the filter, which rounds the step at a reversal."
 )
 """Text above the figures of friction."""

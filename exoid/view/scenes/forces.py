@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.view.colours import WEIGHT
 
-from .arrows import WEIGHT_COLOUR, circular_arrow, straight_arrow, torque_scale
+from .arrows import circular_arrow, straight_arrow, torque_scale
 from .commands import Command, Tracks, child_path, set_object, set_transform
 from .leg_geometry import LegGeometry
 from .leg_trajectory import LegTrajectory
@@ -30,7 +31,7 @@ def draw_weights(geometry: LegGeometry) -> Iterator[Command]:
     heaviest = max(inertia.mass for inertia in inertias)
     for path, inertia in zip(weight_paths(geometry), inertias, strict=True):
         length = WEIGHT_LENGTH * reach * inertia.mass / heaviest
-        yield set_object(path, straight_arrow(length, THICKNESS * reach, WEIGHT_COLOUR), shadows=False)
+        yield set_object(path, straight_arrow(length, THICKNESS * reach, WEIGHT), shadows=False)
 
 
 def draw_torques(geometry: LegGeometry) -> Iterator[Command]:

@@ -10,9 +10,8 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate
 from exoid.leg import Leg
-from exoid.view.colours import IDENTIFIED
+from exoid.view.colours import PREDICTED, WEIGHT
 
-from .arrows import WEIGHT_COLOUR
 from .commands import Command, Tracks, child_path, set_transform
 from .forces import animate_arrows, draw_torques, draw_weights, place_arrows, weight_paths
 from .ground_arrows import GroundArrows, quaternions
@@ -25,7 +24,7 @@ from .transforms import align_z, homogeneous
 from .urdf_visuals import PLAIN
 from .visual import Material
 
-GHOST = Material(IDENTIFIED, 0.35, behind=True)
+GHOST = Material(PREDICTED, 0.35, behind=True)
 """Material of the second leg."""
 
 
@@ -154,7 +153,7 @@ def _layers(geometry: LegGeometry, trajectory: LegTrajectory) -> Iterator[_Layer
     yield _LayerDrawing("centres of mass", sources, geometry.draw_masses())
     for inertias in geometry.inertias:
         yield _LayerDrawing(f"{inertias.label} inertia", (inertias.colour,), geometry.draw_inertias(inertias))
-    yield _LayerDrawing("weights", (WEIGHT_COLOUR,), draw_weights(geometry))
+    yield _LayerDrawing("weights", (WEIGHT,), draw_weights(geometry))
     torque = "measured torque" if trajectory.measured else "torque against gravity"
     yield _LayerDrawing(torque, colours, draw_torques(geometry))
 
