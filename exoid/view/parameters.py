@@ -74,7 +74,7 @@ def plot_parameters(
         exact = estimate.std[k] == 0.0
         text = f"{estimate.values[k]:.6g}" if exact else " ± ".join(with_error(estimate.values[k], estimate.std[k]))
         text = text.replace("-", "−")
-        ax.annotate(text, (1.02, row), xycoords=("axes fraction", "data"), va="center", fontsize=6)
+        ax.annotate(text, (1.02, row), xycoords=("axes fraction", "data"), va="center", fontsize=7)
     ax.axvline(0.0, color=GUIDE, lw=0.8, zorder=0)
     ax.set(
         yticks=rows,
@@ -99,7 +99,7 @@ def plot_correlation(ax: Axes, estimate: Estimate) -> Axes:
     """
     names, correlation = [_short(name) for name in estimate.names], estimate.correlation
     image = ax.imshow(correlation, cmap=DIVERGING, vmin=-1.0, vmax=1.0)
-    size = max(2.5, min(6.0, 90.0 / len(names)))
+    size = max(2.5, min(7.0, 26.0 * ax.figure.get_figwidth() / len(names)))
     ax.set_xticks(range(len(names)), names, rotation=90, fontsize=size)
     ax.set_yticks(range(len(names)), names, fontsize=size)
     ax.grid(visible=False)
