@@ -99,7 +99,7 @@ def plot_correlation(ax: Axes, estimate: Estimate) -> Axes:
     """
     names, correlation = [_short(name) for name in estimate.names], estimate.correlation
     image = ax.imshow(correlation, cmap=DIVERGING, vmin=-1.0, vmax=1.0)
-    size = max(2.5, min(7.0, 26.0 * ax.figure.get_figwidth() / len(names)))
+    size = max(2.5, min(7.0, 0.36 * ax.figure.bbox.width / ax.figure.dpi * 72.0 / len(names)))
     ax.set_xticks(range(len(names)), names, rotation=90, fontsize=size)
     ax.set_yticks(range(len(names)), names, fontsize=size)
     ax.grid(visible=False)

@@ -19,6 +19,7 @@ from .commands import set_animation
 from .interaction_arrows import with_interaction
 from .leg_geometry import LegGeometry
 from .leg_view import LegView
+from .readings import joint_readings
 from .replay import Replay
 from .scene import Layer, Scene
 from .skeleton import pose_angles
@@ -105,11 +106,16 @@ def scene(
         title or _title(geometries),
         tuple(commands),
         _merge(layer for view in views for layer in view.layers),
-        camera(points, direction),
+        camera(np.vstack([view.visible_points for view in views]), direction),
         0.0 if replay is None else replay.duration,
         tuple(view.posable for view in views),
         tuple(note for geometry in geometries for note in geometry.notes)
         + tuple(note for view in views for note in view.notes),
+        tuple(
+            reading
+            for leg, geometry, q in zip(legs, geometries, poses, strict=True)
+            for reading in joint_readings(leg, geometry, q, replay)
+        ),
     )
 
 
@@ -160,5 +166,6 @@ def _merge(layers: Iterable[Layer]) -> tuple[Layer, ...]:
     merged: dict[str, Layer] = {}
     for layer in layers:
         before = merged.setdefault(layer.label, layer._replace(paths=()))
-        merged[layer.label] = before._replace(paths=(*before.paths, *layer.paths))
+        scales = dict.fromkeys(scale for scale in (before.scale, layer.scale) if scale)
+        merged[layer.label] = before._replace(paths=(*before.paths, *layer.paths), scale="; ".join(scales))
     return tuple(merged.values())

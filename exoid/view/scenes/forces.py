@@ -41,6 +41,22 @@ def draw_torques(geometry: LegGeometry) -> Iterator[Command]:
         yield set_object(path, circular_arrow(TORQUE_RADIUS * reach, THICKNESS * reach, colour), shadows=False)
 
 
+def weight_scale(geometry: LegGeometry) -> str:
+    """Say what the length of the arrow of a weight means."""
+    heaviest = max(inertia.mass for inertia in geometry.inertias[-1].bodies)
+    weight = heaviest * float(np.linalg.norm(geometry.leg.model.gravity.linear))
+    return f"arrow of {WEIGHT_LENGTH * geometry.skeleton.reach:.2g} m = {weight:.3g} N"
+
+
+def torque_key(geometry: LegGeometry, trajectory: LegTrajectory) -> str:
+    """Say what the radius of the arrow of a torque means; its area is proportional to the torque."""
+    largest = float(np.abs(trajectory.tau).max())
+    if largest == 0.0:
+        return ""
+    unit = "N·m" if all(geometry.skeleton.revolute) else "N·m or N"
+    return f"radius of {TORQUE_RADIUS * geometry.skeleton.reach:.2g} m = {largest:.3g} {unit}; area shows size"
+
+
 def place_arrows(geometry: LegGeometry, trajectory: LegTrajectory) -> Iterator[Command]:
     """Commands that place and scale the arrows as in the first frame."""
     down = align_z(geometry.leg.gravity_of_tilted_torso(trajectory.pitch))

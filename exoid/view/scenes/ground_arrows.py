@@ -106,7 +106,11 @@ class GroundArrows(NamedTuple):
             tracks[f"{path}/arrow"] = {"scale": scale}
             paths.append(path)
             ends.append(start + PER_WEIGHT * force / weight)
-        layers = [*self.layers, Layer(label, (colour,), tuple(paths))] if paths else self.layers
+        layers = (
+            [*self.layers, Layer(label, (colour,), tuple(paths), scale=f"arrow of {PER_WEIGHT:g} m = {weight:.3g} N")]
+            if paths
+            else self.layers
+        )
         return GroundArrows(commands, layers, tracks, self.notes, np.vstack(ends))
 
 
