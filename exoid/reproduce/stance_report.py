@@ -223,7 +223,7 @@ def plot_ground_force(ax: Axes, each: ForceError) -> Axes:
 
 
 def stance_page(replay: StanceReplay) -> Page:
-    """Make the page of the study: tables, notes and the ground force.
+    """Make the page of the study: findings, the ground force, and tables.
 
     Args:
         replay: Replay of the study.
@@ -236,9 +236,10 @@ def stance_page(replay: StanceReplay) -> Page:
     pictures = [Picture.of(figure, caption, caption) for figure in stance_figures(replay).values()]
     parameters = [stance_summary(replay), stance_parameters(replay)]
     sections = [
+        Section("Findings", [Text(notes)]),
+        Section("Ground force", [*pictures, stance_forces(replay)]),
+        Section("Walking", [stance_walk(replay)]),
         Section("Parameters", parameters),
-        Section("Ground force", [stance_forces(replay), *pictures]),
-        Section("Walking", [stance_walk(replay), Text(notes)]),
     ]
     summary = [
         "A virtual BLEEX with known parameters swings, squats, stands on one foot and walks. It is identified in three "
