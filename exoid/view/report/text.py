@@ -193,7 +193,8 @@ def drive_blocks(estimate: Estimate) -> Iterator[Text]:
 def settings(estimate: Estimate) -> Text:
     """Settings of the identification, and the prior knowledge that entered it."""
     terms = ", ".join(dict.fromkeys(type(term).__name__ for term in estimate.model.terms)) or "none"
-    preparation = ", ".join(f"{key} {value}" for key, value in estimate.preparation.describe().items())
+    described = estimate.preparation.describe()
+    preparation = ", ".join([str(described.pop("name")), *(_setting(key, value) for key, value in described.items())])
     return Text(
         [
             f"Estimator: {estimate.estimator}; {estimate.dof:.0f} degrees of freedom.",
@@ -203,6 +204,12 @@ def settings(estimate: Estimate) -> Text:
             *(f"{regrouped}." for regrouped in estimate.regrouped),
         ]
     )
+
+
+def _setting(name: str, value: object) -> str:
+    """Write a setting of the preparation, frequencies with their unit."""
+    number = f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{name.replace('_', ' ')} {number}{' Hz' if name.endswith('cutoff') and isinstance(value, float) else ''}"
 
 
 def sentence(clause: str) -> str:
