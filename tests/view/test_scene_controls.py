@@ -213,3 +213,12 @@ def test_the_camera_sees_ellipsoids_that_are_larger_than_the_leg():
         for drawn in (small, large)
     ]
     np.testing.assert_array_equal(*grounds)
+
+
+def test_scales_that_differ_are_those_of_named_legs():
+    legs = [exoid.load_leg("bleex", side) for side in ("left", "right")]
+    scales = {layer.label: layer.scale for layer in scene(*legs, pose={"left_hip": 0.6, "right_hip": 0.1}).layers}
+    assert scales["weights"].count("arrow of") == 1
+    assert scales["torque against gravity"].startswith("left leg: radius of")
+    assert "; right leg: radius of" in scales["torque against gravity"]
+    assert scales["leg"] == ""

@@ -54,7 +54,7 @@ def torque_key(geometry: LegGeometry, trajectory: LegTrajectory) -> str:
     if largest == 0.0:
         return ""
     unit = "N·m" if all(geometry.skeleton.revolute) else "N·m or N"
-    return f"radius of {TORQUE_RADIUS * geometry.skeleton.reach:.2g} m = {largest:.3g} {unit}; area shows size"
+    return f"radius of {TORQUE_RADIUS * geometry.skeleton.reach:.2g} m = {largest:.3g} {unit}"
 
 
 def place_arrows(geometry: LegGeometry, trajectory: LegTrajectory) -> Iterator[Command]:
