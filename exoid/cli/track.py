@@ -158,10 +158,10 @@ def track(
             commands = () if drives is None else (control.command_table(runs.values(), drives),)
             text, notes = to_text(table, *commands), ()
     if figures is not None:
-        for path in write_figures(figures, reproduce.tracking_figures(runs), form):
+        for path in write_figures(figures, reproduce.tracking_figures(runs, of_document=what == "cuhk"), form):
             note(f"wrote {path}")
     if report is not None:
-        reproduce.tracking_page(f"Controllers on {what}", table, notes, runs).save(report)
+        reproduce.tracking_page(f"Controllers on {what}", table, notes, runs, of_document=what == "cuhk").save(report)
     typer.echo(json.dumps(data, indent=1) if as_json else text)
 
 

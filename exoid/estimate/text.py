@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -12,7 +12,8 @@ from exoid.findings import finding_lines
 from exoid.regression.diagnostics import ILL_CONDITIONED
 from exoid.regression.intervals import half_width
 from exoid.regression.parameters import PriorKnowledge
-from exoid.tables import DataTable, make_table, with_error
+from exoid.signals import ZeroPhase
+from exoid.tables import DataTable, with_error
 
 from .data import EstimateData
 
@@ -33,7 +34,29 @@ def report(estimate: EstimateData) -> list[DataTable | str]:
         Parts for :func:`exoid.tables.to_text` or :func:`exoid.tables.to_html`.
     """
     title = f"{estimate.model.leg.description.name}: {estimate.estimator} estimate of {len(estimate.names)} parameters"
-    return [title, make_table(HEADERS, parameter_rows(estimate)), *_closing_lines(estimate)]
+    leg = estimate.model.leg
+    given = dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))
+    return [title, compared_table("", parameter_rows(estimate), {"URDF": given}), *_closing_lines(estimate)]
+
+
+def compared_table(
+    caption: str, rows: Sequence[tuple[str, ...]], other_values: Mapping[str, Mapping[str, float]]
+) -> DataTable:
+    """Make a table of parameters with other values beside them.
+
+    Args:
+        caption: Line above the table.
+        rows: Rows of :func:`parameter_rows`.
+        other_values: Values by parameter name, by label.
+
+    Returns:
+        The table, with one more column for each label.
+    """
+    compared = [
+        (*row, *(f"{values[row[0]]:.4g}" if row[0] in values else "–" for values in other_values.values()))
+        for row in rows
+    ]
+    return DataTable(caption, (*HEADERS, *other_values), compared)
 
 
 def parameter_rows(estimate: EstimateData) -> list[tuple[str, ...]]:
@@ -81,7 +104,7 @@ def _closing_lines(estimate: EstimateData) -> Iterator[str]:
     yield f"{condition(estimate.condition_number)}; {estimate.dof:.0f} degrees of freedom"
     yield from _noise(estimate)
     names = ", ".join(source.label for source in estimate.inputs)
-    yield f"from {names}; {estimate.preparation.name} preparation"
+    yield f"from {names}; {_preparation(estimate)}"
     if estimate.actuators is not None:
         yield f"torque computed of drives: {'; '.join(describe_actuators(estimate.actuators))}"
     yield from assumptions(estimate.prior_knowledge, estimate.bounded)
@@ -89,6 +112,15 @@ def _closing_lines(estimate: EstimateData) -> Iterator[str]:
     yield from finding_lines(estimate.findings)
     yield from (f"warning: {warning}" for warning in estimate.warnings)
     yield from (f"note: {regrouped}" for regrouped in estimate.regrouped)
+
+
+def _preparation(estimate: EstimateData) -> str:
+    """Name the preparation, with the cut-off of the torques and how it was chosen."""
+    used = estimate.preparation
+    if not isinstance(used, ZeroPhase):
+        return f"{used.name} preparation"
+    how = f" ({estimate.cutoff_source})" if estimate.cutoff_source else ""
+    return f"{used.name} preparation, cut-off {used.cutoff:.4g} Hz{how}"
 
 
 def residual_sizes(estimate: EstimateData) -> str:

@@ -27,6 +27,8 @@ CAPTIONS = {
     "doc2_fig6_reference": "Fig. 6: hip and knee angles of a stride",
     "doc2_fig8_errors": "Fig. 8: tracking errors under PD and with compensation",
     "doc2_fig9_torques": "Fig. 9: torques under PD and with compensation",
+    "pd_errors": "Tracking errors under PD and with compensation",
+    "pd_torques": "Torques under PD and with compensation",
     "laws_errors": "Tracking errors of every law at the same rate and gains",
     "laws_errors_close": "Tracking errors of the most accurate laws, on a finer scale",
     "laws_torques": "Torques of every law",
@@ -36,7 +38,7 @@ CAPTIONS = {
 
 
 def bleex_page(replay: BleexReplay) -> Page:
-    """Make the page of a replay of document 1: tables of both legs, notes, and figures of the left leg.
+    """Make the page of a replay of document 1: findings, figures of the left leg, and tables.
 
     Args:
         replay: Replay of document 1.
@@ -44,9 +46,11 @@ def bleex_page(replay: BleexReplay) -> Page:
     Returns:
         The page.
     """
-    sections = [
-        Section(f"{name} leg", [bleex_parameters(name, side), bleex_errors(side), Text(bleex_notes(side))])
-        for name, side in (("Left", replay.left), ("Right", replay.right))
+    sides = (("Left", replay.left), ("Right", replay.right))
+    findings = [Section(f"Findings, {name.lower()} leg", [Text(bleex_notes(side))]) for name, side in sides]
+    tables = [
+        Section(f"Tables of the {name.lower()} leg", [bleex_errors(side), bleex_parameters(name, side)])
+        for name, side in sides
     ]
     left, joint = replay.left.nrmse["sequential"], replay.left.nrmse["joint"]
     summary = [
@@ -56,11 +60,11 @@ def bleex_page(replay: BleexReplay) -> Page:
         f"{percent(joint)} % (hip, knee, ankle).",
     ]
     figures = Section("Figures of document 1, left leg", _pictures(bleex_figures(replay.left)))
-    return Page(f"BLEEX, document 1 replayed (seed {replay.seed})", summary, [*sections, figures])
+    return Page(f"BLEEX, document 1 replayed (seed {replay.seed})", summary, [*findings, figures, *tables])
 
 
 def cuhk_page(replay: CuhkReplay) -> Page:
-    """Make the page of a replay of document 2: tables, notes and figures.
+    """Make the page of a replay of document 2: findings, figures and tables.
 
     Args:
         replay: Replay of document 2.
@@ -74,13 +78,16 @@ def cuhk_page(replay: CuhkReplay) -> Page:
         notes[0],
     ]
     sections = [
-        Section("Parameters", [cuhk_parameters(replay), cuhk_errors(replay), Text(notes)]),
+        *([Section("Findings", [Text(notes[1:])])] if notes[1:] else []),
         Section("Figures of document 2", _pictures(cuhk_figures(replay))),
+        Section("Tables", [cuhk_errors(replay), cuhk_parameters(replay)]),
     ]
     return Page(f"CUHK-EXO, document 2 replayed (seed {replay.seed})", summary, sections)
 
 
-def tracking_page(title: str, table: DataTable, notes: Sequence[str], runs: Mapping[str, Tracking]) -> Page:
+def tracking_page(
+    title: str, table: DataTable, notes: Sequence[str], runs: Mapping[str, Tracking], *, of_document: bool = False
+) -> Page:
     """Make the page of a comparison of control laws.
 
     Args:
@@ -88,13 +95,15 @@ def tracking_page(title: str, table: DataTable, notes: Sequence[str], runs: Mapp
         table: Table of all laws.
         notes: Notes on the table; may be empty.
         runs: Runs by name of the law.
+        of_document: Whether the runs replay document 2.
 
     Returns:
         The page.
     """
     sections = [
-        Section("Laws side by side", [table, *([Text(notes)] if notes else [])]),
-        Section("Figures", _pictures(tracking_figures(runs))),
+        *([Section("Findings", [Text(notes)])] if notes else []),
+        Section("Figures", _pictures(tracking_figures(runs, of_document=of_document))),
+        Section("Laws side by side", [table]),
     ]
     best = min(runs.values(), key=lambda run: float(run.peak_deg.max()))
     peaks = ", ".join(f"{peak:.2f}°" for peak in best.peak_deg)

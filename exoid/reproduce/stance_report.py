@@ -14,7 +14,7 @@ from exoid.estimate import Estimate
 from exoid.findings import Finding
 from exoid.tables import DataTable, to_text, with_error
 from exoid.view import paper
-from exoid.view.colours import IDENTIFIED, RESIDUAL
+from exoid.view.colours import MEASURED, PREDICTED
 from exoid.view.report import Page, Picture, Section, Text
 from exoid.view.style import COLUMN, legend_above
 
@@ -214,16 +214,16 @@ def plot_ground_force(ax: Axes, each: ForceError) -> Axes:
     """
     shown = each.time - each.time[0] < SHOWN
     time, low, high = each.time[shown], each.predicted - each.half, each.predicted + each.half
-    ax.plot(time, each.measured[shown], color=RESIDUAL, lw=0.4, label="force plate")
-    ax.fill_between(time, low[shown], high[shown], color=IDENTIFIED, alpha=0.35, lw=0, label="95 % band", zorder=2)
-    ax.plot(time, each.predicted[shown], color=IDENTIFIED, label="from joint torques")
+    ax.plot(time, each.measured[shown], color=MEASURED, lw=0.4, label="force plate")
+    ax.fill_between(time, low[shown], high[shown], color=PREDICTED, alpha=0.35, lw=0, label="95 % band", zorder=2)
+    ax.plot(time, each.predicted[shown], color=PREDICTED, label="from joint torques")
     ax.set_ylabel("vertical force [N]")
     ax.set_title(f"{each.motion}, {each.link.replace('_', ' ')}", loc="right")
     return ax
 
 
 def stance_page(replay: StanceReplay) -> Page:
-    """Make the page of the study: tables, notes and the ground force.
+    """Make the page of the study: findings, the ground force, and tables.
 
     Args:
         replay: Replay of the study.
@@ -236,9 +236,10 @@ def stance_page(replay: StanceReplay) -> Page:
     pictures = [Picture.of(figure, caption, caption) for figure in stance_figures(replay).values()]
     parameters = [stance_summary(replay), stance_parameters(replay)]
     sections = [
+        Section("Findings", [Text(notes)]),
+        Section("Ground force", [*pictures, stance_forces(replay)]),
+        Section("Walking", [stance_walk(replay)]),
         Section("Parameters", parameters),
-        Section("Ground force", [stance_forces(replay), *pictures]),
-        Section("Walking", [stance_walk(replay), Text(notes)]),
     ]
     summary = [
         "A virtual BLEEX with known parameters swings, squats, stands on one foot and walks. It is identified in three "

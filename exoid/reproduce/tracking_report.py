@@ -12,8 +12,8 @@ from exoid.control import LawReplay, Tracking
 from exoid.control.tracking import tracking_table
 from exoid.tables import DataTable, to_text
 from exoid.view import paper, plot_law_replay, plot_law_torques, plot_peak_errors, plot_tracking_errors
+from exoid.view.colours import LAW_COLOURS
 from exoid.view.style import COLUMN
-from exoid.view.tracking import LAW_COLOURS
 
 from .cuhk_tracking import DOCUMENT_DEG, GAINS, LOADED, PRINTED, TrackingReplay
 
@@ -99,26 +99,29 @@ def cuhk_tracking_json(replay: TrackingReplay) -> dict[str, Any]:
     return data
 
 
-def tracking_figures(runs: Mapping[str, Tracking]) -> dict[str, Figure]:
-    """Draw document 2's figures 8 (errors) and 9 (torques), and all laws at the same rate and gains.
+def tracking_figures(runs: Mapping[str, Tracking], *, of_document: bool = False) -> dict[str, Figure]:
+    """Draw errors and torques of PD and of PD with compensation, and of all laws at the same rate and gains.
 
-    Figures 8 and 9 compare PD, at 30 Hz if it is among the runs, with PD and compensation.
+    The first two figures compare PD, at 30 Hz if it is among the runs, with PD and compensation, as figures 8 and 9
+    of document 2 do.
 
     Args:
         runs: Runs by the names of :func:`exoid.control.standard_laws`, and "pd_30hz".
+        of_document: Whether the runs replay document 2, so that its numbers of the figures are in the names.
 
     Returns:
         Figures by name.
     """
     slow = "pd_30hz" if "pd_30hz" in runs else "pd"
-    document = {LABELS[name]: runs[name] for name in (slow, "pd_gravity_friction")}
+    pair = {LABELS[name]: runs[name] for name in (slow, "pd_gravity_friction")}
+    errors, torques = ("doc2_fig8_errors", "doc2_fig9_torques") if of_document else ("pd_errors", "pd_torques")
     every = {LABELS.get(name, name): run for name, run in runs.items() if name != "pd_30hz"}
     colours = dict(zip(every, LAW_COLOURS, strict=False))
     close = {label: run for label, run in every.items() if run.peak_deg.max() < CLOSE}
     with paper():
         figures = {
-            "doc2_fig8_errors": _figure(plot_tracking_errors, document),
-            "doc2_fig9_torques": _figure(plot_law_torques, document),
+            errors: _figure(plot_tracking_errors, pair),
+            torques: _figure(plot_law_torques, pair),
             "laws_errors": _figure(plot_tracking_errors, every),
             "laws_torques": _figure(plot_law_torques, every),
             "laws_peak_errors": _peaks(every),

@@ -1,16 +1,28 @@
-"""Colours of figures and scenes that colour-blind readers can distinguish."""
+"""Colours of figures and scenes: one colour for one meaning, distinct for most colour-blind readers."""
 
-MEASURED, IDENTIFIED, CAD, RESIDUAL, GUIDE = "#222222", "#0072B2", "#D55E00", "#999999", "#cccccc"
-"""Colours of measured data, identified models, CAD models, residuals, and guide lines."""
+MEASURED, PREDICTED = "#222222", "#9A4FE0"
+"""Colours of measured data, and of torque, motion or force that a model predicts or fits."""
+
+IDENTIFIED, CAD = "#0072B2", "#D55E00"
+"""Colours of identified and of CAD parameters, and of each of two models that are compared."""
 
 WEARER = "#B04A9B"
 """Colour of the torque of the wearer."""
 
-JOINT_COLOURS = ("#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2", "#D55E00", "#7F7F7F")
-"""Colours of hip, knee, ankle, and the further joints of an arm."""
+WEIGHT = "#6B5B4B"
+"""Colour of weights."""
 
-SHADES = ("#9ecae1", "#4292c6", "#08519c", "#08306b")
+RESIDUAL, GUIDE = "#999999", "#cccccc"
+"""Colours of residuals, and of guide lines."""
+
+JOINT_COLOURS = ("#009E73", "#CC79A7", "#E69F00", "#8C564B", "#A3C644", "#882255", "#7F7F7F")
+"""Colours of hip, knee, ankle, and the further joints of an arm; none of them has another meaning."""
+
+SHADES = ("#B8C0CC", "#8492A6", "#56657A", "#2E3B4E")
 """Colours of several data sets of one kind, from light to dark."""
+
+LAW_COLOURS = ("#555555", "#332288", "#44AA99", "#999933", "#661100", "#88CCEE")
+"""Colours of control laws, in the order in which they are drawn."""
 
 
 def joint_colour(joint: int) -> str:

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from exoid._typing import FloatArray
 
-from .colours import GUIDE, joint_colour
+from .colours import GUIDE, SHADES, joint_colour
 from .style import draw_samples
 
 
@@ -45,7 +45,7 @@ def plot_coverage(
         The axes.
     """
     first, second = np.rad2deg(q).T
-    draw_samples(ax, first, second, joint_colour(1), size=1.0)
+    draw_samples(ax, first, second, SHADES[2], size=1.0)
     if limits is not None and np.isfinite(limits).all():
         (left, bottom), (right, top) = np.rad2deg(limits)
         ax.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color=GUIDE, lw=1.0)

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from exoid._typing import FloatArray
 
-from .colours import IDENTIFIED, JOINT_COLOURS, MEASURED
+from .colours import MEASURED, PREDICTED, joint_colour
 from .style import legend_above
 
 
@@ -27,8 +27,8 @@ def plot_inertial_torque(ax: Axes, time: FloatArray, measured: FloatArray, fitte
     Returns:
         The axes.
     """
-    ax.plot(time, measured, color=MEASURED, lw=0.7, label="measured less known terms")
-    ax.plot(time, fitted, color=IDENTIFIED, lw=1.3, label="fitted")
+    ax.plot(time, measured, color=MEASURED, lw=2.0, label="measured less known terms")
+    ax.plot(time, fitted, color=PREDICTED, lw=0.9, label="fitted")
     ax.set(xlabel="time [s]", ylabel=f"inertial {label} torque [N·m]")
     legend_above(ax)
     return ax
@@ -49,7 +49,7 @@ def plot_friction(ax: Axes, velocity: FloatArray, friction: FloatArray, c0: floa
     """
     ax.plot(velocity, friction, ".", ms=1.5, color=MEASURED, label="measured less known terms")
     fastest = float(np.abs(velocity).max())
-    ax.plot([-fastest, 0, 0, fastest], [-c0, -c0, c0, c0], color=IDENTIFIED, lw=1.4, label=f"{c0:.3f} N·m sgn v")
+    ax.plot([-fastest, 0, 0, fastest], [-c0, -c0, c0, c0], color=PREDICTED, lw=1.4, label=f"{c0:.3f} N·m sgn v")
     ax.set(xlabel=f"{label} velocity [rad/s]", ylabel=f"{label} friction [N·m]")
     legend_above(ax)
     return ax
@@ -97,8 +97,8 @@ def plot_reference(ax: Axes, time: FloatArray, q: FloatArray, labels: Sequence[s
     Returns:
         The axes.
     """
-    for joint, (label, colour) in enumerate(zip(labels, JOINT_COLOURS, strict=False)):
-        ax.plot(time, np.rad2deg(q[:, joint]), color=colour, label=label)
+    for joint, label in enumerate(labels):
+        ax.plot(time, np.rad2deg(q[:, joint]), color=joint_colour(joint), label=label)
     ax.xaxis.set_major_locator(MaxNLocator(5, integer=True))
     ax.set(xlabel="time [s]", ylabel="flexion [deg]")
     legend_above(ax)

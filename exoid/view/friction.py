@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 
 from exoid._typing import FloatArray
 
-from .colours import GUIDE, IDENTIFIED, joint_colour
+from .colours import GUIDE, PREDICTED, joint_colour
 from .style import draw_samples, legend_above
 
 
@@ -30,7 +30,7 @@ def plot_friction_fit(
         The axes.
     """
     draw_samples(ax, velocity, measured, joint_colour(joint), size=1.4, label="measured less other terms")
-    draw_samples(ax, velocity, fitted, IDENTIFIED, size=1.4, alpha=0.7, label="fitted")
+    draw_samples(ax, velocity, fitted, PREDICTED, size=1.4, alpha=0.7, label="fitted")
     ax.axhline(0.0, color=GUIDE, lw=0.8, zorder=0)
     ax.set(xlabel=f"{label} velocity [rad/s]", ylabel=f"{label} friction [N·m]")
     legend_above(ax)

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from exoid._typing import FloatArray
 
-from .colours import IDENTIFIED, RESIDUAL
+from .colours import MEASURED, PREDICTED
 from .style import legend_above
 
 BREAK = 0.05
@@ -38,9 +38,9 @@ def plot_ground_force(
     broken = np.flatnonzero(np.diff(time) > BREAK) + 1
     at, middle, half = (np.insert(x, broken, np.nan) for x in (time, predicted, half_width))
     if measured is not None:
-        ax.plot(at, np.insert(measured, broken, np.nan), color=RESIDUAL, lw=0.5, label="force plate")
-    ax.fill_between(at, middle - half, middle + half, color=IDENTIFIED, alpha=0.35, lw=0, label="95 % band", zorder=2)
-    ax.plot(at, middle, color=IDENTIFIED, lw=1.0, label="from joint torques")
+        ax.plot(at, np.insert(measured, broken, np.nan), color=MEASURED, lw=1.8, label="force plate")
+    ax.fill_between(at, middle - half, middle + half, color=PREDICTED, alpha=0.35, lw=0, label="95 % band", zorder=2)
+    ax.plot(at, middle, color=PREDICTED, lw=0.9, label="from joint torques")
     ax.set(xlabel="time [s]", ylabel=label)
     legend_above(ax, columns=3)
     return ax

@@ -18,8 +18,8 @@ from .style import legend_above
 MARKERS = (("D", CAD), ("s", MEASURED), ("^", RESIDUAL))
 """Marker and colour of each set of other values."""
 
-DIVERGING = LinearSegmentedColormap.from_list("exoid", [CAD, "#ffffff", IDENTIFIED])
-"""Colours from −1 through 0 to 1 that colour-blind readers can distinguish."""
+DIVERGING = LinearSegmentedColormap.from_list("exoid", ["#8C510A", "#FFFFFF", "#01665E"])
+"""Colours from −1 (brown) through 0 to 1 (green) that colour-blind readers can distinguish."""
 
 LONGEST = 20
 """Largest number of letters of a name beside an axis."""
@@ -74,7 +74,7 @@ def plot_parameters(
         exact = estimate.std[k] == 0.0
         text = f"{estimate.values[k]:.6g}" if exact else " ± ".join(with_error(estimate.values[k], estimate.std[k]))
         text = text.replace("-", "−")
-        ax.annotate(text, (1.02, row), xycoords=("axes fraction", "data"), va="center", fontsize=6)
+        ax.annotate(text, (1.02, row), xycoords=("axes fraction", "data"), va="center", fontsize=7)
     ax.axvline(0.0, color=GUIDE, lw=0.8, zorder=0)
     ax.set(
         yticks=rows,
@@ -99,7 +99,7 @@ def plot_correlation(ax: Axes, estimate: Estimate) -> Axes:
     """
     names, correlation = [_short(name) for name in estimate.names], estimate.correlation
     image = ax.imshow(correlation, cmap=DIVERGING, vmin=-1.0, vmax=1.0)
-    size = max(2.5, min(6.0, 90.0 / len(names)))
+    size = max(2.5, min(7.0, 0.36 * ax.figure.bbox.width / ax.figure.dpi * 72.0 / len(names)))
     ax.set_xticks(range(len(names)), names, rotation=90, fontsize=size)
     ax.set_yticks(range(len(names)), names, fontsize=size)
     ax.grid(visible=False)

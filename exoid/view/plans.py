@@ -6,18 +6,18 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 
 from exoid.experiments.excitation import Plan, Precision
 from exoid.regression.diagnostics import WEAKLY, WELL
 
-from .colours import CAD, GUIDE, IDENTIFIED, JOINT_COLOURS
+from .colours import GUIDE, MEASURED, joint_colour
 from .style import legend_above
 
-IDENTIFIABILITY_COLOURS = {"well": IDENTIFIED, "weakly": "#E69F00", "not": CAD}
+IDENTIFIABILITY_MARKERS = {"well": ("o", MEASURED), "weakly": ("o", "none"), "not": ("x", MEASURED)}
+"""Marker and its filling for each class of identifiability."""
 
-LONGEST_BAR = 10.0
-"""Relative standard deviation at which bars end, also those of parameters that cannot be identified."""
+LARGEST = 10.0
+"""Largest relative standard deviation that is drawn, also for parameters that cannot be identified."""
 
 
 def plot_planned_motion(axes: Sequence[Axes], plan: Plan, *, motion: int = 0) -> Sequence[Axes]:
@@ -42,14 +42,14 @@ def plot_planned_motion(axes: Sequence[Axes], plan: Plan, *, motion: int = 0) ->
         ("torque [N·m]", tau, -limits.torque, limits.torque),
     )
     for ax, (label, values, lower, upper) in zip(axes, quantities, strict=True):
-        for joint, (name, colour) in enumerate(zip(plan.model.leg.joint_labels, JOINT_COLOURS, strict=False)):
-            ax.plot(recording.time[shown], values[shown, joint], color=colour, label=name)
+        for joint, name in enumerate(plan.model.leg.joint_labels):
+            ax.plot(recording.time[shown], values[shown, joint], color=joint_colour(joint), label=name)
         bottom, top = ax.get_ylim()
         margin = 0.2 * (top - bottom)
-        for joint, colour in zip(range(len(lower)), JOINT_COLOURS, strict=False):
+        for joint in range(len(lower)):
             for limit in (lower[joint], upper[joint]):
                 if bottom - margin <= limit <= top + margin:
-                    ax.axhline(limit, color=colour, lw=0.7, ls=":")
+                    ax.axhline(limit, color=joint_colour(joint), lw=0.7, ls=":")
         ax.set(ylabel=label)
         ax.yaxis.set_label_coords(-0.13, 0.5)
     legend_above(axes[0])
@@ -58,7 +58,7 @@ def plot_planned_motion(axes: Sequence[Axes], plan: Plan, *, motion: int = 0) ->
 
 
 def plot_precision(ax: Axes, precision: Precision) -> Axes:
-    """Plot the predicted standard deviation of each parameter over its scale, as bars coloured by identifiability.
+    """Plot the predicted standard deviation of each parameter over its scale, as dots with the marker of its class.
 
     Vertical lines mark the largest values that count as "well" and as "weakly" identifiable.
 
@@ -69,10 +69,12 @@ def plot_precision(ax: Axes, precision: Precision) -> Axes:
     Returns:
         The axes.
     """
-    relative = np.minimum(np.where(np.isfinite(precision.relative), precision.relative, LONGEST_BAR), LONGEST_BAR)
-    rows = np.arange(len(relative))[::-1]
-    colours = [IDENTIFIABILITY_COLOURS[grade] for grade in precision.identifiability]
-    ax.barh(rows, 100.0 * relative, color=colours, height=0.7)
+    relative = np.minimum(np.where(np.isfinite(precision.relative), precision.relative, LARGEST), LARGEST)
+    rows, grades = np.arange(len(relative))[::-1], np.array(precision.identifiability)
+    for grade, (marker, filling) in IDENTIFIABILITY_MARKERS.items():
+        if len(of_grade := np.flatnonzero(grades == grade)):
+            x, y = 100.0 * relative[of_grade], rows[of_grade]
+            ax.plot(x, y, marker, ms=4, mec=MEASURED, mfc=filling, ls="none", label=grade)
     for limit in (WELL, WEAKLY):
         ax.axvline(100.0 * limit, color=GUIDE, lw=1.0, zorder=0)
     ax.set_yticks(rows, precision.names)
@@ -80,9 +82,7 @@ def plot_precision(ax: Axes, precision: Precision) -> Axes:
     ax.set_axisbelow(True)
     ax.xaxis.set_major_formatter("{x:g}")
     ax.set_ylim(-0.6, len(rows) - 0.4)
-    ax.grid(visible=False, axis="y")
+    ax.grid(visible=True, axis="y")
     ax.set(xlabel="predicted standard deviation [% of scale]")
-    grades = [grade for grade in IDENTIFIABILITY_COLOURS if grade in precision.identifiability]
-    handles = [Line2D([], [], color=IDENTIFIABILITY_COLOURS[grade], lw=4.0) for grade in grades]
-    ax.legend(handles, grades, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.1)
+    legend_above(ax)
     return ax

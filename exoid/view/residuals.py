@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from exoid._typing import FloatArray
 from exoid.regression import Trend
 
-from .colours import GUIDE, IDENTIFIED, MEASURED, RESIDUAL, joint_colour
+from .colours import GUIDE, MEASURED, PREDICTED, RESIDUAL, joint_colour
 from .style import draw_samples, legend_above
 
 BINS = 24
@@ -40,9 +40,9 @@ def plot_prediction(
         The axes.
     """
     if band is not None:
-        ax.fill_between(time, band[:, 0], band[:, 1], color=IDENTIFIED, alpha=0.25, lw=0, label="95 % band")
-    ax.plot(time, measured, color=MEASURED, lw=0.7, label="measured")
-    ax.plot(time, predicted, color=IDENTIFIED, lw=1.3, label="predicted")
+        ax.fill_between(time, band[:, 0], band[:, 1], color=PREDICTED, alpha=0.25, lw=0, label="95 % band")
+    ax.plot(time, measured, color=MEASURED, lw=2.2, label="measured")
+    ax.plot(time, predicted, color=PREDICTED, lw=0.9, label="predicted")
     ax.plot(time, measured - predicted, color=RESIDUAL, lw=0.6, label="residual", zorder=1)
     ax.axhline(0.0, color=GUIDE, lw=0.6, zorder=0)
     ax.set(xlabel="time [s]", ylabel=f"{label} torque [N·m]")
@@ -62,7 +62,7 @@ def plot_residual_band(ax: Axes, time: FloatArray, residual: FloatArray, half_wi
     Returns:
         The axes.
     """
-    ax.fill_between(time, -half_width, half_width, color=IDENTIFIED, alpha=0.25, lw=0)
+    ax.fill_between(time, -half_width, half_width, color=PREDICTED, alpha=0.25, lw=0)
     ax.plot(time, residual, color=RESIDUAL, lw=0.6)
     ax.axhline(0.0, color=GUIDE, lw=0.6, zorder=0)
     ax.set(xlabel="time [s]", ylabel="residual [N·m]")

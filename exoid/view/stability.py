@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from exoid.control.stability import GainMargins, Lyapunov, Regulation
 
-from .colours import CAD, GUIDE, IDENTIFIED, MEASURED, SHADES
+from .colours import GUIDE, MEASURED, SHADES
 from .style import legend_above
 
 LOWEST = 1e-8
@@ -19,7 +19,7 @@ LOWEST = 1e-8
 OFTEN = 0.05
 """Share of the samples above which an increasing V is more than sampling noise."""
 
-CYCLING_COLOURS = ("#E69F00", CAD, "#CC79A7")
+CYCLING_COLOURS = ("#B5651D", "#C2A33E", "#7A1F1F")
 """Colours of runs whose V increases often, as on a limit cycle."""
 
 
@@ -76,7 +76,7 @@ def plot_gain_margins(ax: Axes, margins: GainMargins) -> Axes:
     Returns:
         The axes.
     """
-    for delay, column, colour in zip(margins.delays, margins.margins.T, (IDENTIFIED, CAD, *SHADES), strict=False):
+    for delay, column, colour in zip(margins.delays, margins.margins.T, reversed(SHADES), strict=False):
         label = f"delay of {delay} period{'' if delay == 1 else 's'}" if delay else "no delay"
         ax.loglog(margins.rates, column, marker="o", ms=3, color=colour, label=label)
     ax.axhline(1.0, color=GUIDE, lw=1.2, zorder=0)

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from exoid._typing import FloatArray
 from exoid.signals import Approaches, Poses
 
-from .colours import CAD, GUIDE, IDENTIFIED, SHADES
+from .colours import GUIDE, MEASURED, SHADES
 from .style import legend_above
 
 
@@ -29,8 +29,8 @@ def plot_approaches(ax: Axes, approaches: Approaches, joint: int, label: str) ->
     below, above = approaches.below, approaches.above
     angle = np.rad2deg(below.q[:, joint])
     ax.vlines(angle, above.tau[:, joint], below.tau[:, joint], color=GUIDE, lw=0.8)
-    ax.plot(angle, below.tau[:, joint], "o", ms=4, mfc="none", color=IDENTIFIED, label="A⁺, from below")
-    ax.plot(np.rad2deg(above.q[:, joint]), above.tau[:, joint], "x", ms=4, color=CAD, label="A⁻, from above")
+    ax.plot(angle, below.tau[:, joint], "o", ms=4, mfc="none", color=MEASURED, label="A⁺, from below")
+    ax.plot(np.rad2deg(above.q[:, joint]), above.tau[:, joint], "x", ms=4, color=SHADES[1], label="A⁻, from above")
     ax.set(xlabel=f"{label} angle [deg]", ylabel=f"{label} torque [N·m]")
     legend_above(ax)
     return ax

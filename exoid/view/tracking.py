@@ -11,11 +11,8 @@ from matplotlib.axes import Axes
 from exoid._typing import FloatArray
 from exoid.control import Tracking
 
-from .colours import GUIDE
+from .colours import GUIDE, LAW_COLOURS, joint_colour
 from .style import legend_above
-
-LAW_COLOURS = ("#222222", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00")
-"""Colours of control laws, in the order in which they are drawn."""
 
 
 def plot_tracking_errors(
@@ -63,7 +60,7 @@ def plot_law_torques(
 
 
 def plot_peak_errors(ax: Axes, runs: Mapping[str, Tracking], *, names: Sequence[str]) -> Axes:
-    """Plot the largest tracking error of each control law and joint as bars on a logarithmic scale.
+    """Plot the largest tracking error of each control law and joint as dots on a logarithmic scale.
 
     Args:
         ax: Axes to draw on.
@@ -73,11 +70,13 @@ def plot_peak_errors(ax: Axes, runs: Mapping[str, Tracking], *, names: Sequence[
     Returns:
         The axes.
     """
-    rows, height = np.arange(len(runs)), 0.8 / len(names)
-    for joint, (name, colour) in enumerate(zip(names, LAW_COLOURS[1:], strict=False)):
+    rows = np.arange(len(runs))
+    for joint, name in enumerate(names):
         peaks = [run.peak_deg[joint] for run in runs.values()]
-        bars = ax.barh(rows + (joint - 0.5 * (len(names) - 1)) * height, peaks, height, color=colour, label=name)
-        ax.bar_label(bars, fmt="%.2g", padding=1.5, fontsize=6)
+        at, colour = rows + 0.6 * ((joint + 0.5) / len(names) - 0.5), joint_colour(joint)
+        ax.plot(peaks, at, "o", ms=4, color=colour, label=name)
+        for peak, row in zip(peaks, at, strict=True):
+            ax.annotate(f"{peak:.2g}", (peak, row), (4, 0), textcoords="offset points", va="center", fontsize=6)
     ax.set_yticks(rows, list(runs))
     ax.invert_yaxis()
     ax.margins(x=0.15)

@@ -31,7 +31,7 @@ from exoid.view import (
     plot_torques,
     plot_tracking_errors,
 )
-from exoid.view.colours import MEASURED
+from exoid.view.colours import MEASURED, joint_colour
 from exoid.view.stability import CYCLING_COLOURS
 from exoid.view.style import COLUMN
 
@@ -218,12 +218,13 @@ def test_laws_are_drawn_over_the_counted_part_of_the_run(plot):
     assert inside(figure, axes[0])
 
 
-def test_peak_errors_are_bars():
+def test_peak_errors_are_dots_in_the_colours_of_the_joints():
     figure, ax = drawn(lambda ax: plot_peak_errors(ax, RUNS, names=NAMES[:2]))
-    widths = [patch.get_width() for patch in ax.patches]
-    expected = [run.peak_deg[joint] for joint in (0, 1) for run in RUNS.values()]
-    np.testing.assert_allclose(widths, expected)
+    for joint, line in enumerate(ax.lines):
+        np.testing.assert_allclose(line.get_xdata(), [run.peak_deg[joint] for run in RUNS.values()])
+        assert line.get_color() == joint_colour(joint)
     assert [label.get_text() for label in ax.get_yticklabels()] == ["PD", "LQR"]
+    assert not ax.patches  # a bar has no length on a logarithmic scale
     assert inside(figure, ax)
 
 

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import base64
+import shutil
+import subprocess
 import time
 
+import numpy as np
 import pytest
 from browser import distance_to
+from PIL import Image
 
 import exoid
 from exoid.view.colours import CAD, IDENTIFIED
@@ -69,3 +74,39 @@ def test_a_page_that_does_not_fit_is_detected(browser, tmp_path):
     (tmp_path / "wide.html").write_text(f"<!DOCTYPE html>{meta}<div style='width: 600px'>wide</div>", "utf-8")
     with browser.page((tmp_path / "wide.html").as_uri(), PHONE) as page:
         assert page.evaluate("document.documentElement.scrollWidth") > PHONE[0]
+
+
+def test_tables_on_a_phone_scroll_visibly_and_text_of_figures_is_readable(browser, url):
+    with browser.page(url, PHONE) as page:
+        page.wait_for("[...document.images].every(i => i.complete && i.naturalWidth > 0)")
+        tables = page.evaluate(
+            "[...document.querySelectorAll('.shaded')].map(d => [d.scrollWidth > d.clientWidth, d.tabIndex,"
+            " getComputedStyle(d).backgroundImage.startsWith('linear-gradient'),"
+            " getComputedStyle(d.querySelector('th')).position])"
+        )
+        assert any(scrolls for scrolls, *_ in tables)
+        assert all(rest == [0, True, "sticky"] for _, *rest in tables)
+        names = page.evaluate("[...document.querySelectorAll('tbody th')].map(t => t.getBoundingClientRect().width)")
+        assert min(names) > 20.0  # no column of single letters
+        width, points = page.evaluate("(i => [i.width, i.naturalWidth * 0.75])(document.querySelector('figure img'))")
+        assert 7.0 * width / points > 10.5  # the smallest text has 7 points
+        shown = page.evaluate("(i => [i.width, i.naturalWidth * 0.75])(document.querySelector('figure.full img'))")
+        assert 7.0 * shown[0] / shown[1] > 9.0
+
+
+def test_paper_holds_whole_rows_and_no_empty_page(browser, url, tmp_path):
+    reader = shutil.which("pdftotext")
+    if reader is None:
+        pytest.skip("no pdftotext on this machine (Debian: apt-get install poppler-utils)")
+    with browser.page(url) as page:
+        page.wait_for("[...document.images].every(i => i.complete && i.naturalWidth > 0)")
+        hashes = page.evaluate("[...document.querySelectorAll('td.long')].map(t => t.textContent)")
+        data = page.send("Page.printToPDF", preferCSSPageSize=True)["data"]
+    (tmp_path / "report.pdf").write_bytes(base64.b64decode(data))
+    read = subprocess.run([reader, "-layout", tmp_path / "report.pdf", "-"], capture_output=True, check=True, text=True)
+    subprocess.run(["pdftoppm", "-r", "20", "-png", tmp_path / "report.pdf", tmp_path / "sheet"], check=True)
+    sheets = [np.asarray(Image.open(file).convert("L")) for file in sorted(tmp_path.glob("sheet*.png"))]
+    assert 2 < len(sheets) < 15
+    assert all((sheet < 200).mean() > 0.01 for sheet in sheets)  # no empty page
+    assert hashes
+    assert all(each in "".join(read.stdout.split()) for each in hashes)  # not cut at the margin

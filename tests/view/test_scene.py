@@ -17,7 +17,7 @@ import exoid
 from exoid import ExoidError, Leg, Recording, TorsoMotion
 from exoid.description import describe
 from exoid.view import scene
-from exoid.view.colours import CAD, IDENTIFIED
+from exoid.view.colours import CAD, IDENTIFIED, PREDICTED
 from exoid.view.scenes.inertias import STEEL
 
 RNG = np.random.default_rng(6)
@@ -222,7 +222,7 @@ def test_the_ghost_is_translucent_and_follows_its_recording():
     for path in shown:
         for _, material, _ in meshes(objects(drawn)[path]):
             assert material["transparent"]
-            assert material["color"] == int(IDENTIFIED[1:], 16)
+            assert material["color"] == int(PREDICTED[1:], 16)
 
 
 def test_both_legs_have_one_torso_and_one_has_no_other_leg():

@@ -18,10 +18,13 @@ from matplotlib.figure import Figure
 from exoid._version import __version__
 from exoid.files import write_whole
 from exoid.tables import DataTable
-from exoid.view.style import COLUMN, paper
+from exoid.view.style import paper
 
 UNQUOTED = " /:;=,+()!*$@?"
 """Characters, besides letters and digits, that a data URL within an attribute may contain unquoted."""
+
+PAGE_COLUMN = 2.9
+"""Width of a figure on a page [inches]: narrower than a column of a paper, so that its text is readable on a phone."""
 
 SCATTER_DPI = 130
 """Resolution of scatter plots, which are bitmaps within the drawing."""
@@ -38,20 +41,23 @@ class Picture:
         svg: Drawing as SVG.
         alt_text: Description for readers who do not see the drawing.
         caption: Text below the drawing.
+        full: Whether it takes the full width of the page, and scrolls on a phone.
     """
 
     svg: bytes
     alt_text: str
     caption: str = ""
+    full: bool = False
 
     @classmethod
-    def of(cls, figure: Figure, alt_text: str, caption: str = "") -> Picture:
+    def of(cls, figure: Figure, alt_text: str, caption: str = "", *, full: bool = False) -> Picture:
         """Render a figure.
 
         Args:
             figure: Figure that has been drawn.
             alt_text: Description for readers who do not see the drawing.
             caption: Text below the drawing.
+            full: Whether it takes the full width of the page.
 
         Returns:
             The picture; equal figures give equal bytes.
@@ -59,7 +65,7 @@ class Picture:
         file = io.BytesIO()
         with paper(), rc_context({"svg.hashsalt": "exoid"}):
             figure.savefig(file, format="svg", dpi=SCATTER_DPI, metadata={"Date": None})
-        return cls(PATH.sub(_rounded, file.getvalue()), alt_text, caption)
+        return cls(PATH.sub(_rounded, file.getvalue()), alt_text, caption, full)
 
     @property
     def data_url(self) -> str:
@@ -149,7 +155,13 @@ class Page:
 
 
 def draw_picture(
-    draw: Callable[[Figure], object], alt_text: str, caption: str = "", *, columns: float = 1.0, aspect: float = 0.7
+    draw: Callable[[Figure], object],
+    alt_text: str,
+    caption: str = "",
+    *,
+    columns: float = 1.0,
+    aspect: float = 0.7,
+    full: bool = False,
 ) -> Picture:
     """Draw a figure for a page.
 
@@ -157,16 +169,17 @@ def draw_picture(
         draw: Function that draws on the figure.
         alt_text: Description for readers who do not see the drawing.
         caption: Text below the drawing.
-        columns: Width in columns of a paper.
+        columns: Width in columns of a page, of :data:`PAGE_COLUMN` each.
         aspect: Height over the width of one column.
+        full: Whether it takes the full width of the page.
 
     Returns:
         The picture.
     """
     with paper():
-        figure = Figure(figsize=(columns * COLUMN, aspect * COLUMN))
+        figure = Figure(figsize=(columns * PAGE_COLUMN, aspect * PAGE_COLUMN))
         draw(figure)
-        return Picture.of(figure, alt_text, caption)
+        return Picture.of(figure, alt_text, caption, full=full)
 
 
 def _kind(block: Block) -> str:

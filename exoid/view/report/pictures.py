@@ -36,12 +36,13 @@ def parameter_pictures(estimate: Estimate, other_values: Mapping[str, Mapping[st
             f"Parameters in {unit} with 95 % intervals",
             aspect=max(0.5, 0.2 + 0.08 * len(names)),
         )
-    yield _plot(
-        plot_correlation,
-        (estimate,),
+    yield draw_picture(
+        lambda figure: plot_correlation(figure.add_subplot(), estimate),
         f"Correlation matrix of the errors of {len(estimate.names)} parameters",
         "Correlation of the errors; strong colours mark pairs that are hard to separate",
-        aspect=0.9,
+        columns=2.0,
+        aspect=1.6,
+        full=True,
     )
 
 

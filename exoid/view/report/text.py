@@ -8,7 +8,7 @@ import numpy as np
 
 from exoid.actuators import describe_actuators
 from exoid.estimate import Estimate
-from exoid.estimate.text import HEADERS, assumptions, influences, parameter_rows
+from exoid.estimate.text import assumptions, compared_table, influences, parameter_rows
 from exoid.estimate.verdict import verdict_line
 from exoid.findings import finding_lines, findings_table
 from exoid.regression.trends import trend_warnings
@@ -38,7 +38,7 @@ BAND_NOTE = (
 """Text above the figures of torque."""
 
 FRICTION_NOTE = (
-    "Dots in the joint's colour are measured torque less all modelled torque except friction. Blue dots are the "
+    "Dots in the joint's colour are measured torque less all modelled torque except friction. Violet dots are the "
     "friction terms of the model at the same samples. Both passed the filter, which rounds the step at a reversal."
 )
 """Text above the figures of friction."""
@@ -62,13 +62,13 @@ def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[s
         nrmse = prediction.validation.nrmse
         known = np.isfinite(nrmse)
         joints = ", ".join(
-            f"{joint} {100 * e:.1f} %" if there else f"{joint} not measured"
+            f"{joint} {e:.3f}" if there else f"{joint} not measured"
             for joint, e, there in zip(estimate.joint_names, nrmse, known, strict=True)
         )
         quality = "predicts well" if (nrmse[known] <= GOOD_NRMSE).all() else "does not predict every joint well"
         lines.append(
-            f"On the held-out recording {prediction.validation.source} the estimate {quality} (RMS error over the "
-            f"standard deviation of the torque: {joints})."
+            f"On the held-out recording {prediction.validation.source} the estimate {quality} (NRMSE, the RMS error "
+            f"over the standard deviation of the torque: {joints})."
         )
         if prediction.validation.findings:
             lines.append(sentence(verdict_line(prediction.validation.findings)))
@@ -87,12 +87,8 @@ def finding_blocks(estimate: Estimate) -> Iterator[Block]:
 
 def parameter_table(estimate: Estimate, other_values: Mapping[str, Mapping[str, float]]) -> DataTable:
     """Table of linear and nonlinear parameters, with other values by label and name."""
-    rows = [
-        (*row, *(f"{values[row[0]]:.4g}" if row[0] in values else "–" for values in other_values.values()))
-        for row in parameter_rows(estimate)
-    ]
     caption = f"{estimate.estimator} estimate, condition number {estimate.condition_number:.1f}"
-    return DataTable(caption, (*HEADERS, *other_values), rows)
+    return compared_table(caption, parameter_rows(estimate), other_values)
 
 
 def error_table(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> DataTable:
@@ -105,7 +101,7 @@ def error_table(estimate: Estimate, predictions: Sequence[RecordingPrediction], 
                 "–" if np.isnan(value) else text
                 for value, text in (
                     (rmse, f"{rmse:.4g}"),
-                    (nrmse, f"{100 * nrmse:.2f}"),
+                    (nrmse, f"{nrmse:.4f}"),
                     (r2, f"{r2:.4f}"),
                     (coverage, f"{100 * coverage:.1f}"),
                 )
@@ -122,7 +118,7 @@ def error_table(estimate: Estimate, predictions: Sequence[RecordingPrediction], 
         )
     ]
     caption = "Held-out recordings" if held_out else "Recordings of the fit"
-    return DataTable(caption, ("recording", "joint", "RMSE [N·m]", "NRMSE [%]", "R²", "in 95 % band [%]"), rows)
+    return DataTable(caption, ("recording", "joint", "RMSE [N·m]", "NRMSE", "R²", "in 95 % band [%]"), rows)
 
 
 def trend_table(estimate: Estimate) -> DataTable:
@@ -197,7 +193,8 @@ def drive_blocks(estimate: Estimate) -> Iterator[Text]:
 def settings(estimate: Estimate) -> Text:
     """Settings of the identification, and the prior knowledge that entered it."""
     terms = ", ".join(dict.fromkeys(type(term).__name__ for term in estimate.model.terms)) or "none"
-    preparation = ", ".join(f"{key} {value}" for key, value in estimate.preparation.describe().items())
+    described = estimate.preparation.describe()
+    preparation = ", ".join([str(described.pop("name")), *(_setting(key, value) for key, value in described.items())])
     return Text(
         [
             f"Estimator: {estimate.estimator}; {estimate.dof:.0f} degrees of freedom.",
@@ -207,6 +204,12 @@ def settings(estimate: Estimate) -> Text:
             *(f"{regrouped}." for regrouped in estimate.regrouped),
         ]
     )
+
+
+def _setting(name: str, value: object) -> str:
+    """Write a setting of the preparation, frequencies with their unit."""
+    number = f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{name.replace('_', ' ')} {number}{' Hz' if name.endswith('cutoff') and isinstance(value, float) else ''}"
 
 
 def sentence(clause: str) -> str:

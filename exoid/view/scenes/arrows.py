@@ -9,9 +9,6 @@ from exoid._typing import FloatArray
 from .transforms import align_z, homogeneous
 from .visual import Material, Visual, cylinder, torus
 
-WEIGHT_COLOUR = "#7a3b9a"
-"""Colour of weights."""
-
 ARC = np.deg2rad(250.0)
 """Angle that a circular arrow spans [rad]."""
 

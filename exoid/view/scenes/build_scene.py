@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from .commands import set_animation
 from .interaction_arrows import with_interaction
 from .leg_geometry import LegGeometry
 from .leg_view import LegView
+from .readings import joint_readings
 from .replay import Replay
 from .scene import Layer, Scene
 from .skeleton import pose_angles
@@ -104,12 +105,17 @@ def scene(
     return Scene(
         title or _title(geometries),
         tuple(commands),
-        _merge(layer for view in views for layer in view.layers),
-        camera(points, direction),
+        _merge([(_leg_name(geometry), view.layers) for geometry, view in zip(geometries, views, strict=True)]),
+        camera(np.vstack([view.visible_points for view in views]), direction),
         0.0 if replay is None else replay.duration,
         tuple(view.posable for view in views),
         tuple(note for geometry in geometries for note in geometry.notes)
         + tuple(note for view in views for note in view.notes),
+        tuple(
+            reading
+            for leg, geometry, q in zip(legs, geometries, poses, strict=True)
+            for reading in joint_readings(leg, geometry, q, replay)
+        ),
     )
 
 
@@ -151,14 +157,27 @@ def _check_joints(geometries: Sequence[LegGeometry], *recordings: Recording | No
 def _title(geometries: Sequence[LegGeometry]) -> str:
     """Name of the robot, and names of its legs where they differ from that."""
     robot = Path(geometries[0].leg.description.name).stem
-    legs = [geometry.root.rsplit("/", 1)[1] for geometry in geometries]
+    legs = [_leg_name(geometry) for geometry in geometries]
     return ", ".join([robot, *(name for name in legs if name != robot)])
 
 
-def _merge(layers: Iterable[Layer]) -> tuple[Layer, ...]:
-    """Merge layers of several legs that have the same label."""
+def _leg_name(geometry: LegGeometry) -> str:
+    """Name of a leg in the scene."""
+    return geometry.root.rsplit("/", 1)[1]
+
+
+def _merge(legs: Sequence[tuple[str, Sequence[Layer]]]) -> tuple[Layer, ...]:
+    """Merge layers of several legs that have the same label; scales that differ are those of named legs."""
     merged: dict[str, Layer] = {}
-    for layer in layers:
-        before = merged.setdefault(layer.label, layer._replace(paths=()))
-        merged[layer.label] = before._replace(paths=(*before.paths, *layer.paths))
+    scales: dict[str, dict[str, str]] = {}
+    for name, layers in legs:
+        for layer in layers:
+            before = merged.setdefault(layer.label, layer._replace(paths=()))
+            merged[layer.label] = before._replace(paths=(*before.paths, *layer.paths))
+            if layer.scale:
+                scales.setdefault(layer.label, {})[name] = layer.scale
+    for label, by_leg in scales.items():
+        named = "; ".join(f"{name}: {scale}" for name, scale in by_leg.items())
+        same = len(set(by_leg.values())) == 1
+        merged[label] = merged[label]._replace(scale=next(iter(by_leg.values())) if same else named)
     return tuple(merged.values())

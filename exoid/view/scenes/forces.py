@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.view.colours import WEIGHT
 
-from .arrows import WEIGHT_COLOUR, circular_arrow, straight_arrow, torque_scale
+from .arrows import circular_arrow, straight_arrow, torque_scale
 from .commands import Command, Tracks, child_path, set_object, set_transform
 from .leg_geometry import LegGeometry
 from .leg_trajectory import LegTrajectory
@@ -30,7 +31,7 @@ def draw_weights(geometry: LegGeometry) -> Iterator[Command]:
     heaviest = max(inertia.mass for inertia in inertias)
     for path, inertia in zip(weight_paths(geometry), inertias, strict=True):
         length = WEIGHT_LENGTH * reach * inertia.mass / heaviest
-        yield set_object(path, straight_arrow(length, THICKNESS * reach, WEIGHT_COLOUR), shadows=False)
+        yield set_object(path, straight_arrow(length, THICKNESS * reach, WEIGHT), shadows=False)
 
 
 def draw_torques(geometry: LegGeometry) -> Iterator[Command]:
@@ -38,6 +39,22 @@ def draw_torques(geometry: LegGeometry) -> Iterator[Command]:
     reach = geometry.skeleton.reach
     for path, colour in zip(_torque_paths(geometry), geometry.joint_colours, strict=True):
         yield set_object(path, circular_arrow(TORQUE_RADIUS * reach, THICKNESS * reach, colour), shadows=False)
+
+
+def weight_scale(geometry: LegGeometry) -> str:
+    """Say what the length of the arrow of a weight means."""
+    heaviest = max(inertia.mass for inertia in geometry.inertias[-1].bodies)
+    weight = heaviest * float(np.linalg.norm(geometry.leg.model.gravity.linear))
+    return f"arrow of {WEIGHT_LENGTH * geometry.skeleton.reach:.2g} m = {weight:.3g} N"
+
+
+def torque_key(geometry: LegGeometry, trajectory: LegTrajectory) -> str:
+    """Say what the radius of the arrow of a torque means; its area is proportional to the torque."""
+    largest = float(np.abs(trajectory.tau).max())
+    if largest == 0.0:
+        return ""
+    unit = "N·m" if all(geometry.skeleton.revolute) else "N·m or N"
+    return f"radius of {TORQUE_RADIUS * geometry.skeleton.reach:.2g} m = {largest:.3g} {unit}"
 
 
 def place_arrows(geometry: LegGeometry, trajectory: LegTrajectory) -> Iterator[Command]:

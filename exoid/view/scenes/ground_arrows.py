@@ -14,7 +14,7 @@ from exoid.estimate.ground_prediction import ground_forces
 from exoid.ground import level_rotation
 from exoid.leg import Leg
 from exoid.signals.link_wrenches import wrenches_on_links
-from exoid.view.colours import IDENTIFIED, MEASURED
+from exoid.view.colours import MEASURED, PREDICTED
 
 from .arrows import SMALLEST_SCALE, straight_arrow
 from .commands import ROOT, Command, Tracks, child_path, set_object, set_transform
@@ -77,7 +77,7 @@ class GroundArrows(NamedTuple):
             predicted = _predicted(source, leg, replay, standing)
         except ExoidError as error:
             return drawn._replace(notes=(f"forces of the ground are not predicted: {error.what}",))
-        return drawn._with(predicted, "predicted ground force", IDENTIFIED, leg, replay, standing)
+        return drawn._with(predicted, "predicted ground force", PREDICTED, leg, replay, standing)
 
     def _with(
         self, loads: Loads, label: str, colour: str, leg: Leg, replay: Replay, standing: Standing
@@ -106,7 +106,11 @@ class GroundArrows(NamedTuple):
             tracks[f"{path}/arrow"] = {"scale": scale}
             paths.append(path)
             ends.append(start + PER_WEIGHT * force / weight)
-        layers = [*self.layers, Layer(label, (colour,), tuple(paths))] if paths else self.layers
+        layers = (
+            [*self.layers, Layer(label, (colour,), tuple(paths), scale=f"arrow of {PER_WEIGHT:g} m = {weight:.3g} N")]
+            if paths
+            else self.layers
+        )
         return GroundArrows(commands, layers, tracks, self.notes, np.vstack(ends))
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from exoid._typing import FloatArray
+
 from .transforms import homogeneous
 from .visual import Material, Visual, ellipsoid
 
@@ -22,6 +24,13 @@ def mass_ball(inertia: pin.Inertia, colour: str) -> Visual:
     """Make a steel ball of the body's mass at its centre of mass."""
     radius = (3.0 * inertia.mass / (4.0 * np.pi * STEEL)) ** (1.0 / 3.0)
     return ellipsoid(radius, Material(colour)).placed(homogeneous(inertia.lever))
+
+
+def surface_points(ellipsoid: Visual) -> FloatArray:
+    """Points on an ellipsoid, in the frame in which it is drawn [m], (26, 3): along its axes and between them."""
+    steps = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1) if i or j or k], float)
+    directions = steps / np.linalg.norm(steps, axis=1, keepdims=True)
+    return np.asarray(directions @ ellipsoid.transform[:3, :3].T + ellipsoid.transform[:3, 3])
 
 
 def inertia_ellipsoid(inertia: pin.Inertia, colour: str) -> Visual:

@@ -60,7 +60,10 @@ def with_interaction(view: LegView, geometry: LegGeometry, replay: Replay, found
         if len(scale) > 1:
             tracks[f"{place}/arrow"] = {"scale": scale}
         paths.append(place)
-    layers = [*view.layers, Layer("torque of the wearer", (WEARER,), tuple(paths))]
+    layers = [
+        *view.layers,
+        Layer("torque of the wearer", (WEARER,), tuple(paths), scale="same scale as the actuators'"),
+    ]
     return view._replace(commands=commands, layers=layers, tracks=tracks)
 
 

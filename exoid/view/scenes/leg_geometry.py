@@ -18,12 +18,15 @@ from exoid.reduction import SIDES
 from exoid.view.colours import CAD, IDENTIFIED, joint_colour
 
 from .commands import ROOT, Command, child_path, set_object, set_transform
-from .inertias import inertia_ellipsoid, mass_ball
+from .inertias import inertia_ellipsoid, mass_ball, surface_points
 from .placeholders import body_placeholder, torso_placeholder
 from .skeleton import Skeleton
 from .transforms import align_z, homogeneous
 from .urdf_visuals import read_visuals
 from .visual import Material, Visual, cylinder
+
+FEW = 300
+"""Frames of a replay at which the camera sees all ellipsoids."""
 
 
 class Inertias(NamedTuple):
@@ -141,14 +144,26 @@ class LegGeometry:
 
     def bounding_points(self, q: FloatArray) -> FloatArray:
         """Points of the torso's frame whose convex hull contains the leg at all angles (F, n) [rad], (k, 3)."""
+        corners = [[visual.bounding_points for visual in visuals] for visuals in self.visuals]
+        return self._at_angles(corners, q)
+
+    def ellipsoid_points(self, q: FloatArray) -> FloatArray:
+        """Points of the torso's frame on the ellipsoids of inertia at some of the angles (F, n) [rad], (k, 3)."""
+        some = q[:: -(-len(q) // FEW)]
+        bodies = zip(*(inertias.bodies for inertias in self.inertias), strict=True)
+        surfaces = [[surface_points(inertia_ellipsoid(inertia, CAD)) for inertia in body] for body in bodies]
+        return self._at_angles([[], *surfaces], some)
+
+    def _at_angles(self, points: Sequence[Sequence[FloatArray]], q: FloatArray) -> FloatArray:
+        """Place points of each body, the torso first, at angles (F, n) [rad], (k, 3)."""
         placements = self.skeleton.body_placements(q)
-        points = [
-            np.einsum("fij,kj->fki", placements[:, body, :3, :3], corners) + placements[:, body, np.newaxis, :3, 3]
-            for body, visuals in enumerate(self.visuals)
-            if visuals
-            for corners in [np.vstack([visual.bounding_points for visual in visuals])]
+        placed = [
+            np.einsum("fij,kj->fki", placements[:, body, :3, :3], each) + placements[:, body, np.newaxis, :3, 3]
+            for body, of_body in enumerate(points)
+            if of_body
+            for each in [np.vstack(of_body)]
         ]
-        return np.vstack([each.reshape(-1, 3) for each in points])
+        return np.vstack([each.reshape(-1, 3) for each in placed])
 
 
 def _visuals(skeleton: Skeleton, folder: Path | None) -> tuple[tuple[tuple[Visual, ...], ...], tuple[str, ...]]:

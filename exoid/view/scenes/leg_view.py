@@ -10,11 +10,18 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate
 from exoid.leg import Leg
-from exoid.view.colours import IDENTIFIED
+from exoid.view.colours import PREDICTED, WEIGHT
 
-from .arrows import WEIGHT_COLOUR
 from .commands import Command, Tracks, child_path, set_transform
-from .forces import animate_arrows, draw_torques, draw_weights, place_arrows, weight_paths
+from .forces import (
+    animate_arrows,
+    draw_torques,
+    draw_weights,
+    place_arrows,
+    torque_key,
+    weight_paths,
+    weight_scale,
+)
 from .ground_arrows import GroundArrows, quaternions
 from .leg_geometry import LegGeometry
 from .leg_trajectory import LegTrajectory
@@ -25,7 +32,7 @@ from .transforms import align_z, homogeneous
 from .urdf_visuals import PLAIN
 from .visual import Material
 
-GHOST = Material(IDENTIFIED, 0.35, behind=True)
+GHOST = Material(PREDICTED, 0.35, behind=True)
 """Material of the second leg."""
 
 
@@ -44,6 +51,7 @@ class LegView(NamedTuple):
         posable: The leg, for poses that are set later.
         floor: Height of the ground [m] where the base moves, else None.
         notes: One sentence for each kind of force that could not be drawn.
+        visible_points: Points whose convex hull contains the leg and its ellipsoids [m], (k, 3).
     """
 
     commands: list[Command]
@@ -53,6 +61,7 @@ class LegView(NamedTuple):
     posable: PosableLeg
     floor: float | None = None
     notes: tuple[str, ...] = ()
+    visible_points: FloatArray = np.empty((0, 3))
 
     @classmethod
     def of(cls, geometry: LegGeometry, q: FloatArray, replay: Replay | None, ghost_label: str) -> LegView:
@@ -76,10 +85,10 @@ class LegView(NamedTuple):
             *posable.pose(trajectory.q[0]),
         ]
         layers = []
-        for label, colours, drawing in _layers(geometry, trajectory):
+        for label, colours, drawing, scale in _layers(geometry, trajectory):
             drawn = list(drawing)
             commands += drawn
-            layers.append(Layer(label, colours, tuple(command["path"] for command in drawn)))
+            layers.append(Layer(label, colours, tuple(command["path"] for command in drawn), scale=scale))
         commands += place_arrows(geometry, trajectory)
         points, tracks = geometry.bounding_points(trajectory.q), {}
         if len(trajectory.q) > 1:
@@ -91,7 +100,11 @@ class LegView(NamedTuple):
             layers.insert(1, Layer(ghost_label, (GHOST.colour,), (root,)))
             tracks |= _joint_tracks(geometry, root, ghost)
             points = np.vstack([points, geometry.bounding_points(ghost)])
-        return cls(commands, layers, tracks, points @ torso[:3, :3].T + torso[:3, 3], posable)
+        points, ellipsoids = (
+            each @ torso[:3, :3].T + torso[:3, 3] for each in (points, geometry.ellipsoid_points(trajectory.q))
+        )
+        visible = np.vstack([points, ellipsoids])
+        return cls(commands, layers, tracks, points, posable, visible_points=visible)
 
     def standing(self, source: Leg | Estimate, geometry: LegGeometry, replay: Replay | None) -> LegView:
         """Let the base move, where a recording tells how, with arrows of the forces of the ground.
@@ -120,15 +133,19 @@ class LegView(NamedTuple):
                 tracks[path]["quaternion"] = quaternions(down)
                 commands.append(set_transform(path, homogeneous(tracks[path]["position"][0], down[0])))
         few = np.linspace(0, len(base.position) - 1, min(FEW, len(base.position))).astype(np.intp)
-        points = [_corners(self.bounding_points) @ base.rotation[f].T + base.position[f] for f in few]
+        points, visible = (
+            np.vstack([_corners(each) @ base.rotation[f].T + base.position[f] for f in few] + [arrows.points])
+            for each in (self.bounding_points, self.visible_points)
+        )
         return LegView(
             commands + arrows.commands,
             self.layers + arrows.layers,
             tracks | arrows.tracks,
-            np.vstack([*points, arrows.points]),
+            points,
             self.posable,
             base.floor,
             arrows.notes,
+            visible,
         )
 
 
@@ -138,11 +155,12 @@ def _corners(points: FloatArray) -> FloatArray:
 
 
 class _LayerDrawing(NamedTuple):
-    """Label and colours of a layer, and the commands that draw it."""
+    """Label and colours of a layer, the commands that draw it, and the scale of its arrows."""
 
     label: str
     colours: tuple[str, ...]
     commands: Iterable[Command]
+    scale: str = ""
 
 
 def _layers(geometry: LegGeometry, trajectory: LegTrajectory) -> Iterator[_LayerDrawing]:
@@ -154,9 +172,9 @@ def _layers(geometry: LegGeometry, trajectory: LegTrajectory) -> Iterator[_Layer
     yield _LayerDrawing("centres of mass", sources, geometry.draw_masses())
     for inertias in geometry.inertias:
         yield _LayerDrawing(f"{inertias.label} inertia", (inertias.colour,), geometry.draw_inertias(inertias))
-    yield _LayerDrawing("weights", (WEIGHT_COLOUR,), draw_weights(geometry))
+    yield _LayerDrawing("weights", (WEIGHT,), draw_weights(geometry), weight_scale(geometry))
     torque = "measured torque" if trajectory.measured else "torque against gravity"
-    yield _LayerDrawing(torque, colours, draw_torques(geometry))
+    yield _LayerDrawing(torque, colours, draw_torques(geometry), torque_key(geometry, trajectory))
 
 
 def _joint_tracks(geometry: LegGeometry, root: str, q: FloatArray) -> Tracks:

@@ -1,4 +1,4 @@
-"""One self-contained HTML page: meshcat's viewer, the scene as JSON, a legend and a slider."""
+"""One self-contained HTML page: meshcat's viewer, the scene as JSON, a legend, a player and readings."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from exoid.errors import ExoidError
+from exoid.view.colours import MEASURED, PREDICTED, WEIGHT
 
 
 def write_page(scene: Mapping[str, Any], *, live: bool = False) -> str:
@@ -32,13 +33,14 @@ def write_page(scene: Mapping[str, Any], *, live: bool = False) -> str:
     """
     data = json.dumps(scene, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     pieces = {
+        "STYLE": _own_file("page.css"),
+        "SCRIPT": "\n".join(map(_own_file, ("readings.js", "page.js"))),
         "TITLE": html.escape(str(scene["title"])),
         "LICENCES": _viewer_file("dist/main.min.js.LICENSE.txt").replace("--", "- -"),
         "VIEWER": _packed(_viewer_file("dist/main.min.js")),
         "SCENE": _packed(data),
     }
-    template = files(__package__).joinpath("page.html").read_text(encoding="utf-8")
-    page = re.sub(r"@([A-Z]+)@", lambda match: pieces[match[1]], template)
+    page = re.sub(r"@([A-Z]+)@", lambda match: pieces[match[1]], _own_file("page.html"))
     return page.replace("<html ", '<html data-live="1" ', 1) if live else page
 
 
@@ -46,6 +48,15 @@ def write_page(scene: Mapping[str, Any], *, live: bool = False) -> str:
 def _packed(text: str) -> str:
     """Compress to a third of the size, as base64, which needs no escape; the page unpacks it."""
     return base64.b64encode(zlib.compress(text.encode(), 6)).decode()
+
+
+@cache
+def _own_file(name: str) -> str:
+    """Read a file of this package, with the colours of the figures in it."""
+    text = files(__package__).joinpath(name).read_text(encoding="utf-8")
+    for word, colour in (("@MEASURED@", MEASURED), ("@PREDICTED@", PREDICTED), ("@WEIGHT@", WEIGHT)):
+        text = text.replace(word, colour.lower())
+    return text
 
 
 @cache

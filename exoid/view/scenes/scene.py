@@ -13,6 +13,7 @@ from exoid.files import write_whole
 
 from .commands import Command, set_transform
 from .page import write_page
+from .readings import JointReadings
 from .server import SceneServer
 from .skeleton import Skeleton, pose_angles
 
@@ -25,12 +26,14 @@ class Layer(NamedTuple):
         colours: Colours in the legend, one or several.
         paths: Paths of the objects.
         visible: Whether they are visible at first.
+        scale: What the length or radius of an arrow means; "" for objects that are no arrows.
     """
 
     label: str
     colours: tuple[str, ...]
     paths: tuple[str, ...]
     visible: bool = True
+    scale: str = ""
 
 
 class Camera(NamedTuple):
@@ -85,6 +88,7 @@ class Scene:
         duration: Duration of the replay [s]; 0 for legs that stand still.
         legs: Legs in the scene.
         notes: One sentence for each visual that could not be drawn.
+        readings: Angle and torque of each joint at each frame.
     """
 
     title: str
@@ -94,6 +98,7 @@ class Scene:
     duration: float = 0.0
     legs: tuple[PosableLeg, ...] = ()
     notes: tuple[str, ...] = ()
+    readings: tuple[JointReadings, ...] = ()
 
     def html(self) -> str:
         """Render the scene as a self-contained HTML page.
@@ -164,7 +169,7 @@ class Scene:
         """Describe the scene as data for its page.
 
         Returns:
-            Title, commands, layers, camera, duration and notes.
+            Title, commands, layers, camera, duration, notes and readings of the joints.
         """
         return {
             "title": self.title,
@@ -173,6 +178,7 @@ class Scene:
             "camera": self.camera._asdict(),
             "duration": self.duration,
             "notes": self.notes,
+            "joints": [joint.to_json() for joint in self.readings],
         }
 
     def _repr_html_(self) -> str:

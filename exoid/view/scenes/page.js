@@ -1,0 +1,214 @@
+const FRAME = 1 / 30;  // time between keyframes [s]
+const NIGHT = { top_color: [0.09, 0.1, 0.11], bottom_color: [0.16, 0.175, 0.19] };
+const COLOURS = {  // ground, its lines, measured data, weights: the same objects by day and by night
+  day: ["#c8ced6", "#b9bfc8", "@MEASURED@", "@WEIGHT@"],
+  night: ["#3a4047", "#4d545d", "#e6e6e6", "#b39a80"],
+};
+
+const element = id => document.getElementById(id);
+const round = (value, digits) => Number(value).toFixed(digits).replace(/^-(0(\.0+)?)$/, "$1").replace("-", "−");
+
+async function unpack(id) {
+  const packed = Uint8Array.from(atob(element(id).textContent), letter => letter.charCodeAt(0));
+  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"))).text();
+}
+
+function make(tag, parent, text = "", className = "") {
+  const made = document.createElement(tag);
+  made.textContent = text;
+  if (className) made.className = className;
+  parent.append(made);
+  return made;
+}
+
+// Object of the scene at a path such as "/exoid/left leg".
+function finder(viewer) {
+  return path => viewer.scene_tree.find(path.split("/").filter(name => name.length > 0));
+}
+
+// Fit everything into what panels leave of the window, until the user turns the view.
+function fitCamera(viewer, view) {
+  let turned = false;
+  viewer.controls.addEventListener("start", () => { turned = true; });
+  function frame() {
+    if (turned) return;
+    const width = window.innerWidth, height = Math.max(window.innerHeight, 1), narrow = width <= 620;
+    const below = element("player").offsetHeight + (narrow && !element("plot").hidden ? element("plot").offsetHeight : 0);
+    const covered = below > 0 ? Math.min((below + 16) / height, 0.6) : 0;
+    const slope = Math.tan(viewer.camera.fov * Math.PI / 360);
+    const needed = Math.max(view.half_height / (slope * (1 - covered)), view.half_width * height / (slope * width));
+    const distance = 1.08 * needed + view.half_depth;
+    const [x, y, z] = view.centre;
+    const target = [x, y, z - covered * distance * slope];
+    const [eye_x, eye_y, eye_z] = target.map((centre, i) => centre + distance * view.direction[i]);
+    viewer.controls.target.set(target[0], target[2], -target[1]);  // meshcat's y axis points up
+    viewer.camera.position.set(eye_x, eye_z, -eye_y);
+    viewer.set_dirty();
+  }
+  window.addEventListener("resize", frame);
+  return frame;
+}
+
+function fillLegend(viewer, scene) {
+  const node = finder(viewer), layers = element("layers");
+  for (const layer of scene.layers) {
+    const label = make("label", layers);
+    const box = make("input", label);
+    box.type = "checkbox";
+    box.checked = layer.visible;
+    const swatches = make("span", label, "", "swatches");
+    for (const colour of layer.colours) make("i", swatches).dataset.colour = colour;
+    const show = () => {
+      for (const path of layer.paths) node(path).set_property("visible", box.checked);
+      viewer.set_dirty();
+    };
+    box.addEventListener("change", show);
+    show();
+    label.append(layer.label);
+    if (layer.scale) make("small", layers, layer.scale);
+  }
+  for (const note of scene.notes) make("p", layers, note);
+}
+
+// Background, ground and dark arrows follow the colour scheme of the browser; paper is always light.
+function followScheme(viewer, scene) {
+  const node = finder(viewer), day = {};
+  for (const command of scene.commands)
+    if (command.path === "/Background" && command.type === "set_property") day[command.property] = command.value;
+  const recolour = (colour, night) => {
+    const place = Math.max(COLOURS.day.indexOf(colour.toLowerCase()), COLOURS.night.indexOf(colour));
+    return place < 0 ? colour : COLOURS[night ? "night" : "day"][place];
+  };
+  function paint(night) {
+    for (const [name, colour] of Object.entries(night ? NIGHT : day)) node("/Background").set_property(name, colour);
+    viewer.show_background();
+    const paintPart = part => {
+      const own = part.material && part.material.color;
+      if (own) own.set(recolour("#" + own.getHexString(), night));
+    };
+    node("/exoid/ground").object.traverse(paintPart);
+    node("/exoid").object.traverse(part => { if (part.material && part.material.type === "MeshBasicMaterial") paintPart(part); });
+    for (const swatch of document.querySelectorAll("#layers i")) swatch.style.background = recolour(swatch.dataset.colour, night);
+    viewer.set_dirty();
+  }
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
+  paint(dark.matches);
+  dark.addEventListener("change", () => paint(dark.matches));
+  return () => {
+    paint(false);
+    drawStill(viewer);
+    paint(dark.matches);
+  };
+}
+
+// A WebGL picture is empty on paper: copy it. A browser does not draw a page outside of its window before.
+function drawStill(viewer) {
+  viewer.set_3d_pane_size();
+  viewer.controls.update();
+  const size = viewer.renderer.domElement, still = element("still");
+  if (size.width === 0 || size.height === 0) return;
+  viewer.renderer.render(viewer.scene, viewer.camera);
+  still.width = size.width;
+  still.height = size.height;
+  still.getContext("2d").drawImage(size, 0, 0);
+}
+
+// A button that shows and hides something.
+function toggle(id, act) {
+  const button = element(id);
+  button.hidden = false;
+  const set = on => { button.setAttribute("aria-pressed", String(on)); act(on); };
+  button.addEventListener("click", () => set(button.getAttribute("aria-pressed") !== "true"));
+  return set;
+}
+
+function play(viewer, scene) {
+  const player = element("player");
+  const [button, slider, clock, speed] = player.children;
+  const animator = viewer.animator;
+  player.hidden = false;
+  slider.max = scene.duration;
+  const seek = time => {
+    const inside = Math.min(Math.max(time, 0), scene.duration);
+    animator.seek(inside);
+    animator.display_progress(inside);
+  };
+  const pause = () => { if (animator.playing) animator.pause(); };
+  const turn = () => animator.playing ? animator.pause() : animator.play();
+  const step = time => { pause(); seek(animator.time + time); };
+  button.addEventListener("click", turn);
+  slider.addEventListener("input", () => { pause(); seek(Number(slider.value)); });
+  speed.addEventListener("change", () => { animator.mixer.timeScale = Number(speed.value); });
+  const keys = {
+    " ": turn,
+    ArrowLeft: event => step(event.shiftKey ? -1 : -FRAME),
+    ArrowRight: event => step(event.shiftKey ? 1 : FRAME),
+    Home: () => step(-Infinity),
+    End: () => step(Infinity),
+  };
+  document.addEventListener("keydown", event => {
+    const own = event.target.closest("select, summary, button, [type=checkbox], .dg");
+    const act = keys[event.key];
+    if (!act || event.ctrlKey || event.altKey || event.metaKey || own && (event.key === " " || own.matches("select, .dg"))) return;
+    event.preventDefault();
+    act(event);
+  }, true);
+  const start = /[#&]t=([0-9.]+)/.exec(location.hash);
+  if (start) { pause(); seek(Number(start[1])); }
+  else if (window.matchMedia("(prefers-reduced-motion: reduce)").matches) pause();
+  return {
+    seek: time => { pause(); seek(time); },
+    update: () => {
+      button.textContent = animator.playing ? "Pause" : "Play";
+      if (document.activeElement !== slider || animator.playing || Number(slider.value) !== animator.time) slider.value = animator.time;
+      clock.textContent = animator.time.toFixed(2) + " s of " + scene.duration.toFixed(2) + " s";
+    },
+  };
+}
+
+(async function () {
+  const script = document.createElement("script");
+  script.textContent = await unpack("viewer");
+  document.head.append(script);
+  const scene = JSON.parse(await unpack("scene"));
+  const live = document.documentElement.dataset.live;
+  const viewer = new MeshCat.Viewer(element("meshcat-pane"));
+  const draw = command => viewer.handle_command(command);
+  scene.commands.forEach(draw);
+
+  const shadow = finder(viewer)("/Lights/SpotLight/<object>").object.shadow;
+  shadow.normalBias = 0.02;
+  shadow.radius = 4;
+
+  const legend = element("legend");
+  legend.querySelector("summary").textContent = scene.title;
+  legend.open = window.innerWidth > 620;
+  fillLegend(viewer, scene);
+  const drawForPaper = followScheme(viewer, scene);
+  element("tools").hidden = false;
+  toggle("show-viewer", on => document.body.classList.toggle("viewer", on));
+
+  const player = scene.duration > 0 ? play(viewer, scene) : null;
+  const frame = fitCamera(viewer, scene.camera);
+  const updates = [showNames(viewer, scene, Boolean(live))];
+  if (player) updates.push(player.update);
+  if (player && scene.joints.some(joint => joint.measured)) updates.push(showPlot(scene, player.seek, frame));
+  frame();
+  window.addEventListener("beforeprint", () => { frame(); drawForPaper(); });
+  (function update() {
+    for (const each of updates) each(viewer.animator.time);
+    requestAnimationFrame(update);
+  })();
+
+  if (live) {
+    const source = new EventSource("events");
+    source.onmessage = message => JSON.parse(message.data).forEach(draw);
+    source.addEventListener("end", () => source.close());
+  }
+  window.exoid = { viewer, scene };
+})().catch(error => {
+  const legend = element("legend");
+  legend.querySelector("summary").textContent = "This browser cannot show the scene";
+  legend.append(String(error));
+  console.error(error);
+});

@@ -1,0 +1,104 @@
+const SVG = "http://www.w3.org/2000/svg";
+
+// Value of a series of frames at a time, or null where there is none.
+function at(series, time) {
+  if (!series) return null;
+  const place = Math.min(Math.max(time / FRAME, 0), series.length - 1);
+  const before = Math.floor(place), after = Math.min(before + 1, series.length - 1);
+  if (series[before] === null || series[after] === null) return null;
+  return series[before] + (place - before) * (series[after] - series[before]);
+}
+
+// Names of the joints beside them, with angle and torque; poses from a server have no numbers.
+function showNames(viewer, scene, live) {
+  const node = finder(viewer), names = element("names");
+  const labels = scene.joints.map(joint => {
+    const label = make("span", names);
+    label.style.borderColor = joint.colour;
+    return label;
+  });
+  let shown = false;
+  const set = toggle("show-names", on => { shown = on; names.hidden = !on; });
+  set(false);
+  return time => {
+    if (!shown) return;
+    scene.joints.forEach((joint, i) => {
+      const numbers = [[at(joint.angle, time), joint.unit], [at(joint.torque, time), joint.torque_unit]]
+        .filter(([value]) => value !== null && !live)
+        .map(([value, unit]) => `${round(value, 1)} ${unit}`);
+      labels[i].textContent = [joint.name, ...numbers].join("\n");
+      const object = node(joint.path).object;
+      const place = object.getWorldPosition(object.position.clone()).project(viewer.camera);
+      const x = (place.x + 1) / 2 * window.innerWidth + 14, y = (1 - place.y) / 2 * window.innerHeight - labels[i].offsetHeight / 2;
+      labels[i].style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+    });
+  };
+}
+
+function line(svg, className, x, y) {
+  const made = document.createElementNS(SVG, "line");
+  made.setAttribute("class", className);
+  for (const [name, value] of Object.entries({ x1: x[0], x2: x[1], y1: y[0], y2: y[1] })) made.setAttribute(name, value);
+  svg.append(made);
+  return made;
+}
+
+function curve(svg, className, series, height) {
+  const made = document.createElementNS(SVG, "path");
+  let path = "", pen = "M";
+  series.forEach((value, frame) => {
+    if (value === null) { pen = "M"; return; }
+    path += `${pen}${(frame * FRAME).toFixed(3)} ${height(value).toFixed(2)}`;
+    pen = "L";
+  });
+  made.setAttribute("class", className);
+  made.setAttribute("d", path);
+  svg.append(made);
+}
+
+// Measured and predicted torque over time, with a line at the time of the playback; a click goes to a time.
+function showPlot(scene, seek, frame) {
+  const plot = element("plot"), joints = scene.joints.filter(joint => joint.measured);
+  const key = make("p", plot);
+  make("b", key, "measured").style.borderColor = "var(--measured)";
+  if (joints.some(joint => joint.predicted)) make("b", key, "predicted").style.borderColor = "var(--predicted)";
+  const charts = joints.map(joint => {
+    const figure = make("figure", plot), caption = make("figcaption", figure);
+    make("span", caption, joint.name).style.borderColor = joint.colour;
+    const number = make("span", caption);
+    const svg = document.createElementNS(SVG, "svg");
+    const values = [0, ...joint.torque, ...(joint.predicted ?? [])].filter(value => value !== null);
+    const low = values.reduce((a, b) => Math.min(a, b)), high = Math.max(values.reduce((a, b) => Math.max(a, b)), low + 1e-9);
+    const height = value => 62 - 60 * (value - low) / (high - low);
+    svg.setAttribute("viewBox", `0 0 ${scene.duration} 64`);
+    svg.setAttribute("preserveAspectRatio", "none");
+    svg.setAttribute("role", "img");
+    svg.setAttribute("aria-label", `Torque of ${joint.name} over time, ${round(low, 1)} to ${round(high, 1)} ${joint.torque_unit}`);
+    line(svg, "zero", [0, scene.duration], [height(0), height(0)]);
+    curve(svg, "measured", joint.torque, height);
+    if (joint.predicted) curve(svg, "predicted", joint.predicted, height);
+    const now = line(svg, "now", [0, 0], [0, 64]);
+    svg.addEventListener("click", event => {
+      const box = svg.getBoundingClientRect();
+      seek(scene.duration * (event.clientX - box.left) / box.width);
+    });
+    figure.append(svg);
+    const range = make("small", figure);
+    make("span", range, `${round(low, 1)} to ${round(high, 1)} ${joint.torque_unit}`);
+    make("span", range, `${scene.duration.toFixed(1)} s`);
+    return { joint, number, now };
+  });
+  let shown = false;
+  const set = toggle("show-plot", on => { shown = on; plot.hidden = !on; frame(); });
+  set(window.innerWidth >= 1000);
+  return time => {
+    if (!shown) return;
+    for (const { joint, number, now } of charts) {
+      now.setAttribute("x1", time);
+      now.setAttribute("x2", time);
+      const predicted = at(joint.predicted, time), measured = at(joint.torque, time);
+      const both = [measured, predicted].filter(value => value !== null).map(value => round(value, 1));
+      number.textContent = `${both.join(" / ")} ${joint.torque_unit}`;
+    }
+  };
+}

@@ -1,0 +1,116 @@
+"""Numbers of the joints in a scene: angle, torque and predicted torque at each frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.errors import ExoidError
+from exoid.estimate import Estimate, validate
+from exoid.leg import Leg
+from exoid.regression.rows import for_leg
+
+from .leg_geometry import LegGeometry
+from .leg_trajectory import LegTrajectory
+from .replay import Replay
+
+DIGITS = 4
+"""Significant digits of the numbers in the page."""
+
+GAP = 0.05
+"""Largest time between a frame and a sample of the predicted torque [s]; across longer gaps nothing is drawn."""
+
+
+class JointReadings(NamedTuple):
+    """Numbers of one joint, frame by frame; one frame for a leg that stands still.
+
+    Attributes:
+        name: Name of the joint.
+        path: Path of the joint's frame in the scene.
+        colour: Colour of the joint.
+        angle: Angle [deg], or displacement [mm] of a prismatic joint, (F,).
+        torque: Recorded torque, or the one that holds the leg against gravity [N·m, or N], (F,).
+        predicted: Torque that an estimate predicts [N·m, or N], (F,), not a number where none is known; or None.
+        measured: Whether the torque was recorded.
+        revolute: Whether the joint is revolute; otherwise it is prismatic.
+    """
+
+    name: str
+    path: str
+    colour: str
+    angle: FloatArray
+    torque: FloatArray
+    predicted: FloatArray | None
+    measured: bool
+    revolute: bool
+
+    def to_json(self) -> dict[str, Any]:
+        """Describe the numbers as data for the page.
+
+        Returns:
+            The attributes, with units as text and None for what is not a number.
+        """
+        return {
+            "name": self.name,
+            "path": self.path,
+            "colour": self.colour,
+            "unit": "°" if self.revolute else "mm",
+            "torque_unit": "N·m" if self.revolute else "N",
+            "angle": _numbers(self.angle),
+            "torque": _numbers(self.torque),
+            "predicted": None if self.predicted is None else _numbers(self.predicted),
+            "measured": self.measured,
+        }
+
+
+def joint_readings(
+    source: Leg | Estimate, geometry: LegGeometry, q: FloatArray, replay: Replay | None
+) -> Iterator[JointReadings]:
+    """Read angle and torque of each joint of a leg.
+
+    Args:
+        source: The leg, or an estimate, which predicts the torque.
+        geometry: The leg in the scene.
+        q: Pose of a leg that is not replayed [rad], (n,).
+        replay: The replay, or None.
+
+    Yields:
+        Numbers of each joint.
+    """
+    trajectory = LegTrajectory.of(geometry.leg, q, replay)
+    predicted = None
+    if isinstance(source, Estimate) and replay is not None and trajectory.measured:
+        predicted = _predicted_torque(source, geometry.leg, replay)
+    paths, revolute = geometry.joint_paths(geometry.root), geometry.skeleton.revolute
+    for joint, name in enumerate(geometry.leg.joint_names):
+        yield JointReadings(
+            name,
+            paths[joint],
+            geometry.joint_colours[joint],
+            np.rad2deg(trajectory.q[:, joint]) if revolute[joint] else 1e3 * trajectory.q[:, joint],
+            trajectory.tau[:, joint],
+            None if predicted is None else predicted[:, joint],
+            trajectory.measured,
+            revolute[joint],
+        )
+
+
+def _predicted_torque(estimate: Estimate, leg: Leg, replay: Replay) -> FloatArray | None:
+    """Predict the torque at the frames [N·m], (F, n); None where the recording does not allow it."""
+    try:
+        found = validate(estimate, for_leg(estimate.model, replay.recording).resampled())
+    except ExoidError:
+        return None
+    after = np.clip(np.searchsorted(found.time, replay.time), 1, len(found.time) - 1)
+    distance = np.minimum(np.abs(found.time[after] - replay.time), np.abs(replay.time - found.time[after - 1]))
+    columns = [found.predicted[:, found.joint_names.index(name)] for name in leg.joint_names]
+    torque = np.column_stack([np.interp(replay.time, found.time, column) for column in columns])
+    return np.where(distance[:, np.newaxis] < GAP, torque, np.nan)
+
+
+def _numbers(values: FloatArray) -> list[float | None]:
+    """Round to :data:`DIGITS` significant digits; None for what is not a number."""
+    return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values]

@@ -1,0 +1,224 @@
+"""Controls of a scene in a real Chromium: keys, speed, numbers, torque plot, dark scheme, phone, paper."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from browser import distance_to
+
+import exoid
+from exoid.estimate import predict_motion, validate
+from exoid.view import scene
+
+READY = "window.exoid !== undefined && window.exoid.viewer.renderer.info.render.frame > 0"
+TIME = "window.exoid.viewer.animator.time"
+START = 2.5
+
+
+@pytest.fixture(scope="module")
+def bleex():
+    return exoid.datasets.bleex_swing()
+
+
+@pytest.fixture(scope="module")
+def estimate(bleex):
+    return exoid.identify(bleex.leg, bleex.train)
+
+
+@pytest.fixture(scope="module")
+def url(tmp_path_factory, bleex, estimate):
+    file = tmp_path_factory.mktemp("scene") / "replay.html"
+    predicted = predict_motion(estimate, bleex.test)
+    scene(estimate, recording=bleex.test, ghost=predicted, ghost_label="predicted").save(file)
+    return f"{file.as_uri()}#t={START}"
+
+
+def press(page, key, shift=False):
+    """Press a key, as a user of the page does."""
+    codes = {" ": 32, "ArrowLeft": 37, "ArrowRight": 39, "Home": 36, "End": 35}
+    event = {"key": key, "windowsVirtualKeyCode": codes[key], "modifiers": 8 * shift}
+    page.send("Input.dispatchKeyEvent", type="keyDown", **event)
+    page.send("Input.dispatchKeyEvent", type="keyUp", **event)
+
+
+def click(page, selector):
+    page.evaluate(f"document.querySelector('{selector}').click()")
+
+
+def text(page, selector):
+    return page.evaluate(f"document.querySelector('{selector}').innerText")
+
+
+def test_keys_step_and_play(browser, url):
+    with browser.page(url) as page:
+        page.wait_for(READY)
+        for key, shift, expected in (
+            ("ArrowRight", False, START + 1 / 30),
+            ("ArrowRight", True, START + 1 / 30 + 1.0),
+            ("ArrowLeft", True, START + 1 / 30),
+            ("ArrowLeft", False, START),
+            ("Home", False, 0.0),
+            ("ArrowLeft", False, 0.0),
+        ):
+            press(page, key, shift)
+            assert page.evaluate(TIME) == pytest.approx(expected, abs=1e-6), key
+        press(page, " ")
+        page.wait_for(f"{TIME} > 0.05")
+        press(page, " ")
+        assert not page.evaluate("window.exoid.viewer.animator.playing")
+        page.evaluate("document.querySelector('#player input').focus()")  # keys do the same from the slider
+        before = page.evaluate(TIME)
+        press(page, "ArrowRight")
+        assert page.evaluate(TIME) == pytest.approx(before + 1 / 30, abs=1e-6)
+        assert page.problems == []
+
+
+def test_a_key_on_a_button_presses_only_that_button(browser, url):
+    with browser.page(url) as page:
+        page.wait_for(READY)
+        page.evaluate("document.querySelector('#show-names').focus()")
+        press(page, " ")
+        assert not page.evaluate("window.exoid.viewer.animator.playing")
+
+
+def test_the_speed_can_be_chosen(browser, url):
+    with browser.page(url) as page:
+        page.wait_for(READY)
+        script = "(s => { s.value = '0.25'; s.dispatchEvent(new Event('change')); })"
+        page.evaluate(f"{script}(document.querySelector('#player select'))")
+        assert page.evaluate("window.exoid.viewer.animator.mixer.timeScale") == 0.25
+
+
+def test_names_and_numbers_are_those_of_the_recording(browser, url, bleex):
+    with browser.page(url) as page:
+        page.wait_for(READY)
+        assert page.evaluate("document.querySelector('#names').hidden")
+        click(page, "#show-names")
+        page.screenshot()
+        lines = text(page, "#names span:nth-child(2)").split("\n")
+    angle = np.rad2deg(np.interp(START, bleex.test.time, bleex.test.q[:, 1]))
+    torque = np.interp(START, bleex.test.time, bleex.test.tau[:, 1])
+    assert lines[0] == "left_knee"
+    assert lines[1] == f"{angle:.1f} °".replace("-", "−")
+    assert lines[2] == f"{torque:.1f} N·m".replace("-", "−")
+
+
+def test_the_torque_plot_follows_the_playback(browser, url, bleex, estimate):
+    with browser.page(url, (1280, 800)) as page:
+        page.wait_for(READY)
+        page.screenshot("scene_plot")
+        assert page.evaluate("document.querySelectorAll('#plot figure').length") == 3
+        now = "Number(document.querySelector('#plot .now').getAttribute('x1'))"
+        assert page.evaluate(now) == pytest.approx(START)
+        shown = text(page, "#plot figcaption span:nth-child(2)")
+        press(page, "ArrowRight", shift=True)
+        page.screenshot()
+        assert page.evaluate(now) == pytest.approx(START + 1.0)
+        measured = np.interp(START, bleex.test.time, bleex.test.tau[:, 0])
+        found = validate(estimate, bleex.test)
+        predicted = np.interp(START, found.time, found.predicted[:, 0])
+        assert shown == f"{measured:.1f} / {predicted:.1f} N·m"
+        box = page.evaluate(
+            "(b => [b.left, b.top, b.width])(document.querySelector('#plot svg').getBoundingClientRect())"
+        )
+        for kind in ("mousePressed", "mouseReleased"):
+            page.send(
+                "Input.dispatchMouseEvent",
+                type=kind,
+                x=box[0] + 0.5 * box[2],
+                y=box[1] + 20,
+                button="left",
+                clickCount=1,
+            )
+        assert page.evaluate(TIME) == pytest.approx(0.5 * bleex.test.duration, abs=0.1)
+
+
+def test_the_viewers_own_controls_are_behind_one_button(browser, url):
+    with browser.page(url) as page:
+        page.wait_for(READY)
+        display = "getComputedStyle(document.querySelector('.dg.main')).display"
+        assert page.evaluate(display) == "none"
+        click(page, "#show-viewer")
+        assert page.evaluate(display) == "block"
+
+
+def test_arrows_have_a_scale(browser, url):
+    with browser.page(url) as page:
+        page.wait_for(READY)
+        weights, torques = page.evaluate("[...document.querySelectorAll('#layers small')].map(s => s.textContent)")
+    assert weights.startswith("arrow of")
+    assert weights.endswith(" N")
+    assert "N·m" in torques
+
+
+def test_a_phone_shows_panels_inside_its_window(browser, url):
+    with browser.page(url, (390, 844)) as page:
+        page.wait_for(READY)
+        page.evaluate("document.querySelector('#legend').open = true")
+        click(page, "#show-plot")
+        page.screenshot("scene_phone")
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
+        for selector in ("#legend", "#player", "#player select", "#plot", "#plot svg"):
+            left, right = page.evaluate(
+                f"(b => [b.left, b.right])(document.querySelector('{selector}').getBoundingClientRect())"
+            )
+            assert left >= 0, selector
+            assert right <= 390, selector
+            assert right > left, selector
+
+
+def test_a_dark_scheme_has_a_dark_background(browser, url):
+    with browser.page(url) as page:
+        page.wait_for(READY)
+        light = page.screenshot("scene_light")
+        page.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
+        page.wait_for("matchMedia('(prefers-color-scheme: dark)').matches")
+        dark = page.screenshot("scene_dark")
+        page.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "light"}])
+        page.wait_for("matchMedia('(prefers-color-scheme: light)').matches")
+        again = page.screenshot()
+    assert np.median(light) > 200
+    assert np.median(dark) < 80
+    np.testing.assert_array_equal(again, light)
+
+
+def test_paper_has_the_scene_and_no_controls(browser, url):
+    with browser.page(url) as page:
+        page.wait_for(READY)
+        page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+        page.send("Emulation.setEmulatedMedia", media="print")
+        picture = page.screenshot("scene_paper")
+        for selector in ("#legend", "#player", "#meshcat-pane"):
+            assert page.evaluate(f"document.querySelector('{selector}').offsetHeight") == 0
+    assert (picture.min(axis=-1) < 120).mean() > 0.02
+    assert (distance_to(picture, "#ffffff") > 60).mean() < 0.6
+
+
+def test_the_camera_sees_ellipsoids_that_are_larger_than_the_leg():
+    """As those of poor estimates are; the ground stays below the foot."""
+    leg = exoid.load_leg("bleex")
+    model = leg.model.copy()
+    shank = model.inertias[2]
+    model.inertias[2] = pin.Inertia(shank.mass, shank.lever, shank.inertia + 8.0 * np.eye(3))
+    small, large = scene(leg), scene(replace(leg, model=model))
+    moments = np.linalg.eigvalsh(model.inertias[2].inertia)
+    longest = np.sqrt(2.5 * (moments.sum() - 2.0 * moments[0]) / shank.mass)
+    assert longest > small.camera.half_height
+    assert large.camera.half_height > 0.9 * longest
+    grounds = [
+        np.array(next(c for c in drawn.commands if c["path"] == "/exoid/ground" and "matrix" in c)["matrix"])
+        for drawn in (small, large)
+    ]
+    np.testing.assert_array_equal(*grounds)
+
+
+def test_scales_that_differ_are_those_of_named_legs():
+    legs = [exoid.load_leg("bleex", side) for side in ("left", "right")]
+    scales = {layer.label: layer.scale for layer in scene(*legs, pose={"left_hip": 0.6, "right_hip": 0.1}).layers}
+    assert scales["weights"].count("arrow of") == 1
+    assert scales["torque against gravity"].startswith("left leg: radius of")
+    assert "; right leg: radius of" in scales["torque against gravity"]
+    assert scales["leg"] == ""
