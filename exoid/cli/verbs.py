@@ -28,6 +28,7 @@ VERBS = {
     ),
     "study": "Identify many virtual legs: bias, standard deviation, coverage of intervals, and efficiency.",
     "track": "Run controllers on a rig and compare tracking error, torque, energy and chatter.",
+    "wear": ("Let a wearer walk in a leg: what is felt with the leg off, and with CAD, identified and true model."),
 }
 """First paragraph of each verb's help. A verb is the function of that name in the file of that name."""
 

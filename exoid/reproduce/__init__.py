@@ -18,15 +18,19 @@ from .tracking_report import (
     laws_json,
     tracking_figures,
 )
+from .wear_report import wear_figures, wear_json, wear_page, wear_text
+from .wear_study import Felt, WearStudy, wear
 
 __all__ = [
     "BleexReplay",
     "CuhkReplay",
     "Extent",
+    "Felt",
     "SideReplay",
     "StanceExtent",
     "StanceReplay",
     "TrackingReplay",
+    "WearStudy",
     "bleex_figures",
     "bleex_json",
     "bleex_page",
@@ -50,4 +54,9 @@ __all__ = [
     "stance_text",
     "tracking_figures",
     "tracking_page",
+    "wear",
+    "wear_figures",
+    "wear_json",
+    "wear_page",
+    "wear_text",
 ]

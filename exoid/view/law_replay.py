@@ -11,7 +11,7 @@ from exoid.control import LawReplay
 
 from .colours import GUIDE
 from .style import legend_above
-from .tracking import LAW_COLOURS
+from .colours import MEASURED, PREDICTED
 
 
 def plot_law_replay(axes: Sequence[Axes], replay: LawReplay) -> Sequence[Axes]:
@@ -26,8 +26,8 @@ def plot_law_replay(axes: Sequence[Axes], replay: LawReplay) -> Sequence[Axes]:
     """
     for joint, (ax, name) in enumerate(zip(axes, replay.joint_names, strict=True)):
         if np.isfinite(replay.recorded[:, joint]).all():
-            ax.plot(replay.time, replay.recorded[:, joint], color=LAW_COLOURS[0], lw=0.8, label="recorded")
-        ax.plot(replay.time, replay.commanded[:, joint], color=LAW_COLOURS[1], lw=0.8, label=replay.law)
+            ax.plot(replay.time, replay.recorded[:, joint], color=MEASURED, lw=0.8, label="recorded")
+        ax.plot(replay.time, replay.commanded[:, joint], color=PREDICTED, lw=0.8, label=replay.law)
         if np.isfinite(replay.limit[joint]):
             for limit in (-replay.limit[joint], replay.limit[joint]):
                 ax.axhline(limit, color=GUIDE, lw=0.8, ls="--")

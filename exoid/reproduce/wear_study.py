@@ -1,0 +1,214 @@
+"""What a wearer feels: a leg that is off, or amplified by CAD, by an identified model, or by the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from exoid._typing import FloatArray
+from exoid.catalog import load_leg
+from exoid.control import ControlModel, SideBySide, Tracking, pd, sensitivity_amplification, simulate_many
+from exoid.control.model import ModelSource
+from exoid.control.stability import Amplification, largest_amplification
+from exoid.control.stability.worn.draws import draw_truths
+from exoid.control.stateful import AnyLaw
+from exoid.errors import ExoidError
+from exoid.estimate import Estimate
+from exoid.experiments import gait_for_leg, healthy_gait, refuse_motion_beyond_limits
+from exoid.leg import Leg
+from exoid.rig import Plant, Sensors, Wearer
+
+from .bleex import reproduce_bleex
+from .cuhk import reproduce_cuhk
+
+MODELS = ("off", "cad", "identified", "truth")
+"""What the controller knows; "off" is no torque at all."""
+
+BANDWIDTH, RATE = 50.0, 1000.0
+"""Bandwidth of the motion filter, and rate of the controller [Hz]."""
+
+MOST = 10.0
+"""Largest amplification."""
+
+MARGIN = 0.9
+"""Share of the largest stable amplification that is used."""
+
+TRIED = 2.0
+"""Largest amplification that is tried, over the largest that is used."""
+
+SENSORS = Sensors(velocity_noise=0.002, delay=1)
+"""Readings of the controller: 16-bit encoders, 2 mrad/s of noise, one period late."""
+
+PERIOD, SCALE = 4.0, 0.8
+"""Default period of the stride [s], and factor of its amplitude: within the limits of both legs."""
+
+STRIDES = 3
+"""Strides of a run; the first is not evaluated."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Felt:
+    """What the wearer feels with one controller.
+
+    Attributes:
+        model: One of :data:`MODELS`.
+        amplification: Amplification α; None where the leg is off.
+        run: The run, whose first stride is not evaluated.
+    """
+
+    model: str
+    amplification: float | None
+    run: Tracking
+
+    @property
+    def rms(self) -> FloatArray:
+        """RMS torque of the wearer at each joint [N·m], (n,)."""
+        assert self.run.rms_interaction is not None
+        return self.run.rms_interaction
+
+    @property
+    def rms_of_all(self) -> float:
+        """Root of the mean square over all joints [N·m]."""
+        return float(np.sqrt(np.mean(self.rms**2)))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class WearStudy:
+    """What a wearer feels in one leg.
+
+    Attributes:
+        name: Name of the leg.
+        joint_names: Names of the joints, (n,).
+        felt: What is felt with each of :data:`MODELS`.
+        largest: Largest stable amplification with "cad", "identified" and "truth".
+        period: Period of the stride [s].
+        seed: Seed of noise and draws.
+    """
+
+    name: str
+    joint_names: tuple[str, ...]
+    felt: Mapping[str, Felt]
+    largest: Mapping[str, Amplification]
+    period: float
+    seed: int
+
+    @property
+    def limited_by(self) -> str | None:
+        """Parameter whose error limits the amplification with the identified model most; None if none does."""
+        return self.largest["identified"].limited_by
+
+    def __repr__(self) -> str:
+        """Write what is felt with each model."""
+        felt = ", ".join(f"{name} {each.rms_of_all:.3g}" for name, each in self.felt.items())
+        return f"WearStudy({self.name}: felt {felt} N·m)"
+
+
+def wear(
+    source: str | Estimate,
+    *,
+    period: float = PERIOD,
+    bandwidth: float = BANDWIDTH,
+    rate: float = RATE,
+    most: float = MOST,
+    height: float = 1.75,
+    mass: float = 70.0,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> WearStudy:
+    """Let a wearer walk in a leg on the virtual rig, and compare what is felt.
+
+    The wearer's limb (by anthropometry) hangs in cuffs, and its muscles intend a stride. The controller is sensitivity
+    amplification. Its model is the CAD, the identified one, or the truth, each with the largest stable amplification,
+    less a margin of 10 %, and at most ``most``. The same wearer also walks with the leg off.
+
+    * "bleex", "cuhk": the rig is that of the document's replay, which also identifies the model.
+    * An estimate: it is the identified model. The rig is drawn from its distribution, CAD is its URDF.
+
+    Args:
+        source: "bleex", "cuhk", or an estimate.
+        period: Period of the stride [s].
+        bandwidth: Bandwidth of the controller's motion filter [Hz].
+        rate: Rate of the controller [Hz].
+        most: Largest amplification.
+        height: Height of the wearer [m].
+        mass: Mass of the wearer [kg].
+        seed: Seed of noise and draws.
+        progress: Function that receives the completed share, 0 to 1.
+
+    Returns:
+        What is felt, and the largest amplifications.
+
+    Raises:
+        ExoidError: There is no such leg, a setting is invalid, the stride leaves the limits of the leg, or the leg has
+            no gait.
+
+    Example:
+        >>> study = wear("cuhk")  # doctest: +SKIP
+        >>> study.felt["identified"].rms_of_all < 0.2 * study.felt["cad"].rms_of_all  # doctest: +SKIP
+        True
+    """
+    if not (0.0 < period < np.inf and 1.0 < most < np.inf):
+        raise ExoidError(
+            f"a stride of {period:g} s and amplifications up to {most:g}",
+            remedy="give a positive period in s, and a largest amplification above 1",
+        )
+    report = progress or (lambda _: None)
+    cad, identified, truth = _models(source, seed, lambda share: report(0.5 * share))
+    intention = gait_for_leg(truth.leg, healthy_gait(SCALE, period))
+    refuse_motion_beyond_limits(truth.leg, intention, period)
+    wearer = Wearer.build(truth.leg, height, mass, intention=intention)
+    law = partial(sensitivity_amplification, bandwidth=bandwidth, rate=rate)
+    sources: dict[str, ModelSource] = {"cad": cad, "identified": identified, "truth": ControlModel.of(truth)}
+    largest = {}
+    for k, (name, model) in enumerate(sources.items()):
+        given = None if name == "identified" else truth
+        largest[name] = largest_amplification(
+            model, wearer=wearer, truth=given, law=law, delay=SENSORS.delay, most=TRIED * most, seed=seed
+        )
+        report(0.5 + 0.1 * (k + 1))
+    amplifications = {name: float(np.clip(MARGIN * each.largest, 1.0, most)) for name, each in largest.items()}
+    laws: list[AnyLaw] = [pd(0.0, 0.0, rate=rate), *(law(sources[name], each) for name, each in amplifications.items())]
+    runs = simulate_many(
+        truth.repeat(len(laws)),
+        SideBySide(tuple(laws)),
+        intention,
+        STRIDES * period,
+        sensors=SENSORS,
+        settle=period,
+        wearer=wearer,
+        seed=seed,
+        names=("off", *amplifications),
+        progress=lambda share: report(0.8 + 0.2 * share),
+    )
+    felt = {run.law: Felt(run.law, amplifications.get(run.law), run) for run in runs}
+    report(1.0)
+    leg = truth.leg
+    return WearStudy(leg.description.name, leg.joint_names, felt, largest, period, seed)
+
+
+def _models(source: str | Estimate, seed: int, progress: Callable[[float], None]) -> tuple[Leg, Estimate, Plant]:
+    """Provide CAD, identified model and true leg."""
+    if isinstance(source, Estimate):
+        return source.model.leg, source, _drawn(source, seed)
+    if source == "bleex":
+        side = reproduce_bleex(seed, progress=progress)[0].left
+        return load_leg("bleex", side="left", inertias="cad"), side.joint, _plant(side.joint.model.leg, side.truth)
+    if source == "cuhk":
+        replay = reproduce_cuhk(seed, progress=progress)[0]
+        return load_leg("cuhk"), replay.multisine, _plant(replay.multisine.model.leg, replay.truth)
+    raise ExoidError(f"nobody wears {source!r}", remedy="name bleex or cuhk, or give an estimate")
+
+
+def _plant(leg: Leg, truth: Mapping[str, float]) -> Plant:
+    """Build the true leg, which walks between its end stops."""
+    return Plant.build(leg, truth, end_stops=False)
+
+
+def _drawn(estimate: Estimate, seed: int) -> Plant:
+    """Draw a true leg from the distribution of an estimate."""
+    model = estimate.model.loaded_by(estimate.values)
+    drawn = draw_truths(model, estimate.values, estimate.covariance, 1, seed)
+    return ControlModel.of_parameters(estimate.model, drawn.parameters[0]).plant(end_stops=False)

@@ -1,0 +1,72 @@
+"""``exoid wear``: what a wearer feels of a leg that is off, and with CAD, identified and true model."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+import exoid
+from exoid import ExoidError, reproduce
+from exoid.cli import app
+
+
+@pytest.fixture(scope="module")
+def bleex():
+    return reproduce.wear("bleex")
+
+
+@pytest.mark.slow
+def test_the_identified_model_is_felt_like_the_truth_and_far_less_than_cad(bleex):
+    felt = reproduce.wear_json(bleex)["felt_rms"]
+    assert felt["identified"] <= 0.2 * felt["cad"]
+    assert felt["identified"] <= 1.3 * felt["truth"]
+    assert felt["cad"] < felt["off"]
+
+
+@pytest.mark.slow
+def test_the_true_leg_lets_less_than_a_fifth_of_its_torque_be_felt(bleex):
+    """A tenth, and what filter, delay and reversals of friction add."""
+    assert bleex.felt["truth"].amplification == 10.0
+    assert 0.03 < bleex.felt["truth"].rms_of_all / bleex.felt["off"].rms_of_all < 0.2
+
+
+@pytest.mark.slow
+def test_cad_limits_the_amplification_more_than_the_estimate(bleex):
+    found = reproduce.wear_json(bleex)
+    assert found["largest_amplification"]["cad"] < 10.0 < found["largest_amplification"]["identified"]
+    assert found["amplification"]["cad"] == pytest.approx(0.9 * found["largest_amplification"]["cad"])
+    assert found["limited_by"] in bleex.largest["identified"].variance_shares
+
+
+@pytest.mark.slow
+def test_table_figure_and_page_show_the_same(bleex):
+    text = reproduce.wear_text(bleex)
+    for felt in bleex.felt.values():
+        assert f"{felt.rms_of_all:.3g}" in text
+    (figure,) = reproduce.wear_figures(bleex).values()
+    assert [ax.get_ylabel() for ax in figure.axes] == [f"{name} [N·m]" for name in bleex.joint_names]
+    assert [line.get_label().split(",")[0] for line in figure.axes[0].lines] == ["off", "CAD", "identified", "truth"]
+    assert "felt" in reproduce.wear_page(bleex).html()
+
+
+@pytest.mark.slow
+def test_an_estimate_is_worn_on_a_rig_of_its_own_distribution(tmp_path):
+    data = exoid.datasets.bleex_swing()
+    exoid.identify(data.leg, data.train).save(tmp_path / "est.json")
+    done = CliRunner().invoke(
+        app, ["wear", str(tmp_path / "est.json"), "--json", "--figures", str(tmp_path / "figures")]
+    )
+    assert done.exit_code == 0, done.output
+    felt = json.loads(done.stdout)["felt_rms"]
+    assert list(felt) == ["off", "cad", "identified", "truth"]
+    assert felt["identified"] <= 1.3 * felt["truth"]
+    assert (tmp_path / "figures" / "felt_torque.png").stat().st_size > 1e4
+
+
+@pytest.mark.parametrize(
+    ("given", "what"),
+    [({"source": "hal"}, "nobody wears 'hal'"), ({"period": -1.0}, "a stride of -1"), ({"most": 1.0}, "up to 1")],
+)
+def test_what_makes_no_sense_is_refused_before_anything_runs(given, what):
+    with pytest.raises(ExoidError, match=what):
+        reproduce.wear(**({"source": "bleex"} | given))
