@@ -7,6 +7,7 @@ import os
 import stat
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
@@ -30,6 +31,8 @@ from .payloads import payloads_in
 DATASETS = {
     "bleex_swing": datasets.bleex_swing,
     "dfki_double_pendulum": datasets.dfki_double_pendulum,
+    "sydney_swing_leg": datasets.sydney_swing_leg,
+    "sydney_swing_leg_outer": partial(datasets.sydney_swing_leg, "outer"),
     "teststand_leg": datasets.teststand_leg,
 }
 """Datasets of exoid, as LEG ``name`` and LOG ``name:train`` or ``name:test``."""
