@@ -111,10 +111,7 @@ def joint_axes(model: pin.Model) -> FloatArray:
     data = model.createData()
     pin.computeJointJacobians(model, data, pin.neutral(model))
     return np.array(
-        [
-            pin.getJointJacobian(model, data, j, pin.LOCAL)[:, model.joints[j].idx_v]
-            for j in range(1, model.njoints)
-        ]
+        [pin.getJointJacobian(model, data, j, pin.LOCAL)[:, model.joints[j].idx_v] for j in range(1, model.njoints)]
     )
 
 

@@ -96,16 +96,14 @@ def export(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Write an identified leg as a URDF, with LEG.exoid.json for parameters that a URDF cannot hold; as C; or for MuJoCo.
+    """Write an identified leg as a URDF, with LEG.exoid.json for what a URDF cannot hold, for MuJoCo, or as C.
 
     With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr;
     for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or momentum_observer, which gives
     the torque of the wearer.
     """
     if sum(each is not None for each in (output, c, mjcf)) != 1:
-        raise ExoidError(
-            "one file is written at a time", remedy="give either -o LEG.URDF, --c LEG.C or --mjcf LEG.XML"
-        )
+        raise ExoidError("one file is written at a time", remedy="give either -o LEG.URDF, --c LEG.C or --mjcf LEG.XML")
     if c is None and precision is not None:
         raise ExoidError("--precision has no effect without --c", remedy="leave out --precision, or give --c LEG.C")
     if c is not None and (mass_factor is not None or pull is not None):
@@ -119,7 +117,13 @@ def export(
         raise ExoidError("--law has no effect without --c", remedy="give --c LAW.C")
     sidecar = sidecar_of(Path(output)) if output is not None and Path(output).name else None
     check_outputs(
-        {"--output": output, "the file beside --output": sidecar, "--c": c, "the header of --c": _header(c, law), "--mjcf": mjcf},
+        {
+            "--output": output,
+            "the file beside --output": sidecar,
+            "--c": c,
+            "the header of --c": _header(c, law),
+            "--mjcf": mjcf,
+        },
         [estimate],
     )
     found = estimates.Estimate.load(estimate)

@@ -75,7 +75,9 @@ class MjcfExport:
         """Print what is in the file, and what is not."""
         leg = self.estimate.model.leg
         lines = [f"{self.path}: joints {', '.join(leg.joint_names)} with a motor each, on a base that does not move"]
-        lines.append("armature, damping and frictionloss are the identified rotor inertia, viscous and Coulomb friction")
+        lines.append(
+            "armature, damping and frictionloss are the identified rotor inertia, viscous and Coulomb friction"
+        )
         lines += [f"note: {regrouped} (also in the file)" for regrouped in self.estimate.regrouped]
         if self.left_out:
             lines.append(f"note: MuJoCo's joints have no place for {', '.join(self.left_out)}: left out")
