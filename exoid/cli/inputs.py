@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import os
 import stat
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
@@ -29,7 +29,7 @@ from .messages import Amount, note
 from .payloads import payloads_in
 from .robots import how_to_name_one, is_robot, urdf_of_robot
 
-DATASETS = {
+DATASETS: Mapping[str, Callable[[], datasets.Dataset]] = {
     "bleex_swing": datasets.bleex_swing,
     "dfki_double_pendulum": datasets.dfki_double_pendulum,
     "sydney_swing_leg": datasets.sydney_swing_leg,

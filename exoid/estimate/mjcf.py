@@ -127,7 +127,9 @@ def export_mjcf(
     found, raised, left_out = _joint_values(estimate, lifted.values)
     limits = leg.limits
     numbers = JointNumbers(
-        *(found[attribute] for attribute in ("armature", "damping", "frictionloss")),
+        armature=found["armature"],
+        damping=found["damping"],
+        friction=found["frictionloss"],
         lower=limits.lower,
         upper=limits.upper,
         effort=limits.effort,

@@ -105,7 +105,7 @@ def _base_joint(name: str) -> str:
 def _add_bodies(spec: Any, mujoco: Any, plant: GroundPlant) -> list[Any]:  # noqa: ANN401
     model, kinds = plant.leg.model, mujoco.mjtJoint
     torso = spec.worldbody.add_body(name="exoid torso")
-    bodies, data, axes = [torso], model.createData(), joint_axes(model)
+    bodies, data, joints = [torso], model.createData(), joint_axes(model)
     pin.forwardKinematics(model, data, pin.neutral(model))
     _set_inertia(torso, model.inertias[0], plant, np.eye(3))
     if plant.is_planar:
@@ -119,7 +119,7 @@ def _add_bodies(spec: Any, mujoco: Any, plant: GroundPlant) -> list[Any]:  # noq
         x, y, z, w = pin.Quaternion(place.rotation).coeffs()
         body = bodies[model.parents[j]].add_body(name=f"exoid {j}", pos=place.translation, quat=[w, x, y, z])
         _set_inertia(body, model.inertias[j], plant, data.oMi[j].rotation)
-        twist = axes[j - 1]
+        twist = joints[j - 1]
         turns = bool(twist[3:].any())
         body.add_joint(
             name=model.names[j],
