@@ -96,7 +96,7 @@ def export(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Write an identified leg as a URDF, with LEG.exoid.json for what a URDF cannot hold, for MuJoCo, or as C.
+    """Write an identified leg as a URDF, with LEG.exoid.json for what a URDF cannot hold, for MuJoCo or in C.
 
     With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr;
     for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or momentum_observer, which gives
