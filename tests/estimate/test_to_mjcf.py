@@ -126,4 +126,7 @@ def test_the_command_writes_the_file(exoid_, tmp_path):
     assert "with a motor each" in done.out
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "leg.xml"))
     assert model.nu == model.njnt == 3
+    limits = data.leg.limits
+    np.testing.assert_array_equal(model.actuator_ctrlrange[:, 1], limits.effort)
+    np.testing.assert_array_equal(model.jnt_range[:, 0], limits.lower)
     assert exoid_("export", tmp_path / "est.json", "--mjcf", "a.xml", "-o", "b.urdf").code != 0
