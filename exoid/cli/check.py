@@ -19,6 +19,7 @@ from .inputs import (
     Degrees,
     DriveFile,
     FloatingBase,
+    Format,
     LogOptions,
     MovingBase,
     Names,
@@ -41,7 +42,9 @@ from .payloads import PayloadOptions, refuse_other_payloads
 
 
 def check(
-    leg: Annotated[str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset's name, or a URDF file.")],
+    leg: Annotated[
+        str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF file, or a robot such as panda.")
+    ],
     logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="Logs of any kind, or a dataset's name:train.")],
     side: Annotated[str | None, typer.Option(help="left, right or both; by default the side in the log.")] = None,
     inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
@@ -60,6 +63,7 @@ def check(
     topic: Topic = None,
     received: Received = False,
     names: Names = None,
+    format: Format = None,
     passive: Passive = None,
     unmeasured: Unmeasured = None,
     payload: PayloadOptions = None,
@@ -83,6 +87,7 @@ def check(
             topic,
             received,
             names=names,
+            format=format,
             passive=passive,
             unmeasured=unmeasured,
             payloads=payload,

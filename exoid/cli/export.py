@@ -1,4 +1,4 @@
-"""``exoid export``: an estimate as a URDF, as C, or as a control law in C."""
+"""``exoid export``: an estimate as a URDF, for MuJoCo, as C, or as a control law in C."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from exoid.codegen.dialect import identifier
 from exoid.codegen.laws import LawSource
 from exoid.codegen.laws.safety import SafeTorque
 from exoid.errors import ExoidError
-from exoid.estimate import Export
+from exoid.estimate import Export, MjcfExport
 from exoid.exported import sidecar_of
 from exoid.lift import MASS_FACTOR, PULL
 
@@ -30,6 +30,10 @@ def export(
     ] = None,
     c: Annotated[
         str | None, typer.Option("--c", metavar="LEG.C", help="Write the torques of a planar leg as C99 there instead.")
+    ] = None,
+    mjcf: Annotated[
+        str | None,
+        typer.Option("--mjcf", metavar="LEG.XML", help="Write MuJoCo's model file there instead, with rotors."),
     ] = None,
     mass_factor: Annotated[
         float | None,
@@ -92,16 +96,16 @@ def export(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Write an identified leg as a URDF, with LEG.exoid.json for parameters that a URDF cannot hold; or as C.
+    """Write an identified leg as a URDF, with LEG.exoid.json for what a URDF cannot hold, for MuJoCo or in C.
 
     With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr;
     for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or momentum_observer, which gives
     the torque of the wearer.
     """
-    if (output is None) == (c is None):
-        raise ExoidError("one file is written at a time", remedy="give either -o LEG.URDF or --c LEG.C")
+    if sum(each is not None for each in (output, c, mjcf)) != 1:
+        raise ExoidError("one file is written at a time", remedy="give either -o LEG.URDF, --c LEG.C or --mjcf LEG.XML")
     if c is None and precision is not None:
-        raise ExoidError("--precision has no effect on a URDF", remedy="leave out --precision, or give --c LEG.C")
+        raise ExoidError("--precision has no effect without --c", remedy="leave out --precision, or give --c LEG.C")
     if c is not None and (mass_factor is not None or pull is not None):
         raise ExoidError(
             "--mass-factor and --pull have no effect on C", remedy="leave them out, or write a URDF with -o LEG.URDF"
@@ -110,25 +114,30 @@ def export(
     if law is None and options.given():
         raise ExoidError(f"{', '.join(options.given())}: only a control law has it", remedy="name the law with --law")
     if law is not None and c is None:
-        raise ExoidError("--law has no effect on a URDF", remedy="give --c LAW.C")
+        raise ExoidError("--law has no effect without --c", remedy="give --c LAW.C")
     sidecar = sidecar_of(Path(output)) if output is not None and Path(output).name else None
     check_outputs(
-        {"--output": output, "the file beside --output": sidecar, "--c": c, "the header of --c": _header(c, law)},
+        {
+            "--output": output,
+            "the file beside --output": sidecar,
+            "--c": c,
+            "the header of --c": _header(c, law),
+            "--mjcf": mjcf,
+        },
         [estimate],
     )
     found = estimates.Estimate.load(estimate)
     if c is not None and law is not None:
         from .law_export import export_law  # noqa: PLC0415 - only a law needs the controllers
 
-        written: CSource | LawSource | Export = export_law(found, law, c, options, precision or "double")
+        written: CSource | LawSource | Export | MjcfExport = export_law(found, law, c, options, precision or "double")
     elif c is not None:
         written = found.to_c(c, precision=precision or "double")
     else:
-        written = found.to_urdf(
-            str(output),
-            pull=PULL if pull is None else pull,
-            mass_factor=MASS_FACTOR if mass_factor is None else mass_factor,
-        )
+        pull = PULL if pull is None else pull
+        mass_factor = MASS_FACTOR if mass_factor is None else mass_factor
+        write = found.to_urdf if mjcf is None else found.to_mjcf
+        written = write(str(output or mjcf), pull=pull, mass_factor=mass_factor)
     typer.echo(json.dumps(written.to_json(), indent=1) if as_json else str(written))
 
 

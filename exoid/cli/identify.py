@@ -22,6 +22,7 @@ from .inputs import (
     Degrees,
     DriveFile,
     FloatingBase,
+    Format,
     LogOptions,
     Mask,
     MovingBase,
@@ -53,7 +54,9 @@ from .remote_logs import all_at_once, at_hand, each_log, is_folder_of_logs, logs
 
 
 def identify(
-    leg: Annotated[str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset's name, or a URDF file.")],
+    leg: Annotated[
+        str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF file, or a robot such as panda.")
+    ],
     logs: Annotated[
         list[str],
         typer.Argument(metavar="LOG...", help="Logs of any kind, folders of them, or a dataset's name:train."),
@@ -113,6 +116,7 @@ def identify(
     segments: Segments = None,
     mask: Mask = None,
     names: Names = None,
+    format: Format = None,
     passive: Passive = None,
     unmeasured: Unmeasured = None,
     payload: PayloadOptions = None,
@@ -137,6 +141,7 @@ def identify(
         segments,
         mask,
         names=names,
+        format=format,
         passive=passive,
         unmeasured=unmeasured,
         payloads=payload,

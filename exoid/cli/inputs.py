@@ -5,8 +5,9 @@ from __future__ import annotations
 import csv
 import os
 import stat
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
@@ -26,10 +27,13 @@ from exoid.torques import DEFAULT_TERMS, Term, term_by_name
 
 from .messages import Amount, note
 from .payloads import payloads_in
+from .robots import how_to_name_one, is_robot, urdf_of_robot
 
-DATASETS = {
+DATASETS: Mapping[str, Callable[[], datasets.Dataset]] = {
     "bleex_swing": datasets.bleex_swing,
     "dfki_double_pendulum": datasets.dfki_double_pendulum,
+    "sydney_swing_leg": datasets.sydney_swing_leg,
+    "sydney_swing_leg_outer": partial(datasets.sydney_swing_leg, "outer"),
     "teststand_leg": datasets.teststand_leg,
 }
 """Datasets of exoid, as LEG ``name`` and LOG ``name:train`` or ``name:test``."""
@@ -47,6 +51,12 @@ Names = Annotated[
     str | None,
     typer.Option(
         "--names", metavar="A,B", help="Columns of logs without a header line: time,q_hip,tau_hip; empty: not read."
+    ),
+]
+Format = Annotated[
+    str | None,
+    typer.Option(
+        "--format", metavar="NAME:JOINT", help="Log of one actuator: dephy or moteus, and its joint, e.g. moteus:knee."
     ),
 ]
 Passive = Annotated[
@@ -126,6 +136,7 @@ class LogOptions(NamedTuple):
         payloads: "LOG=SEGMENT:KG@X,Y,Z" of payloads.
         base_position: Position of the sensor on the base [m], "X,Y,Z".
         wrenches: "LINK:AXES@X,Y,Z" of wrenches.
+        format: "NAME:JOINT" of the log of an actuator.
     """
 
     columns: Sequence[str] | None = None
@@ -142,6 +153,7 @@ class LogOptions(NamedTuple):
     payloads: Sequence[str] | None = None
     base_position: str | None = None
     wrenches: Sequence[str] | None = None
+    format: str | None = None
 
 
 def read_logs(names: Sequence[str], options: LogOptions, joints: Sequence[str] | None = None) -> list[Recording]:
@@ -172,10 +184,10 @@ def find_leg(
     moving_base: bool = False,
     floating_base: bool = False,
 ) -> Leg:
-    """Load a leg: a built-in one, that of a dataset, or that of a URDF file.
+    """Load a leg: a built-in one, that of a dataset, of a URDF file, or a robot of example-robot-data.
 
     Args:
-        name: Name of a leg or dataset, or path of a URDF.
+        name: Name of a leg, dataset or robot, or path of a URDF.
         side: "left", "right" or "both" for a built-in leg; None for the side whose joints were logged, and for both if
             the base floats.
         inertias: Inertia set of a built-in leg.
@@ -204,6 +216,8 @@ def find_leg(
         refuse({"--floating-base": floating_base or None}, f"the base of {name} was held")
         return DATASETS[name]().leg
     refuse_unknown_leg(name)
+    if not is_readable(name):
+        name = str(urdf_of_robot(name))
     if joints is None and logged is not None:
         joints = _moving_joints(Path(name), logged)
     if moving_base:
@@ -221,14 +235,15 @@ def refuse_unknown_leg(name: str) -> None:
     Raises:
         ExoidError: There is no such leg or file; names files that are similar.
     """
-    if name in SEGMENTS or name in DATASETS or is_readable(name):
+    if name in SEGMENTS or name in DATASETS or is_readable(name) or is_robot(name):
         return
     if os.path.isdir(name):  # noqa: PTH112 - as in is_readable
         raise ExoidError("is a folder, not a URDF file", where=name, remedy="name the URDF file in it")
     known = ", ".join([*SEGMENTS, *DATASETS])
     similar = get_close_matches(Path(name).name, _names_beside(Path(name)), n=3, cutoff=0.6)
     beside = f"; there is {', '.join(similar)}" if similar else ""
-    raise ExoidError(f"no leg or URDF file {name!r}{beside}", remedy=f"name a built-in leg ({known}) or a URDF file")
+    remedy = f"name a built-in leg ({known}), a URDF file, or {how_to_name_one()}"
+    raise ExoidError(f"no leg or URDF file {name!r}{beside}", remedy=remedy)
 
 
 def is_readable(name: str) -> bool:
@@ -394,6 +409,7 @@ def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None
         refuse({"--mask": options.mask}, f"{name} has no such column")
         without_effect: dict[str, object] = {
             "--names": options.names,
+            "--format": options.format,
             "--passive": options.passive,
             "--unmeasured": options.unmeasured,
             "--payload": payloads_in(name, options.payloads),
@@ -415,6 +431,7 @@ def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None
             stamps=stamps,
             mask=options.mask,
             names=split_names(options.names),
+            format=options.format,
             passive=split_names(options.passive) or (),
             unmeasured=split_names(options.unmeasured) or (),
             payloads=payloads_in(name, options.payloads),

@@ -45,7 +45,9 @@ FIGURE_INCHES = (7.2, 4.6)
 
 
 def plan(
-    leg: Annotated[str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset's name, or a URDF file.")],
+    leg: Annotated[
+        str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF file, or a robot such as panda.")
+    ],
     output: Annotated[
         str | None, typer.Option("--output", "-o", metavar="PLAN.CSV", help="Write the motion (and poses).")
     ] = None,

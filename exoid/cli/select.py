@@ -18,6 +18,7 @@ from .inputs import (
     ColumnPairs,
     Degrees,
     DriveFile,
+    Format,
     LogOptions,
     Names,
     Passive,
@@ -40,7 +41,9 @@ FRICTION = [candidate.name for candidate in friction_candidates()]
 
 
 def select(
-    leg: Annotated[str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset's name, or a URDF file.")],
+    leg: Annotated[
+        str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF file, or a robot such as panda.")
+    ],
     logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="CSV files, or a dataset's name:train.")],
     output: Annotated[
         str | None,
@@ -69,6 +72,7 @@ def select(
     start: Start = None,
     stop: Stop = None,
     names: Names = None,
+    format: Format = None,
     passive: Passive = None,
     unmeasured: Unmeasured = None,
     payload: PayloadOptions = None,
@@ -85,6 +89,7 @@ def select(
         column,
         degrees,
         names=names,
+        format=format,
         passive=passive,
         unmeasured=unmeasured,
         payloads=payload,

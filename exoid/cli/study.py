@@ -36,7 +36,9 @@ COLOURS = {"white": 0.0, "correlated": 1.0, "mixed": 0.8}
 
 
 def study(
-    leg: Annotated[str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset's name, or a URDF file.")],
+    leg: Annotated[
+        str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF file, or a robot such as panda.")
+    ],
     folder: Annotated[
         str | None,
         typer.Option(

@@ -42,7 +42,9 @@ from .progress import status
 
 
 def view(
-    leg: Annotated[str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset's name, a URDF, or EST.JSON.")],
+    leg: Annotated[
+        str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF, a robot such as panda, or EST.JSON.")
+    ],
     log: Annotated[str | None, typer.Option(metavar="LOG", help="Replay it: a CSV file, or name:test.")] = None,
     reference: Annotated[str | None, typer.Option(metavar="LOG", help="Log of a second, translucent leg.")] = None,
     horizon: Annotated[

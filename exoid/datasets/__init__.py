@@ -4,6 +4,7 @@ from .bleex_swing import bleex_swing
 from .dataset import Dataset
 from .dfki import dfki_double_pendulum
 from .gait_norms import GaitNorm, gait_norm
+from .sydney import sydney_swing_leg
 from .teststand import ForceDataset, teststand_leg
 
 __all__ = [
@@ -13,5 +14,6 @@ __all__ = [
     "bleex_swing",
     "dfki_double_pendulum",
     "gait_norm",
+    "sydney_swing_leg",
     "teststand_leg",
 ]

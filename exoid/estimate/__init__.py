@@ -7,6 +7,7 @@ from .export import Export
 from .ground_prediction import GroundForce, ground_forces
 from .ground_validation import StandingTorques, joint_torques
 from .grouped import GroupedEstimate
+from .mjcf import MjcfExport
 from .model_error import ModelError
 from .nonlinear import NonlinearParameters
 from .parameter import Parameter
@@ -23,6 +24,7 @@ __all__ = [
     "GroundForce",
     "GroupedEstimate",
     "Input",
+    "MjcfExport",
     "ModelError",
     "NonlinearParameters",
     "Parameter",

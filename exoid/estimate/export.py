@@ -8,7 +8,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -184,12 +184,7 @@ def export_urdf(
     for file in (urdf, sidecar):
         refuse_content(file, [leg.description.sha256, *(each.sha256 for each in estimate.inputs)])
         refuse_unwritable(file)
-    p = len(leg.parameter_names)
-    lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p], pull=pull, mass_factor=mass_factor)
-    links = distribute_bodies(leg, lifted.link_parameters, mass_factor)
-    masses = mass_changes(leg.description, links)
-    refuse_mass_changes(masses, mass_factor, leg.description.name)
-    values = estimate.values if lifted.feasible else _moved_along(estimate, lifted.values)
+    lifted, links, values, masses = lift_estimate(estimate, pull, mass_factor)
     dynamics, negative = _dynamics(estimate, values)
     text = rewrite(leg.description, links, dynamics, _note(leg, sidecar.name, links, dynamics))
     digest = hashlib.sha256(text.encode()).hexdigest()
@@ -197,6 +192,46 @@ def export_urdf(
     beside = json.dumps(result.to_json(), indent=1, ensure_ascii=False)
     write_together({urdf: text, sidecar: f"{beside}\n"})
     return result
+
+
+class Lifted(NamedTuple):
+    """Estimate of links that can exist.
+
+    Attributes:
+        lift: The links, and by how much the estimate had to move.
+        links: Inertia of each changed link, π about its frame, (10,).
+        values: All parameters, (P,).
+        masses: Masses before and after.
+    """
+
+    lift: Lift
+    links: dict[str, FloatArray]
+    values: FloatArray
+    masses: tuple[MassChange, ...]
+
+
+def lift_estimate(estimate: EstimateData, pull: float, mass_factor: float) -> Lifted:
+    """Find links that can exist for an estimate.
+
+    Args:
+        estimate: The estimate.
+        pull: See :meth:`Estimate.to_urdf`.
+        mass_factor: See :meth:`Estimate.to_urdf`.
+
+    Returns:
+        Links and parameters.
+
+    Raises:
+        ExoidError: A mass would change beyond the factor.
+    """
+    leg = estimate.model.leg
+    p = len(leg.parameter_names)
+    lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p], pull=pull, mass_factor=mass_factor)
+    links = distribute_bodies(leg, lifted.link_parameters, mass_factor)
+    masses = mass_changes(leg.description, links)
+    refuse_mass_changes(masses, mass_factor, leg.description.name)
+    values = estimate.values if lifted.feasible else _moved_along(estimate, lifted.values)
+    return Lifted(lifted, links, values, masses)
 
 
 def _note(leg: Leg, sidecar: str, links: Mapping[str, object], dynamics: Mapping[str, object]) -> str:

@@ -511,6 +511,7 @@ class Recording:
         stamps: Literal["header", "received"] = "header",
         mask: str | None = None,
         names: Sequence[str] | None = None,
+        format: str | None = None,
         passive: Sequence[str] = (),
         unmeasured: Sequence[str] = (),
         payloads: Sequence[Payload] | None = None,
@@ -525,6 +526,7 @@ class Recording:
           ``q``, ``v``, ``a``, ``tau`` of (samples, joints) and text ``joint_names``, or one array per column. If the
           file has no ``joint_names``, the argument names the columns of the matrices. Columns of other matrices are
           called ``pos[0]``, ``pos[1]``, …; fields in structs ``log.pos[0]``.
+        * Logs of one actuator of Dephy or moteus, which ``format`` or the header tells, in their own units.
         * OpenSim ``.mot`` and ``.sto``; the header says whether q, v and a are in degrees. ``columns`` names the
           coordinates. :func:`exoid.signals.read_opensim` reads forces and pelvis too.
         * ``sensor_msgs/JointState`` in a rosbag2 (folder, ``.mcap`` or ``.db3``) or a ROS 1 bag (needs ``exoid[io]``),
@@ -542,6 +544,8 @@ class Recording:
                 recorded.
             mask: See :meth:`from_csv`; not for bags, which have no such column.
             names: See :meth:`from_csv`; only for text.
+            format: Logger of an actuator, and the joint that it drives: "dephy:ankle" or "moteus:knee". With None the
+                header tells it, and the joint is the only one of ``joint_names``.
             passive: See :meth:`from_csv`.
             unmeasured: See :meth:`from_csv`.
             payloads: See :meth:`from_csv`; only text names any.
@@ -558,7 +562,7 @@ class Recording:
             >>> Recording.from_file("walk.mcap", columns={"q_hip": "q_left_hip_joint"})  # doctest: +SKIP
         """
         headers = {name: as_text(column) for name, column in (columns or {}).items()}
-        table = open_table(path, ReadOptions(joint_names, headers, topic, stamps, names))
+        table = open_table(path, ReadOptions(joint_names, headers, topic, stamps, names, format))
         declared = (passive, unmeasured, payloads, base_position, wrench_frames)
         said = LogOptions(joint_names, columns, angle_unit, largest_angle, resample, mask, *declared)
         return cls._from_table(table, said)

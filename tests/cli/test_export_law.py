@@ -99,7 +99,7 @@ def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
     ("arguments", "words"),
     [
         (("--law", "fuzzy", "--c", "law.c"), "no controller fuzzy"),
-        (("--law", "pd", "-o", "leg.urdf"), "--law has no effect on a URDF"),
+        (("--law", "pd", "-o", "leg.urdf"), "--law has no effect without --c"),
         (("--safe", "zero", "--rate", "50", "--c", "leg.c"), "--rate, --safe: only a control law"),
         (("--law", "pd", "--c", "law.txt"), "name the source: LAW.c"),
         (("--law", "pd", "--safe", "gravity", "--c", "law.c"), "knows no gravity"),

@@ -10,6 +10,7 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.link_frames import link_frame
+from exoid.mjcf import joint_axes, require_mujoco, set_inertia
 from exoid.reduction import GRAVITY
 
 from .plant import GroundPlant
@@ -38,22 +39,6 @@ BASE_JOINTS = ("forward", "up", "pitch")
 
 RAIL_JOINTS = ("forward", "pitch")
 """Coordinates of the base that a vertical rail holds."""
-
-
-def require_mujoco() -> Any:  # noqa: ANN401 - a module
-    """Import MuJoCo, an extra of exoid.
-
-    Returns:
-        The module.
-
-    Raises:
-        ExoidError: It is not installed.
-    """
-    try:
-        import mujoco  # noqa: PLC0415 - an extra
-    except ImportError:
-        raise ExoidError("MuJoCo is not installed", remedy="pip install 'exoid[ground]'") from None
-    return mujoco
 
 
 def build_mujoco_model(plant: GroundPlant, step: float, *, rail: bool = False) -> Any:  # noqa: ANN401 - MuJoCo's class
@@ -120,8 +105,8 @@ def _base_joint(name: str) -> str:
 def _add_bodies(spec: Any, mujoco: Any, plant: GroundPlant) -> list[Any]:  # noqa: ANN401
     model, kinds = plant.leg.model, mujoco.mjtJoint
     torso = spec.worldbody.add_body(name="exoid torso")
-    bodies, data = [torso], model.createData()
-    pin.computeJointJacobians(model, data, pin.neutral(model))
+    bodies, data, joints = [torso], model.createData(), joint_axes(model)
+    pin.forwardKinematics(model, data, pin.neutral(model))
     _set_inertia(torso, model.inertias[0], plant, np.eye(3))
     if plant.is_planar:
         axes = plant.plane.forward, plant.plane.up, -plant.plane.lateral
@@ -134,7 +119,7 @@ def _add_bodies(spec: Any, mujoco: Any, plant: GroundPlant) -> list[Any]:  # noq
         x, y, z, w = pin.Quaternion(place.rotation).coeffs()
         body = bodies[model.parents[j]].add_body(name=f"exoid {j}", pos=place.translation, quat=[w, x, y, z])
         _set_inertia(body, model.inertias[j], plant, data.oMi[j].rotation)
-        twist = pin.getJointJacobian(model, data, j, pin.LOCAL)[:, model.joints[j].idx_v]
+        twist = joints[j - 1]
         turns = bool(twist[3:].any())
         body.add_joint(
             name=model.names[j],
@@ -152,8 +137,7 @@ def _set_inertia(body: Any, inertia: pin.Inertia, plant: GroundPlant, rotation: 
     if plant.is_planar:
         lateral = rotation.T @ plant.plane.lateral
         matrix = float(lateral @ matrix @ lateral) * np.eye(3)
-    body.explicitinertial, body.mass, body.ipos = True, inertia.mass, inertia.lever
-    body.fullinertia = [matrix[0, 0], matrix[1, 1], matrix[2, 2], matrix[0, 1], matrix[0, 2], matrix[1, 2]]
+    set_inertia(body, pin.Inertia(inertia.mass, inertia.lever, matrix))
 
 
 def _add_sole(bodies: list[Any], mujoco: Any, plant: GroundPlant, link: str, sole: Sole) -> None:  # noqa: ANN401

@@ -2,12 +2,14 @@
 
 from .by_ending import READERS, register_format
 from .kinds import open_table
+from .loggers import LOGGERS
 from .opensim import TRANSLATIONS
 from .table import QUANTITIES, ArrayTable, ReadOptions, Table, header_in
 from .text import BASE_POSITION, PAYLOAD, WRENCH, TextTable, read_text_table
 
 __all__ = [
     "BASE_POSITION",
+    "LOGGERS",
     "PAYLOAD",
     "QUANTITIES",
     "READERS",

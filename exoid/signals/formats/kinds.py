@@ -8,6 +8,7 @@ from pathlib import Path
 from exoid.errors import ExoidError
 
 from .by_ending import BUILT_IN, READERS, read_as
+from .loggers import read_with_format
 from .table import ReadOptions, Table
 
 MARKS = {
@@ -65,7 +66,7 @@ def open_table(path: str | os.PathLike[str], options: ReadOptions | None = None)
     if kind in REFUSED:
         what, remedy = REFUSED[kind]
         raise ExoidError(what, where=file, remedy=remedy)
-    return read_as(kind, file, options)
+    return read_with_format(read_as(kind, file, options), options)
 
 
 def kind_of(path: Path, file: str) -> str:

@@ -40,6 +40,7 @@ class ReadOptions:
         topic: Topic of a bag; None for the only one of joint states.
         stamps: Time stamps of a bag: "header", or "received" when the message was recorded.
         names: Names of the columns of a text file without a header line; None where it has one.
+        format: Logger of an actuator and its joint, such as "moteus:knee"; None for what the header shows.
     """
 
     joint_names: Sequence[str] | None = None
@@ -47,6 +48,7 @@ class ReadOptions:
     topic: str | None = None
     stamps: Literal["header", "received"] = "header"
     names: Sequence[str] | None = None
+    format: str | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Describe the options by name, as values of JSON.
@@ -61,6 +63,7 @@ class ReadOptions:
             "topic": self.topic,
             "stamps": self.stamps,
             "names": None if self.names is None else list(self.names),
+            "format": self.format,
         }
 
 

@@ -1,0 +1,63 @@
+"""Robots of the package example-robot-data by name, imported when one is named."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from exoid.errors import ExoidError
+
+INSTALL = "pip install 'exoid[robots]'"
+
+
+def is_robot(name: str) -> bool:
+    """Tell whether a name is that of a robot with a URDF.
+
+    Args:
+        name: Name, such as "panda".
+
+    Returns:
+        Whether example-robot-data is installed and has it.
+    """
+    return name.isidentifier() and name in _robots()
+
+
+def urdf_of_robot(name: str) -> Path:
+    """Find the URDF of a robot.
+
+    Args:
+        name: Name in example-robot-data, for which :func:`is_robot` holds.
+
+    Returns:
+        The file.
+
+    Raises:
+        ExoidError: The installed data lack the file.
+    """
+    from example_robot_data.robots_loader import getModelPath  # noqa: PLC0415 - an extra
+
+    robot = _robots()[name]
+    inside = f"{robot.path}/{robot.urdf_subpath}/{robot.urdf_filename}"
+    try:
+        return Path(getModelPath(inside)) / inside
+    except OSError as error:
+        raise ExoidError(f"no URDF of {name!r} ({error})", remedy=f"install its data: {INSTALL}") from None
+
+
+def how_to_name_one() -> str:
+    """Say what makes robots known by name.
+
+    Returns:
+        End of a remedy.
+    """
+    return "the name of one in example-robot-data" if _robots() else f"a robot's name after {INSTALL}"
+
+
+def _robots() -> Mapping[str, Any]:
+    """Loaders by name of those with a URDF; none where the package is not installed."""
+    try:
+        from example_robot_data.robots_loader import ROBOTS  # noqa: PLC0415 - an extra, and a tenth of a second
+    except ImportError:
+        return {}
+    return {name: loader for name, loader in ROBOTS.items() if loader.urdf_filename}

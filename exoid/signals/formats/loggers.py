@@ -1,0 +1,175 @@
+"""Logs of actuators whose public code defines the columns: headers and units of Dephy ActPacks and of moteus.
+
+* ``dephy``: fields of DephyInc/Actuator-Package, ``Python/flexsea/flexsea/dev_spec/ActPackState.py`` at commit 1b035be,
+  as ``Device.read`` returns them. Counts, degrees and milliamperes are those of neurobionics/opensourceleg,
+  ``opensourceleg/actuators/dephy.py`` at commit 002120f. ``ank_vel`` is not read: public programs disagree on its unit.
+* ``moteus``: names of registers as mjbots/moteus, ``lib/python/examples/csv_output.py`` at commit 4496cc9 writes them;
+  units of ``docs/protocol/registers.md`` at commit 17fbf26.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from exoid.errors import ExoidError
+
+from .table import ArrayTable, ReadOptions, Table
+from .text import TextTable
+
+DEPHY_COUNTS = 16384
+"""Counts of the encoders of an ActPack in one revolution, of motor and joint."""
+
+MILLISECOND = MILLIAMPERE = 1e-3
+
+REVOLUTION = 2.0 * math.pi
+
+
+@dataclass(frozen=True)
+class Logger:
+    """Program that logs one actuator in a file.
+
+    Attributes:
+        name: Name for ``format="name:joint"``.
+        time: Header of the time stamps, and seconds per unit.
+        columns: Header and factor to SI, by quantity of exoid's column. A file may lack any but those of ``marks``.
+        marks: Headers by which a file is recognised.
+    """
+
+    name: str
+    time: tuple[str, float]
+    columns: Mapping[str, tuple[str, float]]
+    marks: frozenset[str]
+
+
+LOGGERS = {
+    logger.name: logger
+    for logger in (
+        Logger(
+            "dephy",
+            ("state_time", MILLISECOND),
+            {
+                "q": ("ank_ang", REVOLUTION / DEPHY_COUNTS),
+                "qm": ("mot_ang", REVOLUTION / DEPHY_COUNTS),
+                "i": ("mot_cur", MILLIAMPERE),
+                "temp": ("temperature", 1.0),
+            },
+            frozenset({"state_time", "mot_ang", "mot_cur", "ank_ang"}),
+        ),
+        Logger(
+            "moteus",
+            ("time", 1.0),
+            {
+                "q": ("POSITION", REVOLUTION),
+                "v": ("VELOCITY", REVOLUTION),
+                "tau": ("TORQUE", 1.0),
+                "i": ("Q_CURRENT", 1.0),
+                "temp": ("MOTOR_TEMPERATURE", 1.0),
+            },
+            frozenset({"time", "MODE", "POSITION", "TORQUE"}),
+        ),
+    )
+}
+"""Loggers by name."""
+
+
+def logger_of(text: str) -> tuple[Logger, str | None]:
+    """Read ``NAME`` or ``NAME:JOINT``.
+
+    Args:
+        text: The text, such as "moteus:knee".
+
+    Returns:
+        The logger and the joint; None for a joint that is not named.
+
+    Raises:
+        ExoidError: There is no such logger.
+    """
+    name, _, joint = text.partition(":")
+    if name not in LOGGERS:
+        raise ExoidError(f"no format {name!r}", remedy=f"use {' or '.join(LOGGERS)}, with a joint: moteus:knee")
+    return LOGGERS[name], joint.strip() or None
+
+
+def in_si(table: Table, options: ReadOptions) -> Table:
+    """Turn the log of an actuator into exoid's columns, where the caller names the format or the header shows it.
+
+    A header shows it where no columns are mapped and no column is exoid's own.
+
+    Args:
+        table: Columns of the file.
+        options: What the caller requests.
+
+    Returns:
+        Columns time, ``q_<joint>`` and so on in SI; the table as it is if it is no such log.
+
+    Raises:
+        ExoidError: The format does not fit the file, or the joint is not known.
+    """
+    named, joint = (None, None) if options.format is None else logger_of(options.format)
+    if named is None and (options.columns or any(name.startswith("q_") for name in table.header)):
+        return table
+    logger = named or next((each for each in LOGGERS.values() if each.marks <= set(table.header)), None)
+    if logger is None:
+        return table
+    missing = sorted(logger.marks - set(table.header))
+    if missing:
+        raise ExoidError(
+            f"no column {', '.join(missing)} of the format {logger.name!r}",
+            where=table.file,
+            remedy="leave out the format, and map the columns",
+            command="leave out --format, and map the columns with --column",
+        )
+    return _converted(table, logger, _joint(table, logger, joint, options))
+
+
+def _joint(table: Table, logger: Logger, named: str | None, options: ReadOptions) -> str:
+    """Joint of the actuator: the one behind the format, or the only one that is requested."""
+    requested = options.joint_names
+    if named is not None:
+        return named
+    if requested is not None and not isinstance(requested, str) and len(requested) == 1:
+        return requested[0]
+    raise ExoidError(
+        f"a log of one actuator ({logger.name}) whose joint is not named",
+        where=table.file,
+        remedy=f'name the joint: format="{logger.name}:knee"',
+        command=f"name the joint: --format {logger.name}:knee",
+    )
+
+
+def _converted(table: Table, logger: Logger, joint: str) -> ArrayTable:
+    header, second = logger.time
+    found = {f"{quantity}_{joint}": each for quantity, each in logger.columns.items() if each[0] in table.header}
+    headers = [header, *(each for each, _ in found.values())]
+    numbers = table.numbers(headers) * np.array([second, *(factor for _, factor in found.values())])
+    columns = dict(zip(("time", *found), numbers.T, strict=True))
+    return ArrayTable(table.file, table.source, columns, table.lines, table.row_name)
+
+
+def read_with_format(table: Table, options: ReadOptions) -> Table:
+    """Convert a table of text; refuse a format for any other.
+
+    Args:
+        table: Columns of the file.
+        options: What the caller requests.
+
+    Returns:
+        The table, converted where it is the log of an actuator.
+
+    Raises:
+        ExoidError: As for :func:`in_si`, or the file is no text.
+    """
+    if isinstance(table, TextTable):
+        return in_si(table, options)
+    if options.format is not None:
+        raise ExoidError(
+            f"the format {options.format!r} is that of a text file",
+            where=table.file,
+            remedy="leave it out: this file says what it is",
+            command="leave out --format",
+        )
+    return table
