@@ -1,4 +1,4 @@
-"""``exoid export``: an estimate as a URDF, as C, or as a control law in C."""
+"""``exoid export``: an estimate as a URDF, as C, or as a control law in C or for ROS 2."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from exoid.codegen import CSource
 from exoid.codegen.dialect import identifier
 from exoid.codegen.laws import LawSource
 from exoid.codegen.laws.safety import SafeTorque
+from exoid.codegen.ros2 import Ros2Package, refuse_foreign
 from exoid.errors import ExoidError
 from exoid.estimate import Export
 from exoid.exported import sidecar_of
@@ -90,37 +91,53 @@ def export(
         float | None,
         typer.Option(metavar="HZ", help="--law sensitivity_amplification (default 20) or momentum_observer (8)."),
     ] = None,
+    ros2: Annotated[
+        str | None,
+        typer.Option(
+            metavar="DIR",
+            help="--law: write a package for ROS 2 there instead of --c: a controller of ros2_control and a node. "
+            "A folder with other files is not touched.",
+        ),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Write an identified leg as a URDF, with LEG.exoid.json for parameters that a URDF cannot hold; or as C.
 
     With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr;
     for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or momentum_observer, which gives
-    the torque of the wearer.
+    the torque of the wearer. With --ros2, it is a package for ROS 2 around that C.
     """
-    if (output is None) == (c is None):
-        raise ExoidError("one file is written at a time", remedy="give either -o LEG.URDF or --c LEG.C")
-    if c is None and precision is not None:
+    if [output, c, ros2].count(None) != 2:
+        raise ExoidError(
+            "one file is written at a time", remedy="give one of -o LEG.URDF, --c LEG.C and --law NAME --ros2 DIR"
+        )
+    if output is not None and precision is not None:
         raise ExoidError("--precision has no effect on a URDF", remedy="leave out --precision, or give --c LEG.C")
-    if c is not None and (mass_factor is not None or pull is not None):
+    if output is None and (mass_factor is not None or pull is not None):
         raise ExoidError(
             "--mass-factor and --pull have no effect on C", remedy="leave them out, or write a URDF with -o LEG.URDF"
         )
     options = LawOptions(kp, kd, rate, period, role, limit, slew, safe, patience, share, amplification, bandwidth)
     if law is None and options.given():
         raise ExoidError(f"{', '.join(options.given())}: only a control law has it", remedy="name the law with --law")
-    if law is not None and c is None:
+    if law is not None and output is not None:
         raise ExoidError("--law has no effect on a URDF", remedy="give --c LAW.C")
+    if law is None and ros2 is not None:
+        raise ExoidError("--ros2 writes a control law", remedy="name the law with --law")
     sidecar = sidecar_of(Path(output)) if output is not None and Path(output).name else None
     check_outputs(
         {"--output": output, "the file beside --output": sidecar, "--c": c, "the header of --c": _header(c, law)},
         [estimate],
     )
+    if ros2 is not None:
+        refuse_foreign(ros2)
     found = estimates.Estimate.load(estimate)
-    if c is not None and law is not None:
+    if law is not None:
         from .law_export import export_law  # noqa: PLC0415 - only a law needs the controllers
 
-        written: CSource | LawSource | Export = export_law(found, law, c, options, precision or "double")
+        written: CSource | LawSource | Ros2Package | Export = export_law(
+            found, law, c, options, precision or "double", ros2
+        )
     elif c is not None:
         written = found.to_c(c, precision=precision or "double")
     else:
