@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -22,6 +22,9 @@ from exoid.lift import MASS_FACTOR, PULL
 from .inputs import AsJson
 from .law_options import LawOptions
 from .outputs import check_outputs
+
+if TYPE_CHECKING:
+    from exoid.online.in_c import RecursiveSource
 
 
 def export(
@@ -60,7 +63,10 @@ def export(
     kd: Annotated[str | None, typer.Option(metavar="A,B", help="--law: damping [N·m·s/rad]; default kp/10.")] = None,
     rate: Annotated[
         float | None,
-        typer.Option(metavar="HZ", help="--law: sampling rate; default 100, or 500 for sensitivity_amplification."),
+        typer.Option(
+            metavar="HZ",
+            help="--law: sampling rate; default 100, or 500 for sensitivity_amplification and --recursive.",
+        ),
     ] = None,
     period: Annotated[
         float | None, typer.Option(metavar="S", help="--law: period of the gait, for gains; default 10.")
@@ -89,8 +95,18 @@ def export(
     ] = None,
     bandwidth: Annotated[
         float | None,
-        typer.Option(metavar="HZ", help="--law sensitivity_amplification (default 20) or momentum_observer (8)."),
+        typer.Option(
+            metavar="HZ",
+            help="--law sensitivity_amplification (default 20), momentum_observer (8); cut-off of --recursive (8).",
+        ),
     ] = None,
+    recursive: Annotated[
+        bool,
+        typer.Option(
+            "--recursive",
+            help="Write a recursive estimator of the same parameters into the file of --c, and a header beside it.",
+        ),
+    ] = False,
     ros2: Annotated[
         str | None,
         typer.Option(
@@ -106,6 +122,8 @@ def export(
     With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr;
     for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or momentum_observer, which gives
     the torque of the wearer. With --ros2, it is a package for ROS 2 around that C.
+
+    With --recursive, the C is a recursive estimator of the parameters of this estimate, without forgetting.
     """
     if [output, c, ros2].count(None) != 2:
         raise ExoidError(
@@ -118,15 +136,19 @@ def export(
             "--mass-factor and --pull have no effect on C", remedy="leave them out, or write a URDF with -o LEG.URDF"
         )
     options = LawOptions(kp, kd, rate, period, role, limit, slew, safe, patience, share, amplification, bandwidth)
-    if law is None and options.given():
+    if recursive:
+        _refuse_beside_recursive(c, law, precision, options)
+    elif law is None and options.given():
         raise ExoidError(f"{', '.join(options.given())}: only a control law has it", remedy="name the law with --law")
-    if law is not None and output is not None:
-        raise ExoidError("--law has no effect on a URDF", remedy="give --c LAW.C")
-    if law is None and ros2 is not None:
-        raise ExoidError("--ros2 writes a control law", remedy="name the law with --law")
+    _refuse_without_law(output, law, ros2)
     sidecar = sidecar_of(Path(output)) if output is not None and Path(output).name else None
     check_outputs(
-        {"--output": output, "the file beside --output": sidecar, "--c": c, "the header of --c": _header(c, law)},
+        {
+            "--output": output,
+            "the file beside --output": sidecar,
+            "--c": c,
+            "the header of --c": _header(c, law, recursive),
+        },
         [estimate],
     )
     if ros2 is not None:
@@ -135,9 +157,13 @@ def export(
     if law is not None:
         from .law_export import export_law  # noqa: PLC0415 - only a law needs the controllers
 
-        written: CSource | LawSource | Ros2Package | Export = export_law(
+        written: CSource | LawSource | Ros2Package | RecursiveSource | Export = export_law(
             found, law, c, options, precision or "double", ros2
         )
+    elif recursive:
+        from .recursive_export import export_recursive  # noqa: PLC0415 - only this needs the estimator
+
+        written = export_recursive(found, str(c), rate, bandwidth)
     elif c is not None:
         written = found.to_c(c, precision=precision or "double")
     else:
@@ -149,6 +175,25 @@ def export(
     typer.echo(json.dumps(written.to_json(), indent=1) if as_json else str(written))
 
 
-def _header(c: str | None, law: str | None) -> Path | None:
-    """Header beside the source of a law."""
-    return None if c is None or law is None else Path(c).with_name(f"{identifier(c)}.h")
+def _refuse_without_law(output: str | None, law: str | None, ros2: str | None) -> None:
+    """Refuse a law without a place, and a package without a law."""
+    if law is not None and output is not None:
+        raise ExoidError("--law has no effect on a URDF", remedy="give --c LAW.C")
+    if law is None and ros2 is not None:
+        raise ExoidError("--ros2 writes a control law", remedy="name the law with --law")
+
+
+def _refuse_beside_recursive(c: str | None, law: str | None, precision: str | None, options: LawOptions) -> None:
+    """Refuse options that a recursive estimator does not have."""
+    if c is None or law is not None:
+        raise ExoidError("--recursive writes C of its own", remedy="give --c ONLINE.C, without --law")
+    if precision == "float":
+        raise ExoidError("a recursive estimator in float", remedy="leave out --precision: it needs double")
+    foreign = [option for option in options.given() if option not in ("--rate", "--bandwidth")]
+    if foreign:
+        raise ExoidError(f"{', '.join(foreign)}: only a control law has it", remedy="leave it out with --recursive")
+
+
+def _header(c: str | None, law: str | None, recursive: bool) -> Path | None:
+    """Header beside the source of a law or of a recursive estimator."""
+    return None if c is None or (law is None and not recursive) else Path(c).with_name(f"{identifier(c)}.h")

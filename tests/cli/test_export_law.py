@@ -24,6 +24,8 @@ from exoid.control import (
 from exoid.control.in_c import c_source, write_ros2
 from exoid.estimate.provenance import provenance
 from exoid.experiments import gait_for_leg, healthy_gait
+from exoid.online import RecursiveEstimator
+from exoid.online.in_c import recursive_source
 
 
 @pytest.fixture(scope="module")
@@ -120,6 +122,20 @@ def test_a_package_for_ros_2_is_that_of_python(saved, exoid_, tmp_path):
     assert (described["package"], described["law"]["inputs"][-1]) == ("leg", "time")
 
 
+def test_a_recursive_estimator_is_that_of_python(saved, exoid_, tmp_path):
+    printed = exoid_("export", "est.json", "--recursive", "--rate", "100", "--bandwidth", "6", "--c", "online.c").out
+    online = RecursiveEstimator(
+        saved.leg, saved.model.terms, rate=100.0, cutoff=6.0, forgetting="none", false_alarms=0.0
+    )
+    expected = recursive_source(online, "online")
+    assert (tmp_path / "online.c").read_text() == expected.source
+    assert (tmp_path / "online.h").read_text() == expected.header
+    for words in ("recursive wls without forgetting", "cut-off 6.0 Hz", ", ".join(online.names[:3])):
+        assert words in printed
+    described = json.loads(exoid_("export", "est.json", "--recursive", "--c", "online.c", "--json").out)
+    assert (described["rate"], described["cutoff"]) == (500.0, 8.0)
+
+
 def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
     exoid_("export", "est.json", "--c", "leg.c")
     assert (tmp_path / "leg.c").read_text() == saved.to_c("again.c", name="leg").text
@@ -132,6 +148,11 @@ def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
         (("--law", "fuzzy", "--c", "law.c"), "no controller fuzzy"),
         (("--law", "pd", "-o", "leg.urdf"), "--law has no effect on a URDF"),
         (("--safe", "zero", "--rate", "50", "--c", "leg.c"), "--rate, --safe: only a control law"),
+        (("--recursive", "-o", "leg.urdf"), "--recursive writes C of its own"),
+        (("--recursive", "--law", "pd", "--c", "x.c"), "--recursive writes C of its own"),
+        (("--recursive", "--precision", "float", "--c", "x.c"), "it needs double"),
+        (("--recursive", "--kp", "1", "--c", "x.c"), "--kp: only a control law has it"),
+        (("--recursive", "--rate", "20", "--c", "x.c"), "a causal low-pass"),
         (("--ros2", "leg"), "--ros2 writes a control law"),
         (("--law", "pd", "--c", "law.c", "--ros2", "leg"), "one file is written at a time"),
         (("--law", "pd", "--ros2", "."), "did not write, or that were changed: est.json"),

@@ -1,0 +1,1 @@
+"""Templates of the recursive estimator in C99; :mod:`exoid.online.in_c` fills them."""
