@@ -49,7 +49,7 @@ def interaction(
     report: Report = None,
     strides: Annotated[
         str | None,
-        typer.Option(metavar="T,T,…", help="Times at which strides begin [s]; default: touch-downs, or the period."),
+        typer.Option(metavar="T,T", help="Times at which strides begin [s]; default: touch-downs, or the period."),
     ] = None,
     cutoff: Annotated[float | None, typer.Option(metavar="HZ", help="Cut-off of both torques.")] = None,
     column: ColumnPairs = None,

@@ -7,7 +7,7 @@ import pytest
 from standing import mirrored, standing
 
 import exoid
-from exoid import Coulomb, ExoidError, Viscous
+from exoid import BaseMotion, Coulomb, ExoidError, Viscous
 from exoid.experiments.excitation import (
     GroundLimits,
     MotionLimits,
@@ -24,7 +24,7 @@ from exoid.experiments.excitation.objective import Stage
 from exoid.experiments.excitation.stance.demands import LIMITS, Demands
 from exoid.experiments.excitation.stance.objective import StanceObjective
 from exoid.experiments.excitation.stance.support import StanceSupport, supports_of
-from exoid.ground import eliminate
+from exoid.ground import eliminate, standing_base
 from exoid.rig.ground import BLEEX_SOLES, Sole
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 
@@ -160,9 +160,16 @@ def test_margins_hold_for_parameters_within_the_doubt(plan):
             assert (margins[ground].min(axis=1) > -0.02).all()
 
 
+def with_imu(log):
+    """The log with an exact IMU, which the prediction assumes."""
+    foot = next(link for link, rests in log.contacts.items() if rests.all())
+    base = standing_base(EXO, log, foot)
+    return replace(log, base=BaseMotion(base.angular_velocity, base.specific_force))
+
+
 def scatter(logs, model, seeds=8):
     """Errors of identifications of logs with noise of the torque, (S, P)."""
-    errors = []
+    errors, logs = [], [with_imu(log) for log in logs]
     for seed in range(seeds):
         rng = np.random.default_rng(seed)
         noisy = [replace(log, tau=log.tau + STD * rng.standard_normal(log.tau.shape)) for log in logs]

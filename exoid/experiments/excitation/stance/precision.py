@@ -29,7 +29,8 @@ def predict_stance(
     """Predict the covariance of weighted least squares from recordings whose links rest by unknown wrenches.
 
     Rows are those of :func:`exoid.identify`: of each set of resting links those on which their wrenches do no work. The
-    noise of a row of a closed chain is Σ_j Z_j² σ_j², as its torque is Zᵀ τ.
+    noise of a row of a closed chain is Σ_j Z_j² σ_j², as its torque is Zᵀ τ. The motion of the base counts as known, as
+    from an IMU. Where feet carry it instead, the unknown compliance of their soles makes intervals up to twice as wide.
 
     Args:
         model: Leg on a floating base, and terms.
