@@ -127,7 +127,7 @@ def export(
     """
     if [output, c, ros2].count(None) != 2:
         raise ExoidError(
-            "one file is written at a time", remedy="give one of -o LEG.URDF, --c LEG.C and --law NAME --ros2 DIR"
+            "one file is written at a time", remedy="give either -o LEG.URDF or --c LEG.C, or --law NAME --ros2 DIR"
         )
     if output is not None and precision is not None:
         raise ExoidError("--precision has no effect on a URDF", remedy="leave out --precision, or give --c LEG.C")
