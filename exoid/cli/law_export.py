@@ -6,8 +6,9 @@ import numpy as np
 
 from exoid import control, experiments
 from exoid.codegen.laws import LawSource, Safety
+from exoid.codegen.ros2 import Ros2Package
 from exoid.control import ControlModel
-from exoid.control.in_c import write_c
+from exoid.control.in_c import write_c, write_ros2
 from exoid.control.stateful import AnyLaw
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
@@ -34,17 +35,20 @@ OBSERVED = 8.0
 """Bandwidth of the observer [Hz]."""
 
 
-def export_law(estimate: Estimate, name: str, path: str, options: LawOptions, precision: str) -> LawSource:
-    """Write a law for an estimate as C.
+def export_law(
+    estimate: Estimate, name: str, path: str | None, options: LawOptions, precision: str, folder: str | None = None
+) -> LawSource | Ros2Package:
+    """Write a law for an estimate as C, or as a package for ROS 2.
 
     Gains, rate and gait are those of ``exoid track`` unless options say otherwise; the limit is that of the URDF.
 
     Args:
         estimate: The estimate.
         name: Name of the law, out of :data:`exoid.control.LAWS` and :data:`WORN`, or :data:`OBSERVER`.
-        path: Source to write.
+        path: Source to write; None if a folder is given.
         options: Options.
         precision: "double" or "float".
+        folder: Folder of the package for ROS 2; None for a source.
 
     Returns:
         What was written.
@@ -60,9 +64,10 @@ def export_law(estimate: Estimate, name: str, path: str, options: LawOptions, pr
     law = (
         _observer(estimate, options) if name == OBSERVER else _limited(_law(estimate, name, options), estimate, options)
     )
-    return write_c(
-        path, law, precision=precision, safety=safety, provenance=provenance(estimate), warnings=estimate.warnings
-    )
+    origin, warnings = provenance(estimate), estimate.warnings
+    if folder is not None:
+        return write_ros2(folder, law, precision=precision, safety=safety, provenance=origin, warnings=warnings)
+    return write_c(str(path), law, precision=precision, safety=safety, provenance=origin, warnings=warnings)
 
 
 def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
@@ -84,6 +89,14 @@ def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
 
 def _observer(estimate: Estimate, options: LawOptions) -> control.MomentumObserver:
     """Observer with measured velocities, whose channels are aligned where they are read."""
+    if estimate.torque_delays.any():
+        lags = zip(estimate.leg.joint_labels, estimate.torque_delays.tolist(), strict=True)
+        raise ExoidError(
+            f"{OBSERVER}: the measured torques lag ({', '.join(f'{joint} {1e3 * lag:g} ms' for joint, lag in lags)}), "
+            "and C has no form for lags",
+            remedy="where the machine's software takes them out, write the observer in Python: "
+            "exoid.control.in_c.write_c(path, MomentumObserver(est, ..., torque_delay=0.0))",
+        )
     bandwidth = OBSERVED if options.bandwidth is None else options.bandwidth
     return control.MomentumObserver(estimate, bandwidth, _rate(options, 100.0), torque_delay=0.0)
 

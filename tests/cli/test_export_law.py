@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import exoid
@@ -19,9 +21,11 @@ from exoid.control import (
     sensitivity_amplification,
     standard_laws,
 )
-from exoid.control.in_c import c_source
+from exoid.control.in_c import c_source, write_ros2
 from exoid.estimate.provenance import provenance
 from exoid.experiments import gait_for_leg, healthy_gait
+from exoid.online import RecursiveEstimator
+from exoid.online.in_c import recursive_source
 
 
 @pytest.fixture(scope="module")
@@ -89,6 +93,49 @@ def test_the_momentum_observer(saved, exoid_, tmp_path):
     assert "safe_damping" not in expected.source
 
 
+def test_an_observer_of_torques_that_lag_is_refused_by_name(estimate, exoid_, tmp_path):
+    replace(estimate, torque_delays=np.array([0.0, 0.012, 0.0])).save("late.json")
+    code, out, err = exoid_("export", "late.json", "--law", "momentum_observer", "--c", "seen.c")
+    assert (code, out) == (2, "")
+    assert "the measured torques lag" in err
+    assert "knee 12 ms" in err
+    assert "torque_delay=0.0" in err
+    assert [path.name for path in tmp_path.iterdir()] == ["late.json"]
+    exoid_("export", "late.json", "--law", "pd", "--c", "law.c")  # a law without torques is not concerned
+    assert (tmp_path / "law.c").is_file()
+
+
+def test_a_package_for_ros_2_is_that_of_python(saved, exoid_, tmp_path):
+    printed = exoid_("export", "est.json", "--law", "pd_gravity_friction", "--ros2", "leg", "--limit", "60").out
+    assert "package leg for ROS 2 Jazzy" in printed
+    assert "was not built with ROS 2" in printed
+    gait = gait_of(saved)
+    law = standard_laws(saved, *default_gains(saved, mean_pose(gait, 10.0)), gait, 10.0, names=["pd_gravity_friction"])
+    limited = Limited(law["pd_gravity_friction"], np.full(3, 60.0))
+    (tmp_path / "again").mkdir()
+    expected = write_ros2(tmp_path / "again" / "leg", limited, provenance=provenance(saved))
+    written = {path.relative_to(tmp_path / "leg").as_posix() for path in (tmp_path / "leg").rglob("*.*")}
+    assert written == {*expected.files, "exoid.json"}
+    for name, text in expected.files.items():
+        assert (tmp_path / "leg" / name).read_text() == text
+    described = json.loads(exoid_("export", "est.json", "--law", "lqr", "--ros2", "leg", "--json").out)
+    assert (described["package"], described["law"]["inputs"][-1]) == ("leg", "time")
+
+
+def test_a_recursive_estimator_is_that_of_python(saved, exoid_, tmp_path):
+    printed = exoid_("export", "est.json", "--recursive", "--rate", "100", "--bandwidth", "6", "--c", "online.c").out
+    online = RecursiveEstimator(
+        saved.leg, saved.model.terms, rate=100.0, cutoff=6.0, forgetting="none", false_alarms=0.0
+    )
+    expected = recursive_source(online, "online")
+    assert (tmp_path / "online.c").read_text() == expected.source
+    assert (tmp_path / "online.h").read_text() == expected.header
+    for words in ("recursive wls without forgetting", "cut-off 6.0 Hz", ", ".join(online.names[:3])):
+        assert words in printed
+    described = json.loads(exoid_("export", "est.json", "--recursive", "--c", "online.c", "--json").out)
+    assert (described["rate"], described["cutoff"]) == (500.0, 8.0)
+
+
 def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
     exoid_("export", "est.json", "--c", "leg.c")
     assert (tmp_path / "leg.c").read_text() == saved.to_c("again.c", name="leg").text
@@ -101,6 +148,16 @@ def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
         (("--law", "fuzzy", "--c", "law.c"), "no controller fuzzy"),
         (("--law", "pd", "-o", "leg.urdf"), "--law has no effect without --c"),
         (("--safe", "zero", "--rate", "50", "--c", "leg.c"), "--rate, --safe: only a control law"),
+        (("--recursive", "-o", "leg.urdf"), "--recursive writes C of its own"),
+        (("--recursive", "--law", "pd", "--c", "x.c"), "--recursive writes C of its own"),
+        (("--recursive", "--precision", "float", "--c", "x.c"), "it needs double"),
+        (("--recursive", "--kp", "1", "--c", "x.c"), "--kp: only a control law has it"),
+        (("--recursive", "--rate", "20", "--c", "x.c"), "a causal low-pass"),
+        (("--ros2", "leg"), "--ros2 writes a control law"),
+        (("--law", "pd", "--c", "law.c", "--ros2", "leg"), "one file is written at a time"),
+        (("--law", "pd", "--ros2", "."), "did not write, or that were changed: est.json"),
+        (("--law", "pd", "--ros2", "none/leg"), "no folder to write into"),
+        (("--law", "momentum_observer", "--ros2", "leg"), "which no drive must follow"),
         (("--law", "pd", "--c", "law.txt"), "name the source: LAW.c"),
         (("--law", "pd", "--safe", "gravity", "--c", "law.c"), "knows no gravity"),
         (("--law", "pd", "--kp", "1,2", "--c", "law.c"), "--kp 1,2"),

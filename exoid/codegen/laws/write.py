@@ -124,7 +124,7 @@ def law_source(
         "keeps": safety.safe == "gravity",
         "uses_measured": bool(damping.any()),
         "uses_state": "state->" in law.step,
-        "safety": _describe(safety, damping),
+        "safety": describe_safety(safety, law),
         "dimensions": _dimensions,
     }
     needed = _needed(law, safety)
@@ -222,8 +222,20 @@ def _plausible(law: LawInC, source: str, prefix: str) -> str:
     return " && ".join((*measured, *others))
 
 
-def _describe(safety: Safety, damping: FloatArray) -> str:
-    """Say in one line what the safe torque is."""
+def describe_safety(safety: Safety, law: LawInC) -> str:
+    """Say in one line what the safe torque is.
+
+    Args:
+        safety: Watchdog and safe torque.
+        law: The law.
+
+    Returns:
+        The line.
+
+    Raises:
+        ExoidError: The damping is for another number of joints.
+    """
+    damping = safety.gains(law.damping)
     numbers = ", ".join(f"{value:.4g}" for value in damping)
     damped = f"damping of {numbers} N m s/rad while the velocity is known, otherwise zero" if damping.any() else ""
     if safety.safe == "gravity":

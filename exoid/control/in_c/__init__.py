@@ -13,6 +13,7 @@ from .limited import limited_in_c
 from .lqr import lqr_in_c
 from .momentum_observer import momentum_observer_in_c
 from .pd import pd_in_c
+from .ros2 import write_ros2
 from .sensitivity_amplification import sensitivity_amplification_in_c
 from .write import c_source, write_c
 
@@ -34,4 +35,5 @@ __all__ = [
     "register_law_in_c",
     "sensitivity_amplification_in_c",
     "write_c",
+    "write_ros2",
 ]
