@@ -9,9 +9,8 @@ from matplotlib.axes import Axes
 
 from exoid.control import LawReplay
 
-from .colours import GUIDE
+from .colours import GUIDE, MEASURED, PREDICTED
 from .style import legend_above
-from .colours import MEASURED, PREDICTED
 
 
 def plot_law_replay(axes: Sequence[Axes], replay: LawReplay) -> Sequence[Axes]:
