@@ -108,7 +108,7 @@ def test_export_of_c_in_single_precision_as_json(saved, tmp_path, monkeypatch, c
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("-o", "leg.urdf", "--c", "leg.c"), ("one file", "-o LEG.URDF, --c LEG.C or --mjcf LEG.XML")),
+        (("-o", "leg.urdf", "--c", "leg.c"), ("one file", "give one of -o LEG.URDF, --c LEG.C and --mjcf LEG.XML")),
         (("-o", "leg.urdf", "--precision", "float"), ("--precision has no effect",)),
         (("--c", "leg.c", "--mass-factor", "3"), ("--mass-factor and --pull have no effect",)),
         (("--c", "leg.c", "--pull", "3"), ("--mass-factor and --pull have no effect",)),

@@ -96,6 +96,7 @@ def in_python(law, values):
     return np.array(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["chained", "topic", "node"])
 @pytest.mark.parametrize("name", NAMES)
 def test_controller_and_node_command_what_python_does(built, recorded, name, mode):

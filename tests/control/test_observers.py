@@ -343,6 +343,7 @@ def alarms_of(run, observer) -> np.ndarray:
     return np.array([observer.run(run.recording(k)).alarms for k in range(run.plant.count)]).sum(axis=0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [MomentumObserver, KalmanObserver])
 def test_joints_that_stick_raise_no_alarm(kind, sticking):
     """The servo leaves torque on resting joints; without the band of stiction it counts as a wearer."""

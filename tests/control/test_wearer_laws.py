@@ -281,6 +281,7 @@ def test_learnt_assistance_grows_with_the_error_and_fades_with_success():
     np.testing.assert_allclose(memory.torque, grown * np.exp(-1.5), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_wearer_who_cannot_is_helped_and_one_who_can_is_not():
     """The limb's weight is beyond the support of the leg's own, so a passive limb needs help."""
     law = assist_as_needed(SMOOTH, 150.0, 10.0, tunnel=0.1, learning=100.0, rate=500.0)
@@ -331,6 +332,7 @@ def test_an_amplification_of_1_is_support_of_all_weight():
     np.testing.assert_allclose(torque, gravity_support(RUBBING).torque(state, None), rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_friction_too_is_felt_less():
     """Under Coulomb friction of 1.4 and 0.6 N·m; all of it is in the loop, and α = 5."""
     runs = {

@@ -87,6 +87,7 @@ def estimates(exo):
     return {soft: exoid.identify(exo, soft_logs(exo, soft, 1), TERMS) for soft in (0.0, SOFT)}
 
 
+@pytest.mark.slow
 def test_the_compliance_of_the_soles_is_found(estimates):
     for soft, estimate in estimates.items():
         for finding in compliances(estimate):

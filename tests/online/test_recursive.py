@@ -111,6 +111,7 @@ def test_with_correlated_noise_intervals_are_wider(leg, truth):
     assert (std[1] > 3.0 * std[0]).all()
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow(leg, truth):
     q, _, _, tau = swing(leg, truth, 24.0)
     online = RecursiveEstimator(leg, TERMS, rate=RATE)

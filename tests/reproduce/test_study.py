@@ -10,7 +10,7 @@ import pytest
 
 from exoid import reproduce
 
-REPLICATES = 16 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 2
+REPLICATES = 16 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 3
 SEED = 7
 
 pytestmark = pytest.mark.slow

@@ -12,7 +12,7 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "rig.md"
 @pytest.mark.skipif(not PAGE.is_file(), reason="needs the source tree")
 def test_the_page_prints_what_it_shows(capsys):
     text = PAGE.read_text(encoding="utf-8")
-    (program,) = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    program, _ = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     (shown,) = re.findall(r"^```text\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     names: dict[str, object] = {}
     exec(compile(program, PAGE.name, "exec"), names)

@@ -247,6 +247,7 @@ def test_what_the_leg_gets_the_limb_loses(stepper):
 # -------------------------------------------------------------------------------------------- many rigs
 
 
+@pytest.mark.slow
 def test_rigs_of_a_batch_are_worn_as_each_alone():
     """Each with its tilt, friction and cuff."""
     plants = [Plant.build(CUHK, {"c0_hip": c}, pitch=p) for c, p in ((0.5, 0.0), (1.5, 0.1), (0.0, -0.2))]
