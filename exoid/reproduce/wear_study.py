@@ -143,7 +143,7 @@ def wear(
 
     Raises:
         ExoidError: There is no such leg, a setting is invalid, the stride leaves the limits of the leg, or the leg has
-            no gait.
+            no gait, or a model is so wrong that the worn leg is unstable even without amplification.
 
     Example:
         >>> study = wear("cuhk")  # doctest: +SKIP
@@ -169,6 +169,7 @@ def wear(
             model, wearer=wearer, truth=given, law=law, delay=SENSORS.delay, most=TRIED * most, seed=seed
         )
         report(0.5 + 0.1 * (k + 1))
+    _refuse_unstable(largest)
     amplifications = {name: float(np.clip(MARGIN * each.largest, 1.0, most)) for name, each in largest.items()}
     laws: list[AnyLaw] = [pd(0.0, 0.0, rate=rate), *(law(sources[name], each) for name, each in amplifications.items())]
     runs = simulate_many(
@@ -200,6 +201,16 @@ def _models(source: str | Estimate, seed: int, progress: Callable[[float], None]
         replay = reproduce_cuhk(seed, progress=progress)[0]
         return load_leg("cuhk"), replay.multisine, _plant(replay.multisine.model.leg, replay.truth)
     raise ExoidError(f"nobody wears {source!r}", remedy="name bleex or cuhk, or give an estimate")
+
+
+def _refuse_unstable(largest: Mapping[str, Amplification]) -> None:
+    """Refuse a controller that is not stable even where it only carries the weight."""
+    for name, found in largest.items():
+        if found.largest < 1.0:
+            raise ExoidError(
+                f"with the {name} model the worn leg is unstable even without amplification",
+                remedy="raise the rate or the bandwidth of the controller, or check the model's masses",
+            )
 
 
 def _plant(leg: Leg, truth: Mapping[str, float]) -> Plant:

@@ -1,13 +1,17 @@
 """``exoid wear``: what a wearer feels of a leg that is off, and with CAD, identified and true model."""
 
 import json
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import exoid
 from exoid import ExoidError, reproduce
 from exoid.cli import app
+from exoid.control.stability import largest_amplification
+from exoid.reproduce.wear_study import _refuse_unstable
 
 
 @pytest.fixture(scope="module")
@@ -70,3 +74,11 @@ def test_an_estimate_is_worn_on_a_rig_of_its_own_distribution(tmp_path):
 def test_what_makes_no_sense_is_refused_before_anything_runs(given, what):
     with pytest.raises(ExoidError, match=what):
         reproduce.wear(**({"source": "bleex"} | given))
+
+
+def test_a_model_that_is_unstable_without_amplification_is_refused_by_name():
+    leg = exoid.load_leg("cuhk")
+    found = largest_amplification(leg, truth=leg, poses=[0.2, 0.7])
+    none = replace(found, values=np.zeros(1))
+    with pytest.raises(ExoidError, match="with the cad model the worn leg is unstable"):
+        _refuse_unstable({"identified": found, "cad": none})
