@@ -15,7 +15,7 @@ from exoid.estimate import MjcfExport
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 
-DFKI = Path(exoid.__file__).resolve().parent.parent / "urdf" / "dfki_double_pendulum.urdf"
+DFKI = Path(__file__).resolve().parents[2] / "urdf" / "dfki_double_pendulum.urdf"
 
 LEGS = {
     "bleex": lambda: exoid.load_leg("bleex", "left"),
