@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import email
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -16,8 +18,29 @@ import pytest
 import exoid
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCES = ("exoid", "urdf", "tests", "scripts", "docs", "pyproject.toml", "README.md", "LICENSE", ".gitignore")
-MORE_SOURCES = ("BENCHMARKS.md", "CHANGELOG.md", "CONTRIBUTING.md", "CITATION.cff")
+SOURCES = (
+    "exoid",
+    "urdf",
+    "tests",
+    "scripts",
+    "docs",
+    "pyproject.toml",
+    "README.md",
+    "LICENSE",
+    ".gitignore",
+    "hatch_build.py",
+)
+MORE_SOURCES = (
+    "BENCHMARKS.md",
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "CITATION.cff",
+    ".zenodo.json",
+    "mkdocs.yml",
+    "recipe",
+)
+LARGEST_WHEEL = 1_600_000
+"""Alarm for the size of the wheel [bytes]. The aim is a million; CONTRIBUTING.md, "Release", says why it is more."""
 URDFS = ("bleex.urdf", "bleex_identified.urdf", "cuhk.urdf", "dfki_double_pendulum.urdf")
 
 CHECK = """
@@ -149,6 +172,38 @@ def test_the_source_distribution_can_be_tested_and_rebuilt(built):
     assert {"pyproject.toml", "README.md", "LICENSE", "scripts/make_urdfs.py", "docs/legs.md"} <= names
     assert {f"urdf/{name}" for name in URDFS} <= names
     assert "tests/packaging/test_packaging.py" in names
+
+
+@pytest.mark.slow
+def test_the_source_distribution_holds_files_of_the_repository_only(built):
+    _, sdist = built
+    with tarfile.open(sdist) as archive:
+        names = {Path(*Path(member.name).parts[1:]).as_posix() for member in archive if member.isfile()}
+    in_git = subprocess.run(["git", "ls-files"], capture_output=True, text=True, check=False, cwd=ROOT)
+    if in_git.returncode or not in_git.stdout:
+        pytest.skip("needs a clone")
+    assert names - set(in_git.stdout.splitlines()) == {"PKG-INFO"}
+
+
+@pytest.mark.slow
+def test_the_wheel_is_small(built):
+    wheel, _ = built
+    print(f"\n{wheel.name}: {wheel.stat().st_size} bytes")
+    assert wheel.stat().st_size <= LARGEST_WHEEL
+
+
+@pytest.mark.slow
+def test_the_index_page_has_no_link_into_the_repository(built):
+    wheel, _ = built
+    with zipfile.ZipFile(wheel) as archive:
+        metadata = email.message_from_bytes(archive.read(f"exoid-{exoid.__version__}.dist-info/METADATA"))
+    page = metadata.get_payload()
+    assert metadata["Description-Content-Type"] == "text/markdown"
+    links = re.findall(r"\]\(([^)]*)\)", page)
+    assert links
+    assert all(link.startswith("https://") for link in links)
+    assert "exoid identify bleex bleex_swing:train -o bleex.json" in page
+    assert "pip install exoid &&" in page
 
 
 @pytest.mark.slow
