@@ -11,7 +11,7 @@ from hatchling.metadata.plugin.interface import MetadataHookInterface
 IMAGE = re.compile(r"^!\[[^\]]*\]\((?!https?://)[^)]*\)\n+", re.MULTILINE)
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\((?!https?://|#)([^)#]*)(?:#[^)]*)?\)")
 
-NOTE = """> Pages and notebooks that are named here, such as `docs/logs.md`, are in the source distribution, as are the tests:
+NOTE = """> Pages, notebooks and tests that are named here, such as `docs/logs.md`, are in the source distribution:
 > `pip download --no-deps --no-binary exoid exoid=={version}`.
 
 """
