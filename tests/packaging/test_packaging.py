@@ -77,7 +77,7 @@ def source(tmp_path_factory):
     """A copy of what belongs to the project: building leaves no trace in the checkout."""
     copy = tmp_path_factory.mktemp("source") / "exoid"
     copy.mkdir()
-    for name in (*SOURCES, *MORE_SOURCES, *BUILD_SOURCES):
+    for name in (*SOURCES, *MORE_SOURCES):
         path = ROOT / name
         if path.is_dir():
             shutil.copytree(path, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
