@@ -1,11 +1,12 @@
 """One table of exoid and its peers on the same logs: work, torque, parameters, intervals, time, export.
 
-Logs: the simulated swing of BLEEX's left leg (seed 1 is ``bleex_swing``; seeds differ in motion and noise), and the DFKI
-double pendulum, a real arm. All models are judged by the same filtered samples of a test log that no peer has seen.
+Logs: the simulated swing of BLEEX's left leg (seed 1 is ``bleex_swing``; seeds differ in motion and noise), and the
+DFKI double pendulum, a real arm. All models are judged by the same filtered samples of a test log that no peer has seen.
 
 lines      lines that a user writes beyond "urdf and log are read": between the marks in ``with_<peer>.py``, and YAML
 swing, DFKI  NRMSE of the torque on the test log, each joint; swing is the log ``bleex_swing``
-X, J; c, d  worst error of X1 to X3 and J1 to J3, and of dry and viscous friction, relative to the truth; median of the seeds
+X, J; c, d  worst error of X1 to X3 and J1 to J3, and of dry and viscous friction, relative to the truth; median of
+           the seeds
 coverage   share of the peer's 95 % intervals that contain the true values of the peer's own parameters, over the seeds
 time       seconds of identification of ``bleex_swing`` as ratio to exoid's, in turns; one thread each
 
@@ -106,9 +107,8 @@ def row(peer: str, seeds: int, seconds: dict[str, float]) -> list[str]:
     real_error = nrmse(real, identify(real, real.train).torque)
     inside = np.concatenate([each.inside for each in results])
     cells += [" / ".join(f"{x:.4f}" for x in errors) for errors in (first[0], real_error)]
-    cells += [
-        f"{100 * np.median([getattr(each, kind) for each in results]):.1f} %" for kind in ("inertial", "friction")
-    ]
+    for errors in zip(*(each[:2] for each in results), strict=True):
+        cells.append(f"{100 * np.median(errors):.1f} %")
     cells += [f"{100 * inside.mean():.1f} % of {len(inside)}" if len(inside) else "no intervals"]
     return [*cells, f"{seconds[peer] / seconds['exoid']:.3g}", first[1]]
 

@@ -16,7 +16,7 @@ from exoid._typing import FloatArray
 from exoid.catalog import urdf_folder
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-import make_bleex_swing as virtual_leg  # noqa: E402 - the script beside this folder
+import make_bleex_swing as virtual_leg  # the script beside this folder
 
 Torque = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
 """Torque of a model [N·m], (N, n), of angles, velocities and accelerations, (N, n) each."""

@@ -1,8 +1,8 @@
 """The leg identified by FIGAROH, by a subclass and a configuration as in its examples for the UR10.
 
-Friction, rotor inertia and offset are in the model, and the joints are weighted (``wls``). Its filter gets the cut-off that
-exoid chose; of 4, 8, 15, 25 and 45 Hz, with and without decimation, this cut-off with decimation by ten, its default, has the
-smallest errors over both legs. Its stage ``physical_fit`` makes links that can be exported.
+Friction, rotor inertia and offset are in the model, and the joints are weighted (``wls``). Its filter gets the cut-off
+that exoid chose; of 4, 8, 15, 25 and 45 Hz, with and without decimation, this cut-off with decimation by ten, its
+default, has the smallest errors over both legs. Its stage ``physical_fit`` makes links that can be exported.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from exoid._typing import FloatArray
 
 CONFIGURATION = Path(__file__).with_name("figaroh.yaml")
 STUDENT = 1.96
-"""Half the 95 % interval of a normal distribution, in standard deviations; there are thousands of degrees of freedom."""
+"""Half the 95 % interval of a normal distribution in standard deviations; there are hundreds of degrees of freedom."""
 
 
 # user: begins

@@ -1,8 +1,8 @@
-"""The leg identified by ``mujoco.sysid``: simulated paths of angles and velocities are fitted to the log, as in its notebook.
+"""The leg identified by ``mujoco.sysid``: simulated angles and velocities are fitted to the log, as in its notebook.
 
-Unknown are centre of mass and inertia of each link in its plane, friction, damping and armature. The masses stay those of
-CAD: with a fixed base no motion shows them. The log is cut in pieces, each with a measured initial state, since a simulated
-leg drifts away from the log in seconds. Its Jacobian gives the intervals (``calculate_intervals``).
+Unknown are centre of mass and inertia of each link in its plane, friction, damping and armature. The masses stay those
+of CAD: with a fixed base no motion shows them. The log is cut in pieces, each with a measured initial state, since a
+simulated leg drifts away from the log in seconds. Its Jacobian gives the intervals (``calculate_intervals``).
 """
 
 from __future__ import annotations
@@ -73,7 +73,9 @@ def unknowns(spec: mujoco.MjSpec) -> sysid.ParameterDict:
         span = np.array([0.3, 0.3, 0.9 * start[2]])
         change = partial(set_body, body=body.name, nominal=nominal)
         found.add(
-            sysid.Parameter(f"{body.name}", start, start - span, start + [0.3, 0.3, 5.0 * start[2]], modifier=change)
+            sysid.Parameter(
+                f"{body.name}", start, start - span, start + np.array([0.3, 0.3, 5.0 * start[2]]), modifier=change
+            )
         )
         friction = np.array([0.1, 0.1, 0.001])[: 2 if index == 0 else 3]
         change = partial(set_joint, joint=joint.name, first=index == 0)

@@ -1,6 +1,6 @@
-"""The leg identified with the regressor of ``mujoco-sysid``, as its notebook of the Panda does: rows by a loop, then ``lstsq``.
+"""The leg identified with the regressor of ``mujoco-sysid``: rows by a loop, columns of friction, then ``lstsq``.
 
-The package has no filter, friction, interval or export: filter and columns of friction, rotor and offset are the user's.
+The package has no filter, friction, interval or export: filter and columns of friction, rotor and offset are a user's.
 """
 
 from __future__ import annotations
