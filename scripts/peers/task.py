@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -104,6 +105,7 @@ class Outcome(NamedTuple):
     export: str
 
 
+@cache
 def swing(seed: int) -> Task:
     """BLEEX's left leg on a fixed torso: 30 s and 15 s with encoders and noise of the torque.
 
@@ -125,6 +127,7 @@ def swing(seed: int) -> Task:
     return Task("bleex_swing", leg, urdf, _log(train), _log(test), 8.0, torque)
 
 
+@cache
 def pendulum() -> Task:
     """Build the task of the DFKI double pendulum, a real two-link arm whose torque is the command.
 
