@@ -7,6 +7,8 @@ simulated leg drifts away from the log in seconds. Its Jacobian gives the interv
 
 from __future__ import annotations
 
+import contextlib
+import io
 import time
 from collections.abc import Callable
 from functools import partial
@@ -127,7 +129,8 @@ def identify(task: Task, log: Log) -> Outcome:
     """
     logging.set_verbosity(logging.ERROR)
     start = time.perf_counter()
-    spec, found, half_widths = fit(task.urdf, log, task.cutoff)
+    with contextlib.redirect_stdout(io.StringIO()):  # the optimiser prints its steps
+        spec, found, half_widths = fit(task.urdf, log, task.cutoff)
     seconds = time.perf_counter() - start
     torque = _torque(sysid.apply_param_modifiers(found, spec))
     true = None
