@@ -90,7 +90,8 @@ def mesh_arrays(file: str, scale: list[float]) -> Content:
     Raises:
         ExoidError: The file is not a mesh of finite numbers.
     """
-    from trimesh.graph import smooth_shade  # noqa: PLC0415 - trimesh takes half a second
+    from trimesh.geometry import mean_vertex_normals  # noqa: PLC0415 - trimesh takes half a second
+    from trimesh.graph import smooth_shade  # noqa: PLC0415
 
     arrays: dict[str, NDArray[Any]] = {}
     with reading(file, "a mesh", "export it again, as STL, OBJ, DAE or GLB"):
@@ -98,7 +99,8 @@ def mesh_arrays(file: str, scale: list[float]) -> Content:
         for k, part in enumerate(parts.values()):
             shaded = smooth_shade(part, angle=CREASE, facet_minarea=None)
             arrays[f"points {k}"] = np.asarray(shaded.vertices, dtype=np.float64)
-            arrays[f"normals {k}"] = np.asarray(shaded.vertex_normals, dtype=np.float64)
+            areas = shaded.face_normals * shaded.area_faces[:, np.newaxis]  # so that rounded edges leave faces flat
+            arrays[f"normals {k}"] = mean_vertex_normals(len(shaded.vertices), shaded.faces, areas)
             arrays[f"triangles {k}"] = np.asarray(shaded.faces, dtype=np.int64)
     return Content(arrays, {"colours": list(parts)})
 
