@@ -125,13 +125,10 @@ def _by_trimesh(file: str) -> list[Trimesh]:
     """Meshes of a file, each in its place; none where trimesh does not know the format, or finds no triangles."""
     import trimesh  # noqa: PLC0415
 
-    try:
-        scene = trimesh.load_scene(file, process=False)
-    except MemoryError:
-        raise
-    except Exception:  # each of its readers raises other ones; Assimp has the last word
+    if Path(file).suffix[1:].lower() not in trimesh.exchange.load.mesh_formats():
         return []
-    return [mesh for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
+    meshes = trimesh.load_scene(file, process=False).dump()
+    return [mesh for mesh in meshes if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
 
 
 def _by_assimp(file: str) -> Trimesh:
