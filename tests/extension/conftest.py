@@ -7,6 +7,7 @@ from springs import load_module, swing_with_stops
 
 from exoid.codegen.forms import FORMS
 
+
 @pytest.fixture(scope="session")
 def springs():
     """The package, imported and not registered."""

@@ -123,6 +123,7 @@ class _Walk:
         self._file, self._integers = file, integers
 
     def statements(self, body: list[Node]) -> Counter[str]:
+        """Count the operations of statements."""
         total: Counter[str] = Counter()
         for node in body:
             total += self._statement(node)
