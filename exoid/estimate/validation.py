@@ -12,8 +12,9 @@ from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Coupling, Drive
 from exoid.errors import ExoidError
 from exoid.findings import Finding, finding_lines, findings_to_json, ordered
+from exoid.regression.every_row import each_row
 from exoid.regression.intervals import half_width
-from exoid.regression.rows import each_row, for_leg, prepare
+from exoid.regression.rows import for_leg, prepare
 from exoid.signals import Preparation, Recording
 from exoid.tables import DataTable, make_table, to_html, to_text
 
