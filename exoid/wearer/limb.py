@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from exoid.estimate import EstimateData, compare
 from exoid.leg import Leg
 from exoid.payload import Payload
-from exoid.tables import DataTable, make_table, to_html, to_text, with_error
+from exoid.tables import DataTable, Report, make_table, with_error
 from exoid.torques.payloads import payload_parameters
 
 HEADERS = ("parameter", "limb", "± std", "95 % from", "to", "unit")
@@ -22,7 +22,7 @@ HEADERS = ("parameter", "limb", "± std", "95 % from", "to", "unit")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LimbComparison:
+class LimbComparison(Report):
     """Rigid-body parameters of a limb within the leg, beside what anthropometry or scales say; prints itself.
 
     Attributes:
@@ -74,14 +74,6 @@ class LimbComparison:
         """Write the values."""
         values = ", ".join(f"{name} {value:.3g}" for name, value in zip(self.names, self.values, strict=True))
         return f"LimbComparison({values})"
-
-    def __str__(self) -> str:
-        """Print as a table."""
-        return to_text(*self._report())
-
-    def _repr_html_(self) -> str:
-        """Table for notebooks."""
-        return to_html(*self._report())
 
     def rows(self) -> list[tuple[str, ...]]:
         """Write each parameter as a row of a table.
