@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import os
 import re
@@ -74,6 +75,14 @@ def test_a_full_device_as_standard_output_is_one_line(verb, tmp_path):
         )
     assert done.returncode == 2
     assert done.stderr == "exoid: No space left on device. To fix it: check this file, free space and permissions\n"
+
+
+def test_the_package_runs_as_a_command():
+    run = functools.partial(subprocess.run, capture_output=True, text=True, check=False)
+    done = run([sys.executable, "-m", "exoid", "validate"])
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("exoid: Missing argument ")
+    assert done.stderr.endswith("see python -m exoid validate --help\n")
 
 
 @pytest.mark.slow
