@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import json
 import os
 import re
@@ -78,8 +77,7 @@ def test_a_full_device_as_standard_output_is_one_line(verb, tmp_path):
 
 
 def test_the_package_runs_as_a_command():
-    run = functools.partial(subprocess.run, capture_output=True, text=True, check=False)
-    done = run([sys.executable, "-m", "exoid", "validate"])
+    done = subprocess.run([sys.executable, "-m", "exoid", "validate"], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("exoid: Missing argument ")
     assert done.stderr.endswith("see python -m exoid validate --help\n")
