@@ -74,6 +74,7 @@ def to_text(*parts: DataTable | str) -> str:
     unlimited = console.options.update(max_width=10 * WIDTH)
 
     def drawn(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
+        """Make a table for the terminal."""
         table = Table(box=SIMPLE_HEAD, pad_edge=False)
         for index, column in enumerate(zip(headers, *rows, strict=True)):
             least = max(map(_unbroken, column), default=0)
@@ -147,6 +148,7 @@ def html_table(headers: Sequence[str], rows: Iterable[Sequence[str]], caption: s
     """
 
     def line(tag: str, cells: Sequence[str]) -> str:
+        """Write a row of HTML, the first cell to the left."""
         sides = ("left", *("right",) * (len(cells) - 1))
         row = (
             f'<{tag} style="text-align:{side}">{html.escape(c)}</{tag}>' for side, c in zip(sides, cells, strict=True)
