@@ -311,7 +311,9 @@ def torque_spread_of(evidence: Evidence) -> FloatArray:
     Returns:
         Standard deviations.
     """
-    torques = (np.concatenate([part.tau[part.usable[:, j], j] for part in evidence.parts]) for j in range(evidence.joints))
+    torques = (
+        np.concatenate([part.tau[part.usable[:, j], j] for part in evidence.parts]) for j in range(evidence.joints)
+    )
     return np.array([float(np.std(tau)) if len(tau) else 0.0 for tau in torques])
 
 

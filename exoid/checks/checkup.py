@@ -23,8 +23,8 @@ from .against_urdf import (
     negative_friction,
     nrmse_of,
     persistence_of,
-    torque_spread_of,
     torque_scale,
+    torque_spread_of,
     turned_segment,
 )
 from .alternatives import POOR, gross_findings, negative_parameters

@@ -194,7 +194,7 @@ class EstimateData(ParameterTable):
     def nrmse(self) -> FloatArray:
         """RMS residual of each joint over the standard deviation of its torque, (n,); not a number where unknown."""
         known = self.torque_spread > 0.0
-        return np.divide(self.residual_rms, self.torque_spread, out=np.full(len(known), np.nan), where=known)
+        return np.where(known, self.residual_rms / np.where(known, self.torque_spread, 1.0), np.nan)
 
     @property
     def r2(self) -> FloatArray:
