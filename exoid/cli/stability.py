@@ -64,7 +64,10 @@ def stability(
     figure: Annotated[str | None, typer.Option(metavar="FILE.PNG", help="Draw V and the gain margins.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Check Properties 1 to 3, regulate with partial and excessive friction compensation, and find the gain margins."""
+    """Check Properties 1 to 3, regulate with partial and excessive friction compensation, and find the gain margins.
+
+    Example: exoid stability cuhk --duration 5
+    """
     check_outputs({"--figure": figure}, [leg])
     plant = _plant(leg, rotor)
     task = _task(plant, kp, kd, target, away)
