@@ -128,6 +128,8 @@ def export(
     the torque of the wearer. With --ros2, it is a package for ROS 2 around that C.
 
     With --recursive, the C is a recursive estimator of the parameters of this estimate, without forgetting.
+
+    Example: exoid export est.json -o leg.urdf
     """
     if sum(each is not None for each in (output, c, mjcf, ros2)) != 1:
         raise ExoidError(

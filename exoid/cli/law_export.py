@@ -14,9 +14,9 @@ from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.estimate.provenance import provenance
 
-from .inputs import refuse
 from .law_options import LawOptions
 from .numbers import joint_values
+from .refusals import refuse
 from .track import SCALE, roles_of
 
 PERIOD = 10.0

@@ -14,6 +14,7 @@ from exoid.view.colours import CAD, IDENTIFIED, MEASURED, RESIDUAL
 from exoid.view.report import Page, Picture, Section, Text
 from exoid.view.style import COLUMN, legend_above
 
+from .report import as_list
 from .wear_study import MARGIN, WearStudy
 
 LABELS = {"off": "off", "cad": "CAD", "identified": "identified", "truth": "truth"}
@@ -24,7 +25,7 @@ COLOURS = {"off": RESIDUAL, "cad": CAD, "identified": IDENTIFIED, "truth": MEASU
 
 
 def wear_text(study: WearStudy) -> str:
-    """Print what is felt, and what limits the amplification.
+    """Print what limits the amplification, and what is felt.
 
     Args:
         study: The study.
@@ -32,7 +33,7 @@ def wear_text(study: WearStudy) -> str:
     Returns:
         Text of several lines.
     """
-    return to_text(wear_table(study), "", *wear_notes(study))
+    return to_text(*as_list(wear_notes(study)), "", wear_table(study))
 
 
 def wear_table(study: WearStudy) -> DataTable:
@@ -50,9 +51,8 @@ def wear_table(study: WearStudy) -> DataTable:
         amplification = "" if felt.amplification is None else f"{felt.amplification:.3g}"
         cells = (f"{x:.3g}" for x in (*felt.rms, felt.rms_of_all))
         rows.append((LABELS[name], "" if largest is None else _largest(largest), amplification, *cells))
-    joints = (f"{name} [N·m]" for name in study.joint_names)
-    headers = ("controller knows", "largest stable α", "α used", *joints, "all [N·m]")
-    title = f"RMS torque between wearer and {study.name}, stride of {study.period:g} s"
+    headers = ("controller knows", "largest α", "α used", *study.joint_names, "all")
+    title = f"RMS torque between wearer and {study.name} [N·m], stride of {study.period:g} s; largest stable α"
     return DataTable(title, headers, rows)
 
 
@@ -142,8 +142,9 @@ def wear_page(study: WearStudy) -> Page:
     """
     caption = "Torque of the wearer on the leg over one stride"
     pictures = [Picture.of(figure, caption, caption) for figure in wear_figures(study).values()]
-    sections = [Section("Felt torque", [wear_table(study), *pictures]), Section("Notes", [Text(wear_notes(study))])]
-    return Page(f"What the wearer of {study.name} feels (seed {study.seed})", wear_notes(study)[:1], sections)
+    first, *others = wear_notes(study)
+    sections = [Section("Findings", [Text(others)]), Section("Felt torque", [*pictures, wear_table(study)])]
+    return Page(f"What the wearer of {study.name} feels (seed {study.seed})", [first], sections)
 
 
 def _largest(found: Amplification) -> str:

@@ -59,7 +59,7 @@ def test_robots_without_a_urdf_are_none():
 
 def test_the_package_is_imported_only_for_a_robots_name():
     script = (
-        "import sys; from exoid.cli import inputs; inputs.find_leg('cuhk', 'left', None, None, None); "
+        "import sys; from exoid.cli import legs; legs.find_leg('cuhk', 'left', None, None, None); "
         "print(any(m.startswith('example_robot_data') for m in sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)

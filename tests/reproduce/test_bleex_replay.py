@@ -113,7 +113,7 @@ def test_its_torque_is_as_good_as_the_truth_and_much_better_than_cad(name, side)
 
 def test_the_report_has_every_parameter_and_the_causes(bleex, side):
     text = bleex["text"]
-    for heading in ("Left leg, Tables I to V", "Right leg, Tables I to V", "NRMSE in %"):
+    for heading in ("Left leg, Tables I to V", "Right leg, Tables I to V", "NRMSE of the torque"):
         assert heading in text
     for parameter in side["truth"]:
         assert text.count(f"\n {parameter} ") == 2
