@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import argparse
 import itertools
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from exoid import load_leg, reproduce
+from exoid.control.stability import Amplification
 from exoid.reproduce.wear_models import worn_models
 
 TRUE_BODIES = {"bleex": "identified", "cuhk": "nominal"}
@@ -41,8 +43,12 @@ def main() -> None:
             models = worn_models(leg, seed, lambda _: None)
             if options.exact_bodies:
                 models = models._replace(cad=load_leg(leg, inertias=TRUE_BODIES[leg]))
+            largest: dict[float, Mapping[str, Amplification]] = {}
             for period, bandwidth in runs:
-                study = reproduce.wear(models, period=period, bandwidth=bandwidth, seed=seed)
+                study = reproduce.wear(
+                    models, period=period, bandwidth=bandwidth, largest=largest.get(bandwidth), seed=seed
+                )
+                largest[bandwidth] = study.largest
                 found[period, bandwidth].append(reproduce.wear_json(study))
         for run, each in found.items():
             print(_line(leg, *run, each), flush=True)

@@ -12,6 +12,7 @@ from exoid._typing import FloatArray
 from exoid.control import ControlModel, SideBySide, Tracking, pd, sensitivity_amplification, simulate_many
 from exoid.control.model import ModelSource
 from exoid.control.stability import Amplification, largest_amplification
+from exoid.control.stability.worn import AmplifiedLaw
 from exoid.control.stateful import AnyLaw
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
@@ -122,6 +123,7 @@ def wear(
     most: float = MOST,
     height: float = 1.75,
     mass: float = 70.0,
+    largest: Mapping[str, Amplification] | None = None,
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> WearStudy:
@@ -141,6 +143,8 @@ def wear(
         most: Largest amplification.
         height: Height of the wearer [m].
         mass: Mass of the wearer [kg].
+        largest: Largest stable amplifications of the same models, controller and wearer, as of another stride, on which
+            they do not depend; None to find them.
         seed: Seed of noise and draws.
         progress: Function that receives the completed share, 0 to 1.
 
@@ -168,14 +172,9 @@ def wear(
     wearer = Wearer.build(truth.leg, height, mass, intention=intention)
     law = partial(sensitivity_amplification, bandwidth=bandwidth, rate=rate)
     sources: dict[str, ModelSource] = {"cad": cad, "identified": identified, "truth": ControlModel.of(truth)}
-    largest = {}
-    for k, (name, model) in enumerate(sources.items()):
-        given = None if name == "identified" else truth
-        largest[name] = largest_amplification(
-            model, wearer=wearer, truth=given, law=law, delay=SENSORS.delay, most=TRIED * most, seed=seed
-        )
-        report(0.5 + 0.1 * (k + 1))
-    _refuse_unstable(largest)
+    if largest is None:
+        largest = _largest(sources, truth, wearer, law, TRIED * most, seed)
+    report(0.8)
     amplifications = {name: float(np.clip(MARGIN * each.largest, 1.0, most)) for name, each in largest.items()}
     laws: list[AnyLaw] = [pd(0.0, 0.0, rate=rate), *(law(sources[name], each) for name, each in amplifications.items())]
     runs = simulate_many(
@@ -194,6 +193,20 @@ def wear(
     report(1.0)
     leg, floor = truth.leg, _inertia_and_friction(truth, intention, period) / amplifications["truth"]
     return WearStudy(leg.description.name, leg.joint_names, felt, largest, floor, period, seed)
+
+
+def _largest(
+    sources: Mapping[str, ModelSource], truth: Plant, wearer: Wearer, law: AmplifiedLaw, most: float, seed: int
+) -> dict[str, Amplification]:
+    """Find the largest stable amplification of each model: the identified one over its distribution, others exactly."""
+    found = {}
+    for name, model in sources.items():
+        given = None if name == "identified" else truth
+        found[name] = largest_amplification(
+            model, wearer=wearer, truth=given, law=law, delay=SENSORS.delay, most=most, seed=seed
+        )
+    _refuse_unstable(found)
+    return found
 
 
 def _inertia_and_friction(truth: Plant, intention: Reference, period: float) -> FloatArray:
