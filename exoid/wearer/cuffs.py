@@ -19,8 +19,8 @@ from exoid.signals import Preparation, Recording
 STEP = 0.02
 """Step of the logarithm of a stiffness or damping for its derivative."""
 
-ITERATIONS = 5
-"""Gauss-Newton steps from the stated cuffs."""
+ITERATIONS = 4
+"""Steps from the stated cuffs."""
 
 FAR = 3.0
 """Standard deviations from the stated value beyond which a note says so."""
@@ -112,14 +112,30 @@ class FoundCuffs(NamedTuple):
     far: tuple[str, ...]
 
 
-def estimate_cuffs(
-    stated: Cuffs, limb: EstimateData, alone: EstimateData, log_of: Callable[[Cuffs], Recording]
-) -> FoundCuffs:
-    """Estimate cuffs and limb together by Gauss-Newton, with the stated cuffs as prior.
+class LimbLogs(NamedTuple):
+    """Logs of the limb for given cuffs, on one grid of times.
+
+    Attributes:
+        measured: Function that bends the cuffs by the torque of the log.
+        predicted: Function that bends them by the torque that the limb needs, with parameters β, if it moves as the leg
+            does. Noise of the torque is not part of it.
+    """
+
+    measured: Callable[[Cuffs], Recording]
+    predicted: Callable[[Cuffs, FloatArray], Recording]
+
+
+def estimate_cuffs(stated: Cuffs, limb: EstimateData, alone: EstimateData, logs: LimbLogs) -> FoundCuffs:
+    """Estimate cuffs and limb together, with the stated cuffs as prior.
 
     The limb obeys −τ_w = W(q_l(θ)) β, with θ the logarithms of stiffness and damping. About θ,
 
         −τ_w ≈ W β + D δθ,      D = ∂(W β)/∂θ.
+
+    Noise of τ_w bends the cuffs of the model too, so that it is in W and D: least squares would choose the cuffs that
+    hide it. W and D of a predicted torque are therefore the instruments Z (instrumental variables, Söderström and Stoica 1989):
+
+        Zᵀ Ω (−τ_w − W β − D δθ) = 0.
 
     Rows are weighted by residuals and count by their independent samples. The prior of θ is normal about the stated
     values. Errors δ of the leg's own parameters add W_leg δ to −τ_w; they are not fitted, but their effect is part of
@@ -129,37 +145,43 @@ def estimate_cuffs(
         stated: Cuffs as stated, with relative standard deviations.
         limb: Estimate of the limb with these cuffs.
         alone: Estimate of the leg alone.
-        log_of: Function that computes the log of the limb from cuffs.
+        logs: Logs of the limb as functions of the cuffs.
 
     Returns:
         The cuffs, and the covariance that their errors add to the limb's parameters.
     """
     spread = np.concatenate([stated.stiffness_std, stated.damping_std])
     free = np.flatnonzero(spread)
-    values, spread = np.concatenate([stated.stiffness, stated.damping]), spread[free]
-    centre = np.log(values[free])
+    values = np.concatenate([stated.stiffness, stated.damping])
+    spread, centre = spread[free], np.log(values[free])
 
     def cuffs_at(theta: FloatArray, std: FloatArray) -> Cuffs:
         at, widths = values.copy(), np.zeros_like(values)
         at[free], widths[free] = np.exp(theta), std
         return Cuffs(stated.joint_names, *np.split(at, 2), *np.split(widths, 2))
 
-    def rows_at(theta: FloatArray, model: RegressorModel = limb.model) -> tuple[FloatArray, FloatArray]:
-        return _rows(model, log_of(cuffs_at(theta, spread)), limb.preparation)
+    def rows_at(theta: FloatArray, beta: FloatArray | None = None, model: RegressorModel = limb.model) -> _Rows:
+        cuffs = cuffs_at(theta, spread)
+        log = logs.measured(cuffs) if beta is None else logs.predicted(cuffs, beta)
+        return _rows(model, log, limb.preparation)
 
-    theta, beta, (W, tau) = centre, limb.values, rows_at(centre)
-    D = np.stack([(rows_at(theta + STEP * unit)[0] - W) @ beta / STEP for unit in np.eye(len(free))], axis=-1)
-    counts = _independent(limb, log_of(stated))
+    def with_slopes(theta: FloatArray, beta: FloatArray, given: FloatArray | None = None) -> FloatArray:
+        W = rows_at(theta, given).W
+        slopes = [(rows_at(theta + STEP * unit, given).W - W) @ beta / STEP for unit in np.eye(len(free))]
+        return np.concatenate([W, np.stack(slopes, axis=-1)], axis=-1)
+
+    theta, beta, counts = centre, limb.values, _independent(limb, logs.measured(stated))
+    tau = rows_at(theta).tau
     for _ in range(ITERATIONS):
-        theta, beta, *_ = _step(W, D, tau, np.sqrt(counts) / (tau - W @ beta).std(axis=0), theta, centre, spread)
-        W, tau = rows_at(theta)
-    weights = np.sqrt(counts) / (tau - W @ beta).std(axis=0)
-    theta, beta, covariance, gain = _step(W, D, tau, weights, theta, centre, spread)
-    of_leg = gain @ _stacked(rows_at(theta, alone.model)[0], weights)  # error of θ by errors of the leg
-    covariance = covariance + of_leg @ alone.covariance @ of_leg.T
-    slope = -np.linalg.lstsq(_stacked(W, weights), _stacked(D, weights), rcond=None)[0]  # ∂β/∂θ
+        A, Z = with_slopes(theta, beta), with_slopes(theta, beta, beta)
+        weights = np.sqrt(counts) / (tau - A[..., : len(beta)] @ beta).std(axis=0)
+        found = _step(A, Z, tau, weights, theta, centre, spread)
+        theta, beta = found.theta, found.beta
+    of_leg = found.gain @ _stacked(rows_at(theta, model=alone.model).W, weights)  # error of θ by errors of the leg
+    covariance = found.covariance + of_leg @ alone.covariance @ of_leg.T
     beyond = free[np.abs(theta - centre) > FAR * spread]
     far = dict.fromkeys(stated.joint_names[k % len(stated.joint_names)] for k in beyond)
+    slope = found.slope
     return FoundCuffs(cuffs_at(theta, np.sqrt(np.diag(covariance))), slope @ covariance @ slope.T, tuple(far))
 
 
@@ -169,10 +191,16 @@ def _independent(limb: EstimateData, log: Recording) -> FloatArray:
     return limb.preparation.independent_fraction(log.sample_rate) * np.array(shares)
 
 
-def _rows(model: RegressorModel, log: Recording, preparation: Preparation) -> tuple[FloatArray, FloatArray]:
+class _Rows(NamedTuple):
     """Columns and torque of a log behind the filter, (N, n, P) and (N, n)."""
+
+    W: FloatArray
+    tau: FloatArray
+
+
+def _rows(model: RegressorModel, log: Recording, preparation: Preparation) -> _Rows:
     parts = list(each_row(model, prepare(model, log, preparation, every=True)))
-    return np.concatenate([part.W for part in parts]), np.concatenate([part.tau for part in parts])
+    return _Rows(np.concatenate([part.W for part in parts]), np.concatenate([part.tau for part in parts]))
 
 
 def _stacked(columns: FloatArray, weights: FloatArray) -> FloatArray:
@@ -181,29 +209,41 @@ def _stacked(columns: FloatArray, weights: FloatArray) -> FloatArray:
 
 
 class _Step(NamedTuple):
-    """Solution of the linearised problem: θ, β, covariance of θ for given β_leg, and θ by weighted torques (p, N n)."""
+    """Solution of the linearised problem.
+
+    Attributes:
+        theta: θ, (p,).
+        beta: β, (P,).
+        covariance: Covariance of θ by noise and prior, (p, p).
+        gain: θ by weighted torques, (p, N n).
+        slope: ∂β/∂θ, (P, p).
+    """
 
     theta: FloatArray
     beta: FloatArray
     covariance: FloatArray
     gain: FloatArray
+    slope: FloatArray
 
 
 def _step(
-    W: FloatArray,
-    D: FloatArray,
+    columns: FloatArray,
+    instruments: FloatArray,
     tau: FloatArray,
     weights: FloatArray,
     theta: FloatArray,
     centre: FloatArray,
     spread: FloatArray,
 ) -> _Step:
-    """Solve τ = W β + D δθ by weighted least squares, with the prior θ + δθ ~ N(centre, spread²)."""
-    A, P = np.hstack([_stacked(W, weights), _stacked(D, weights)]), W.shape[-1]
-    information, pull = A.T @ A, np.zeros(A.shape[1])
-    information[P:, P:] += np.diag(spread**-2.0)
+    """Solve τ = W β + D δθ, columns (W, D), with instruments and the prior θ + δθ ~ N(centre, spread²)."""
+    A, Z, P = _stacked(columns, weights), _stacked(instruments, weights), columns.shape[-1] - len(theta)
+    prior, pull = np.zeros((A.shape[1],) * 2), np.zeros(A.shape[1])
+    prior[P:, P:] = np.diag(spread**-2.0)
     pull[P:] = (centre - theta) / spread**2
-    scale = 1.0 / np.sqrt(np.diag(information))
-    covariance = np.linalg.inv(information * np.outer(scale, scale)) * np.outer(scale, scale)
-    found = covariance @ (A.T @ (tau * weights).ravel() + pull)
-    return _Step(theta + found[P:], found[:P], covariance[P:, P:], covariance[P:] @ A.T)
+    scale = 1.0 / np.linalg.norm(Z, axis=0)
+    each = np.outer(scale, scale)
+    inverse = np.linalg.inv((Z.T @ A + prior) * each) * each
+    found = inverse @ (Z.T @ (tau * weights).ravel() + pull)
+    covariance = inverse @ (Z.T @ Z + prior) @ inverse.T
+    slope = np.asarray(-np.linalg.solve(Z[:, :P].T @ A[:, :P], Z[:, :P].T @ A[:, P:]))
+    return _Step(theta + found[P:], found[:P], covariance[P:, P:], inverse[P:] @ Z.T, slope)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -15,7 +16,7 @@ from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 
-from .cuffs import Cuffs, estimate_cuffs
+from .cuffs import Cuffs, LimbLogs, estimate_cuffs
 from .interaction import Interaction, interaction
 from .limb import LimbComparison, late_torque_notes
 
@@ -49,8 +50,9 @@ def limb_recording(
     Raises:
         ExoidError: A stiffness is not positive, a damping is negative, or see :func:`.interaction`.
     """
-    cuffs = Cuffs.of(estimate.joint_names, stiffness, damping, 0.0)
-    return _limb_log(estimate, recording, interaction(estimate, recording), cuffs)
+    cuffs, felt = Cuffs.of(estimate.joint_names, stiffness, damping, 0.0), interaction(estimate, recording)
+    leg = _leg_log(estimate, recording, felt)
+    return _bent_by(leg, felt.torque, cuffs).between(float(leg.time[0]) + SETTLED)
 
 
 def identify_limb(
@@ -87,13 +89,21 @@ def identify_limb(
         raise ExoidError("a limb on a base that moves", remedy="hold the base, or use exoid.wearer.compare_limb")
     cuffs, felt = Cuffs.of(estimate.joint_names, stiffness, damping, cuff_std), interaction(estimate, recording)
 
+    leg = _leg_log(estimate, recording, felt)
+
     def log_of(some: Cuffs) -> Recording:
-        return _limb_log(estimate, recording, felt, some)
+        return _bent_by(leg, felt.torque, some).between(float(leg.time[0]) + SETTLED)
 
     found, count = _identified(estimate, log_of(cuffs)), len(estimate.model.leg.parameter_names)
     covariance, notes = estimate.covariance[:count, :count], late_torque_notes(estimate)
     if not cuffs.known:
-        of_cuffs = estimate_cuffs(cuffs, found, estimate, log_of)
+        q, v, a, _ = found.preparation.kinematics(leg)
+        W = estimate.model.leg.regressor(q, v, a, leg.torso)
+
+        def predicted(some: Cuffs, beta: FloatArray) -> Recording:
+            return _bent_by(leg, -(W @ beta), some).between(float(leg.time[0]) + SETTLED)
+
+        of_cuffs = estimate_cuffs(cuffs, found, estimate, LimbLogs(log_of, predicted))
         cuffs, covariance = of_cuffs.cuffs, covariance + of_cuffs.limb_covariance
         found = _identified(estimate, log_of(cuffs))
         far = ", ".join(of_cuffs.far)
@@ -113,8 +123,8 @@ def _identified(estimate: EstimateData, log: Recording) -> Estimate:
     return identify(estimate.model.leg, log, terms=(), check=False, cutoff=cutoff)
 
 
-def _limb_log(estimate: EstimateData, recording: Recording, felt: Interaction, cuffs: Cuffs) -> Recording:
-    """Compute the log of the limb from the torque in the cuffs."""
+def _leg_log(estimate: EstimateData, recording: Recording, felt: Interaction) -> Recording:
+    """Angles of the leg at the times of the interaction, with the torque that it exerts on the limb."""
     even = for_leg(estimate.model, recording).resampled()
     rate = even.sample_rate
     if np.isnan(felt.torque).any() or np.ptp(np.diff(felt.time)) > 0.5 / rate:
@@ -124,10 +134,13 @@ def _limb_log(estimate: EstimateData, recording: Recording, felt: Interaction, c
             remedy="pass one segment of a recording with all torques",
         )
     used = np.searchsorted(even.time, felt.time - 0.5 / rate)
-    columns = zip(felt.torque.T, cuffs.stiffness, cuffs.damping, strict=True)
-    bent = np.column_stack([_bent(x, k, d, rate) for x, k, d in columns])
-    log = Recording(felt.time, even.q[used] + bent, tau=-felt.torque, joint_names=felt.joint_names, torso=even.torso)
-    return log.between(float(felt.time[0]) + SETTLED)
+    return Recording(felt.time, even.q[used], tau=-felt.torque, joint_names=felt.joint_names, torso=even.torso)
+
+
+def _bent_by(leg: Recording, torque: FloatArray, cuffs: Cuffs) -> Recording:
+    """Angles of the limb where a torque bends the cuffs."""
+    columns = zip(torque.T, cuffs.stiffness, cuffs.damping, strict=True)
+    return replace(leg, q=leg.q + np.column_stack([_bent(x, k, d, leg.sample_rate) for x, k, d in columns]))
 
 
 def _bent(torque: FloatArray, stiffness: float, damping: float, rate: float) -> FloatArray:
