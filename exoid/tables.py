@@ -90,6 +90,7 @@ def to_text(*parts: DataTable | str) -> str:
         return table
 
     def drawn(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
+        """Make a table for the terminal, with narrow gaps if it is wide."""
         table = spaced(headers, rows, 1)
         fits = console.measure(table, options=unlimited).maximum <= min(COMPACT, console.width)
         return table if fits else spaced(headers, rows, 0)
