@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 from rich.console import Console
@@ -52,7 +52,9 @@ def interaction(
         str | None,
         typer.Option(metavar="T,T", help="Times at which strides begin [s]; default: touch-downs, or the period."),
     ] = None,
-    cutoff: Annotated[float | None, typer.Option(metavar="HZ", help="Cut-off of both torques.")] = None,
+    cutoff: Annotated[
+        str | None, typer.Option(metavar="HZ", help='Cut-off of both torques; "auto" chooses that of each joint.')
+    ] = None,
     column: ColumnPairs = None,
     degrees: Degrees = False,
     start: Start = None,
@@ -105,7 +107,7 @@ def interaction(
         loaded,
         recordings,
         strides=_times(strides),
-        cutoff=cutoff,
+        cutoff=_cutoff(cutoff),
         actuators=read_drives(actuators, loaded.model.leg),
     )
     if output is not None:
@@ -116,6 +118,16 @@ def interaction(
         typer.echo(json.dumps(result.to_json(), indent=1))
     else:
         typer.echo(str(result))
+
+
+def _cutoff(text: str | None) -> float | Literal["auto"] | None:
+    """Read a cut-off from the command line."""
+    if text is None or text == "auto":
+        return text if text is None else "auto"
+    try:
+        return float(text)
+    except ValueError:
+        raise ExoidError(f"--cutoff {text}", remedy="give a frequency in Hz, or auto") from None
 
 
 def _times(text: str | None) -> list[float] | None:
