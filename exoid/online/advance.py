@@ -9,12 +9,13 @@ import numpy as np
 
 from exoid._typing import FloatArray
 
+from .belief import belief
 from .correlation import followed, inflations
 from .detection import Detection, confirmed, looked
 from .information import absorb
 from .rows import Block, Rows, filtered_rows, unfiltered_rows
 from .settings import Settings
-from .solution import current, weighted_stack
+from .solution import current
 from .state import Change, Detector, Information, State, begin
 
 REMEMBERED = 100
@@ -179,7 +180,7 @@ def freed(settings: Settings, state: State, information: Information, basis: Flo
         R factors in which all that was known has the place of what was known before the rows.
     """
     inflation = inflations(settings, state.correlation)
-    R = weighted_stack(information, state.weights, inflation) / np.sqrt(inflation.mean())
+    R = belief(settings, state._replace(information=information))
     count, freedom = basis.shape
     others = np.linalg.svd(basis)[0][:, freedom:]
     root, z = R[:-1, :-1], R[:-1, -1:]
