@@ -212,7 +212,7 @@ class SelfTuning:
     def _shortened(self, way: FloatArray, most: float) -> FloatArray:
         """Shorten changes (P, B) so that none exceeds so many standard deviations."""
         longest = np.abs(way / self._std[:, None]).max(axis=0)
-        return way * np.minimum(1.0, most / np.maximum(longest, 1e-300))
+        return np.asarray(way * np.minimum(1.0, most / np.maximum(longest, 1e-300)))
 
     @cached_property
     def _places(self) -> NDArray[np.intp]:

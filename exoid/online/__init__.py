@@ -9,11 +9,12 @@ from .rows import Block
 from .settings import Settings
 from .solution import estimate_of
 from .start import started
-from .state import Change, State
+from .state import Change, Drift, State
 
 __all__ = [
     "Block",
     "Change",
+    "Drift",
     "Hypothesis",
     "LoadChange",
     "Recursion",

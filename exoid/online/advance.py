@@ -12,6 +12,7 @@ from exoid._typing import FloatArray
 from .belief import belief
 from .correlation import followed, inflations
 from .detection import Detection, confirmed, looked
+from .drift import drift_limit, drifted, without_epochs
 from .information import absorb
 from .rows import Block, Rows, filtered_rows, unfiltered_rows
 from .settings import Settings
@@ -37,10 +38,12 @@ class Recursion(NamedTuple):
     Attributes:
         settings: Settings.
         detection: Hypotheses of the change detection with their thresholds.
+        drift_limit: Threshold of slow changes.
     """
 
     settings: Settings
     detection: Detection
+    drift_limit: float
 
     @classmethod
     def of(cls, settings: Settings) -> Recursion:
@@ -52,7 +55,7 @@ class Recursion(NamedTuple):
         Returns:
             All that a step needs.
         """
-        return cls(settings, Detection.of(settings))
+        return cls(settings, Detection.of(settings), drift_limit(settings))
 
     def begin(self) -> State:
         """Make the state before the first sample.
@@ -94,6 +97,8 @@ def advance(recursion: Recursion, state: State, block: Block) -> State:
     state = _followed(settings, _updated(settings, state, rows), rows)
     if confirmed(settings, state.detector):
         return _changed(recursion, state, ratios)
+    if known and np.isfinite(recursion.drift_limit):
+        state = drifted(settings, recursion.drift_limit, state, rows)
     return _with_checkpoint(settings, state)
 
 
@@ -153,7 +158,7 @@ def _changed(recursion: Recursion, state: State, ratios: FloatArray) -> State:
         state.detector.weights,
     )
     found = current(settings, information, state.weights, inflations(settings, state.correlation))
-    return state._replace(
+    return without_epochs(settings, state)._replace(
         information=information,
         values=state.values if found is None else found.values,
         std=state.std if found is None else found.std,
