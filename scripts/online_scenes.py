@@ -96,18 +96,22 @@ class Scene:
 class Machine:
     """Rigs that go on from piece to piece, whatever changes between two samples."""
 
-    def __init__(self, scene: Scene, count: int, seed: int) -> None:
-        """Begin in the motion, under PD control."""
+    def __init__(self, scene: Scene, count: int, seed: int, begin: float = 0.0) -> None:
+        """Begin in the motion at this time, under PD control."""
         noise = np.array(scene.torque_noise)[:, None]
         self.scene, self._noise = scene, Sensors(torque_noise=noise)
         self._rng = np.random.default_rng(seed)
-        start = scene.motion.at(0.0)
+        start = scene.motion.at(begin)
         self._q, self._v = (np.tile(x, (1, count)) for x in (start.q, start.v))
-        self._torque, self._done = np.zeros_like(self._q), 0
+        self._torque, self._done = np.zeros_like(self._q), round(begin * scene.rate)
         self._law: AnyLaw | None = None
         self._command: FloatArray | None = None
         self.memory: Memory = None
         self.walk(scene.plants(count), SETTLING)
+
+    def reseed(self, seed: int) -> None:
+        """Begin with other noise, the same for every machine with this seed."""
+        self._rng = np.random.default_rng(seed)
 
     def walk(self, plant: Plant, seconds: float) -> Stream:
         """Move for so long."""

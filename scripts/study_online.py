@@ -43,6 +43,8 @@ WARM = 36.0
 """Time before something changes [s]."""
 WORN, WORN_IN = 0.7, 600.0
 """Share of the friction that is left in the end, and time constant of the change [s]."""
+SHORT = 4.0
+"""Time for which controllers move before the payload that need not learn the leg without it [s]."""
 PIECE = 20.0
 """Time for which friction is constant while it drifts [s]."""
 
@@ -180,6 +182,7 @@ def loop(seeds: int, where: str = "walk", after: float = 5.0, measured: float = 
     """Strap the payload on while a controller with soft gains walks; its errors from so much later on.
 
     Adaptive controllers begin with the parameters of the leg without the payload; those that knew, with the payload's.
+    Noise of sensors and drives is the same for all controllers from the change on.
     """
     at = scene(where)
     plain = at.plants(seeds)
@@ -196,8 +199,10 @@ def loop(seeds: int, where: str = "walk", after: float = 5.0, measured: float = 
     }
     found = {}
     for name, law in laws.items():
-        machine, mass = Machine(at, seeds, 11), np.full(seeds, np.nan)
-        machine.drive(plain, law, WARM if name == "self-tuning" else 4.0)
+        early = WARM - SHORT if name != "self-tuning" else 0.0
+        machine, mass = Machine(at, seeds, 11, early), np.full(seeds, np.nan)
+        machine.drive(plain, law, WARM - early)
+        machine.reseed(12)
         before = machine.memory
         machine.drive(loaded, law, after)
         if name == "self-tuning":

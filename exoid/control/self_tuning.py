@@ -18,7 +18,7 @@ from exoid.rig import Target
 
 from .known_leg import as_estimate
 from .law import RATE, State, acceleration, gains, refuse_rate
-from .model import ModelSource
+from .model import ControlModel, ModelSource
 from .parameter_change import ExpectedChange, regular
 from .parameter_cone import FLOOR, ParameterCone
 from .pd import PD
@@ -81,7 +81,7 @@ class SelfTuning:
         feedback: PD feedback.
         model: Linear model, initial values and P₀ of the adapted parameters.
         cone: Set of the parameters.
-        source: Initial estimate, of which the recursive one has the parameters.
+        source: Initial estimate, of which the recursive one has the parameters; other terms keep their coefficients.
         covariance: P₀ of all of these, (R, R).
         recursion: Settings of the recursive estimator.
         time_constant: Time constant with which β̂ approaches β* [s].
@@ -182,7 +182,8 @@ class SelfTuning:
             raise ExoidError("a reading is not finite", remedy="stop the leg, and begin again with good readings")
         pending, before = memory.pending, memory.before
         if np.isfinite(before).all() and np.isfinite(held).all():
-            complete = np.array([before[0], before[1], 0.5 * (before[2] + held)])
+            moved = 0.5 * (before[2] + held) - self.model.fixed(before[0], before[1], np.zeros_like(held))
+            complete = np.array([before[0], before[1], moved])
             pending = np.concatenate([pending, complete[None]])
         memory = memory._replace(pending=pending, before=now)
         return memory if len(pending) < self.recursion.settings.block else self._refreshed(memory)
@@ -277,8 +278,7 @@ def self_tuning(
         The controller; limit its torque by :class:`exoid.control.Limited`.
 
     Raises:
-        ExoidError: A setting is out of range, no parameter may change, the source has no control model, or a term of
-            it cannot be estimated online.
+        ExoidError: A setting is out of range, no parameter may change, or the source has no control model.
 
     Example:
         >>> import exoid
@@ -288,7 +288,7 @@ def self_tuning(
     """
     refuse_rate(rate)
     estimate = as_estimate(source, TORQUE_STD)
-    model = SlotineLiModel.of(estimate, change)
+    model = replace(SlotineLiModel.of(estimate, change), model=ControlModel.of(source))
     refuse_unknown_covariance(model.covariance)
     cone = ParameterCone.of(model.model.leg, model.positive)
     covariance = estimate.covariance.copy()

@@ -5,9 +5,10 @@ over the first epochs, x̄₀, and over the last, x̄₁, are independent. While
 
     t = (x̄₁ − x̄₀) / (s √(var x̄₀ + var x̄₁))
 
-is about t-distributed for every parameter, with s² ≥ 1 the mean of (x_k − x_{k−1})² / (var x_k + var x_{k−1}), which
-is more than one where errors of the model differ from epoch to epoch. By Boole's inequality, P parameters and h epochs
-an hour raise F false alarms an hour at most if each test has the level F / (h P).
+is about t-distributed for every parameter. s² ≥ 1 is the mean square of the second differences
+x_k − 2 x_{k−1} + x_{k−2} over their variance: more than one where errors of the model differ from epoch to epoch,
+whatever the slope. By Boole's inequality, P parameters and h epochs an hour raise F false alarms an hour at most if
+each test has the level F / (h P).
 """
 
 from __future__ import annotations
@@ -118,9 +119,10 @@ def _of_epoch(settings: Settings, epochs: Epochs, state: State) -> EpochEstimate
 def _compared(settings: Settings, limit: float, state: State, now: EpochEstimate) -> State:
     """Compare the last epochs with the reference."""
     epochs = state.epochs
-    if epochs.number:
-        jump = (now.values - epochs.values[0]) ** 2 / (now.variances + epochs.variances[0])
-        epochs = epochs._replace(scatter=epochs.scatter + jump, jumps=epochs.jumps + 1.0)
+    if epochs.number >= 2:
+        bend = now.values - 2.0 * epochs.values[0] + epochs.values[1]
+        variance = now.variances + 4.0 * epochs.variances[0] + epochs.variances[1]
+        epochs = epochs._replace(scatter=epochs.scatter + bend**2 / variance, bends=epochs.bends + 1.0)
     unfilled = epochs.references < FIRST
     precision = np.where(unfilled, 1.0 / now.variances, 0.0)
     epochs = epochs._replace(
@@ -137,7 +139,7 @@ def _compared(settings: Settings, limit: float, state: State, now: EpochEstimate
     shares = 1.0 / epochs.variances
     recent = (shares * epochs.values).sum(axis=0) / shares.sum(axis=0)
     reference = epochs.score / epochs.precision
-    scatter = np.maximum(1.0, epochs.scatter / max(epochs.jumps, 1.0))
+    scatter = np.maximum(1.0, epochs.scatter / max(epochs.bends, 1.0))
     std = np.sqrt(scatter * (1.0 / shares.sum(axis=0) + 1.0 / epochs.precision))
     ratio = np.abs(recent - reference) / (std * limit)
     found = np.flatnonzero((ratio > 1.0) & (epochs.behind >= len(epochs.values)))

@@ -115,8 +115,8 @@ class Epochs(NamedTuple):
         precision: Sum of the inverse variances, (P,).
         references: Number of epochs in the reference, (P,).
         behind: Number of epochs behind it, (P,).
-        scatter: Sum of squared differences of consecutive epochs over their variances, (P,).
-        jumps: Number of these differences.
+        scatter: Sum of squared second differences of consecutive epochs over their variances, (P,).
+        bends: Number of these differences.
     """
 
     R: FloatArray
@@ -130,7 +130,7 @@ class Epochs(NamedTuple):
     references: FloatArray
     behind: FloatArray
     scatter: FloatArray
-    jumps: float
+    bends: float
 
 
 class Drift(NamedTuple):
