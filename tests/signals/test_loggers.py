@@ -30,7 +30,8 @@ OPENEXO = [
     "Toe FSR (R)", "Heel FSR (R)", "Channel 8", "Exoskeleton time (seconds)",
 ]  # fmt: skip
 """Header of naubiomech/OpenExo, Python_GUI/Saved_Data/trial_20260226_151930.csv at commit e8cefd0: epoch, mark, and ten
-titles of ExoCode/src/PlottingTitles.h at commit 0bff1c5. MainWindow.py at commit 0e9b70b writes them, with six decimals."""
+titles of ExoCode/src/PlottingTitles.h at commit 0bff1c5. MainWindow.py at commit 0e9b70b
+writes them, with six decimals."""
 
 TIME = np.arange(500) / 250.0
 ANGLE = 0.6 * np.sin(2.0 * np.pi * TIME)
@@ -135,7 +136,7 @@ def test_an_openexo_trial_is_read_in_si_without_repeated_stamps(openexo):
 def test_an_openexo_trial_of_two_sides_needs_the_side(tmp_path):
     titles = [title.replace("Channel 8", "Measured Torque (L)") for title in OPENEXO]
     path = write_openexo(tmp_path / "both.csv", titles, 26.15 + 5.0 * TIME, np.rad2deg(ANGLE), TORQUE)
-    with pytest.raises(ExoidError, match='openexo-left or openexo-right.*format="openexo-left:ankle"'):
+    with pytest.raises(ExoidError, match=r'openexo-left or openexo-right.*format="openexo-left:ankle"'):
         Recording.from_file(path, ["ankle"])
     np.testing.assert_allclose(Recording.from_file(path, format="openexo-left:ankle").tau[:, 0], TORQUE, atol=0.0051)
 
