@@ -1,4 +1,7 @@
-"""Pages of the docs are true: their Python and their commands run as they stand, and print what the page shows."""
+"""Pages of the docs are true: their Python and their commands run as they stand, and print what the page shows.
+
+test_shown_commands.py makes sure that no command is left out.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ DOCS = ROOT / "docs"
 TESTED_ELSEWHERE = {
     "extending": "tests/extension/test_extending_page.py",  # it needs an installed package
     "control": "tests/control/test_control_page.py",
+    "rig": "tests/rig/test_rig_page.py",
     "microcontroller": "tests/codegen/test_microcontroller_page.py",
     "stability": "tests/cli/test_stability_command.py",
     "view": "tests/view/test_view_docs.py",

@@ -39,6 +39,7 @@ from .messages import note
 from .outputs import check_outputs
 from .payloads import PayloadOptions, refuse_other_payloads
 from .progress import status
+from .robots import folder_of_robot, is_robot
 
 
 def view(
@@ -99,7 +100,7 @@ def view(
             ghost=ghost,
             ghost_label=label,
             identified=shown.identified,
-            meshes=Path(leg).parent if meshes is None else meshes,
+            meshes=_folder_of(leg) if meshes is None else meshes,
         )
     for each in drawn.notes:
         note(f"note: {each}")
@@ -130,10 +131,12 @@ def _shown(
         if inertias is None:
             return _Shown(legs)
         return _Shown(legs, [find_leg(name, each, inertias, joints, logged) for each in sides])
-    if is_readable(name) and joints is None and not logged:
-        refuse({"--side": side, "--inertias": inertias}, f"{name!r} is no built-in leg")
-        return _Shown([Leg.from_urdf(name)])
-    return _Shown([find_leg(name, side, inertias, joints, logged)])
+    return _Shown([find_leg(name, side, inertias, joints, logged or None)])
+
+
+def _folder_of(leg: str) -> Path:
+    """Folder of the meshes, unless the caller names one: that of the file, or of a robot known by name."""
+    return folder_of_robot(leg) if not is_readable(leg) and is_robot(leg) else Path(leg).parent
 
 
 def _pose(pairs: Sequence[str]) -> dict[str, float]:

@@ -57,6 +57,14 @@ def test_robots_without_a_urdf_are_none():
     assert robots.urdf_of_robot("panda") == urdf_of("panda")
 
 
+@pytest.mark.slow
+def test_a_robot_is_drawn_with_its_meshes(exoid_, tmp_path):
+    done = exoid_("view", "panda", "--html", "panda.html")
+    assert done.code == 0, done.err
+    assert "not found" not in done.err
+    assert (tmp_path / "panda.html").stat().st_size > 1e6
+
+
 def test_the_package_is_imported_only_for_a_robots_name():
     script = (
         "import sys; from exoid.cli import inputs; inputs.find_leg('cuhk', 'left', None, None, None); "

@@ -7,7 +7,7 @@
   units of ``docs/protocol/registers.md`` at commit 17fbf26.
 * ``openexo``: files of naubiomech/OpenExo, ``Python_GUI/MainWindow.py`` at commit 0e9b70b: ``epoch``, ``mark`` and the
   titles of ``ExoCode/src/PlottingTitles.h`` (0bff1c5, ca74efe). Ankle angles are in degrees as the range of motion in
-  ``SDCard/config.ini`` (185eb8c) that scales them. A log: ``Python_GUI/Saved_Data/trial_20260226_151930.csv`` (e8cefd0).
+  ``SDCard/config.ini`` (185eb8c) that scales them. Log: ``Python_GUI/Saved_Data/trial_20260226_151930.csv`` (e8cefd0).
 """
 
 from __future__ import annotations
