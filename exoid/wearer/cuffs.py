@@ -12,8 +12,9 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import EstimateData
 from exoid.estimate.validation_checks import effective_share
+from exoid.regression.every_row import each_row
 from exoid.regression.model import RegressorModel
-from exoid.regression.rows import each_row, prepare
+from exoid.regression.rows import prepare
 from exoid.signals import Preparation, Recording
 
 STEP = 0.02
