@@ -16,7 +16,7 @@ from .least_squares import Solution
 from .noise import QuadraticForm
 from .problem import RowProblem
 from .residuals import Noises, Point, Series, over_recordings
-from .rows import NoiseKind
+from .row_data import NoiseKind
 
 BINS = 10
 """Equally filled intervals of velocity or angle in which residuals are averaged."""
@@ -189,10 +189,12 @@ class _Sums:
 
     @classmethod
     def zero(cls, rows: int, columns: int) -> _Sums:
+        """Make sums of no samples."""
         nonlinear = ((rows,), (rows,), (rows, columns), (rows, rows), (rows, columns))
         return cls(*(np.zeros(shape) for shape in nonlinear))
 
     def plus(self, other: _Sums) -> _Sums:
+        """Add the sums of other samples."""
         return _Sums(*(getattr(self, field.name) + getattr(other, field.name) for field in fields(self)))
 
 

@@ -15,7 +15,7 @@ from exoid.rig import Plant
 from exoid.signals import ZeroPhase
 from exoid.torques import Armature, Coulomb, Offset, TorqueModel, Viscous
 
-NAMES = ["pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr", "adaptive"]
+NAMES = ["pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr", "adaptive", "self_tuning"]
 METRICS = ["peak_deg", "rms_deg", "rms_torque", "torque_variation"]
 
 
@@ -67,7 +67,9 @@ def test_a_rig_may_differ_from_what_the_laws_know(track, saved):
 
 
 def test_a_table_and_figures(track, saved, tmp_path):
-    code, out, err = track(saved, "--period", 1, "--kp", 30, "--rate", 50, "--figures", "new/figs", "--format", "pdf")
+    code, out, err = track(
+        saved, "--period", 1, "--kp", 30, "--rate", 50, "--figures", "new/figs", "--figure-format", "pdf"
+    )
     assert code == 0, err
     assert "hip 30 / 3, knee 30 / 3" in out
     for name in NAMES:
