@@ -1,6 +1,7 @@
 """How well is the torque of a wearer found, does its band hold the truth, and is an unworn leg called worn?
 
     python scripts/study_interaction.py --seeds 16            # torque of active and passive wearers, some minutes
+    python scripts/study_interaction.py --parts --seeds 4     # what the error comes of
     python scripts/study_interaction.py --limb --seeds 16     # X, Y, J of a passive limb, and of sandbags
     python scripts/study_interaction.py --unworn --seeds 40   # false alarms; friction of other forms, fast motion
 
@@ -43,6 +44,7 @@ from worn_rig import (
     machine,
     nrmse,
     passive,
+    true_values,
 )
 
 LEGS = ("bleex", "cuhk")
@@ -122,6 +124,34 @@ def _cells(figures: dict[str, Array]) -> list[str]:
     ]
 
 
+def parts(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
+    """Error of the torque with exact sensors, with true parameters, and with both, one row a kind and joint [N·m]."""
+    one, rows = machine(name), []
+    trained, limb = alone(one, seeds), Wearer.build(one.plant.leg)
+    estimates = [exoid.identify(one.plant.leg, log(trained, k), one.terms) for k in range(len(seeds))]
+    for kind, run in (
+        ("active", active(one, seeds)),
+        ("passive", passive(one, seeds, limb, 30.0, motion=gait(one, seeds))),
+    ):
+        exact = replace(run, q_measured=run.q, tau_measured=run.tau)
+        each = []
+        for k, estimate in enumerate(estimates):
+            true = replace(estimate, values=true_values(one, estimate.names))
+            errors = []
+            for source, model in ((run, estimate), (exact, estimate), (run, true), (exact, true)):
+                found = exoid.interaction(model, log(source, k))
+                truth = at(estimate, log(run, k), run.interaction[..., k], found.time)
+                errors.append(np.sqrt(((found.torque - truth) ** 2).mean(axis=0)))
+            noise = one.noise * np.sqrt(estimate.preparation.independent_fraction(1.0 / np.diff(run.time).mean()))
+            each.append([*errors, noise])
+        mean = np.mean(each, axis=0).T
+        rows += [
+            (name, kind, joint, *(f"{x:.3f}" for x in of_joint))
+            for joint, of_joint in zip(one.plant.leg.joint_labels, mean, strict=True)
+        ]
+    return rows
+
+
 def limbs(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
     """Error and coverage of the parameters of a passive limb and of sandbags, one row a parameter."""
     one, rows = machine(name), []
@@ -192,11 +222,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=16)
     parser.add_argument("--limb", action="store_true", help="parameters of the limb instead")
+    parser.add_argument("--parts", action="store_true", help="parts of the error instead")
     parser.add_argument("--unworn", action="store_true", help="false alarms instead")
     options = parser.parse_args()
     seeds = list(range(options.seeds))
     if options.unworn:
         headers, rows = ("logs", "number", "called worn", "mean torque / least", "largest"), unworn(options.seeds)
+    elif options.parts:
+        headers = (*WHO, "error [N·m]", "exact sensors", "true parameters", "both", "noise alone")
+        rows = [row for name in LEGS for row in parts(name, seeds)]
     elif options.limb:
         headers = ("leg", "kind", "parameter", "truth", "error [%]", "bias [%]", "std [%]", "in 95 % interval [%]")
         rows = [row for name in LEGS for row in limbs(name, seeds)]

@@ -49,12 +49,10 @@ class _Spectrum(NamedTuple):
     Attributes:
         frequency: [Hz], (K,).
         power: [N²·m²], (K, n); zero where noise hides it.
-        level: Variance of the noise over that of the sensors as given, at least 1, (n,).
     """
 
     frequency: FloatArray
     power: FloatArray
-    level: FloatArray
 
 
 def tuned_observer(observer: Observer, recording: Recording, delay: float = DELAY) -> Observer:
@@ -125,8 +123,7 @@ def _of_cutoff(
         if (allowed := tried.delay <= delay).any():
             R = np.array([tried.response(f) for f in spectrum.frequency.tolist()])
             missed = (np.abs(1.0 - R) ** 2 * spectrum.power).sum(axis=0)
-            noise = spectrum.level * tried.band.variance(inertia, derived=derived)
-            errors[k] = np.where(allowed, missed + noise, np.inf)
+            errors[k] = np.where(allowed, missed + tried.band.variance(inertia, derived=derived), np.inf)
     best = errors.argmin(axis=0)
     return bandwidths[best], errors[best, np.arange(len(inertia))]
 
@@ -149,11 +146,9 @@ def _spectrum(wide: TorqueObserver, recording: Recording, inertia: FloatArray, *
     gain = np.abs(np.array([wide.response(f) for f in middle.tolist()])) ** 2
     shown = (lines > 0) & (gain > PASSED**2).all(axis=1)
     upper = shown & (middle > UPPER * wide.bandwidths.max())
-    level = np.ones(y.shape[1])
-    if upper.any():
-        level = np.maximum(np.median(read[upper] / of_noise[upper], axis=0), level)
+    level = np.maximum(np.median(read[upper] / of_noise[upper], axis=0), 1.0) if upper.any() else 1.0
     torque = np.where(read > TWICE * level * of_noise, read - level * of_noise, 0.0) / gain
-    return _Spectrum(middle[shown], torque[shown], level)
+    return _Spectrum(middle[shown], torque[shown])
 
 
 def _noise_power(wide: TorqueObserver, inertia: FloatArray, count: int, *, derived: bool) -> FloatArray:
