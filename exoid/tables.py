@@ -14,6 +14,9 @@ WIDTH = 110
 NARROWEST = 60
 """Longest line of a text on any narrower terminal."""
 
+COMPACT = 80
+"""Widest table with wide gaps between its columns; in a wider one they are a character narrower."""
+
 line_width: ContextVar[int] = ContextVar("line_width", default=WIDTH)
 """Longest line of a text. The command sets it to the width of its terminal, between the two above."""
 
@@ -53,8 +56,9 @@ def to_text(*parts: DataTable | str) -> str:
         *parts: Tables and lines, from top to bottom.
 
     Returns:
-        Lines of at most :data:`line_width` characters, without blanks at their ends. A wider table is cut into tables
-        of some of its columns, each with the first column.
+        Lines of at most :data:`line_width` characters, without blanks at their ends. A table wider than that or than
+        :data:`COMPACT` gets narrower gaps. If it is still too wide, it is cut into tables of some of its columns, each
+        with the first column.
     """
     from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - a leg and an estimate need Rich only when they are printed
     from rich.console import Console  # noqa: PLC0415
@@ -73,8 +77,9 @@ def to_text(*parts: DataTable | str) -> str:
 
     unlimited = console.options.update(max_width=10 * WIDTH)
 
-    def drawn(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
-        table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    def spaced(headers: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> Table:
+        """Make a table with so many spaces left of each column."""
+        table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, left))
         for index, column in enumerate(zip(headers, *rows, strict=True)):
             least = max(map(_unbroken, column), default=0)
             table.add_column(
@@ -83,6 +88,12 @@ def to_text(*parts: DataTable | str) -> str:
         for row in rows:
             table.add_row(*row)
         return table
+
+    def drawn(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
+        """Make a table for the terminal, with narrow gaps if it is wide."""
+        table = spaced(headers, rows, 1)
+        fits = console.measure(table, options=unlimited).maximum <= min(COMPACT, console.width)
+        return table if fits else spaced(headers, rows, 0)
 
     for part in parts:
         if isinstance(part, str):
@@ -100,7 +111,8 @@ def to_text(*parts: DataTable | str) -> str:
                 last -= 1
         if len(part.headers) == 1:
             console.print(drawn(part.headers, part.rows))
-    return "\n".join(line.rstrip() for line in file.getvalue().splitlines()).strip("\n")
+    text = "\n".join(line.rstrip() for line in file.getvalue().splitlines()).strip("\n")
+    return text.replace("\n\n\n", "\n\n")  # a table has an empty line above and below
 
 
 def _unbroken(cell: str) -> int:
@@ -147,6 +159,7 @@ def html_table(headers: Sequence[str], rows: Iterable[Sequence[str]], caption: s
     """
 
     def line(tag: str, cells: Sequence[str]) -> str:
+        """Write a row of HTML, the first cell to the left."""
         sides = ("left", *("right",) * (len(cells) - 1))
         row = (
             f'<{tag} style="text-align:{side}">{html.escape(c)}</{tag}>' for side, c in zip(sides, cells, strict=True)

@@ -302,6 +302,21 @@ def large_residuals(
             )
 
 
+def torque_spread_of(evidence: Evidence) -> FloatArray:
+    """Standard deviation of the torque of each joint in the rows of a fit [N·m], (n,); 0 for a joint without rows.
+
+    Args:
+        evidence: Rows.
+
+    Returns:
+        Standard deviations.
+    """
+    torques = (
+        np.concatenate([part.tau[part.usable[:, j], j] for part in evidence.parts]) for j in range(evidence.joints)
+    )
+    return np.array([float(np.std(tau)) if len(tau) else 0.0 for tau in torques])
+
+
 def nrmse_of(evidence: Evidence, values: FloatArray) -> FloatArray:
     """RMS residual of each joint over the standard deviation of its torque, (n,).
 
@@ -313,10 +328,9 @@ def nrmse_of(evidence: Evidence, values: FloatArray) -> FloatArray:
         NRMSE of each joint; 0 where the torque is constant.
     """
     found = []
-    for j in range(evidence.joints):
+    for j, spread in enumerate(torque_spread_of(evidence)):
         W = np.vstack([part.W[part.usable[:, j], j, : evidence.count] for part in evidence.parts])
         tau = np.concatenate([part.tau[part.usable[:, j], j] for part in evidence.parts])
-        spread = float(np.std(tau)) if len(tau) else 0.0
         rms = float(np.sqrt(np.mean((tau - W @ values) ** 2))) if len(tau) else 0.0
         found.append(rms / spread if spread > 0.0 else 0.0)
     return np.array(found)

@@ -24,6 +24,7 @@ from .against_urdf import (
     nrmse_of,
     persistence_of,
     torque_scale,
+    torque_spread_of,
     turned_segment,
 )
 from .alternatives import POOR, gross_findings, negative_parameters
@@ -70,11 +71,13 @@ class Checkup(NamedTuple):
         ranges: Ranges of the motion; None where no rows could be formed.
         friction: Rows of parameters and friction of other forms, of each recording in motion; None where they were not
             formed with the preparation of the fit.
+        torque_spread: Standard deviation of the torque of each joint [N·m], (n,); None likewise.
     """
 
     findings: tuple[Finding, ...] = ()
     ranges: MotionRanges | None = None
     friction: tuple[Rows, ...] | None = None
+    torque_spread: FloatArray | None = None
 
 
 def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple[Finding, ...]:
@@ -116,8 +119,9 @@ def check_fit(fitted: FittedLeg, data: Sequence[Recording | Poses]) -> Checkup:
     for other in evidence.ranges[1:]:
         ranges = ranges.joined(other)
     found += tuple(_fit_findings(fitted, checked, evidence, found))
-    friction = tuple(evidence.friction) if checked.preparation is fitted.preparation else None
-    return Checkup(ordered(found), ranges, friction)
+    if checked.preparation is not fitted.preparation:
+        return Checkup(ordered(found), ranges)
+    return Checkup(ordered(found), ranges, tuple(evidence.friction), torque_spread_of(evidence))
 
 
 def torque_delays(fitted: FittedLeg, data: Sequence[Recording | Poses]) -> Delays:

@@ -13,42 +13,30 @@ from exoid.tables import to_text
 from exoid.torques import TERMS
 
 from .inputs import (
+    ANY_LEG,
+    READ_AS_IT_IS,
     AsJson,
-    BasePosition,
-    ColumnPairs,
-    Degrees,
     DriveFile,
     FloatingBase,
-    Format,
+    LegName,
+    LegOptions,
+    LogNames,
     LogOptions,
     MovingBase,
-    Names,
-    Passive,
-    Received,
-    Start,
-    Stop,
-    Topic,
-    Unmeasured,
-    WrenchFrames,
-    find_leg,
     given_terms,
     read_drives,
     read_logs,
-    refuse_unknown_leg,
-    split_names,
 )
+from .legs import refuse_unknown_leg
 from .numbers import parse_known
-from .payloads import PayloadOptions, refuse_other_payloads
+from .option_groups import expand_options
 
 
+@expand_options()
 def check(
-    leg: Annotated[
-        str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF file, or a robot such as panda.")
-    ],
-    logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="Logs of any kind, or a dataset's name:train.")],
-    side: Annotated[str | None, typer.Option(help="left, right or both; by default the side in the log.")] = None,
-    inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
-    joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF; default: logged.")] = None,
+    leg: LegName,
+    logs: LogNames,
+    choice: LegOptions = ANY_LEG,
     terms: Annotated[str | None, typer.Option(metavar="A,B", help=f"{', '.join(TERMS)}; none for none.")] = None,
     cutoff: Annotated[
         float | None, typer.Option(metavar="HZ", help="Of the zero-phase low-pass; by default chosen from the logs.")
@@ -56,54 +44,21 @@ def check(
     known: Annotated[
         list[str] | None, typer.Option(metavar="NAME=VALUE", help="Hold a parameter fixed. Repeatable.")
     ] = None,
-    column: ColumnPairs = None,
-    degrees: Degrees = False,
-    start: Start = None,
-    stop: Stop = None,
-    topic: Topic = None,
-    received: Received = False,
-    names: Names = None,
-    format: Format = None,
-    passive: Passive = None,
-    unmeasured: Unmeasured = None,
-    payload: PayloadOptions = None,
-    base_position: BasePosition = None,
-    wrench: WrenchFrames = None,
+    reading: LogOptions = READ_AS_IT_IS,
     moving_base: MovingBase = False,
     floating_base: FloatingBase = False,
     actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
-    """Check the LOGs of LEG for late, frozen, clipped or swapped channels, wrong units and zeros, and straps."""
+    """Check the LOGs of LEG for late, frozen, clipped or swapped channels, wrong units and zeros, and straps.
+
+    Example: exoid check bleex bleex_swing:train
+    """
     refuse_unknown_leg(leg)
-    refuse_other_payloads(payload, logs)
-    recordings = read_logs(
-        logs,
-        LogOptions(
-            column,
-            degrees,
-            start,
-            stop,
-            topic,
-            received,
-            names=names,
-            format=format,
-            passive=passive,
-            unmeasured=unmeasured,
-            payloads=payload,
-            base_position=base_position,
-            wrenches=wrench,
-        ),
-    )
-    found_leg = find_leg(
-        leg,
-        side,
-        inertias,
-        split_names(joints),
-        recordings[0].joint_names,
-        moving_base=moving_base,
-        floating_base=floating_base,
-    )
+    reading.refuse_other(logs)
+    recordings = read_logs(logs, reading)
+    logged = recordings[0].joint_names
+    found_leg = choice.find(leg, logged, moving_base=moving_base, floating_base=floating_base)
     found = identification.check(
         found_leg,
         recordings,

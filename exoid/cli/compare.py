@@ -17,7 +17,10 @@ def compare(
     second: Annotated[str, typer.Argument(metavar="B.JSON", help="Another, of other logs or by another estimator.")],
     as_json: AsJson = False,
 ) -> None:
-    """Test whether B differs from A: left and right, one day and another, with and without a wearer."""
+    """Test whether B differs from A: left and right, one day and another, with and without a wearer.
+
+    Example: exoid compare est.json other.json
+    """
     result = estimates.compare(*(estimates.Estimate.load(path) for path in (first, second)))
     if as_json:
         typer.echo(json.dumps(result.to_json(), indent=1))

@@ -4,46 +4,26 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
-from rich.console import Console
 
 from exoid import estimate as estimates
 from exoid import wearer
 from exoid.errors import ExoidError
 from exoid.signals import Recording
 
-from .inputs import (
-    AsJson,
-    BasePosition,
-    ColumnPairs,
-    Degrees,
-    DriveFile,
-    Format,
-    LogOptions,
-    Mask,
-    Names,
-    Passive,
-    Received,
-    Report,
-    Segments,
-    Start,
-    Stop,
-    Topic,
-    Unmeasured,
-    WrenchFrames,
-    read_drives,
-    read_logs,
-    refuse_other_segments,
-)
+from .inputs import READ_AS_IT_IS, AsJson, DriveFile, LogNames, LogOptions, Report, read_drives, read_logs
+from .messages import note
+from .option_groups import expand_options
 from .outputs import check_outputs
-from .payloads import PayloadOptions, refuse_other_payloads
+from .progress import status
 
 
+@expand_options()
 def interaction(
     estimate: Annotated[str, typer.Argument(metavar="EST.JSON", help="Estimate of the leg without a wearer.")],
-    logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="Logs of any kind, or a dataset's name:test.")],
+    logs: LogNames,
     output: Annotated[
         str | None, typer.Option("--output", "-o", metavar="CSV", help="Write torque and band over time, of one LOG.")
     ] = None,
@@ -52,70 +32,43 @@ def interaction(
         str | None,
         typer.Option(metavar="T,T", help="Times at which strides begin [s]; default: touch-downs, or the period."),
     ] = None,
-    cutoff: Annotated[float | None, typer.Option(metavar="HZ", help="Cut-off of both torques.")] = None,
-    column: ColumnPairs = None,
-    degrees: Degrees = False,
-    start: Start = None,
-    stop: Stop = None,
-    topic: Topic = None,
-    received: Received = False,
-    segments: Segments = None,
-    mask: Mask = None,
-    names: Names = None,
-    format: Format = None,
-    passive: Passive = None,
-    unmeasured: Unmeasured = None,
-    payload: PayloadOptions = None,
-    base_position: BasePosition = None,
-    wrench: WrenchFrames = None,
+    cutoff: Annotated[
+        str | None, typer.Option(metavar="HZ", help='Cut-off of both torques; "auto" chooses that of each joint.')
+    ] = None,
+    reading: LogOptions = READ_AS_IT_IS,
     actuators: DriveFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Compute the torque between wearer and exoskeleton in the LOGs, and test whether anything acts.
 
     It is what the joints need and the actuators do not give. The exit status is 2 for bad input.
+
+    Example: exoid interaction est.json bleex_swing:test
     """
-    check_outputs({"--output": output, "--report": report}, [estimate, *logs, segments, actuators])
+    check_outputs({"--output": output, "--report": report}, [estimate, *logs, reading.segments, actuators])
     if output is not None and len(logs) > 1:
         raise ExoidError(f"--output of {len(logs)} logs", remedy="give one LOG, as times of several overlap")
     loaded = estimates.Estimate.load(estimate)
-    refuse_other_segments(segments, logs)
-    refuse_other_payloads(payload, logs)
-    recordings = read_logs(
-        logs,
-        LogOptions(
-            column,
-            degrees,
-            start,
-            stop,
-            topic,
-            received,
-            segments,
-            mask,
-            names=names,
-            format=format,
-            passive=passive,
-            unmeasured=unmeasured,
-            payloads=payload,
-            base_position=base_position,
-            wrenches=wrench,
-        ),
-    )
-    result = wearer.interaction(
-        loaded,
-        recordings,
-        strides=_times(strides),
-        cutoff=cutoff,
-        actuators=read_drives(actuators, loaded.model.leg),
-    )
+    reading.refuse_other(logs)
+    recordings = read_logs(logs, reading)
+    drives = read_drives(actuators, loaded.model.leg)
+    result = wearer.interaction(loaded, recordings, strides=_times(strides), cutoff=_cutoff(cutoff), actuators=drives)
     if output is not None:
         result.to_csv(output)
+        note(f"wrote {output}")
     if report is not None:
         _report(loaded, result, recordings, report)
-    if as_json:
-        typer.echo(json.dumps(result.to_json(), indent=1))
-    else:
-        typer.echo(str(result))
+    typer.echo(json.dumps(result.to_json(), indent=1) if as_json else str(result))
+
+
+def _cutoff(text: str | None) -> float | Literal["auto"] | None:
+    """Read a cut-off from the command line."""
+    if text is None or text == "auto":
+        return text if text is None else "auto"
+    try:
+        return float(text)
+    except ValueError:
+        raise ExoidError(f"--cutoff {text}", remedy="give a frequency in Hz, or auto") from None
 
 
 def _times(text: str | None) -> list[float] | None:
@@ -134,6 +87,6 @@ def _report(
     """Write the report."""
     from exoid.view.report import interaction_report  # noqa: PLC0415 - only a report needs matplotlib
 
-    with Console(stderr=True).status("writing the report"):
+    with status("writing the report"):
         interaction_report(estimate, found, recordings).save(path)
-    typer.echo(f"wrote {path}", err=True)
+    note(f"wrote {path}")

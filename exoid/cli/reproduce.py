@@ -28,6 +28,8 @@ def reproduce(
     """Run a document's experiments on virtual rigs, identify, and print every table side by side.
 
     "stance" is a study beside the documents: BLEEX swings, stands and walks, with and without force plates.
+
+    Example: exoid reproduce cuhk --report cuhk.html
     """
     from exoid import reproduce as replays  # noqa: PLC0415 - matplotlib would slow down the help
     from exoid.view.figure_files import write_figures  # noqa: PLC0415
@@ -53,4 +55,5 @@ def reproduce(
             note(f"wrote {path}")
     if report is not None:
         page().save(report)
+        note(f"wrote {report}")
     typer.echo(json.dumps(data, indent=1) if as_json else text)

@@ -13,38 +13,30 @@ from exoid.identification.selection import Candidate, friction_candidates
 from exoid.signals.default_preparation import highest_cutoff
 
 from .inputs import (
+    ANY_LEG,
+    READ_AS_IT_IS,
     AsJson,
-    BasePosition,
-    ColumnPairs,
-    Degrees,
     DriveFile,
-    Format,
+    LegName,
+    LegOptions,
+    LogNames,
     LogOptions,
-    Names,
-    Passive,
-    Start,
-    Stop,
-    Unmeasured,
-    WrenchFrames,
-    find_leg,
     read_drives,
     read_logs,
-    refuse_unknown_leg,
-    split_names,
 )
+from .legs import refuse_unknown_leg
+from .option_groups import expand_options
 from .outputs import check_outputs
-from .payloads import PayloadOptions, refuse_other_payloads
 from .progress import progress_bar
 
 FRICTION = [candidate.name for candidate in friction_candidates()]
 """Friction models that can be compared for all joints alike."""
 
 
+@expand_options()
 def select(
-    leg: Annotated[
-        str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF file, or a robot such as panda.")
-    ],
-    logs: Annotated[list[str], typer.Argument(metavar="LOG...", help="CSV files, or a dataset's name:train.")],
+    leg: LegName,
+    logs: LogNames,
     output: Annotated[
         str | None,
         typer.Option("--output", "-o", metavar="EST.JSON", help="Write the selected model's estimate."),
@@ -64,41 +56,21 @@ def select(
         float | None,
         typer.Option(metavar="HZ", help="Low-pass of the compared torques; default: 8, less for logs below 20 Hz."),
     ] = None,
-    side: Annotated[str | None, typer.Option(help="left, right or both; by default the side in the log.")] = None,
-    inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
-    joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF; default: logged.")] = None,
-    column: ColumnPairs = None,
-    degrees: Degrees = False,
-    start: Start = None,
-    stop: Stop = None,
-    names: Names = None,
-    format: Format = None,
-    passive: Passive = None,
-    unmeasured: Unmeasured = None,
-    payload: PayloadOptions = None,
+    choice: LegOptions = ANY_LEG,
+    reading: LogOptions = READ_AS_IT_IS,
     actuators: DriveFile = None,
-    base_position: BasePosition = None,
-    wrench: WrenchFrames = None,
     as_json: AsJson = False,
 ) -> None:
-    """Select terms, filter and estimator for LEG by blocked cross-validation inside the LOGs."""
+    """Select terms, filter and estimator for LEG by blocked cross-validation inside the LOGs.
+
+    Example: exoid select bleex bleex_swing:train --friction coulomb
+    """
     refuse_unknown_leg(leg)
-    refuse_other_payloads(payload, [*logs, *([test] if test else [])])
     check_outputs({"--output": output}, [leg, *logs, test])
-    options = LogOptions(
-        column,
-        degrees,
-        names=names,
-        format=format,
-        passive=passive,
-        unmeasured=unmeasured,
-        payloads=payload,
-        base_position=base_position,
-        wrenches=wrench,
-    )
-    recordings = read_logs(logs, options._replace(start=start, stop=stop))
-    tested = None if test is None else read_logs([test], options)[0]
-    found = find_leg(leg, side, inertias, split_names(joints), recordings[0].joint_names)
+    reading.refuse_other([*logs, *([test] if test else [])])
+    recordings = read_logs(logs, reading)
+    tested = None if test is None else read_logs([test], reading._replace(start=None, stop=None))[0]
+    found = choice.find(leg, recordings[0].joint_names)
     if cutoff is None:
         cutoff = highest_cutoff(min(recording.sample_rate for recording in recordings))
     drives = read_drives(actuators, found)

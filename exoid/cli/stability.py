@@ -20,11 +20,12 @@ from exoid.estimate import Estimate
 from exoid.files import write_bytes
 from exoid.rig import Plant
 
-from .inputs import AsJson, is_readable, refuse
+from .inputs import AsJson
 from .messages import note
 from .numbers import joint_values
 from .outputs import check_outputs
 from .progress import progress_bar
+from .refusals import is_readable, refuse
 
 KP, TARGET_DEG, AWAY_DEG = "22.1,55.6", "10,40", "25,-30"
 """Gains of CUHK-EXO that reproduce document 2's tracking errors under PD control, and a regulation task."""
@@ -63,7 +64,10 @@ def stability(
     figure: Annotated[str | None, typer.Option(metavar="FILE.PNG", help="Draw V and the gain margins.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Check Properties 1 to 3, regulate with partial and excessive friction compensation, and find the gain margins."""
+    """Check Properties 1 to 3, regulate with partial and excessive friction compensation, and find the gain margins.
+
+    Example: exoid stability cuhk --duration 5
+    """
     check_outputs({"--figure": figure}, [leg])
     plant = _plant(leg, rotor)
     task = _task(plant, kp, kd, target, away)
@@ -72,6 +76,7 @@ def stability(
         runs = checks.regulate(plant, *task, rate=rate, duration=duration, progress=progress)
 
     def law(scale: float, rate: float) -> Law:
+        """Make the controller with scaled gains, at a rate [Hz]."""
         return gravity_friction_pd(plant, scale * task.kp, scale * task.kd, friction=None, rate=rate)
 
     margins = checks.gain_margins(plant, law, task.target)

@@ -20,8 +20,10 @@ from exoid.leg import Leg
 from exoid.study import Protocol, TrackingTask
 from exoid.torques import Term, TorqueModel
 
-from .inputs import AsJson, find_leg, parse_numbers, parse_terms, refuse, split_names
+from .inputs import ANY_LEG, AsJson, LegName, LegOptions, parse_numbers, parse_terms, split_names
+from .option_groups import expand_options
 from .progress import progress_bar
+from .refusals import refuse
 
 PROTOCOLS = ("planned", "document")
 
@@ -35,19 +37,16 @@ COLOURS = {"white": 0.0, "correlated": 1.0, "mixed": 0.8}
 """Correlated share of the variance."""
 
 
+@expand_options()
 def study(
-    leg: Annotated[
-        str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF file, or a robot such as panda.")
-    ],
+    leg: LegName,
     folder: Annotated[
         str | None,
         typer.Option(
             "--folder", "-o", metavar="DIR", help="Keep finished chunks in this folder, and resume from them."
         ),
     ] = None,
-    side: Annotated[str | None, typer.Option(help="left or right, of a built-in leg.")] = None,
-    inertias: Annotated[str | None, typer.Option(help="Inertia set of a built-in leg.")] = None,
-    joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF; default: all.")] = None,
+    choice: LegOptions = ANY_LEG,
     terms: Annotated[
         str | None, typer.Option(metavar="A,B", help="armature, coulomb, offset, stiffness, viscous; none for none.")
     ] = None,
@@ -91,10 +90,12 @@ def study(
     """Identify many virtual legs: bias, standard deviation, coverage of intervals, and efficiency.
 
     With --laws, controllers also use the estimates on the same leg.
+
+    Example: exoid study cuhk --replicates 10 --protocols document --duration 10
     """
     if folder is not None:
         make_folder(folder)  # before the minute that planning takes
-    found, chosen = find_leg(leg, side, inertias, split_names(joints), None), parse_terms(terms)
+    found, chosen = choice.find(leg, None), parse_terms(terms)
     model = TorqueModel(found, chosen)
     scales = Scales.of(model, MotionLimits.of(found))
     std = TorqueNoise.of(parse_numbers(noise, "--noise"), scales.typical_torque).std

@@ -3,90 +3,87 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 import typer
 
 from exoid import control, experiments, published
+from exoid._typing import FloatArray
 from exoid.catalog import load_leg
-from exoid.control import ControlModel, LawReplay
+from exoid.control import ControlModel, LawReplay, Tracking
 from exoid.control.tracking import tracking_table
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.files import make_folder
 from exoid.leg import Leg
-from exoid.rig import Payload, Plant, Reference
+from exoid.rig import Payload, Plant
 from exoid.tables import DataTable, to_text
 
+from .courses import SCALE, MotionOptions, gait, logged, roles_of
 from .dry_run import DryRun
 from .dry_run import dry_run as run_dry
-from .inputs import AsJson, ColumnPairs, Degrees, LogOptions, Names, Report, is_readable, read_log, refuse
+from .inputs import READ_AS_IT_IS, AsJson, LogOptions, Report
 from .messages import note
 from .numbers import joint_values
+from .option_groups import expand_options
 from .outputs import check_outputs
 from .progress import progress_bar
+from .refusals import is_readable, refuse
 
-HARMONICS = 6
-"""Number of harmonics fitted to a reference from a log of a periodic motion."""
-
-LARGEST_DEVIATION = np.deg2rad(1.0)
-"""Largest deviation (RMS) of these harmonics from the log [rad]."""
-
-SETTLE, SETTLED_SHARE = 1.0, 0.25
-"""Time at the beginning of a log that the metrics leave out [s], and its largest share of the log."""
-
-SCALE = 0.8
-"""Factor of the gait's amplitudes on legs other than document 2's: within the limits of both built-in ones."""
+__all__ = ["SCALE", "roles_of", "track"]
 
 DEPTH = 0.3
 """Distance of a payload below its joint [m]."""
 
 
-class TrackOptions(NamedTuple):
-    """Options for a leg that is not document 2's; None for the default of each."""
+class DocumentOptions(NamedTuple):
+    """Options of document 2's comparison."""
 
-    kp: str | None
-    kd: str | None
-    rate: float | None
-    period: float | None
-    scale: float | None
-    speed: str | None
-    reference: str | None
-    role: list[str] | None
-    payload: float | None
-    friction: float | None
+    rotor: Annotated[float | None, typer.Option(metavar="KGM2", help="cuhk: rotor inertia at each joint.")] = None
+    wrong: Annotated[bool, typer.Option("--wrong", help="cuhk: also controllers with a wrong model.")] = False
 
 
-def track(
-    what: Annotated[
-        str, typer.Argument(metavar="EST.JSON|cuhk|bleex", help="An estimate, document 2's comparison, or BLEEX.")
-    ],
-    seed: Annotated[int, typer.Option(min=0, help="Seed of sensor noise; for cuhk of the whole experiment.")] = 0,
-    rotor: Annotated[float | None, typer.Option(metavar="KGM2", help="cuhk: rotor inertia at each joint.")] = None,
-    wrong: Annotated[bool, typer.Option("--wrong", help="cuhk: also controllers with a wrong model.")] = False,
-    kp: Annotated[str | None, typer.Option(metavar="A,B", help="Stiffness of each joint [N·m/rad].")] = None,
-    kd: Annotated[str | None, typer.Option(metavar="A,B", help="Damping [N·m·s/rad]; default kp/10.")] = None,
-    rate: Annotated[float | None, typer.Option(metavar="HZ", help="Rate of all controllers; default 100.")] = None,
-    period: Annotated[
-        float | None,
-        typer.Option(metavar="S", help="Period of the gait; default 10. With --reference: that of a periodic log."),
-    ] = None,
-    scale: Annotated[float | None, typer.Option(help="Factor of the gait's amplitudes; default 0.8.")] = None,
-    speed: Annotated[str | None, typer.Option(help="Norm of VerySlow, Slow, Free or Fast gait.")] = None,
-    reference: Annotated[
-        str | None, typer.Option(metavar="LOG", help="Follow the angles of a log from its beginning to its end.")
-    ] = None,
-    column: ColumnPairs = None,
-    degrees: Degrees = False,
-    names: Names = None,
-    role: Annotated[
-        list[str] | None,
-        typer.Option(metavar="JOINT=ROLE", help="Joint that is the hip, knee or ankle of the gait. Repeatable."),
-    ] = None,
-    payload: Annotated[float | None, typer.Option(metavar="KG", help="Unknown payload on the rig's shank.")] = None,
-    friction: Annotated[float | None, typer.Option(metavar="X", help="Factor of the rig's friction.")] = None,
+class GainOptions(NamedTuple):
+    """Gains and rate of the controllers; None for the default of each."""
+
+    kp: Annotated[str | None, typer.Option(metavar="A,B", help="Stiffness of each joint [N·m/rad].")] = None
+    kd: Annotated[str | None, typer.Option(metavar="A,B", help="Damping [N·m·s/rad]; default kp/10.")] = None
+    rate: Annotated[float | None, typer.Option(metavar="HZ", help="Rate of all controllers; default 100.")] = None
+
+    def of(self, labels: Sequence[str], default: tuple[FloatArray, FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Parse the gains.
+
+        Args:
+            labels: Names of the joints, n of them.
+            default: Gains where no option says otherwise [N·m/rad, N·m·s/rad], (n,) each.
+
+        Returns:
+            Stiffness and damping, (n,) each.
+
+        Raises:
+            ExoidError: The numbers do not fit the joints.
+        """
+        kp, kd = default
+        if self.kp is not None:
+            kp = joint_values(self.kp, "--kp", labels, one_for_all=True)
+            kd = 0.1 * kp
+        if self.kd is not None:
+            kd = joint_values(self.kd, "--kd", labels, one_for_all=True)
+        return kp, kd
+
+
+class RigOptions(NamedTuple):
+    """How the rig differs from the model."""
+
+    payload: Annotated[float | None, typer.Option(metavar="KG", help="Unknown payload on the rig's shank.")] = None
+    friction: Annotated[float | None, typer.Option(metavar="X", help="Factor of the rig's friction.")] = None
+
+
+class DryRunOptions(NamedTuple):
+    """Options of a run without a rig."""
+
     dry_run: Annotated[
         str | None,
         typer.Option(
@@ -94,7 +91,7 @@ def track(
             metavar="LOG",
             help="No rig: print the torque that one controller would have commanded in a log.",
         ),
-    ] = None,
+    ] = None
     law: Annotated[
         str | None,
         typer.Option(
@@ -102,17 +99,49 @@ def track(
             help="Controller of --dry-run: gravity_support (default), transparent, pd, pd_gravity_friction, "
             "pd_feedforward, computed_torque, lqr, adaptive, self_tuning.",
         ),
-    ] = None,
-    limit: Annotated[str | None, typer.Option(metavar="A,B", help="--dry-run: largest torques [N·m].")] = None,
+    ] = None
+    limit: Annotated[str | None, typer.Option(metavar="A,B", help="--dry-run: largest torques [N·m].")] = None
     slew: Annotated[
         str | None, typer.Option(metavar="A,B", help="--dry-run: largest rates of change of the torques [N·m/s].")
-    ] = None,
+    ] = None
     output: Annotated[
         str | None,
         typer.Option("--output", "-o", metavar="CSV", help="--dry-run: write commanded and recorded torques."),
-    ] = None,
+    ] = None
+
+
+class Comparison(NamedTuple):
+    """Controllers side by side.
+
+    Attributes:
+        runs: Runs by name of the controller.
+        table: Table of all.
+        notes: Notes on the table.
+        text: What is printed.
+        data: The same as JSON types.
+    """
+
+    runs: Mapping[str, Tracking]
+    table: DataTable
+    notes: Sequence[str]
+    text: str
+    data: dict[str, Any]
+
+
+@expand_options(without={"reading": ("payload", "base_position", "wrench")})
+def track(
+    what: Annotated[
+        str, typer.Argument(metavar="EST.JSON|cuhk|bleex", help="An estimate, document 2's comparison, or BLEEX.")
+    ],
+    seed: Annotated[int, typer.Option(min=0, help="Seed of sensor noise; for cuhk of the whole experiment.")] = 0,
+    document: DocumentOptions = DocumentOptions(),  # noqa: B008 - a tuple does not change
+    gains: GainOptions = GainOptions(),  # noqa: B008
+    motion: MotionOptions = MotionOptions(),  # noqa: B008
+    reading: LogOptions = READ_AS_IT_IS,
+    rig: RigOptions = RigOptions(),  # noqa: B008
+    dry: DryRunOptions = DryRunOptions(),  # noqa: B008
     figures: Annotated[str | None, typer.Option(metavar="DIR", help="Write figures into this folder.")] = None,
-    form: Annotated[Literal["png", "pdf"], typer.Option("--format", help="Format of the figures.")] = "png",
+    figure_format: Annotated[Literal["png", "pdf"], typer.Option(help="Format of the figures.")] = "png",
     report: Report = None,
     as_json: AsJson = False,
 ) -> None:
@@ -121,48 +150,46 @@ def track(
     cuhk replays document 2's comparison of controllers, on a leg identified from noisy data. With an estimate, rig and
     controllers have the same model; --payload and --friction change the rig. With --dry-run nothing moves: a controller
     reads a log.
+
+    Example: exoid track est.json --rate 50
     """
     from exoid import reproduce  # noqa: PLC0415 - matplotlib would slow down the help
     from exoid.view.figure_files import write_figures  # noqa: PLC0415
 
-    options = TrackOptions(kp, kd, rate, period, scale, speed, reference, role, payload, friction)
     if figures is not None:
         make_folder(figures)
-    read = {"--column": column, "--degrees": degrees or None, "--names": names}
-    reading = LogOptions(column, degrees, names=names)
-    if reference is None and dry_run is None:
-        refuse(read, "only the log of --reference or --dry-run is read")
-    check_outputs({"--report": report, "--output": output}, [what, reference, dry_run])
-    if dry_run is not None:
-        only = options._replace(kp=None, kd=None, rate=None)
-        given = {f"--{name}": value for name, value in only._asdict().items()}
-        refuse({**given, "--report": report, "--wrong": wrong or None, "--rotor": rotor}, "--dry-run has no rig")
-        dry = run_dry(_source(what), DryRun(dry_run, law, kp, kd, rate, limit, slew), reading)
-        _show_dry_run(dry, output, figures, form, as_json=as_json)
+    if motion.reference is None and dry.dry_run is None:
+        refuse(reading.given(), "only the log of --reference or --dry-run is read")
+    check_outputs({"--report": report, "--output": dry.output}, [what, motion.reference, dry.dry_run])
+    if dry.dry_run is not None:
+        refuse({**_flags(motion, rig, document), "--report": report}, "--dry-run has no rig")
+        replay = run_dry(_source(what), DryRun(dry.dry_run, dry.law, *gains, dry.limit, dry.slew), reading)
+        _show_dry_run(replay, dry.output, figures, figure_format, as_json=as_json)
         return
-    refuse({"--law": law, "--limit": limit, "--slew": slew, "--output": output}, "there is no --dry-run")
-    if what == "cuhk":
-        given = {f"--{name}": value for name, value in options._asdict().items()}
-        refuse(given, "cuhk is document 2's comparison; name an estimate")
-    else:
-        refuse({"--rotor": rotor, "--wrong": wrong or None}, "it is an option of cuhk")
+    refuse(_flags(dry), "there is no --dry-run")
+    of_document = what == "cuhk"
     with progress_bar(f"tracking {what}") as progress:
-        if what == "cuhk":
-            inertia = {} if rotor is None else {"rotor": rotor}
-            replay = reproduce.reproduce_cuhk_tracking(seed, wrong=wrong, progress=progress, **inertia)
-            table, notes = reproduce.cuhk_tracking_table(replay), reproduce.cuhk_tracking_notes(replay)
-            runs, text, data = replay.laws, reproduce.cuhk_tracking_text(replay), reproduce.cuhk_tracking_json(replay)
+        if of_document:
+            refuse(_flags(gains, motion, rig), "cuhk is document 2's comparison; name an estimate")
+            found = _of_document(document, seed, progress)
         else:
-            runs, table, data = _track_leg(what, options, reading, seed, progress)
-            drives = Estimate.load(what).actuators if is_readable(what) else None
-            commands = () if drives is None else (control.command_table(runs.values(), drives),)
-            text, notes = to_text(table, *commands), ()
+            refuse(_flags(document), "it is an option of cuhk")
+            found = _of_leg(what, gains, motion, rig, reading, seed, progress)
     if figures is not None:
-        for path in write_figures(figures, reproduce.tracking_figures(runs, of_document=what == "cuhk"), form):
+        drawn = reproduce.tracking_figures(found.runs, of_document=of_document)
+        for path in write_figures(figures, drawn, figure_format):
             note(f"wrote {path}")
     if report is not None:
-        reproduce.tracking_page(f"Controllers on {what}", table, notes, runs, of_document=what == "cuhk").save(report)
-    typer.echo(json.dumps(data, indent=1) if as_json else text)
+        title = f"Controllers on {what}"
+        reproduce.tracking_page(title, found.table, found.notes, found.runs, of_document=of_document).save(report)
+        note(f"wrote {report}")
+    typer.echo(json.dumps(found.data, indent=1) if as_json else found.text)
+
+
+def _flags(*groups: DocumentOptions | GainOptions | MotionOptions | RigOptions | DryRunOptions) -> dict[str, object]:
+    """Value of each option by its name; None for those that were not given."""
+    options = {name: value for group in groups for name, value in group._asdict().items()}
+    return {f"--{name.replace('_', '-')}": None if value is False else value for name, value in options.items()}
 
 
 def _show_dry_run(replay: LawReplay, output: str | None, figures: str | None, form: str, *, as_json: bool) -> None:
@@ -179,25 +206,42 @@ def _show_dry_run(replay: LawReplay, output: str | None, figures: str | None, fo
     typer.echo(json.dumps(replay.to_json(), indent=1) if as_json else str(replay))
 
 
-def _track_leg(
-    what: str, options: TrackOptions, reading: LogOptions, seed: int, progress: Callable[[float], None]
-) -> tuple[Mapping[str, Any], DataTable, dict[str, Any]]:
-    """Run every controller on a leg; return the runs, also as a table and as JSON."""
+def _of_document(document: DocumentOptions, seed: int, progress: Callable[[float], None]) -> Comparison:
+    """Run document 2's comparison."""
+    from exoid import reproduce  # noqa: PLC0415 - see above
+
+    inertia = {} if document.rotor is None else {"rotor": document.rotor}
+    replay = reproduce.reproduce_cuhk_tracking(seed, wrong=document.wrong, progress=progress, **inertia)
+    return Comparison(
+        replay.laws,
+        reproduce.cuhk_tracking_table(replay),
+        reproduce.cuhk_tracking_notes(replay),
+        reproduce.cuhk_tracking_text(replay),
+        reproduce.cuhk_tracking_json(replay),
+    )
+
+
+def _of_leg(
+    what: str,
+    gains: GainOptions,
+    motion: MotionOptions,
+    rig: RigOptions,
+    reading: LogOptions,
+    seed: int,
+    progress: Callable[[float], None],
+) -> Comparison:
+    """Run every controller on a leg."""
     from exoid import reproduce  # noqa: PLC0415 - see above
 
     source = _source(what)
     model = ControlModel.of(source)
-    reference, period, settle = _reference(model.leg, options, reading)
-    labels = model.leg.joint_labels
-    kp, kd = control.default_gains(model, control.mean_pose(reference, period))
-    if options.kp is not None:
-        kp = joint_values(options.kp, "--kp", labels, one_for_all=True)
-        kd = 0.1 * kp
-    if options.kd is not None:
-        kd = joint_values(options.kd, "--kd", labels, one_for_all=True)
-    roles = experiments.joint_roles(model.leg, roles_of(options.role))
-    joint = labels[roles.index("knee")] if "knee" in roles else labels[-1]
-    payloads = [] if options.payload is None else [Payload(joint, options.payload, _below(model.leg, joint))]
+    leg, labels = model.leg, model.leg.joint_labels
+    if motion.reference is None:
+        reference, period, settle = gait(leg, motion)
+    else:
+        refuse({"--scale": motion.scale, "--speed": motion.speed}, "the reference is that of a log")
+        reference, period, settle = logged(leg, motion.reference, motion.period, reading)
+    kp, kd = gains.of(labels, control.default_gains(model, control.mean_pose(reference, period)))
     runs = control.track(
         source,
         kp,
@@ -206,15 +250,27 @@ def _track_leg(
         period,
         periods=2 if settle is None else 1,
         settle=settle,
-        rate=100.0 if options.rate is None else options.rate,
-        friction=1.0 if options.friction is None else options.friction,
-        payloads=payloads,
+        rate=100.0 if gains.rate is None else gains.rate,
+        friction=1.0 if rig.friction is None else rig.friction,
+        payloads=_payloads(leg, motion, rig),
         seed=seed,
         progress=progress,
     )
-    gains = ", ".join(f"{name} {p:.3g} / {d:.3g}" for name, p, d in zip(labels, kp, kd, strict=True))
-    title = f"{model.leg.description.name}: reference of {period:g} s; Kp [N·m/rad] / Kd [N·m·s/rad]: {gains}"
-    return runs, tracking_table(title, runs.values()), reproduce.laws_json(runs, kp, kd, seed)
+    each = ", ".join(f"{name} {p:.3g} / {d:.3g}" for name, p, d in zip(labels, kp, kd, strict=True))
+    title = f"{leg.description.name}: reference of {period:g} s; Kp [N·m/rad] / Kd [N·m·s/rad]: {each}"
+    table = tracking_table(title, runs.values())
+    drives = Estimate.load(what).actuators if is_readable(what) else None
+    commands = () if drives is None else (control.command_table(runs.values(), drives),)
+    return Comparison(runs, table, (), to_text(table, *commands), reproduce.laws_json(runs, kp, kd, seed))
+
+
+def _payloads(leg: Leg, motion: MotionOptions, rig: RigOptions) -> list[Payload]:
+    """Place the payload of the rig, below the knee where there is one."""
+    roles, labels = experiments.joint_roles(leg, roles_of(motion.role)), leg.joint_labels
+    if rig.payload is None:
+        return []
+    joint = labels[roles.index("knee")] if "knee" in roles else labels[-1]
+    return [Payload(joint, rig.payload, _below(leg, joint))]
 
 
 def _source(what: str) -> Estimate | Plant:
@@ -223,69 +279,6 @@ def _source(what: str) -> Estimate | Plant:
     if not is_readable(what):
         raise ExoidError(f"no estimate {what!r}", remedy="name an estimate of exoid identify -o, cuhk or bleex")
     return Estimate.load(what)
-
-
-class _Course(NamedTuple):
-    """Reference, its period or duration [s], and the time that the metrics leave out [s]; None for one period."""
-
-    reference: Reference
-    period: float
-    settle: float | None = None
-
-
-def _reference(leg: Leg, options: TrackOptions, reading: LogOptions) -> _Course:
-    """Make the reference of one leg."""
-    if options.reference is not None:
-        refuse({"--scale": options.scale, "--speed": options.speed}, "the reference is that of a log")
-        return _logged(leg, options.reference, options.period, reading)
-    period = 10.0 if options.period is None else options.period
-    if not 0.0 < period < np.inf:
-        raise ExoidError(f"--period {period:g}", remedy="give seconds")
-    scale = SCALE if options.scale is None else options.scale
-    roles = roles_of(options.role)
-    if options.speed is None:
-        return _Course(experiments.gait_for_leg(leg, experiments.healthy_gait(scale, period), roles), period)
-    return _Course(experiments.gait_for_leg(leg, experiments.norm_gait(options.speed, scale, period), roles), period)
-
-
-def _logged(leg: Leg, name: str, period: float | None, reading: LogOptions) -> _Course:
-    """Follow a log; one of a periodic motion, again and again."""
-    log = read_log(name, reading, leg.joint_names)
-    if period is None:
-        followed = experiments.follow_log(log)
-        return _Course(followed, followed.duration, min(SETTLE, SETTLED_SHARE * followed.duration))
-    time = log.time - log.time[0]
-    periodic = experiments.fit_harmonics(time, log.q, period, HARMONICS)
-    deviation = log.q - np.array([periodic.at(float(t)).q[:, 0] for t in time])
-    worst = float(np.sqrt(np.mean(deviation**2, axis=0)).max())
-    if worst > LARGEST_DEVIATION:
-        raise ExoidError(
-            f"{HARMONICS} harmonics of a period of {period:g} s deviate from the log by {np.rad2deg(worst):.1f}° (RMS)",
-            where=name,
-            remedy="leave out --period to follow the log itself",
-        )
-    return _Course(periodic, period)
-
-
-def roles_of(pairs: list[str] | None) -> dict[str, str]:
-    """Turn "HFE=hip" into a role by joint.
-
-    Args:
-        pairs: Values of --role; None for none.
-
-    Returns:
-        Role by joint.
-
-    Raises:
-        ExoidError: One is not JOINT=ROLE.
-    """
-    roles = {}
-    for pair in pairs or ():
-        joint, _, role = pair.partition("=")
-        if not joint or not role:
-            raise ExoidError(f"--role {pair}", remedy="write JOINT=ROLE, e.g. --role HFE=hip --role KFE=knee")
-        roles[joint.strip()] = role.strip()
-    return roles
 
 
 def _below(leg: Leg, joint: str) -> tuple[float, float, float]:

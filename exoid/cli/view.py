@@ -16,31 +16,20 @@ from exoid import view as views
 from exoid.catalog import SEGMENTS
 from exoid.errors import ExoidError
 from exoid.leg import Leg
+from exoid.signals import Recording
 from exoid.view import Scene
 
-from .inputs import (
-    AsJson,
-    ColumnPairs,
-    Degrees,
-    LogOptions,
-    Names,
-    Passive,
-    Start,
-    Stop,
-    Unmeasured,
-    find_leg,
-    is_readable,
-    read_logs,
-    refuse,
-    refuse_unknown_leg,
-    split_names,
-)
+from .inputs import ANY_LEG, READ_AS_IT_IS, AsJson, LegOptions, LogOptions, read_logs
+from .legs import refuse_unknown_leg
 from .messages import note
+from .option_groups import expand_options
 from .outputs import check_outputs
-from .payloads import PayloadOptions, refuse_other_payloads
 from .progress import status
+from .refusals import is_readable, refuse
+from .robots import folder_of_robot, is_robot
 
 
+@expand_options()
 def view(
     leg: Annotated[
         str, typer.Argument(metavar="LEG", help="bleex, cuhk, a dataset, a URDF, a robot such as panda, or EST.JSON.")
@@ -51,47 +40,37 @@ def view(
         float, typer.Option(metavar="S", help="Horizon over which EST.JSON predicts the motion of LOG, repeatedly.")
     ] = 0.5,
     html: Annotated[str | None, typer.Option(metavar="FILE", help="Write one self-contained page instead.")] = None,
-    side: Annotated[str | None, typer.Option(help="left, right or both, of a built-in leg.")] = None,
-    inertias: Annotated[
-        str | None, typer.Option(help="Inertia set of a built-in leg, shown beside the default.")
-    ] = None,
-    joints: Annotated[str | None, typer.Option(metavar="A,B", help="Moving joints of a URDF.")] = None,
+    choice: LegOptions = ANY_LEG,
     pose_deg: Annotated[
         list[str] | None, typer.Option("--pose", metavar="JOINT=DEG", help="Angle of a joint. Repeatable.")
     ] = None,
     meshes: Annotated[str | None, typer.Option(metavar="DIR", help="Folder of the URDF's meshes.")] = None,
     port: Annotated[int | None, typer.Option(metavar="N", help="Port to listen on; 0 for any free one.")] = None,
     browser: Annotated[bool, typer.Option("--open/--no-browser", help="Open a browser.")] = True,
-    column: ColumnPairs = None,
-    degrees: Degrees = False,
-    start: Start = None,
-    stop: Stop = None,
-    names: Names = None,
-    passive: Passive = None,
-    unmeasured: Unmeasured = None,
-    payload: PayloadOptions = None,
+    reading: LogOptions = READ_AS_IT_IS,
     as_json: AsJson = False,
 ) -> None:
-    """Show LEG in a browser until Ctrl-C, on 127.0.0.1 only; or write it as a page that needs no network."""
+    """Show LEG in a browser until Ctrl-C, on 127.0.0.1 only; or write it as a page that needs no network.
+
+    Example: exoid view bleex --log bleex_swing:test --html leg.html
+    """
     if html is not None and port is not None:
         raise ExoidError("--port has no effect: --html serves nothing", remedy="leave out one of the two")
     if reference is not None and log is None:
         raise ExoidError("--reference without --log", remedy="name the log to replay beside it with --log")
+    if log is None:
+        refuse(reading.given(), "only the logs of --log and --reference are read")
     check_outputs({"--html": html}, [leg, log, reference])
     if not leg.endswith(".json"):
         refuse_unknown_leg(leg)
-    refuse_other_payloads(payload, [each for each in (log, reference) if each is not None])
-    options = LogOptions(
-        *(column, degrees, start, stop), names=names, passive=passive, unmeasured=unmeasured, payloads=payload
-    )
-    recording = None if log is None else read_logs([log], options)[0]
-    shown = _shown(leg, side, inertias, split_names(joints), () if recording is None else recording.joint_names)
-    ghost, label = None if reference is None else read_logs([reference], options)[0], "reference"
+    reading.refuse_other([each for each in (log, reference) if each is not None])
+    recording = None if log is None else read_logs([log], reading)[0]
+    ghost = None if reference is None else read_logs([reference], reading)[0]
+    shown = _shown(leg, choice, () if recording is None else recording.joint_names)
     with status("drawing"):
-        estimate = shown.legs[0]
-        free = recording is not None and recording.measured.all() and not recording.loaded_links
-        if ghost is None and recording is not None and free and not isinstance(estimate, Leg):
-            ghost, label = estimates.predict_motion(estimate, recording, horizon), "predicted"
+        label = "reference"
+        if ghost is None and recording is not None:
+            ghost, label = _predicted(shown, recording, horizon), "predicted"
         drawn = views.scene(
             *shown.legs,
             pose=_pose(pose_deg or []),
@@ -99,7 +78,7 @@ def view(
             ghost=ghost,
             ghost_label=label,
             identified=shown.identified,
-            meshes=Path(leg).parent if meshes is None else meshes,
+            meshes=_folder_of(leg) if meshes is None else meshes,
         )
     for each in drawn.notes:
         note(f"note: {each}")
@@ -118,22 +97,29 @@ class _Shown(NamedTuple):
     identified: Sequence[Leg] = ()
 
 
-def _shown(
-    name: str, side: str | None, inertias: str | None, joints: Sequence[str] | None, logged: Sequence[str]
-) -> _Shown:
+def _shown(name: str, choice: LegOptions, logged: Sequence[str]) -> _Shown:
+    """Load the legs to draw."""
     if name.endswith(".json"):
-        refuse({"--side": side, "--inertias": inertias, "--joints": joints}, "an estimate contains its leg")
+        refuse({f"--{option}": value for option, value in choice._asdict().items()}, "an estimate contains its leg")
         return _Shown([estimates.Estimate.load(name)])
     if name in SEGMENTS:
-        sides = ("left", "right") if side == "both" else (side,)
-        legs = [find_leg(name, each, None, joints, logged) for each in sides]
-        if inertias is None:
-            return _Shown(legs)
-        return _Shown(legs, [find_leg(name, each, inertias, joints, logged) for each in sides])
-    if is_readable(name) and joints is None and not logged:
-        refuse({"--side": side, "--inertias": inertias}, f"{name!r} is no built-in leg")
-        return _Shown([Leg.from_urdf(name)])
-    return _Shown([find_leg(name, side, inertias, joints, logged)])
+        sides = ("left", "right") if choice.side == "both" else (choice.side,)
+        each = [choice._replace(side=side) for side in sides]
+        legs = [one._replace(inertias=None).find(name, logged) for one in each]
+        return _Shown(legs, [] if choice.inertias is None else [one.find(name, logged) for one in each])
+    return _Shown([choice.find(name, logged or None)])
+
+
+def _folder_of(leg: str) -> Path:
+    """Folder of the meshes, unless the caller names one: that of the file, or of a robot known by name."""
+    return folder_of_robot(leg) if not is_readable(leg) and is_robot(leg) else Path(leg).parent
+
+
+def _predicted(shown: _Shown, recording: Recording, horizon: float) -> Recording | None:
+    """Motion that an estimate predicts; None for a leg without one, or where other forces act."""
+    estimate = shown.legs[0]
+    free = recording.measured.all() and not recording.loaded_links
+    return None if isinstance(estimate, Leg) or not free else estimates.predict_motion(estimate, recording, horizon)
 
 
 def _pose(pairs: Sequence[str]) -> dict[str, float]:

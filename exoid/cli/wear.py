@@ -35,6 +35,8 @@ def wear(
 
     The controller is sensitivity amplification, with the largest stable amplification of each model. For bleex and cuhk
     the virtual rig of the document's replay is worn. For an estimate the rig is drawn from its distribution.
+
+    Example: exoid wear est.json --period 2.5
     """
     from exoid import reproduce  # noqa: PLC0415 - matplotlib would slow down the help
     from exoid.view.figure_files import write_figures  # noqa: PLC0415

@@ -103,6 +103,7 @@ class EstimateData(ParameterTable):
         torque_delays: Delays that were taken out of the torques [s], (n,); validation takes them out too.
         actuators: Drives of the recordings, which validation uses too; None where torques were measured.
         supports: Sets of links that rested on the ground, with the residuals of their rows; empty without contacts.
+        torque_spread: Standard deviation of the fitted torque of each joint [N·m], (n,); 0 where it is not known.
     """
 
     model: TorqueModel
@@ -133,6 +134,7 @@ class EstimateData(ParameterTable):
     torque_delays: FloatArray = field(default_factory=lambda: np.zeros(0))
     actuators: Actuators | None = None
     supports: tuple[Support, ...] = ()
+    torque_spread: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
@@ -141,10 +143,12 @@ class EstimateData(ParameterTable):
         for name, number in unknown.items():
             if not len(getattr(self, name)):
                 object.__setattr__(self, name, np.full(count, number))
-        if not len(self.torque_delays):
-            object.__setattr__(self, "torque_delays", np.zeros(joints))
+        for name in ("torque_delays", "torque_spread"):
+            if not len(getattr(self, name)):
+                object.__setattr__(self, name, np.zeros(joints))
         shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("values", *unknown), (count,))
-        shapes |= {"covariance": (count, count), "residual_rms": (joints,), "torque_delays": (joints,)}
+        shapes |= dict.fromkeys(("residual_rms", "torque_delays", "torque_spread"), (joints,))
+        shapes["covariance"] = (count, count)
         priors = len(self.prior_knowledge.prior.values)
         shapes["prior_gains"] = (count, priors) if np.size(self.prior_gains) else (0, 0)
         for name, shape in shapes.items():
@@ -185,6 +189,17 @@ class EstimateData(ParameterTable):
     def trained(self) -> tuple[bool, ...]:
         """Whether the torque of each joint was among those that the estimate was fitted to, (n,)."""
         return tuple(noise.samples > 0 for noise in self.noise) or (True,) * len(self.joint_names)
+
+    @property
+    def nrmse(self) -> FloatArray:
+        """RMS residual of each joint over the standard deviation of its torque, (n,); not a number where unknown."""
+        known = self.torque_spread > 0.0
+        return np.where(known, self.residual_rms / np.where(known, self.torque_spread, 1.0), np.nan)
+
+    @property
+    def r2(self) -> FloatArray:
+        """Coefficient of determination of the fit of each joint, 1 − NRMSE², (n,); not a number where unknown."""
+        return 1.0 - self.nrmse**2
 
     @property
     def regrouped(self) -> tuple[Regrouped, ...]:

@@ -109,6 +109,7 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
         "degrees_of_freedom": estimate.dof,
         "degrees_of_freedom_each": dict(zip(estimate.names, estimate.dof_each.tolist(), strict=True)),
         "residual_rms": dict(zip(estimate.joint_names, estimate.residual_rms.tolist(), strict=True)),
+        "torque_spread": dict(zip(estimate.joint_names, estimate.torque_spread.tolist(), strict=True)),
         "merged": {regrouped.name: regrouped.into for regrouped in estimate.regrouped},
         "estimator": estimate.estimator,
         "preparation": preparation_to_json(estimate.preparation),
@@ -205,6 +206,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         torque_delays=_by_name(data.get("torque_delays", dict.fromkeys(leg.joint_names, 0.0)), leg.joint_names),
         actuators=_actuators(data.get("actuators"), leg),
         supports=supports_from_json(data.get("supports", [])),
+        torque_spread=_by_name(data.get("torque_spread", dict.fromkeys(leg.joint_names, 0.0)), leg.joint_names),
     )
 
 

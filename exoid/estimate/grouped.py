@@ -21,7 +21,7 @@ from .estimate import Estimate
 from .parameter import ParameterTable
 from .text import assumptions, condition, residual_sizes, written
 
-HEADERS = ("value", "± std", "95 % from", "to", "unit", "determined")
+HEADERS = ("value", "± std", "95 % from", "to", "unit", "class")
 """Of what tables say of a parameter."""
 
 DIFFERENT = 0.05

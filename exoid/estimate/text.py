@@ -20,7 +20,7 @@ from .data import EstimateData
 NOT_WHITE = 0.01
 """Residuals with a smaller probability of being white are said not to be."""
 
-HEADERS = ("parameter", "value", "± std", "95 % from", "to", "unit", "determined")
+HEADERS = ("parameter", "value", "± std", "95 % from", "to", "unit", "class")
 """Of :func:`parameter_rows`."""
 
 
@@ -36,7 +36,8 @@ def report(estimate: EstimateData) -> list[DataTable | str]:
     title = f"{estimate.model.leg.description.name}: {estimate.estimator} estimate of {len(estimate.names)} parameters"
     leg = estimate.model.leg
     given = dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))
-    return [title, compared_table("", parameter_rows(estimate), {"URDF": given}), *_closing_lines(estimate)]
+    parameters = compared_table("", parameter_rows(estimate), {"URDF": given})
+    return [title, parameters, fit_table(estimate), *_closing_lines(estimate)]
 
 
 def compared_table(
@@ -98,13 +99,37 @@ def written(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
     return with_error(value, std, *interval) if std > 0.0 else (f"{value:.6g}", "", "", "")
 
 
+def fit_table(estimate: EstimateData) -> DataTable:
+    """Make a table of the fit of each joint, without the figures that are not known.
+
+    Args:
+        estimate: The estimate.
+
+    Returns:
+        Table with RMS residual, NRMSE and R², and the independent samples that say as much as the fitted rows.
+    """
+    headers, columns = ["joint", "residual RMS [N·m]"], [[f"{rms:.3g}" for rms in estimate.residual_rms]]
+    if estimate.torque_spread.any():
+        headers += ["NRMSE", "R²"]
+        columns += [["–" if np.isnan(x) else f"{x:.4f}" for x in numbers] for numbers in (estimate.nrmse, estimate.r2)]
+    if estimate.noise:
+        headers += ["effective samples"]
+        columns += [[f"{noise.effective_samples:.0f} of {noise.samples}" for noise in estimate.noise]]
+    rows = [
+        (joint, *cells) if there else (joint, "not measured", *("" for _ in cells[1:]))
+        for joint, there, *cells in zip(estimate.joint_names, estimate.trained, *columns, strict=True)
+    ]
+    return DataTable("", headers, rows)
+
+
 def _closing_lines(estimate: EstimateData) -> Iterator[str]:
-    yield f"residual RMS [N·m]: {residual_sizes(estimate)}"
     yield from map(str, estimate.supports)
     yield f"{condition(estimate.condition_number)}; {estimate.dof:.0f} degrees of freedom"
     yield from _noise(estimate)
     names = ", ".join(source.label for source in estimate.inputs)
-    yield f"from {names}; {_preparation(estimate)}"
+    samples = sum(source.samples for source in estimate.inputs)
+    counted = f" ({samples} samples)" if samples else ""
+    yield f"from {names}{counted}; {_preparation(estimate)}"
     if estimate.actuators is not None:
         yield f"torque computed of drives: {'; '.join(describe_actuators(estimate.actuators))}"
     yield from assumptions(estimate.prior_knowledge, estimate.bounded)
@@ -136,12 +161,10 @@ def condition(number: float) -> str:
 
 
 def _noise(estimate: EstimateData) -> Iterator[str]:
-    """Say how many samples count, and which joints' residuals are not white."""
-    if estimate.noise:
-        of_joints = list(zip(estimate.joint_names, estimate.noise, strict=True))
-        counts = ", ".join(f"{joint} {n.effective_samples:.0f} of {n.samples}" for joint, n in of_joints)
-        coloured = ", ".join(joint for joint, n in of_joints if n.whiteness < NOT_WHITE)
-        yield f"effective samples: {counts}" + (f"; residuals not white: {coloured}" if coloured else "")
+    """Name the joints whose residuals are not white."""
+    noises = zip(estimate.joint_names, estimate.noise, strict=False)
+    if coloured := [joint for joint, noise in noises if noise.whiteness < NOT_WHITE]:
+        yield f"residuals not white: {', '.join(coloured)}"
 
 
 def assumptions(prior_knowledge: PriorKnowledge, bounded: Sequence[str]) -> Iterator[str]:

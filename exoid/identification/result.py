@@ -288,6 +288,7 @@ class Result:
             cutoff_source=self.before.cutoff_source,
             torque_delays=self.before.delays[group] if self.before.delays else np.zeros(0),
             actuators=actuators,
+            torque_spread=np.zeros(0) if checkup.torque_spread is None else checkup.torque_spread,
         )
 
     @cached_property

@@ -13,8 +13,16 @@ from exoid.view.report import Page, Picture, Section, Text
 from .bleex import BleexReplay
 from .cuhk import CuhkReplay
 from .figures import bleex_figures, cuhk_figures
-from .report import bleex_errors, bleex_notes, bleex_parameters, cuhk_errors, cuhk_notes, cuhk_parameters
-from .torque_error import percent
+from .report import (
+    bleex_errors,
+    bleex_notes,
+    bleex_parameters,
+    bleex_summary,
+    cuhk_errors,
+    cuhk_notes,
+    cuhk_parameters,
+    cuhk_summary,
+)
 from .tracking_report import tracking_figures
 
 CAPTIONS = {
@@ -52,12 +60,10 @@ def bleex_page(replay: BleexReplay) -> Page:
         Section(f"Tables of the {name.lower()} leg", [bleex_errors(side), bleex_parameters(name, side)])
         for name, side in sides
     ]
-    left, joint = replay.left.nrmse["sequential"], replay.left.nrmse["joint"]
     summary = [
         "The experiments of document 1 on a virtual rig with known parameters, identified by its procedure and by one "
         "joint estimate.",
-        f"On the validation motion the torque error of the left leg decreases from {percent(left)} % to "
-        f"{percent(joint)} % (hip, knee, ankle).",
+        bleex_summary(replay.left),
     ]
     figures = Section("Figures of document 1, left leg", _pictures(bleex_figures(replay.left)))
     return Page(f"BLEEX, document 1 replayed (seed {replay.seed})", summary, [*findings, figures, *tables])
@@ -72,13 +78,12 @@ def cuhk_page(replay: CuhkReplay) -> Page:
     Returns:
         The page.
     """
-    notes = cuhk_notes(replay)
     summary = [
         "The experiments of document 2 and a faster motion on a virtual rig with known parameters.",
-        notes[0],
+        cuhk_summary(replay),
     ]
     sections = [
-        *([Section("Findings", [Text(notes[1:])])] if notes[1:] else []),
+        Section("Findings", [Text(cuhk_notes(replay))]),
         Section("Figures of document 2", _pictures(cuhk_figures(replay))),
         Section("Tables", [cuhk_errors(replay), cuhk_parameters(replay)]),
     ]

@@ -14,14 +14,14 @@ from exoid.tables import DataTable, to_text, with_error
 from .bleex import BleexReplay, SideReplay
 from .cuhk import J2_FACTOR, CuhkReplay
 from .sequential import SequentialEstimate
-from .torque_error import by_name
+from .torque_error import by_name, joint_errors
 
 BLEEX_JOINTS = ("hip", "knee", "ankle")
 CUHK_JOINTS = ("hip", "knee")
 
 
 def bleex_text(replay: BleexReplay) -> str:
-    """Print a replay of document 1: tables of both legs, and notes on the errors.
+    """Print a replay of document 1: findings on both legs, then their tables.
 
     Args:
         replay: Replay of document 1.
@@ -29,10 +29,17 @@ def bleex_text(replay: BleexReplay) -> str:
     Returns:
         Text of several lines.
     """
-    return "\n\n".join(
-        to_text(bleex_parameters(name, side), bleex_errors(side), *bleex_notes(side))
-        for name, side in (("Left", replay.left), ("Right", replay.right))
-    )
+    sides = (("Left", replay.left), ("Right", replay.right))
+    findings = [
+        part for name, side in sides for part in (f"{name} leg. {bleex_summary(side)}", *as_list(bleex_notes(side)), "")
+    ]
+    tables = [table for name, side in sides for table in (bleex_errors(side, name), bleex_parameters(name, side))]
+    return to_text(*findings, *tables)
+
+
+def as_list(lines: Sequence[str]) -> list[str]:
+    """Mark lines as entries of a list."""
+    return [f"- {line}" for line in lines]
 
 
 def bleex_json(replay: BleexReplay) -> dict[str, Any]:
@@ -48,7 +55,7 @@ def bleex_json(replay: BleexReplay) -> dict[str, Any]:
 
 
 def cuhk_text(replay: CuhkReplay) -> str:
-    """Print a replay of document 2: parameters, torque errors, and notes on them.
+    """Print a replay of document 2: findings, then torque errors and parameters.
 
     Args:
         replay: Replay of document 2.
@@ -56,7 +63,8 @@ def cuhk_text(replay: CuhkReplay) -> str:
     Returns:
         Text of several lines.
     """
-    return to_text(cuhk_parameters(replay), cuhk_errors(replay), *cuhk_notes(replay))
+    notes = as_list(cuhk_notes(replay))
+    return to_text(cuhk_summary(replay), *notes, "", cuhk_errors(replay), cuhk_parameters(replay))
 
 
 def cuhk_parameters(replay: CuhkReplay) -> DataTable:
@@ -82,6 +90,14 @@ def cuhk_errors(replay: CuhkReplay) -> DataTable:
     return _errors("an independent motion", replay.nrmse, CUHK_JOINTS)
 
 
+def cuhk_summary(replay: CuhkReplay) -> str:
+    """Say in one sentence how the errors of both estimates compare."""
+    return (
+        f"On an independent motion the NRMSE falls from {joint_errors(replay.nrmse['table_ii'])} (hip / knee) by the "
+        f"document's procedure to {joint_errors(replay.nrmse['multisine'])} by one estimate from a multisine."
+    )
+
+
 def cuhk_notes(replay: CuhkReplay) -> list[str]:
     """Explain the errors of document 2's procedure."""
     ema = replay.table_ii.as_dict()
@@ -89,8 +105,8 @@ def cuhk_notes(replay: CuhkReplay) -> list[str]:
     return [
         f"J1 of Table II is {error:+.0f} % off: at 0.05 Hz its torque is {_inertial_torque(replay):.2f} N·m beside "
         f"{9.81 * replay.truth['X1']:.0f} N·m of gravity, and the moving average adds delay.",
-        f"Without the rotor term the error of the knee rises from {100 * replay.nrmse['multisine'][1]:.1f} to "
-        f"{100 * replay.nrmse['no_rotor'][1]:.1f} %: motor torque needs Ia_knee in the model.",
+        f"Without the rotor term the NRMSE of the knee rises from {replay.nrmse['multisine'][1]:.3f} to "
+        f"{replay.nrmse['no_rotor'][1]:.3f}: motor torque needs Ia_knee in the model.",
         f"With J2 × {J2_FACTOR:g} the residual of the document's validation motion (θh = θk) is "
         f"{replay.residual_ratio['document'].max():.2f} times as large, that of an independent motion "
         f"{replay.residual_ratio['multisine'].min():.0f} times: the validation motion does not excite J2.",
@@ -138,9 +154,19 @@ def bleex_parameters(title: str, side: SideReplay) -> DataTable:
     return DataTable(caption, headers, rows)
 
 
-def bleex_errors(side: SideReplay) -> DataTable:
+def bleex_errors(side: SideReplay, title: str = "") -> DataTable:
     """Make a table of the torque error of each model on document 1's validation motion."""
-    return _errors("the validation motion (Fig. 7)", side.nrmse, BLEEX_JOINTS)
+    of_side = f", {title.lower()} leg" if title else ""
+    return _errors(f"the validation motion (Fig. 7){of_side}", side.nrmse, BLEEX_JOINTS)
+
+
+def bleex_summary(side: SideReplay) -> str:
+    """Say in one sentence how the errors of CAD and both estimates compare."""
+    return (
+        f"On the validation motion the NRMSE (hip / knee / ankle) is {joint_errors(side.nrmse['cad'])} with CAD, "
+        f"{joint_errors(side.nrmse['sequential'])} by the document's procedure, and "
+        f"{joint_errors(side.nrmse['joint'])} by one joint estimate."
+    )
 
 
 def bleex_notes(side: SideReplay) -> list[str]:
@@ -150,6 +176,7 @@ def bleex_notes(side: SideReplay) -> list[str]:
     change = {name: one_sided[name] - sequential[name] for name in ("b0_knee", "b0_ankle")}
 
     def error(values: Mapping[str, float], name: str) -> str:
+        """Relative error of a parameter in percent."""
         return f"{100.0 * (values[name] / truth[name] - 1.0):+.0f} %"
 
     return [
@@ -194,8 +221,8 @@ def _lists(arrays: Mapping[str, FloatArray]) -> dict[str, list[float]]:
 
 
 def _errors(motion: str, nrmse: Mapping[str, FloatArray], joints: Sequence[str]) -> DataTable:
-    rows = [(name.replace("_", " "), *(f"{100.0 * error:.1f}" for error in errors)) for name, errors in nrmse.items()]
-    return DataTable(f"Torque error on {motion}, NRMSE in %", ("model", *joints), rows)
+    rows = [(name.replace("_", " "), *(f"{error:.4f}" for error in errors)) for name, errors in nrmse.items()]
+    return DataTable(f"NRMSE of the torque on {motion}", ("model", *joints), rows)
 
 
 def _estimate_cells(estimate: Estimate, name: str, true: float) -> tuple[str, ...]:

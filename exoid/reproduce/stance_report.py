@@ -18,6 +18,7 @@ from exoid.view.colours import MEASURED, PREDICTED
 from exoid.view.report import Page, Picture, Section, Text
 from exoid.view.style import COLUMN, legend_above
 
+from .report import as_list
 from .stance import Disturbed, ForceError, StanceReplay, WalkReplay, relative_error
 
 SHOWN = 6.0
@@ -25,7 +26,7 @@ SHOWN = 6.0
 
 
 def stance_text(replay: StanceReplay) -> str:
-    """Print the study: parameters by three ways, a summary, ground forces, walking, and notes.
+    """Print the study: findings, a summary, ground forces, walking, and parameters by three ways.
 
     Args:
         replay: Replay of the study.
@@ -33,8 +34,8 @@ def stance_text(replay: StanceReplay) -> str:
     Returns:
         Text of several lines.
     """
-    tables = (stance_parameters(replay), stance_summary(replay), stance_forces(replay), stance_walk(replay))
-    return to_text(*(part for table in tables for part in (table, "")), *stance_notes(replay))
+    tables = (stance_summary(replay), stance_forces(replay), stance_walk(replay), stance_parameters(replay))
+    return to_text(*as_list(stance_notes(replay)), "", *tables)
 
 
 def stance_parameters(replay: StanceReplay) -> DataTable:

@@ -42,11 +42,11 @@ def torque_nrmse(model: TorqueModel, values: Mapping[str, float], recording: Rec
     return np.asarray(torque_rmse(model, values, recording) / validation_rows(model, recording).tau.std(axis=0))
 
 
-def percent(errors: FloatArray) -> str:
-    """Write the relative errors of the joints in percent."""
-    return "/".join(f"{100.0 * error:.1f}" for error in errors)
+def joint_errors(errors: FloatArray) -> str:
+    """Write the NRMSE of the joints, one behind the other."""
+    return " / ".join(f"{error:.3f}" for error in errors)
 
 
 def nrmse_text(nrmse: Mapping[str, FloatArray]) -> str:
     """Write the NRMSE of each model at the joints."""
-    return ", ".join(f"{model} {percent(errors)} %" for model, errors in nrmse.items())
+    return ", ".join(f"{model} {joint_errors(errors)}" for model, errors in nrmse.items())

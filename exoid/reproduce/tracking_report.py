@@ -16,6 +16,7 @@ from exoid.view.colours import LAW_COLOURS
 from exoid.view.style import COLUMN
 
 from .cuhk_tracking import DOCUMENT_DEG, GAINS, LOADED, PRINTED, TrackingReplay
+from .report import as_list
 
 LABELS = {
     "pd_30hz": "PD, 30 Hz",
@@ -42,10 +43,9 @@ def cuhk_tracking_text(replay: TrackingReplay) -> str:
     Returns:
         Text of several lines.
     """
-    parts: list[DataTable | str] = [cuhk_tracking_table(replay), "", *cuhk_tracking_notes(replay)]
-    if replay.wrong:
-        parts += ["", wrong_table(replay), "", _table_iii(replay)]
-    return to_text(*parts)
+    findings = [*cuhk_tracking_notes(replay), *([_table_iii(replay)] if replay.wrong else [])]
+    tables = [cuhk_tracking_table(replay), *([wrong_table(replay)] if replay.wrong else [])]
+    return to_text(*as_list(findings), "", *tables)
 
 
 def cuhk_tracking_table(replay: TrackingReplay) -> DataTable:

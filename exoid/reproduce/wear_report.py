@@ -14,6 +14,7 @@ from exoid.view.colours import CAD, IDENTIFIED, MEASURED, RESIDUAL
 from exoid.view.report import Page, Picture, Section, Text
 from exoid.view.style import COLUMN, legend_above
 
+from .report import as_list
 from .wear_study import MARGIN, WearStudy
 
 LABELS = {"off": "off", "cad": "CAD", "identified": "identified", "truth": "truth"}
@@ -24,7 +25,7 @@ COLOURS = {"off": RESIDUAL, "cad": CAD, "identified": IDENTIFIED, "truth": MEASU
 
 
 def wear_text(study: WearStudy) -> str:
-    """Print what is felt, and what limits the amplification.
+    """Print what limits the amplification, and what is felt.
 
     Args:
         study: The study.
@@ -32,7 +33,7 @@ def wear_text(study: WearStudy) -> str:
     Returns:
         Text of several lines.
     """
-    return to_text(wear_table(study), "", *wear_notes(study))
+    return to_text(*as_list(wear_notes(study)), "", wear_table(study))
 
 
 def wear_table(study: WearStudy) -> DataTable:
@@ -50,9 +51,8 @@ def wear_table(study: WearStudy) -> DataTable:
         amplification = "" if felt.amplification is None else f"{felt.amplification:.3g}"
         cells = (f"{x:.3g}" for x in (*felt.rms, felt.rms_of_all))
         rows.append((LABELS[name], "" if largest is None else _largest(largest), amplification, *cells))
-    joints = (f"{name} [N·m]" for name in study.joint_names)
-    headers = ("controller knows", "largest stable α", "α used", *joints, "all [N·m]")
-    title = f"RMS torque between wearer and {study.name}, stride of {study.period:g} s"
+    headers = ("controller knows", "largest α", "α used", *study.joint_names, "all")
+    title = f"RMS torque between wearer and {study.name} [N·m], stride of {study.period:g} s; largest stable α"
     return DataTable(title, headers, rows)
 
 
@@ -69,6 +69,8 @@ def wear_notes(study: WearStudy) -> list[str]:
     notes = [
         f"The identified model leaves {100.0 * felt['identified'] / felt['cad']:.0f} % of what is felt with CAD, and "
         f"{felt['identified'] / felt['truth']:.2f} times what is felt with the true model.",
+        f"1/α of inertia and friction alone are {study.floor_of_all:.3g} N·m, without lag, noise and model error: "
+        f" {100.0 * study.floor_of_all / felt['cad']:.0f} % of what is felt with CAD.",
         f"α is {MARGIN:g} of the largest stable one, at most {max(_used(study)):.3g}; 95 % of the distribution of the "
         "identified model are stable.",
     ]
@@ -94,6 +96,7 @@ def wear_json(study: WearStudy) -> dict[str, Any]:
         "felt_rms_by_joint": {
             name: dict(zip(study.joint_names, each.rms.tolist(), strict=True)) for name, each in study.felt.items()
         },
+        "floor_rms": study.floor_of_all,
         "amplification": {name: each.amplification for name, each in study.felt.items() if name != "off"},
         "largest_amplification": {name: min(each.largest, each.most) for name, each in study.largest.items()},
         "largest_tried": study.largest["identified"].most,
@@ -142,8 +145,9 @@ def wear_page(study: WearStudy) -> Page:
     """
     caption = "Torque of the wearer on the leg over one stride"
     pictures = [Picture.of(figure, caption, caption) for figure in wear_figures(study).values()]
-    sections = [Section("Felt torque", [wear_table(study), *pictures]), Section("Notes", [Text(wear_notes(study))])]
-    return Page(f"What the wearer of {study.name} feels (seed {study.seed})", wear_notes(study)[:1], sections)
+    first, *others = wear_notes(study)
+    sections = [Section("Findings", [Text(others)]), Section("Felt torque", [*pictures, wear_table(study)])]
+    return Page(f"What the wearer of {study.name} feels (seed {study.seed})", [first], sections)
 
 
 def _largest(found: Amplification) -> str:

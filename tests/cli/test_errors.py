@@ -26,7 +26,7 @@ def fail(*_, **__):
 
 
 def test_an_unexpected_error_is_one_line_and_the_traceback_an_option(exoid_, monkeypatch):
-    monkeypatch.setattr("exoid.cli.inputs.load_leg", fail)
+    monkeypatch.setattr("exoid.cli.legs.load_leg", fail)
     run = exoid_("view", "bleex", "--html", "leg.html")
     assert (run.code, run.out) == (1, "")
     assert run.err.startswith("exoid: LookupError: one two. To fix it: run again with --traceback")
@@ -74,6 +74,13 @@ def test_a_full_device_as_standard_output_is_one_line(verb, tmp_path):
         )
     assert done.returncode == 2
     assert done.stderr == "exoid: No space left on device. To fix it: check this file, free space and permissions\n"
+
+
+def test_the_package_runs_as_a_command():
+    done = subprocess.run([sys.executable, "-m", "exoid", "validate"], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("exoid: Missing argument ")
+    assert done.stderr.endswith("see python -m exoid validate --help\n")
 
 
 @pytest.mark.slow

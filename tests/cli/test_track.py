@@ -67,7 +67,9 @@ def test_a_rig_may_differ_from_what_the_laws_know(track, saved):
 
 
 def test_a_table_and_figures(track, saved, tmp_path):
-    code, out, err = track(saved, "--period", 1, "--kp", 30, "--rate", 50, "--figures", "new/figs", "--format", "pdf")
+    code, out, err = track(
+        saved, "--period", 1, "--kp", 30, "--rate", 50, "--figures", "new/figs", "--figure-format", "pdf"
+    )
     assert code == 0, err
     assert "hip 30 / 3, knee 30 / 3" in out
     for name in NAMES:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
+import shlex
 import subprocess
 import sys
 
@@ -78,10 +79,29 @@ def test_help_at_60_columns_cuts_no_word_and_keeps_units(name):
     assert letters[0] == letters[1]
 
 
-def test_the_names_of_options_for_logs_are_the_same_in_all_verbs():
-    for option in ("--degrees", "--column", "--names"):
-        verbs = {name for name in VERBS if any(option in each.opts for each in load_verb(name).params)}
-        assert {"identify", "check", "validate", "select", "plan", "view", "track"} <= verbs
+def example_of(name):
+    """Arguments of the example in a verb's help."""
+    (line,) = [line for line in inspect.cleandoc(load_verb(name).help).splitlines() if line.startswith("Example: ")]
+    exoid, *arguments = shlex.split(line.removeprefix("Example: "))
+    assert exoid == "exoid"
+    return arguments
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_the_example_of_a_verbs_help_has_arguments_that_the_verb_knows(name):
+    verb, *arguments = example_of(name)
+    assert verb == name
+    load_verb(name).make_context(name, arguments)
+
+
+@pytest.mark.slow
+def test_the_examples_of_the_help_run(exoid_):
+    """But those that other tests run, for a minute each."""
+    assert exoid_("identify", "bleex", "bleex_swing:train", "--estimator", "huber", "-o", "other.json").code == 0
+    for name in VERBS:
+        if name not in ("reproduce", "wear", "stability", "study", "track"):
+            done = exoid_(*example_of(name))
+            assert done.code == 0, done.err
 
 
 def test_a_shell_completes_verbs_and_options():

@@ -33,7 +33,7 @@ def log(tmp_path):
 
 def test_axes_point_and_units_of_a_wrench_are_options(log):
     path, written = log
-    read = read_log(str(path), LogOptions(columns=COLUMNS, wrenches=["rail:world@0,0.5,1"])).wrenches["rail"]
+    read = read_log(str(path), LogOptions(column=COLUMNS, wrench=["rail:world@0,0.5,1"])).wrenches["rail"]
     assert read.axes == "world"
     assert read.point.tolist() == [0.0, 0.5, 1.0]
     assert np.allclose(read.columns, written * [1e3, 1e3, 1e3, 1e-3, 1e-3, 1e-3])

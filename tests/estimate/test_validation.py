@@ -1,6 +1,7 @@
 """Validation: figures over all samples and of each recording, cut-off, share inside the band, findings and verdict."""
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
@@ -183,3 +184,22 @@ def test_residuals_of_another_kind_of_filter_are_not_compared_with_the_training(
     assert found.verdict == "predicts"
     wrong = exoid.validate(estimate, with_torque(swing.test, -swing.test.tau), cutoff=8.0)
     assert wrong.verdict == "does not predict"
+
+
+def test_the_fit_of_an_estimate_is_its_validation_on_the_recording_of_the_fit(swing, estimate, tmp_path):
+    again = exoid.validate(estimate, swing.train)
+    np.testing.assert_allclose(estimate.nrmse, again.nrmse, rtol=0.01)
+    np.testing.assert_allclose(estimate.r2, again.r2, rtol=1e-4)
+    estimate.save(tmp_path / "est.json")
+    np.testing.assert_array_equal(exoid.Estimate.load(tmp_path / "est.json").nrmse, estimate.nrmse)
+
+
+def test_an_estimate_of_which_the_spread_of_the_torque_is_not_known_has_no_nrmse(estimate, tmp_path):
+    estimate.save(tmp_path / "est.json")
+    text = json.loads((tmp_path / "est.json").read_text(encoding="utf-8"))
+    del text["torque_spread"]  # as files of exoid 0.1 are
+    (tmp_path / "est.json").write_text(json.dumps(text), encoding="utf-8")
+    old = exoid.Estimate.load(tmp_path / "est.json")
+    assert np.isnan(old.nrmse).all()
+    assert "NRMSE" not in str(old)
+    assert "residual RMS" in str(old)

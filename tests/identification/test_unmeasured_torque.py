@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 from functools import cache
 
 import numpy as np
@@ -110,7 +111,7 @@ def test_parameters_that_leave_no_trace_elsewhere_are_named():
 def test_an_estimate_says_which_torque_was_not_measured(tmp_path):
     swing_, log = swing()
     found = identify(swing_.leg, without(log, "left_ankle"), TERMS)
-    assert "left_ankle not measured" in str(found)
+    assert re.search(r"left_ankle +not measured", str(found))
     found.save(tmp_path / "leg.json")
     assert exoid.Estimate.load(tmp_path / "leg.json").trained == (True, True, False)
     assert found.torque(log.q, log.v, log.a).shape == log.q.shape

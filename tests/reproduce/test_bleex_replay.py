@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from exoid.reproduce.bleex import identify_bleex
+
 pytestmark = pytest.mark.slow
 
 PARAMETERS = ("X1", "Y1", "J1", "X2", "Y2", "J2", "X3", "Y3", "J3")
@@ -113,7 +115,7 @@ def test_its_torque_is_as_good_as_the_truth_and_much_better_than_cad(name, side)
 
 def test_the_report_has_every_parameter_and_the_causes(bleex, side):
     text = bleex["text"]
-    for heading in ("Left leg, Tables I to V", "Right leg, Tables I to V", "NRMSE in %"):
+    for heading in ("Left leg, Tables I to V", "Right leg, Tables I to V", "NRMSE of the torque"):
         assert heading in text
     for parameter in side["truth"]:
         assert text.count(f"\n {parameter} ") == 2
@@ -134,3 +136,9 @@ def test_every_figure_is_as_wide_as_a_column(bleex):
         with Image.open(path) as image:
             assert image.width == 700
             assert np.asarray(image.convert("L")).std() > 5.0
+
+
+def test_the_joint_estimate_alone_is_that_of_the_replay(bleex):
+    """``exoid wear`` identifies the left leg without the rest of the replay."""
+    alone = identify_bleex()
+    assert dict(zip(alone.names, alone.values.tolist(), strict=True)) == bleex["json"]["left"]["joint"]["values"]

@@ -56,7 +56,7 @@ def test_the_documents_validation_motion_does_not_excite_j2_and_another_does(rep
 
 def test_the_report_says_why(cuhk, replay):
     text = cuhk["text"]
-    for words in ("Tables II and III", "NRMSE in %", "at 0.05 Hz", "moving average", "rotor", "excite J2"):
+    for words in ("Tables II and III", "NRMSE of the torque", "at 0.05 Hz", "moving average", "rotor", "excite J2"):
         assert words in " ".join(text.split())
     for name in replay["truth"]:
         assert f"\n {name} " in text

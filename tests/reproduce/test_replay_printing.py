@@ -19,16 +19,16 @@ def test_a_replay_represents_itself_in_one_line_without_arrays(replay, request):
 def test_a_replay_of_document_1_names_its_torque_errors(bleex):
     whole, *sides, data = bleex["repr"]
     for name, text in zip(("left", "right"), sides, strict=True):
-        errors = "/".join(f"{100.0 * error:.1f}" for error in bleex["json"][name]["nrmse"]["joint"])
-        assert f"joint {errors} %" in text
+        errors = " / ".join(f"{error:.3f}" for error in bleex["json"][name]["nrmse"]["joint"])
+        assert f"joint {errors}" in text
         assert text in whole
     assert data == "Measurements(192 poses upright, 200 tilted, 15 swings)"
 
 
 @pytest.mark.slow
 def test_a_replay_of_document_2_names_its_torque_errors(cuhk):
-    errors = "/".join(f"{100.0 * error:.1f}" for error in cuhk["json"]["nrmse"]["multisine"])
-    assert f"multisine {errors} %" in cuhk["repr"][0]
+    errors = " / ".join(f"{error:.3f}" for error in cuhk["json"]["nrmse"]["multisine"])
+    assert f"multisine {errors}" in cuhk["repr"][0]
 
 
 @pytest.mark.slow

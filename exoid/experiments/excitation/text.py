@@ -30,7 +30,7 @@ def precision_table(precision: Precision) -> DataTable:
         strict=True,
     )
     return make_table(
-        ["parameter", "expected", "± std", "% of scale", "determined", "unit"],
+        ["parameter", "expected", "± std", "% of scale", "class", "unit"],
         [
             (name, f"{value:.4g}", _digits(std), _digits(100.0 * relative), grade, unit)
             for name, value, std, relative, grade, unit in rows

@@ -1,0 +1,58 @@
+"""Options that have no effect, and files that cannot be read."""
+
+from __future__ import annotations
+
+import stat
+from collections.abc import Mapping
+from pathlib import Path
+
+from exoid.errors import ExoidError
+
+
+def refuse(options: Mapping[str, object], why: str) -> None:
+    """Refuse options that have no effect.
+
+    Args:
+        options: Values by option; None for an option that was not given.
+        why: Reason, for the message.
+
+    Raises:
+        ExoidError: An option was given.
+    """
+    for option, value in options.items():
+        if value is not None:
+            raise ExoidError(f"{option} has no effect: {why}", remedy=f"leave out {option}")
+
+
+def is_readable(name: str) -> bool:
+    """Tell whether a name is that of a file.
+
+    Args:
+        name: Path of a file, or another name.
+
+    Returns:
+        Whether there is such a file.
+
+    Raises:
+        ExoidError: A folder on the way to it cannot be read.
+    """
+    try:
+        return stat.S_ISREG(Path(name).stat().st_mode)
+    except (FileNotFoundError, NotADirectoryError, ValueError):
+        return False
+    except OSError as problem:
+        raise unreadable(name, problem) from None
+
+
+def unreadable(name: str, problem: Exception) -> ExoidError:
+    """Make the error about a file that the system does not let read.
+
+    Args:
+        name: Path of the file.
+        problem: Error of the system.
+
+    Returns:
+        The error.
+    """
+    reason = getattr(problem, "strerror", None) or str(problem)
+    return ExoidError(f"cannot be read ({reason})", where=name, remedy="check the path and its rights")

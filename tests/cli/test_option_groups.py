@@ -1,0 +1,83 @@
+"""Options that several verbs have are declared once, as a named tuple."""
+
+from __future__ import annotations
+
+import inspect
+from typing import Annotated, NamedTuple
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from exoid.cli.inputs import LogOptions
+from exoid.cli.option_groups import expand_options
+from exoid.cli.verbs import VERBS, load_verb
+
+
+class Reading(NamedTuple):
+    """A group of two options."""
+
+    start: Annotated[float | None, typer.Option(metavar="S", help="First time.")] = None
+    degrees: Annotated[bool, typer.Option("--degrees", help="Angles in degrees.")] = False
+
+
+class Rival(NamedTuple):
+    """A group with an option of the same name."""
+
+    start: Annotated[int, typer.Option()] = 1
+
+
+READING, RIVAL = Reading(), Rival()
+
+
+def command(seen, **without):
+    """Command whose verb keeps the group that it receives."""
+    app = typer.Typer()
+
+    @app.command()
+    @expand_options(without)
+    def verb(name: str, reading: Reading = READING, last: bool = False) -> None:
+        """Do nothing."""
+        seen.append((name, reading, last))
+
+    return app, verb
+
+
+def test_a_verb_receives_the_group_and_its_command_line_has_the_fields():
+    seen = []
+    app, verb = command(seen)
+    assert list(inspect.signature(verb).parameters) == ["name", "start", "degrees", "last"]
+    done = CliRunner().invoke(app, ["leg", "--start", "2.5", "--degrees", "--last"])
+    assert done.exit_code == 0, done.output
+    assert CliRunner().invoke(app, ["leg"]).exit_code == 0
+    assert seen == [("leg", Reading(2.5, True), True), ("leg", Reading(), False)]
+
+
+def test_a_field_that_a_verb_does_not_have_keeps_its_default():
+    seen = []
+    app, _ = command(seen, reading=("degrees",))
+    assert CliRunner().invoke(app, ["leg", "--degrees"]).exit_code == 2
+    assert CliRunner().invoke(app, ["leg", "--start", "1"]).exit_code == 0
+    assert seen == [("leg", Reading(1.0), False)]
+
+
+def test_two_options_of_one_name_are_an_error_of_the_program():
+    with pytest.raises(ValueError, match="duplicate parameter name: 'start'"):
+
+        @expand_options()
+        def verb(reading: Reading = READING, rival: Rival = RIVAL) -> None:
+            """Do nothing."""
+
+
+def test_options_that_were_given_are_named_as_on_the_command_line():
+    given = LogOptions(base_position="0,0,0", degrees=True).given()
+    assert {name for name, value in given.items() if value is not None} == {"--base-position", "--degrees"}
+    assert set(given) == {f"--{name.replace('_', '-')}" for name in LogOptions._fields}
+
+
+@pytest.mark.parametrize("name", ["identify", "check", "validate", "interaction", "select", "plan", "view", "track"])
+def test_every_verb_that_reads_logs_has_the_same_options_for_them(name):
+    options = {option for each in load_verb(name).params for option in each.opts}
+    own = {"--payload", "--base-position", "--wrench"} if name == "track" else set()  # there, the payload of the rig
+    assert set(LogOptions().given()) - own <= options
+    assert name in VERBS
