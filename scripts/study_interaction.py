@@ -52,6 +52,7 @@ LEGS = ("bleex", "cuhk")
 CUFFS = (
     ("limb, cuffs known", (1000.0, 30.0), 0.0),
     ("limb, cuffs ± 20 %", (1000.0, 30.0), 0.2),
+    ("limb, cuffs 20 % too stiff, taken for exact", (1200.0, 36.0), 0.0),
     ("limb, cuffs 20 % too stiff ± 20 %", (1200.0, 36.0), 0.2),
     ("limb, cuffs 20 % too soft ± 20 %", (800.0, 24.0), 0.2),
 )

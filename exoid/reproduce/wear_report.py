@@ -70,7 +70,7 @@ def wear_notes(study: WearStudy) -> list[str]:
         f"The identified model leaves {100.0 * felt['identified'] / felt['cad']:.0f} % of what is felt with CAD, and "
         f"{felt['identified'] / felt['truth']:.2f} times what is felt with the true model.",
         f"1/α of inertia and friction alone are {study.floor_of_all:.3g} N·m, without lag, noise and model error: "
-        f" {100.0 * study.floor_of_all / felt['cad']:.0f} % of what is felt with CAD.",
+        f"{100.0 * study.floor_of_all / felt['cad']:.0f} % of what is felt with CAD.",
         f"α is {MARGIN:g} of the largest stable one, at most {max(_used(study)):.3g}; 95 % of the distribution of the "
         "identified model are stable.",
     ]

@@ -134,7 +134,7 @@ def estimate_cuffs(stated: Cuffs, limb: EstimateData, alone: EstimateData, logs:
         −τ_w ≈ W β + D δθ,      D = ∂(W β)/∂θ.
 
     Noise of τ_w bends the cuffs of the model too, so that it is in W and D: least squares would choose the cuffs that
-    hide it. W and D of a predicted torque are therefore the instruments Z (instrumental variables, Söderström and Stoica 1989):
+    hide it. W and D of a predicted torque are therefore the instruments Z (Söderström and Stoica 1989):
 
         Zᵀ Ω (−τ_w − W β − D δθ) = 0.
 

@@ -177,7 +177,7 @@ def late_torque_notes(*estimates: EstimateData) -> tuple[str, ...]:
     leg alone are then two to four times their standard deviations.
 
     Args:
-        estimates: Estimates of the leg.
+        *estimates: Estimates of the leg.
 
     Returns:
         A note, or none.
