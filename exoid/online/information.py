@@ -91,7 +91,8 @@ def _forgotten(
             number[slot] *= 1.0 - lost
     if R[-1].any():
         weighted = (table * weights[:, None, None]).reshape(-1, table.shape[2])
-        out[-1], _ = _of_one(kind, R[-1], weighted, float(share.max()))
+        changed, _ = _of_one(kind, R[-1], weighted, float(share.max()))
+        out[-1] = np.linalg.qr(changed, mode="r")
     return out, number
 
 

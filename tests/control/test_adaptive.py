@@ -276,7 +276,7 @@ def test_standing_still_teaches_nothing(prediction):
         assert np.abs(kept.values - law.model.values[:, None]).max() <= STD.min()
         if prediction is not None:  # nor is anything forgotten, so the gain does not wind up
             np.testing.assert_array_equal(
-                kept.prediction.information, np.broadcast_to(law._information, (kept.values.shape[1], 12, 12))
+                kept.prediction.information, np.broadcast_to(law.initial_information, (kept.values.shape[1], 12, 12))
             )
 
 
