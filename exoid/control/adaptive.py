@@ -217,7 +217,9 @@ class Adaptive:
     @cached_property
     def initial_information(self) -> FloatArray:
         """Inverse of the covariance, (P, P)."""
-        return np.asarray(np.linalg.inv(self.model.covariance))
+        scale = np.sqrt(np.diagonal(self.model.covariance))  # parameters have different units
+        scale = np.outer(scale, scale)
+        return np.asarray(np.linalg.inv(self.model.covariance / scale) / scale)
 
     @cached_property
     def metric(self) -> FloatArray:

@@ -406,9 +406,7 @@ def _work_of_looking(settings: Settings) -> float:
     """Statistics of the change detection."""
     if not detects(settings):
         return 0.0
-    sizes = [
-        (np.count_nonzero(one.basis.any(axis=1)), one.basis.shape[1]) for one in Detection.of(settings).hypotheses
-    ]
+    sizes = [(np.count_nonzero(one.basis.any(axis=1)), one.basis.shape[1]) for one in Detection.of(settings).hypotheses]
     tests = sum(2 * rows**2 * d + rows * d * d + 150 * d for rows, d in sizes)
     return float(2 * ROWS * settings.n * settings.count**2 + tests + 20 * len(sizes))
 

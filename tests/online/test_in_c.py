@@ -148,7 +148,7 @@ SETTINGS = [
 ]
 
 
-def follow(c, online, q, tau):
+def follow(c, online, q, tau, of_std=1e-9):
     """Compare values, standard deviations, weights and numbers of rows whenever C says that they are new."""
     blocks = 0
     for k in range(len(q)):
@@ -156,7 +156,7 @@ def follow(c, online, q, tau):
             blocks, state = blocks + 1, online.state
             values, std, weights, count = c.get()
             np.testing.assert_allclose(values, state.values, rtol=0.0, atol=1e-9 * np.abs(state.values).max())
-            np.testing.assert_allclose(std, state.std, rtol=1e-9)
+            np.testing.assert_allclose(std, state.std, rtol=of_std)
             np.testing.assert_allclose(weights, state.weights, rtol=1e-9)
             np.testing.assert_allclose(count, state.information.rows[:-1], rtol=1e-12)
         online.update(q[k], None, None, tau[k])  # afterwards: the work of C is complete before the next block
@@ -209,7 +209,7 @@ def test_changes_are_detected_in_the_same_block_and_values_after_them_are_the_sa
     beta = [np.tile(values, (count, 1)) for values, count in ((before, 2700), (rough, 2600), (loaded, 400))]
     q, tau = walking(model, beta)
     c = InC(online, tmp_path, flags=("-O2",))
-    assert follow(c, online, q, tau) > 500
+    assert follow(c, online, q, tau, of_std=1e-8) > 500  # what was forgotten has 1e-6 of the information
     first, second = online.changes
     assert (first.kind, first.joint) == ("friction", leg.joint_names[1])
     assert (second.kind, second.joint) == ("load", leg.joint_names[1])
@@ -225,7 +225,7 @@ def test_noise_without_a_change_raises_no_alarm_in_either(tmp_path):
     online = estimator_of(leg, (Coulomb(), Viscous()), forgetting="directional", false_alarms=0.1)
     beta = np.concatenate([leg.parameters, np.array([2.0, 2.0, 1.0, 1.0, 1.0, 0.5])])
     c = InC(online, tmp_path, flags=("-O2",))
-    for q, tau in zip(*walking(online.settings.model, [np.tile(beta, (60_000, 1))], seed=1), strict=True):
+    for q, tau in zip(*walking(online.settings.model, [np.tile(beta, (30_000, 1))], seed=1), strict=True):
         c.update(q, tau)
     c.get()
     assert (c.changes, c.late) == (0, 0)

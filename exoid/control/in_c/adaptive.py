@@ -146,7 +146,9 @@ def _tables_of_cone(law: Adaptive) -> tuple[ArrayInC, ...]:
         ArrayInC("floor", "point from which the set of parameters begins", law.cone.floor.copy()),
         ArrayInC("generator", "parameters of point masses and unit coefficients", generators.T.copy()),
         ArrayInC("generator_scale", "1 over their size in the initial metric", 1.0 / length),
-        ArrayInC("inside", "distance in standard deviations at which a point counts as one of the set", np.array(INSIDE)),
+        ArrayInC(
+            "inside", "distance in standard deviations at which a point counts as one of the set", np.array(INSIDE)
+        ),
         ArrayInC("start_chosen", "point masses of the initial parameters", chosen),
         ArrayInC("start_weight", "their weights", weight),
         ArrayInC("start_count", "their number", np.array(float(len(found)))),
@@ -156,7 +158,10 @@ def _tables_of_cone(law: Adaptive) -> tuple[ArrayInC, ...]:
 def _tables_of_prediction(law: Adaptive, prediction: TorquePrediction | None) -> tuple[ArrayInC, ...]:
     """Metric that is constant, or filters and weights of composite adaptation."""
     if prediction is None:
-        return (ArrayInC("metric", "L with L'L the inverse of the covariance", law.metric),)
+        return (
+            ArrayInC("covariance", "covariance P of the parameters", law.model.covariance.copy()),
+            ArrayInC("metric", "L with L'L the inverse of the covariance", law.metric),
+        )
     constants = {
         "settled": (SETTLED * prediction.filter(law.rate).delay, "time until the filters have settled [s]"),
         "sliding": (SLIDING, "velocity above which friction is known [rad/s]"),
