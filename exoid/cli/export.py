@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -25,6 +25,9 @@ from .outputs import check_outputs
 
 if TYPE_CHECKING:
     from exoid.online.in_c import RecursiveSource
+
+DIRECTIONAL = "directional"
+"""Default of --forgetting."""
 
 
 def export(
@@ -111,6 +114,12 @@ def export(
             help="Write a recursive estimator of the same parameters into the file of --c, and a header beside it.",
         ),
     ] = False,
+    forgetting: Annotated[
+        Literal["directional", "exponential", "none"] | None,
+        typer.Option(
+            help="--recursive: how rows are forgotten; default directional. Changes are detected unless it is none."
+        ),
+    ] = None,
     ros2: Annotated[
         str | None,
         typer.Option(
@@ -142,6 +151,8 @@ def export(
             "--mass-factor and --pull have no effect on C", remedy="leave them out, or write a URDF with -o LEG.URDF"
         )
     options = LawOptions(kp, kd, rate, period, role, limit, slew, safe, patience, share, amplification, bandwidth)
+    if forgetting is not None and not recursive:
+        raise ExoidError("--forgetting has no effect without --recursive", remedy="leave it out, or give --recursive")
     if recursive:
         _refuse_beside_recursive(c, law, precision, options)
     elif law is None and options.given():
@@ -170,7 +181,7 @@ def export(
     elif recursive:
         from .recursive_export import export_recursive  # noqa: PLC0415 - only this needs the estimator
 
-        written = export_recursive(found, str(c), rate, bandwidth)
+        written = export_recursive(found, str(c), rate, bandwidth, forgetting or DIRECTIONAL)
     elif c is not None:
         written = found.to_c(c, precision=precision or "double")
     else:

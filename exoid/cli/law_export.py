@@ -9,6 +9,7 @@ from exoid.codegen.laws import LawSource, Safety
 from exoid.codegen.ros2 import Ros2Package
 from exoid.control import ControlModel
 from exoid.control.in_c import write_c, write_ros2
+from exoid.control.observers import TorqueObserver
 from exoid.control.stateful import AnyLaw
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
@@ -89,7 +90,7 @@ def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
     return _with_gains(estimate if name == "adaptive" else model, name, options)
 
 
-def _observer(estimate: Estimate, name: str, options: LawOptions) -> control.TorqueObserver:
+def _observer(estimate: Estimate, name: str, options: LawOptions) -> TorqueObserver:
     """Observer with measured velocities, whose channels are aligned where they are read."""
     if estimate.torque_delays.any():
         lags = zip(estimate.leg.joint_labels, estimate.torque_delays.tolist(), strict=True)

@@ -62,7 +62,7 @@ def absorb(settings: Settings, information: Information, rows: Rows, weights: Fl
         share = 1.0 - np.exp(-counts * settings.row_time / settings.memory)
         R, number = _forgotten(settings.forgetting, R, number, table, share, weights)
     out = R.copy()
-    out[:-1] = _without_rounding(np.linalg.qr(np.concatenate([R[:-1], table], axis=1), mode="r"))
+    out[:-1] = _without_rounding(np.asarray(np.linalg.qr(np.concatenate([R[:-1], table], axis=1), mode="r")))
     return Information(out, number + np.append(counts, 0))
 
 

@@ -15,7 +15,15 @@ import pytest
 from turns import best_of_turns, show
 
 import exoid
-from exoid.control import LAWS, Limited, MomentumObserver, default_gains, sensitivity_amplification, standard_laws
+from exoid.control import (
+    LAWS,
+    KalmanObserver,
+    Limited,
+    MomentumObserver,
+    default_gains,
+    sensitivity_amplification,
+    standard_laws,
+)
 from exoid.control.in_c import write_c
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.online import RecursiveEstimator
@@ -24,6 +32,9 @@ from exoid.online.in_c import write_recursive
 CALLS, ROUNDS = 20_000, 5
 LONGEST = 3e-6
 RATIO = 1.5
+LEARNS, LEARNING = "adaptive", 200e-6
+"""Adaptive control, which projects its parameters with each step, and its longest step."""
+
 BARE = "pin.rnea from Python"
 
 COMPILER = shutil.which("cc")
@@ -67,11 +78,11 @@ def steps(estimate, tmp_path_factory):
     gait = gait_for_leg(estimate.leg, healthy_gait(0.8, 10.0))
     kp, kd = default_gains(estimate, np.zeros(3))
     rng, found = np.random.default_rng(0), {}
-    names = [name for name in LAWS if name != "adaptive"]  # it has no form in C
-    laws = standard_laws(estimate, kp, kd, gait, 10.0, names=names)
+    laws = standard_laws(estimate, kp, kd, gait, 10.0, names=LAWS)
     laws["sensitivity_amplification"] = sensitivity_amplification(estimate, 3.0)
     limited = {name: Limited(law, (150.0, 125.0, 90.0), 4000.0) for name, law in laws.items()}
     limited["momentum_observer"] = MomentumObserver(estimate, 8.0, 500.0, torque_delay=0.0)
+    limited["kalman_observer"] = KalmanObserver(estimate, 8.0, 500.0, torque_delay=0.0)
     for name, law in limited.items():
         source = write_c(folder / f"{name}.c", law)
         (folder / f"run_{name}.c").write_text(harness(source))
@@ -203,7 +214,10 @@ def test_a_step_takes_three_microseconds_at_most(estimate, steps):
     works = {BARE: rnea_of(estimate), **{f"{name}, a step in C": step for name, step in steps.items()}}
     best = best_of_turns(works, ROUNDS)
     show(f"{CALLS:,} steps of a law", best, BARE)
-    slowest = max(seconds for name, seconds in best.items() if name.endswith("in C"))
+    slowest = max(seconds for name, seconds in best.items() if name.endswith("in C") and not name.startswith(LEARNS))
+    learns = best[f"{LEARNS}, a step in C"]
+    print(f"{LEARNS}: {1e6 * learns / CALLS:.2f} us a step, {learns / best[BARE]:.2f} of one pin.rnea")
     print(f"slowest law: {1e6 * slowest / CALLS:.2f} us a step, {slowest / best[BARE]:.2f} of one pin.rnea")
+    assert learns <= LEARNING * CALLS
     assert slowest <= RATIO * best[BARE]
     assert slowest <= LONGEST * CALLS
