@@ -29,7 +29,10 @@ AMPLIFICATION = 2.0
 WORN = ("gravity_support", "sensitivity_amplification", "impedance")
 """Names of the laws for a leg with a wearer."""
 
-OBSERVERS = {"momentum_observer": control.MomentumObserver, "kalman_observer": control.KalmanObserver}
+OBSERVERS: dict[str, type[TorqueObserver]] = {
+    "momentum_observer": control.MomentumObserver,
+    "kalman_observer": control.KalmanObserver,
+}
 """Observers, which give the torque of the wearer in place of a command."""
 
 OBSERVED = 8.0

@@ -12,8 +12,8 @@ import exoid
 from exoid.codegen.laws import Safety
 from exoid.control import (
     LAWS,
-    Limited,
     KalmanObserver,
+    Limited,
     MomentumObserver,
     default_gains,
     gravity_support,
