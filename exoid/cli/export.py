@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -25,6 +25,9 @@ from .outputs import check_outputs
 
 if TYPE_CHECKING:
     from exoid.online.in_c import RecursiveSource
+
+DIRECTIONAL = "directional"
+"""Default of --forgetting."""
 
 
 def export(
@@ -111,6 +114,12 @@ def export(
             help="Write a recursive estimator of the same parameters into the file of --c, and a header beside it.",
         ),
     ] = False,
+    forgetting: Annotated[
+        Literal["directional", "exponential", "none"] | None,
+        typer.Option(
+            help="--recursive: how rows are forgotten; default directional. Changes are detected unless it is none."
+        ),
+    ] = None,
     ros2: Annotated[
         str | None,
         typer.Option(
@@ -123,11 +132,12 @@ def export(
 ) -> None:
     """Write an identified leg as a URDF, with LEG.exoid.json for what a URDF cannot hold, for MuJoCo or in C.
 
-    With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr;
+    With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr,
+    adaptive (in double);
     for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or momentum_observer or
     kalman_observer, which give the torque of the wearer. With --ros2, it is a package for ROS 2 around that C.
 
-    With --recursive, the C is a recursive estimator of the parameters of this estimate, without forgetting.
+    With --recursive, the C is a recursive estimator of the parameters of this estimate, which begins with nothing.
 
     Example: exoid export est.json -o leg.urdf
     """
@@ -143,6 +153,8 @@ def export(
             "--mass-factor and --pull have no effect on C", remedy="leave them out, or write a URDF with -o LEG.URDF"
         )
     options = LawOptions(kp, kd, rate, period, role, limit, slew, safe, patience, share, amplification, bandwidth)
+    if forgetting is not None and not recursive:
+        raise ExoidError("--forgetting has no effect without --recursive", remedy="leave it out, or give --recursive")
     if recursive:
         _refuse_beside_recursive(c, law, precision, options)
     elif law is None and options.given():
@@ -171,7 +183,7 @@ def export(
     elif recursive:
         from .recursive_export import export_recursive  # noqa: PLC0415 - only this needs the estimator
 
-        written = export_recursive(found, str(c), rate, bandwidth)
+        written = export_recursive(found, str(c), rate, bandwidth, forgetting or DIRECTIONAL)
     elif c is not None:
         written = found.to_c(c, precision=precision or "double")
     else:

@@ -277,7 +277,7 @@ def test_standing_still_teaches_nothing(prediction):
         assert np.abs(kept.values - law.model.values[:, None]).max() <= STD.min()
         if prediction is not None:  # nor is anything forgotten, so the gain does not wind up
             np.testing.assert_array_equal(
-                kept.prediction.information, np.broadcast_to(law._information, (kept.values.shape[1], 12, 12))
+                kept.prediction.information, np.broadcast_to(law.initial_information, (kept.values.shape[1], 12, 12))
             )
 
 
@@ -428,3 +428,12 @@ def test_a_target_without_acceleration_raises_an_error():
     state, aim = on_the_move(13)
     with pytest.raises(ExoidError, match="acceleration"):
         law.step(law.begin(state), state, aim._replace(a=None))
+
+
+def test_parameters_that_are_known_exactly_have_a_millionth_of_their_value_as_deviation():
+    """Not a millionth of that: the projection would be rounding."""
+    law = adaptive(cuhk_plant(), KP, KD, change=ExpectedChange(payload=1.0, friction=0.0))
+    friction = np.array([name.startswith(("c0", "d_")) for name in law.names])
+    assert friction.any()
+    std = np.sqrt(np.diagonal(law.model.covariance))[friction]
+    np.testing.assert_allclose(std, 1e-6 * np.abs(law.model.values[friction]), rtol=0.5)
