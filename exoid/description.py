@@ -6,6 +6,7 @@ import hashlib
 import math
 import re
 from collections import Counter
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -38,7 +39,7 @@ NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 LONGEST_TEXT = 80
 """Number of characters of an attribute in messages."""
 
-NUMBERS = {
+NUMBERS: Mapping[str, Mapping[str, int]] = {
     "link/inertial/mass": {"value": 1},
     "link/inertial/inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
     "link/inertial/origin": {"xyz": 3, "rpy": 3},
@@ -168,7 +169,9 @@ def describe(text: str, name: str = "URDF") -> Description:
     if any(element.prefix == "xacro" for element in root.iter()):
         raise ExoidError("contains xacro commands", where=name, remedy="expand it first: xacro leg.xacro > leg.urdf")
     _check_structure(root, name)
-    _check_numbers(root, name)
+    _check_inertias(root, name)
+    check_numbers(root, NUMBERS, REQUIRED, name)
+    _check_axes(root, name)
     return Description(text, name, hashlib.sha256(text.encode()).hexdigest())
 
 
@@ -217,16 +220,25 @@ def _check_tree(root: etree._Element, links: list[str], name: str) -> None:
         raise ExoidError(found, where=name, remedy="join all links to one tree with one root")
 
 
-def _check_numbers(root: etree._Element, name: str) -> None:
-    for inertial in root.findall("link/inertial"):
-        if any(inertial.find(element) is None for element in REQUIRED):
-            place = _place(inertial, name)
-            raise ExoidError("its <inertial> lacks mass or inertia", where=place, remedy="write both, or neither")
-    for path, attributes in NUMBERS.items():
+def check_numbers(
+    root: etree._Element, counts: Mapping[str, Mapping[str, int]], required: Container[str], name: str
+) -> None:
+    """Check that attributes are finite decimal numbers of plausible size.
+
+    Args:
+        root: Element from which the paths start.
+        counts: Number of values in each attribute, by the path of its elements.
+        required: Tags of elements that must have all of their attributes.
+        name: Name of the URDF in messages.
+
+    Raises:
+        ExoidError: Names the first attribute that is not, and its link or joint.
+    """
+    for path, attributes in counts.items():
         for element in root.findall(path):
             for attribute, count in attributes.items():
                 text = element.get(attribute)
-                if text is None and element.tag not in REQUIRED:
+                if text is None and element.tag not in required:
                     continue
                 words = (text or "").split()
                 if len(words) != count or not all(NUMBER.fullmatch(w) and math.isfinite(float(w)) for w in words):
@@ -241,6 +253,16 @@ def _check_numbers(root: etree._Element, name: str) -> None:
                         where=_place(element, name),
                         remedy="correct the number",
                     )
+
+
+def _check_inertias(root: etree._Element, name: str) -> None:
+    for inertial in root.findall("link/inertial"):
+        if any(inertial.find(element) is None for element in REQUIRED):
+            place = _place(inertial, name)
+            raise ExoidError("its <inertial> lacks mass or inertia", where=place, remedy="write both, or neither")
+
+
+def _check_axes(root: etree._Element, name: str) -> None:
     for joint in root.findall("joint"):
         axis = joint.find("axis")
         if axis is None or joint.get("type") in ("fixed", "floating"):

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import html
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
 
 WIDTH = 110
 """Longest line of a text, unless a terminal is narrower."""
@@ -60,9 +65,7 @@ def to_text(*parts: DataTable | str) -> str:
         :data:`COMPACT` gets narrower gaps. If it is still too wide, it is cut into tables of some of its columns, each
         with the first column.
     """
-    from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - a leg and an estimate need Rich only when they are printed
-    from rich.console import Console  # noqa: PLC0415
-    from rich.table import Table  # noqa: PLC0415
+    from rich.console import Console  # noqa: PLC0415 - a leg and an estimate need Rich only when they are printed
 
     file = io.StringIO()
     console = Console(
@@ -74,43 +77,48 @@ def to_text(*parts: DataTable | str) -> str:
         markup=False,
         emoji=False,
     )
-
-    unlimited = console.options.update(max_width=10 * WIDTH)
-
-    def spaced(headers: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> Table:
-        table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, left))
-        for index, column in enumerate(zip(headers, *rows, strict=True)):
-            least = max(map(_unbroken, column), default=0)
-            table.add_column(
-                headers[index], justify="left" if index == 0 else "right", overflow="fold", min_width=least
-            )
-        for row in rows:
-            table.add_row(*row)
-        return table
-
-    def drawn(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
-        table = spaced(headers, rows, 1)
-        fits = console.measure(table, options=unlimited).maximum <= min(COMPACT, console.width)
-        return table if fits else spaced(headers, rows, 0)
-
     for part in parts:
         if isinstance(part, str):
             console.print(part)
             continue
         if part.caption:
             console.print(part.caption)
-        first, last = 1, len(part.headers)
-        while first < last:  # columns that do not fit beside each other go into a table below
-            table = drawn(*_columns(part, first, last))
-            if last == first + 1 or console.measure(table, options=unlimited).minimum <= console.width:
-                console.print(table)
-                first, last = last, len(part.headers)
-            else:
-                last -= 1
-        if len(part.headers) == 1:
-            console.print(drawn(part.headers, part.rows))
+        for piece in _pieces(part, console):
+            console.print(piece)
     text = "\n".join(line.rstrip() for line in file.getvalue().splitlines()).strip("\n")
     return text.replace("\n\n\n", "\n\n")  # a table has an empty line above and below
+
+
+def _pieces(table: DataTable, console: Console) -> Iterator[Table]:
+    """Cut a table into tables that fit the console, each with the first column."""
+    unlimited = console.options.update(max_width=10 * WIDTH)
+    first, last = 1, len(table.headers)
+    while first < last:  # columns that do not fit beside each other go into a table below
+        columns = _columns(table, first, last)
+        piece = _drawn(*columns, gap=3)
+        if console.measure(piece, options=unlimited).maximum > min(COMPACT, console.width):
+            piece = _drawn(*columns, gap=2)
+        if last == first + 1 or console.measure(piece, options=unlimited).minimum <= console.width:
+            yield piece
+            first, last = last, len(table.headers)
+        else:
+            last -= 1
+    if len(table.headers) == 1:
+        yield _drawn(table.headers, table.rows, gap=3)
+
+
+def _drawn(headers: Sequence[str], rows: Sequence[Sequence[str]], gap: int) -> Table:
+    """Lay out a table with so many blanks between its columns, two or three."""
+    from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - as above
+    from rich.table import Table  # noqa: PLC0415
+
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, gap - 2))
+    for index, column in enumerate(zip(headers, *rows, strict=True)):
+        least = max(map(_unbroken, column), default=0)
+        table.add_column(headers[index], justify="left" if index == 0 else "right", overflow="fold", min_width=least)
+    for row in rows:
+        table.add_row(*row)
+    return table
 
 
 def _unbroken(cell: str) -> int:
@@ -157,6 +165,7 @@ def html_table(headers: Sequence[str], rows: Iterable[Sequence[str]], caption: s
     """
 
     def line(tag: str, cells: Sequence[str]) -> str:
+        """Write a row of HTML, the first cell to the left."""
         sides = ("left", *("right",) * (len(cells) - 1))
         row = (
             f'<{tag} style="text-align:{side}">{html.escape(c)}</{tag}>' for side, c in zip(sides, cells, strict=True)

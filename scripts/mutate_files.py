@@ -45,7 +45,13 @@ KINDS = (
     "ply",
     "mot",
     "forces.sto",
+    "obj",
+    "dae",
+    "glb",
 )
+MESHES = ("stl", "ply", "obj", "dae", "glb")
+"""Kinds that are meshes."""
+
 INTERESTING = (0, 1, 0x7F, 0x80, 0xFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 10**12, 2**63 - 1, 2**64 - 1)
 """Numbers at which readers go wrong."""
 
@@ -66,6 +72,7 @@ def seeds(folder: Path) -> dict[str, bytes]:
     sys.path.insert(0, str(ROOT / "tests"))
     import log_writers  # noqa: PLC0415 - a module of the tests
     import one_joint  # noqa: PLC0415
+    import trimesh  # noqa: PLC0415
     from rosbags.rosbag2 import StoragePlugin  # noqa: PLC0415 - an extra
 
     import exoid  # noqa: PLC0415
@@ -99,6 +106,11 @@ def seeds(folder: Path) -> dict[str, bytes]:
         b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         b"element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
     )
+    box = trimesh.creation.box((0.1, 0.2, 0.3))
+    box.visual = trimesh.visual.TextureVisuals(uv=np.zeros((8, 2)))
+    for kind in ("obj", "glb"):
+        box.export(folder / kind, file_type=kind)
+    (folder / "dae").write_bytes(trimesh.exchange.dae.export_collada(box))
     return {kind: (folder / kind).read_bytes() for kind in KINDS}
 
 
@@ -144,7 +156,7 @@ def reader_of(kind: str) -> Callable[[Path], Any]:
         return lambda path: read_exported(path.with_name("leg.urdf"))
     if kind == "forces.sto":
         return exoid.signals.read_opensim_forces
-    if kind in ("stl", "ply"):
+    if kind in MESHES:
         return lambda path: load_mesh(path, np.ones(3))
     return exoid.Recording.from_file
 
@@ -169,7 +181,7 @@ def serve(kind: str, folder: Path) -> None:
             if "\n" in str(error) or not error.what.strip():
                 what = f"not one line: {error}"
         except ValueError as error:
-            what = "" if kind in ("stl", "ply") else repr(error)
+            what = "" if kind in MESHES else repr(error)
         except Exception as error:
             what = repr(error)
         print(json.dumps({"what": what[:500], "memory": peak()}), flush=True)

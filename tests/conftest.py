@@ -14,6 +14,10 @@ from hypothesis import settings
 
 import exoid
 from exoid.cli import main, progress
+from exoid.identification import ESTIMATORS
+from exoid.signals import PREPARATIONS
+from exoid.signals.formats import READERS
+from exoid.torques import TERMS
 
 progress.PATIENCE = math.inf  # lines of progress depend on how busy the machine is; their test sets the time to zero
 
@@ -26,6 +30,7 @@ BUILT_IN = [
     for inertias in sets
     for side in ("left", "right")
 ]
+REGISTRIES = {"term": TERMS, "estimator": ESTIMATORS, "preparation": PREPARATIONS, "log format": READERS}
 
 
 def pytest_xdist_auto_num_workers(config):
@@ -43,6 +48,14 @@ def built_in_leg(request):
 @pytest.fixture(params=["left", "right"])
 def side(request):
     return request.param
+
+
+@pytest.fixture
+def forgetful(monkeypatch):
+    """Registries that have afterwards what they had before."""
+    for registry in REGISTRIES.values():
+        monkeypatch.setattr(registry, "_registered", dict(registry._registered))
+    return REGISTRIES
 
 
 @pytest.fixture(scope="session")

@@ -105,7 +105,7 @@ def test_shapes_that_the_parser_does_not_understand_print_nothing(tmp_path, capf
     assert capfd.readouterr() == ("", "")
     assert "a.stl" in leg.description.text
     (tmp_path / "a.stl").touch()
-    with pytest.raises(ExoidError, match="<mesh scale='nan 1 1'> of a <visual> is not 3 finite numbers"):
+    with pytest.raises(ExoidError, match="link 'thigh': <mesh scale='nan 1 1'> is not 3 finite numbers"):
         exoid.view.scene(leg, meshes=tmp_path)
 
 

@@ -85,7 +85,7 @@ def annotated(function):
     return inspect.Signature.empty not in annotations
 
 
-def test_examples_in_docstrings_are_true():
+def test_examples_in_docstrings_are_true(forgetful):
     names, tried = {each: getattr(exoid, each) for each in exoid.__all__}, 0
     for name in MODULES:
         module = importlib.import_module(name)

@@ -55,6 +55,7 @@ def _tenths(label: str, begin: float) -> Callable[[float], None]:
     done = 0
 
     def report(share: float) -> None:
+        """Write the line of a tenth that is new."""
         nonlocal done
         tenths = min(10, int(10.0 * share + 1e-9))
         if tenths > done and time.monotonic() - begin > PATIENCE:

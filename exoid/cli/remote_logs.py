@@ -51,6 +51,7 @@ def at_hand(
     with progress_bar("identifying") as progress:
 
         def count(_: object) -> None:
+            """Count a log that was read, and show the share."""
             nonlocal read
             read += 1
             progress(min(1.0, read / total))

@@ -76,6 +76,7 @@ def stability(
         runs = checks.regulate(plant, *task, rate=rate, duration=duration, progress=progress)
 
     def law(scale: float, rate: float) -> Law:
+        """Make the controller with scaled gains, at a rate [Hz]."""
         return gravity_friction_pd(plant, scale * task.kp, scale * task.kd, friction=None, rate=rate)
 
     margins = checks.gain_margins(plant, law, task.target)

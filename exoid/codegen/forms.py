@@ -121,6 +121,7 @@ def register_c_form(
         raise ExoidError(f"no place {place!r} for a term in C", remedy=f"use {', '.join(get_args(Place))}")
 
     def register(write: Callable[[T, JointInC], str]) -> Callable[[T, JointInC], str]:
+        """Register the form of the type."""
         FORMS[kind] = CForm(place, write)
         return write
 

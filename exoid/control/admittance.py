@@ -11,7 +11,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.rig import Target
 
-from .law import State, gains, refuse_rate, spread
+from .law import State, freeze_gains, gains, refuse_rate, spread
 from .model import ControlModel, ModelSource
 from .passive_friction import PASSIVE, PassiveFriction, wearer_friction
 
@@ -70,8 +70,7 @@ class Admittance:
     def __post_init__(self) -> None:
         """Check the numbers."""
         refuse_rate(self.rate)
-        for name in ("mass", "damping", "stiffness", "frequency"):
-            object.__setattr__(self, name, gains(getattr(self, name), name))
+        freeze_gains(self, "mass", "damping", "stiffness", "frequency")
         reach = np.array(self.reach, dtype=np.float64)
         if not ((self.mass > 0.0).all() and (self.frequency > 0.0).all() and (reach > 0.0).all()):
             raise ExoidError(

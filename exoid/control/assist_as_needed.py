@@ -11,7 +11,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.rig import Target
 
-from .law import RATE, State, gains, refuse_rate, spread
+from .law import RATE, State, freeze_gains, gains, refuse_rate, spread
 from .model import ControlModel, ModelSource
 from .passive_friction import PASSIVE, PassiveFriction, wearer_friction
 
@@ -66,8 +66,7 @@ class AssistAsNeeded:
     def __post_init__(self) -> None:
         """Check the numbers."""
         refuse_rate(self.rate)
-        for name in ("stiffness", "damping", "tunnel", "learning"):
-            object.__setattr__(self, name, gains(getattr(self, name), name))
+        freeze_gains(self, "stiffness", "damping", "tunnel", "learning")
         if not ((self.tunnel > 0.0).all() and 0.0 < self.forgetting < np.inf):
             raise ExoidError(
                 f"a tunnel of {self.tunnel!r} rad, forgotten in {self.forgetting:g} s", remedy="give positive numbers"

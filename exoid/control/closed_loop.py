@@ -211,9 +211,11 @@ class _Sampled:
         self._memory: Memory = None
 
     def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Compute the torque without a wearer."""
         return self._command(target, q, v, None)
 
     def command_worn(self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray) -> FloatArray:
+        """Compute the torque, given that of the wearer."""
         return self._command(target, q, v, interaction)
 
     def _command(self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray | None) -> FloatArray:

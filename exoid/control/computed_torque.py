@@ -8,8 +8,8 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.rig import Target
 
 from .estimate_checks import model_to_compensate
-from .friction import AHEAD, FrictionCompensation
-from .law import RATE, State, acceleration, gains, refuse_rate, spread
+from .friction import AHEAD, FrictionCompensation, with_friction
+from .law import RATE, State, acceleration, freeze_gains, gains, refuse_rate, spread
 from .model import ControlModel, ModelSource
 
 
@@ -36,8 +36,7 @@ class ComputedTorque:
     def __post_init__(self) -> None:
         """Check gains and rate."""
         refuse_rate(self.rate)
-        object.__setattr__(self, "kp", gains(self.kp, "kp"))
-        object.__setattr__(self, "kd", gains(self.kd, "kd"))
+        freeze_gains(self, "kp", "kd")
 
     def torque(self, state: State, target: Target) -> FloatArray:
         """Compute the torque; see the class.
@@ -55,7 +54,7 @@ class ComputedTorque:
         q, v = state.q, state.v
         requested = acceleration(target) + spread(self.kd, v) * (target.v - v) + spread(self.kp, q) * (target.q - q)
         torque = self.model.inverse_dynamics(q, v, requested)
-        return torque if self.friction is None else torque + self.friction.torque(self.model, state, target)
+        return with_friction(torque, self.friction, self.model, state, target)
 
 
 def computed_torque(

@@ -9,11 +9,12 @@ from exoid.actuators import Actuators
 from exoid.rig import Target
 
 from .law import State
-from .stateful import AnyLaw, Memory, stateful, torque_without_memory
+from .stateful import Memory, stateful, torque_without_memory
+from .wrapped import Wrapped
 
 
 @dataclass(frozen=True, eq=False)
-class Driven:
+class Driven(Wrapped):
     """Another controller whose torques drives make, within their limits.
 
     :meth:`command` is for the real machine: current [A] = τ / (ratio · η^±1 · k_t), force [N] = τ / r(q), motor angle
@@ -36,13 +37,7 @@ class Driven:
         10.0 2.0
     """
 
-    law: AnyLaw
     actuators: Actuators
-
-    @property
-    def rate(self) -> float:
-        """Sampling rate [Hz]."""
-        return self.law.rate
 
     def command(self, state: State, target: Target) -> FloatArray:
         """Compute the commands to hold until the next sample.
@@ -60,32 +55,6 @@ class Driven:
         """
         return self._command_of(torque_without_memory(self.law, state, target), state)
 
-    def torque(self, state: State, target: Target) -> FloatArray:
-        """Compute the torque that the drives make of these commands.
-
-        Args:
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``.
-
-        Raises:
-            ExoidError: See :meth:`command`.
-        """
-        return self._torque_of(self.command(state, target), state)
-
-    def begin(self, state: State) -> Memory:
-        """Compute the memory of the other controller before the first sample.
-
-        Args:
-            state: Measured state at the first sample, (n,) or (n, B).
-
-        Returns:
-            The memory.
-        """
-        return stateful(self.law).begin(state)
-
     def step_command(self, memory: Memory, state: State, target: Target) -> tuple[FloatArray, Memory]:
         """Compute the commands to hold until the next sample, and the memory of the other controller.
 
@@ -100,22 +69,21 @@ class Driven:
         torque, memory = stateful(self.law).step(memory, state, target)
         return self._command_of(torque, state), memory
 
-    def step(self, memory: Memory, state: State, target: Target) -> tuple[FloatArray, Memory]:
-        """Compute the torque that the drives make of these commands, and the memory of the other controller.
+    def changed(self, torque: FloatArray, state: State) -> FloatArray:
+        """Compute the torque that the drives make of the commands for a torque.
 
         Args:
-            memory: Memory of the other controller.
+            torque: Torque of the other controller [N·m], of the shape of ``state.q``.
             state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
 
         Returns:
-            Torque [N·m], of the shape of ``state.q``, and the memory for the next sample.
+            Torque [N·m], of the same shape.
+
+        Raises:
+            ExoidError: See :meth:`command`.
         """
-        command, memory = self.step_command(memory, state, target)
-        return self._torque_of(command, state), memory
+        command = self._command_of(torque, state)
+        return self.actuators.torque_of(command.T, state.q.T, state.v.T).T.reshape(command.shape)
 
     def _command_of(self, torque: FloatArray, state: State) -> FloatArray:
         return self.actuators.command(torque.T, state.q.T, state.v.T).T.reshape(torque.shape)
-
-    def _torque_of(self, command: FloatArray, state: State) -> FloatArray:
-        return self.actuators.torque_of(command.T, state.q.T, state.v.T).T.reshape(command.shape)

@@ -8,7 +8,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.rig import Target
 
 from .estimate_checks import model_to_compensate
-from .friction import AHEAD, FrictionCompensation
+from .friction import AHEAD, FrictionCompensation, with_friction
 from .law import RATE, State, acceleration, gains
 from .model import ControlModel, ModelSource
 from .pd import PD
@@ -50,7 +50,7 @@ class FeedforwardPD:
         """
         ahead = self.model.inverse_dynamics(target.q, target.v, acceleration(target))
         torque = self.feedback.torque(state, target) + ahead
-        return torque if self.friction is None else torque + self.friction.torque(self.model, state, target)
+        return with_friction(torque, self.friction, self.model, state, target)
 
 
 def feedforward_pd(

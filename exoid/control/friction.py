@@ -60,6 +60,24 @@ class FrictionCompensation:
         return torque if self.scale == 1.0 else self.scale * torque
 
 
+def with_friction(
+    torque: FloatArray, friction: FrictionCompensation | None, model: ControlModel, state: State, target: Target
+) -> FloatArray:
+    """Add friction compensation to the torque of a controller.
+
+    Args:
+        torque: Torque without it [N·m], (n,) or (n, B).
+        friction: Friction compensation; None for none.
+        model: Model with the friction coefficients.
+        state: Measured state.
+        target: Reference at this moment.
+
+    Returns:
+        Torque with it [N·m], of the same shape.
+    """
+    return torque if friction is None else torque + friction.torque(model, state, target)
+
+
 SMOOTH = FrictionCompensation()
 """Measured velocity, smooth: doc. 2, eq. (25), without the chatter of the sign function."""
 

@@ -12,7 +12,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.rig import Target
 
 from .estimate_checks import model_to_compensate
-from .friction import SMOOTH, FrictionCompensation
+from .friction import SMOOTH, FrictionCompensation, with_friction
 from .law import RATE, State, gains
 from .model import ControlModel, ModelSource
 from .pd import PD
@@ -52,7 +52,7 @@ class GravityFrictionPD:
         if state.q.ndim == 1 and self._joints:
             return self._of_one_leg(state, target)
         torque = self.feedback.torque(state, target) + self.model.statics(state.q)
-        return torque if self.friction is None else torque + self.friction.torque(self.model, state, target)
+        return with_friction(torque, self.friction, self.model, state, target)
 
     def _of_one_leg(self, state: State, target: Target) -> FloatArray:
         """Compute the same for one leg in plain floats, which is faster than arrays of two or three numbers."""

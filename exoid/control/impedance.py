@@ -9,7 +9,7 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.rig import Target
 
-from .law import RATE, State, gains, refuse_rate, spread
+from .law import RATE, State, freeze_gains, gains, refuse_rate, spread
 from .model import ControlModel, ModelSource
 from .passive_friction import PASSIVE, PassiveFriction, wearer_friction
 
@@ -41,8 +41,7 @@ class Impedance:
     def __post_init__(self) -> None:
         """Check stiffness, damping and rate."""
         refuse_rate(self.rate)
-        object.__setattr__(self, "stiffness", gains(self.stiffness, "stiffness"))
-        object.__setattr__(self, "damping", gains(self.damping, "damping"))
+        freeze_gains(self, "stiffness", "damping")
 
     def torque(self, state: State, target: Target) -> FloatArray:
         """Compute the torque; see the class.

@@ -80,6 +80,20 @@ def gains(value: ArrayLike, name: str) -> FloatArray:
     return array
 
 
+def freeze_gains(law: object, *names: str) -> None:
+    """Check gains of a controller when it is made, and replace them by read-only arrays.
+
+    Args:
+        law: The controller.
+        *names: Names of its attributes; see :func:`gains`.
+
+    Raises:
+        ExoidError: A gain is negative or not finite.
+    """
+    for name in names:
+        object.__setattr__(law, name, gains(getattr(law, name), name))
+
+
 def refuse_rate(rate: float) -> None:
     """Refuse a rate that is not positive and finite.
 

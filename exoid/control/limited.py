@@ -8,14 +8,13 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
-from exoid.rig import Target
 
 from .law import State, spread
-from .stateful import AnyLaw, Memory, stateful, torque_without_memory
+from .wrapped import Wrapped
 
 
 @dataclass(frozen=True, eq=False)
-class Limited:
+class Limited(Wrapped):
     """Another controller within limits: |τ| ≤ ``limit``, |τ − τ_last| ≤ ``slew`` / rate.
 
     The last command is part of the state, so that the limits need no memory. A controller that integrates finds the
@@ -35,7 +34,6 @@ class Limited:
         100.0
     """
 
-    law: AnyLaw
     limit: ArrayLike = np.inf
     slew: ArrayLike = np.inf
 
@@ -48,52 +46,16 @@ class Limited:
             array.flags.writeable = False
             object.__setattr__(self, name, array)
 
-    @property
-    def rate(self) -> float:
-        """Sampling rate [Hz]."""
-        return self.law.rate
-
-    def torque(self, state: State, target: Target) -> FloatArray:
-        """Compute the torque of the other controller, within the limits.
+    def changed(self, torque: FloatArray, state: State) -> FloatArray:
+        """Clip a torque to the limits.
 
         Args:
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
+            torque: Torque of the other controller [N·m], of the shape of ``state.q``.
+            state: Measured state with the last torque, (n,) or (n, B).
 
         Returns:
-            Torque [N·m], of the shape of ``state.q``.
-
-        Raises:
-            ExoidError: The other controller has memory.
+            Torque within the limits [N·m], of the same shape.
         """
-        return self._within(torque_without_memory(self.law, state, target), state)
-
-    def begin(self, state: State) -> Memory:
-        """Compute the memory of the other controller before the first sample.
-
-        Args:
-            state: Measured state at the first sample, (n,) or (n, B).
-
-        Returns:
-            The memory.
-        """
-        return stateful(self.law).begin(state)
-
-    def step(self, memory: Memory, state: State, target: Target) -> tuple[FloatArray, Memory]:
-        """Compute the torque of the other controller, within the limits, and its memory.
-
-        Args:
-            memory: Memory of the other controller.
-            state: Measured state, (n,) or (n, B).
-            target: Reference at this moment, likewise.
-
-        Returns:
-            Torque [N·m], of the shape of ``state.q``, and the memory for the next sample.
-        """
-        torque, memory = stateful(self.law).step(memory, state, target)
-        return self._within(torque, state), memory
-
-    def _within(self, torque: FloatArray, state: State) -> FloatArray:
         if state.last is not None:
             change = spread(np.asarray(self.slew), torque) / self.rate
             torque = np.clip(torque, state.last - change, state.last + change)

@@ -13,7 +13,7 @@ from exoid.errors import ExoidError
 from exoid.rig import Reference, Target
 
 from .estimate_checks import model_to_compensate
-from .friction import AHEAD, FrictionCompensation
+from .friction import AHEAD, FrictionCompensation, with_friction
 from .law import RATE, State, acceleration, refuse_rate
 from .linearise import discretise, linearise
 from .mean_pose import poses_along
@@ -100,9 +100,7 @@ class LQR:
         """
         torque = self.model.inverse_dynamics(target.q, target.v, acceleration(target))
         torque = torque + self.gain_at(state.time) @ np.concatenate([target.q - state.q, target.v - state.v])
-        if self.friction is not None:
-            torque = torque + self.friction.torque(self.model, state, target)
-        return np.asarray(torque)
+        return np.asarray(with_friction(torque, self.friction, self.model, state, target))
 
 
 def lqr(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from exoid._typing import ArrayLike, FloatArray
 from exoid.rig import Target
 
-from .law import RATE, State, gains, refuse_rate, spread
+from .law import RATE, State, freeze_gains, gains, refuse_rate, spread
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +30,7 @@ class PD:
     def __post_init__(self) -> None:
         """Check gains and rate."""
         refuse_rate(self.rate)
-        object.__setattr__(self, "kp", gains(self.kp, "kp"))
-        object.__setattr__(self, "kd", gains(self.kd, "kd"))
+        freeze_gains(self, "kp", "kd")
 
     def torque(self, state: State, target: Target) -> FloatArray:
         """Compute the torque; see the class.

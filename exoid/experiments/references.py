@@ -107,6 +107,7 @@ class Harmonics:
         most = max(len(motion.amplitude) for motion in motions)
 
         def wide(x: FloatArray, motion: Harmonics) -> FloatArray:
+            """Append zeros up to the largest number of harmonics."""
             full = np.broadcast_to(x, motion.amplitude.shape)
             return np.concatenate([full, np.zeros((most - len(full), *full.shape[1:]))])
 

@@ -189,10 +189,12 @@ class _Sums:
 
     @classmethod
     def zero(cls, rows: int, columns: int) -> _Sums:
+        """Make sums of no samples."""
         nonlinear = ((rows,), (rows,), (rows, columns), (rows, rows), (rows, columns))
         return cls(*(np.zeros(shape) for shape in nonlinear))
 
     def plus(self, other: _Sums) -> _Sums:
+        """Add the sums of other samples."""
         return _Sums(*(getattr(self, field.name) + getattr(other, field.name) for field in fields(self)))
 
 

@@ -198,6 +198,7 @@ def table_iii_model() -> ControlModel:
     both = {**hip, **knee}
 
     def row(name: str) -> FloatArray:
+        """Values of hip and knee."""
         return np.array([hip[name].value, knee[name].value])
 
     return ControlModel(

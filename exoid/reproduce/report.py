@@ -176,6 +176,7 @@ def bleex_notes(side: SideReplay) -> list[str]:
     change = {name: one_sided[name] - sequential[name] for name in ("b0_knee", "b0_ankle")}
 
     def error(values: Mapping[str, float], name: str) -> str:
+        """Relative error of a parameter in percent."""
         return f"{100.0 * (values[name] / truth[name] - 1.0):+.0f} %"
 
     return [

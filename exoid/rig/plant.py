@@ -122,6 +122,7 @@ class Plant:
         shape = (len(labels), len(pitches))
 
         def each(symbol: str, default: Mapping[str, float] | None = None) -> FloatArray:
+            """Values of a symbol at each joint and leg; zero where a joint has none."""
             named = [values.get(f"{symbol}_{label}", (default or {}).get(label, 0.0)) for label in labels]
             return np.tile(np.array(named)[:, None], (1, shape[1]))
 

@@ -343,9 +343,11 @@ class _Log:
         self.samples: list[tuple[FloatArray, ...]] = []
 
     def add(self, *sample: FloatArray) -> None:
+        """Append a sample."""
         self.samples.append(sample)
 
     def arrays(self) -> tuple[FloatArray, ...]:
+        """Return the samples as arrays, samples first."""
         return tuple(np.array(x) for x in zip(*self.samples, strict=True))
 
 
@@ -357,6 +359,7 @@ class _Balance:
         self._work, self._dissipated, self._turnover = np.zeros((3, plant.count))
 
     def add(self, torque: FloatArray, step: Step, dt: float) -> None:
+        """Add the work of a step [J]."""
         travelled = dt * step.mean_velocity
         work = torque * travelled
         self._work += work.sum(axis=0)
@@ -364,6 +367,7 @@ class _Balance:
         self._dissipated += ((step.friction_impulse + self._plant.viscous * travelled) * step.mean_velocity).sum(axis=0)
 
     def energy(self, end: FloatArray, exchange: Exchange | None) -> Energy:
+        """Sum up the energy, given the kinetic and potential one at the end."""
         work, dissipated, turnover = self._work, self._dissipated, self._turnover
         if exchange is not None:
             work, dissipated = work + exchange.work, dissipated + exchange.dissipated

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -12,30 +12,26 @@ import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
-from exoid.payload import Payload, as_payloads
+from exoid.payload import Payload
 from exoid.tables import html_table
-from exoid.torso import TorsoMotion
 
 from . import checks, timebase
-from .base_checks import refuse_unfit_base
 from .base_log import log_of_base
-from .base_motion import BaseMotion
 from .column import Column, as_text
 from .contact_checks import refuse_contradictions
 from .csv_writer import LogPart, write_parts
-from .external import External, as_external, interpolate, refuse_world_axes_without_pose, select_rows
+from .external import interpolate, select_rows
 from .external_log import log_of_external
 from .formats import PAYLOAD, ReadOptions, Table, open_table, read_text_table
 from .from_table import LogOptions, fields_of
-from .quantities import OF_SOME_JOINTS, PREFIXES, UNITS, USUAL
-from .source import Source
+from .quantities import PREFIXES, UNITS, USUAL
+from .recording_data import RecordingData, absent_columns
 from .source_location import SourceLocation
-from .wrench import Wrench
 from .wrench_frame import WrenchFrame
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Recording:
+class Recording(RecordingData):
     """Log of a motion and of the torques that caused it, checked when it is made and immutable afterwards.
 
     Arrays are copied to float64, C-contiguous and read-only. Samples are rows, joints are columns. Two recordings are
@@ -82,103 +78,6 @@ class Recording:
         >>> Recording(time=t, q=0.3 * np.sin(t)[:, np.newaxis], joint_names=("knee",))
         Recording(100 samples at 50 Hz, 1.98 s; joints: knee; q)
     """
-
-    time: FloatArray
-    q: FloatArray
-    v: FloatArray | None = None
-    a: FloatArray | None = None
-    tau: FloatArray | None = None
-    _: KW_ONLY
-    joint_names: tuple[str, ...]
-    source: Source | None = None
-    mask: BoolArray | None = None
-    torso: TorsoMotion | None = None
-    largest_angle: float = checks.LARGEST_ANGLE
-    current: FloatArray | None = None
-    force: FloatArray | None = None
-    motor_torque: FloatArray | None = None
-    motor_angle: FloatArray | None = None
-    temperature: FloatArray | None = None
-    passive: tuple[str, ...] = ()
-    payloads: tuple[Payload, ...] = ()
-    computed: tuple[str, ...] = ()
-    base: BaseMotion | None = None
-    wrenches: Mapping[str, Wrench] = field(default_factory=dict)
-    contacts: Mapping[str, BoolArray] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        self._freeze()
-        self._check()
-
-    def _freeze(self) -> None:
-        if isinstance(self.joint_names, str):
-            names = repr(self.joint_names)
-            raise ExoidError(f"joint_names is the string {names}", remedy=f"pass joint_names=({names},)")
-        object.__setattr__(self, "joint_names", tuple(self.joint_names))
-        if self.payloads != ():
-            object.__setattr__(self, "payloads", as_payloads(self.payloads))
-        for name in ("time", *UNITS):
-            values = getattr(self, name)
-            if values is not None or name in ("time", "q"):
-                object.__setattr__(self, name, checks.as_numbers(values, name))
-        for name in OF_SOME_JOINTS:
-            values = getattr(self, name)
-            if values is not None and values.size and np.isnan(values).all():
-                object.__setattr__(self, name, None)
-        for name in ("passive", "computed"):
-            object.__setattr__(self, name, checks.as_joints(getattr(self, name), self.joint_names, name))
-        if self.passive:
-            shape = (self.time.size, len(self.joint_names))
-            tau = checks.with_zero_torque(self.tau, self.passive, self.joint_names, shape)
-            object.__setattr__(self, "tau", tau)
-        if self.mask is not None:
-            object.__setattr__(self, "mask", checks.as_mask(self.mask))
-        external = as_external(self.wrenches, self.contacts, self.time.size, self._file)
-        for name, values_by_link in external.items():
-            object.__setattr__(self, name, values_by_link)
-
-    def _check(self) -> None:
-        where, names, samples = SourceLocation(), self.joint_names, self.time.size
-        checks.refuse_names(names)
-        if not names:
-            raise ExoidError("joint_names is empty", remedy="name each column of q")
-        checks.refuse_shape(self.time, (samples,), "time")
-        for quantity, values in self._arrays().items():
-            checks.refuse_shape(values, (samples, len(names)), quantity)
-        checks.refuse_too_few(samples, where)
-        if self.mask is not None:
-            checks.refuse_shape(self.mask, (samples,), "mask")
-        checks.refuse_not_finite(self.time[:, np.newaxis], ("time",), where)
-        for quantity, values in self._arrays().items():
-            there = ~_absent(values) if quantity in OF_SOME_JOINTS else np.ones(len(names), dtype=np.bool_)
-            columns = tuple(np.array([f"{PREFIXES.get(quantity, quantity)}_{name}" for name in names])[there].tolist())
-            checks.refuse_not_finite(values[:, there], columns, where)
-            checks.refuse_absurd(values[:, there], columns, where)
-            if quantity == "current":
-                checks.refuse_milliamperes(values[:, there], columns, where)
-            elif quantity == "temperature":
-                checks.refuse_no_celsius(values[:, there], columns, where)
-        checks.refuse_time_disorder(self.time, where)
-        checks.refuse_degrees(self.q, tuple(f"q_{name}" for name in names), self.largest_angle, where)
-        checks.refuse_moving_torso(self.torso)
-        if self.base is not None:
-            refuse_unfit_base(self.time, self.base, self.torso, self._file)
-        refuse_world_axes_without_pose(self.wrenches, self.base is None or self.base.pose is not None, self._file)
-        if self.v is not None:
-            checks.refuse_velocity_in_other_unit(self.time, self.q, self.v, names, where)
-
-    @property
-    def _file(self) -> str:
-        """Name of the file, for messages."""
-        return self.source.name if self.source else ""
-
-    @property
-    def _external(self) -> External:
-        return {"wrenches": self.wrenches, "contacts": self.contacts}
-
-    def _arrays(self) -> dict[str, FloatArray]:
-        arrays = {name: getattr(self, name) for name in UNITS}
-        return {name: values for name, values in arrays.items() if values is not None}
 
     def _with(self, **changes: Any) -> Recording:  # noqa: ANN401 - fields of several types
         return replace(self, **changes)
@@ -229,7 +128,7 @@ class Recording:
     @property
     def measured(self) -> BoolArray:
         """Joints whose torque is known, because it was measured or the joint is passive, (n,)."""
-        return np.zeros(self.n_joints, dtype=np.bool_) if self.tau is None else ~_absent(self.tau)
+        return np.zeros(self.n_joints, dtype=np.bool_) if self.tau is None else ~absent_columns(self.tau)
 
     @property
     def driven(self) -> BoolArray:
@@ -402,7 +301,9 @@ class Recording:
         time = self.time[rows]
         grid = timebase.even_grid(time, new)
         arrays = {
-            quantity: _interpolated(time, values[rows], grid, smooth=quantity in ("q", "v", "motor_angle"))
+            quantity: timebase.interpolate_measured(
+                time, values[rows], grid, smooth=quantity in ("q", "v", "motor_angle")
+            )
             for quantity, values in self._arrays().items()
         }
         mask = None if self.mask is None else timebase.interpolate_mask(self.time, self.mask, grid)
@@ -426,7 +327,7 @@ class Recording:
             ExoidError: The file cannot be written.
         """
         arrays = {PREFIXES.get(quantity, quantity): values for quantity, values in self._arrays().items()}
-        there = {prefix: np.flatnonzero(~_absent(values)) for prefix, values in arrays.items()}
+        there = {prefix: np.flatnonzero(~absent_columns(values)) for prefix, values in arrays.items()}
         parts = [
             LogPart(["time"], [self.time], [f"{PAYLOAD} {payload}" for payload in self.payloads]),
             *(
@@ -572,20 +473,3 @@ class Recording:
         recording = cls(**fields_of(table, said))
         refuse_contradictions(recording.time, recording.wrenches, recording.contacts, table.file)
         return recording.resampled() if said.resample else recording
-
-
-def _absent(values: FloatArray) -> BoolArray:
-    """Columns that are NaN throughout, (n,)."""
-    if not np.isnan(values[:1]).any():
-        return np.zeros(values.shape[1], dtype=np.bool_)
-    return np.asarray(np.isnan(values).all(axis=0))
-
-
-def _interpolated(time: FloatArray, values: FloatArray, grid: FloatArray, *, smooth: bool) -> FloatArray:
-    """Interpolate the columns that were measured; the others stay NaN."""
-    there = ~_absent(values)
-    if there.all():
-        return timebase.interpolate(time, values, grid, smooth=smooth)
-    out = np.full((len(grid), len(there)), np.nan)
-    out[:, there] = timebase.interpolate(time, values[:, there], grid, smooth=smooth)
-    return out

@@ -129,6 +129,26 @@ def interpolate(time: FloatArray, values: FloatArray, grid: FloatArray, *, smoot
     return columns
 
 
+def interpolate_measured(time: FloatArray, values: FloatArray, grid: FloatArray, *, smooth: bool) -> FloatArray:
+    """Interpolate the columns that were measured; the others stay NaN.
+
+    Args:
+        time: Time stamps [s], (N,).
+        values: Columns, some of them NaN throughout, (N, n).
+        grid: New time stamps [s], (M,).
+        smooth: See :func:`interpolate`.
+
+    Returns:
+        Interpolated columns, (M, n).
+    """
+    there = ~np.isnan(values).all(axis=0)
+    if there.all():
+        return interpolate(time, values, grid, smooth=smooth)
+    out = np.full((len(grid), len(there)), np.nan)
+    out[:, there] = interpolate(time, values[:, there], grid, smooth=smooth)
+    return out
+
+
 def interpolate_mask(time: FloatArray, mask: BoolArray, grid: FloatArray) -> BoolArray:
     """Carry a mask over to other time stamps: a sample counts if both of its neighbours do.
 

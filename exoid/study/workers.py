@@ -67,6 +67,7 @@ def processes(count: int) -> Workers:
         raise ExoidError(f"{count} workers", remedy="ask for at least one")
 
     def work(study: Study, numbers: Sequence[int]) -> Iterator[Done]:
+        """Yield chunks as they are done."""
         left, failures = set(numbers), 0
         while left:
             parallel = Parallel(min(count, len(left)), "loky", return_as="generator_unordered", batch_size=1)
@@ -107,6 +108,7 @@ def dask_cluster(address: str) -> Workers:
     """
 
     def work(study: Study, numbers: Sequence[int]) -> Iterator[Done]:
+        """Yield chunks as they are done."""
         with connect(address) as client:
             import distributed  # noqa: PLC0415 - an extra, which connect() requires
 

@@ -144,6 +144,7 @@ def linearise(
     names, labels = leg.joint_names, leg.joint_labels
 
     def blocks_at(settings: Mapping[str, float]) -> tuple[TermBlock, ...]:
+        """Blocks of the terms with these settings."""
         return term_blocks(leg, with_settings(terms, names, labels, settings))
 
     rigid = values[: len(leg.parameter_names)]

@@ -110,6 +110,7 @@ def profile(torque: FloatArray, velocity: FloatArray, phase: FloatArray, bins: i
     tau, power = torque[known], torque[known] * velocity[known]
 
     def mean(x: FloatArray) -> FloatArray:
+        """Mean over the strides in each bin."""
         sums = [np.bincount(place, weights=column, minlength=bins) for column in x.T]
         return np.array([np.divide(s, count, out=np.full(bins, np.nan), where=count > 0.0) for s in sums]).T
 

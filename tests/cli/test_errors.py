@@ -76,6 +76,13 @@ def test_a_full_device_as_standard_output_is_one_line(verb, tmp_path):
     assert done.stderr == "exoid: No space left on device. To fix it: check this file, free space and permissions\n"
 
 
+def test_the_package_runs_as_a_command():
+    done = subprocess.run([sys.executable, "-m", "exoid", "validate"], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("exoid: Missing argument ")
+    assert done.stderr.endswith("see python -m exoid validate --help\n")
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="names of files that are not text")
 def test_a_log_with_a_name_that_is_no_text_goes_through_all_of_it(tmp_path):

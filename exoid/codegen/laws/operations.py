@@ -97,15 +97,19 @@ class _File:
         return self._costs[name, arguments]
 
     def is_integer(self, kind: str) -> bool:
+        """Whether a type of C is an integer."""
         return kind in self._integer_types
 
     def is_integer_field(self, name: str) -> bool:
+        """Whether a field of a struct is an integer."""
         return name in self._fields
 
     def constant(self, name: str) -> int | None:
+        """Value of an integer constant; None for any other name."""
         return self._constants.get(name)
 
     def returns_integer(self, name: str) -> bool:
+        """Whether a function returns an integer."""
         return name in self._functions and self.is_integer(self._functions[name].returns)
 
     def __contains__(self, name: str) -> bool:
@@ -119,6 +123,7 @@ class _Walk:
         self._file, self._integers = file, integers
 
     def statements(self, body: list[Node]) -> Counter[str]:
+        """Count the operations of statements."""
         total: Counter[str] = Counter()
         for node in body:
             total += self._statement(node)

@@ -66,6 +66,7 @@ class _Parser:
         self._tokens, self._types, self._at = [*tokens, "", ""], types, 0
 
     def functions(self) -> dict[str, Function]:
+        """Parse all functions of the source, by name."""
         found = {}
         while self._here:
             while self._here in QUALIFIERS:

@@ -30,6 +30,7 @@ def register_law_in_c(kind: type[L]) -> Callable[[Callable[[L, Dialect], LawInC]
     """
 
     def register(form: Callable[[L, Dialect], LawInC]) -> Callable[[L, Dialect], LawInC]:
+        """Register the form of the type."""
         FORMS[kind] = form
         return form
 

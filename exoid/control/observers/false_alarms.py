@@ -49,6 +49,7 @@ def threshold(per_minute: float, correlation: float, rate: float) -> float:
     held = float(np.clip(correlation, -1.0 + 1e-9, 1.0 - 1e-12))
 
     def excess(level: float) -> float:
+        """Logarithm of the rate of crossings over the wanted one."""
         crossings = max(crossings_per_minute(level, held, rate), 1e-300)
         return float(np.log(crossings / per_minute))
 

@@ -218,6 +218,7 @@ def _of_bandwidth(frequency: float, process: float, measurement: float) -> Stead
     """Find the walk whose filter is −3 dB at a frequency over the sampling rate."""
 
     def excess(power: float) -> float:
+        """Gain at the frequency, less 1/√2, for a logarithm of the process noise."""
         found = _steady_state(10.0**power * process, process, measurement)
         return float(_response(found.gain, frequency) - np.sqrt(0.5))
 

@@ -92,6 +92,7 @@ def find_equilibrium(plant: Plant, law: Law, target: ArrayLike) -> Equilibrium:
         raise ExoidError(f"a target of shape {np.shape(target)}", remedy=f"give {model.n} angles in rad")
 
     def imbalance(q: FloatArray) -> FloatArray:
+        """Torque that is left at angles (n,) [N·m]."""
         return _imbalance(model, law, aim, q)
 
     found = scipy.optimize.root(imbalance, aim, tol=1e-12)

@@ -133,6 +133,7 @@ def _margin(plant: Plant, law: LawOf, q: FloatArray, rate: float, delay: int) ->
     held = _hold(plant, q, rate)
 
     def stable(scale: float) -> bool:
+        """Whether the loop is stable with scaled gains."""
         return _radius(held, _feedback(law(scale, rate), q), delay) < 1.0
 
     below = 0.0

@@ -106,6 +106,7 @@ def _experiments(model: TorqueModel, limits: MotionLimits) -> Iterator[tuple[str
     middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * limits.span
 
     def recording(amplitude: FloatArray, frequency: FloatArray, torso: TorsoMotion | None = None) -> Recording:
+        """Record sines of amplitudes [rad] and frequencies [Hz], within the limits."""
         omega = 2.0 * np.pi * frequency
         size = np.minimum(amplitude, np.minimum(limits.velocity / omega, limits.acceleration / omega**2))
         s, c = np.sin(np.multiply.outer(time, omega)), np.cos(np.multiply.outer(time, omega))

@@ -116,6 +116,7 @@ class _Later(NamedTuple):
     start: float
 
     def at(self, time: float) -> Target:
+        """Return the target at a time [s] of the recording."""
         return self.reference.at(self.start + time)
 
 

@@ -219,23 +219,11 @@ def select_terms(
     Example:
         >>> est = select_terms(leg, recording).identify(recording)  # doctest: +SKIP
     """
-    several = [recordings] if isinstance(recordings, Recording) else list(recordings)
-    if folds < 3 or not several or (candidates is not None and not candidates):
-        count = "default" if candidates is None else str(len(candidates))
-        raise ExoidError(
-            f"{count} candidates, {len(several)} recordings, {folds} folds",
-            remedy="pass candidates (or None for the default ones), recordings, and at least 3 folds",
-        )
-    if not all(isinstance(recording, Recording) for recording in several):
-        raise ExoidError("poses cannot be cut into stretches of time", remedy="pass recordings only")
+    several = _checked_recordings(recordings, candidates, folds)
     if cutoff is None:
         cutoff = highest_cutoff(min(recording.sample_rate for recording in several))
     beside = tuple(beside)
-    model = TorqueModel.at_start(leg, beside)
-    summaries = [summarize(model, recording, for_cutoff=False) for recording in several]
-    refuse_still_joints(model, summaries)
-    refuse_dead_torques(model, summaries)
-    missing = unmeasured_joints(leg.joint_labels, [summaries])
+    missing = _unmeasured(leg, several, beside)
     if candidates is None:
         if missing:
             raise ExoidError(
@@ -246,21 +234,34 @@ def select_terms(
         report = progress or (lambda share: None)
         found = select_by_joint(leg, several, folds=folds, cutoff=cutoff, tune=tune, progress=report, beside=beside)
         return Selection(leg, leg.joint_names, found.scores, found.chosen, cutoff, folds, found.joints, found.estimate)
-    candidates = [replace(candidate, terms=(*candidate.terms, *beside)) for candidate in candidates]
-    if missing:
-        candidates = [
-            replace(candidate, terms=terms_where_measured(candidate.terms, leg, missing)) for candidate in candidates
-        ]
     bench = _Bench(leg, several, folds, cutoff, missing)
-    scores = bench.scores(candidates, _part(progress, 0.0, 0.6 if tune else 1.0))
-    chosen = best_of(scores)
-    rounds = ((0.6, 0.85, partial(filter_candidates, cutoff=cutoff)), (0.85, 1.0, estimator_candidates))
-    for first, last, more in rounds if tune else ():
-        later = bench.scores(more(scores[chosen].candidate), _part(progress, first, last))
-        choice = best_of((scores[chosen], *later))
-        chosen = chosen if choice == 0 else len(scores) + choice - 1
-        scores = (*scores, *later)
+    scores, chosen = bench.compare([bench.completed(candidate, beside) for candidate in candidates], tune, progress)
     return Selection(leg, leg.joint_names, scores, chosen, cutoff, folds)
+
+
+def _checked_recordings(
+    recordings: Recording | Sequence[Recording], candidates: Sequence[Candidate] | None, folds: int
+) -> list[Recording]:
+    """List the recordings; raise an error if there are none, no candidates, or too few folds."""
+    several = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    if folds < 3 or not several or (candidates is not None and not candidates):
+        count = "default" if candidates is None else str(len(candidates))
+        raise ExoidError(
+            f"{count} candidates, {len(several)} recordings, {folds} folds",
+            remedy="pass candidates (or None for the default ones), recordings, and at least 3 folds",
+        )
+    if not all(isinstance(recording, Recording) for recording in several):
+        raise ExoidError("poses cannot be cut into stretches of time", remedy="pass recordings only")
+    return several
+
+
+def _unmeasured(leg: Leg, recordings: Sequence[Recording], beside: tuple[Term, ...]) -> tuple[str, ...]:
+    """Labels of joints whose torque was not measured; raise an error if a joint stands still or its torque is dead."""
+    model = TorqueModel.at_start(leg, beside)
+    summaries = [summarize(model, recording, for_cutoff=False) for recording in recordings]
+    refuse_still_joints(model, summaries)
+    refuse_dead_torques(model, summaries)
+    return unmeasured_joints(leg.joint_labels, [summaries])
 
 
 class _Bench(NamedTuple):
@@ -271,6 +272,36 @@ class _Bench(NamedTuple):
     folds: int
     cutoff: float
     unmeasured: tuple[str, ...] = ()
+
+    def completed(self, candidate: Candidate, beside: tuple[Term, ...]) -> Candidate:
+        """Give a candidate the terms beside, and leave out those that unmeasured joints cannot have."""
+        terms = (*candidate.terms, *beside)
+        if self.unmeasured:
+            terms = terms_where_measured(terms, self.leg, self.unmeasured)
+        return replace(candidate, terms=terms)
+
+    def compare(
+        self, candidates: Sequence[Candidate], tune: bool, progress: Callable[[float], None] | None
+    ) -> tuple[tuple[Score, ...], int]:
+        """Try candidates, then other filters and estimators for the best.
+
+        Args:
+            candidates: Candidates.
+            tune: Whether to go on to filters and estimators.
+            progress: Called with the share done.
+
+        Returns:
+            The scores, in the order in which they were tried, and the index of the chosen one.
+        """
+        scores = self.scores(candidates, _part(progress, 0.0, 0.6 if tune else 1.0))
+        chosen = best_of(scores)
+        rounds = ((0.6, 0.85, partial(filter_candidates, cutoff=self.cutoff)), (0.85, 1.0, estimator_candidates))
+        for first, last, more in rounds if tune else ():
+            later = self.scores(more(scores[chosen].candidate), _part(progress, first, last))
+            choice = best_of((scores[chosen], *later))
+            chosen = chosen if choice == 0 else len(scores) + choice - 1
+            scores = (*scores, *later)
+        return scores, chosen
 
     def scores(self, candidates: Sequence[Candidate], progress: Callable[[float], None] | None) -> tuple[Score, ...]:
         """Try candidates one by one."""

@@ -1,25 +1,43 @@
-"""The ``<visual>`` elements of a URDF."""
+"""The ``<visual>`` elements of a URDF, which yourdfpy reads."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
+from io import BytesIO
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import pinocchio as pin
 from lxml import etree
 
-from exoid._typing import FloatArray
-from exoid.description import Description
-from exoid.errors import ExoidError
+from exoid.description import Description, check_numbers
 
-from .meshes import find_mesh, load_mesh
-from .transforms import homogeneous
-from .visual import Material, Visual, box, cylinder, ellipsoid, triangle_mesh
+from .mesh_search import find_mesh
+from .meshes import load_mesh
+from .visual import Material, Visual, box, cylinder, ellipsoid, hex_colour, triangle_mesh
+
+if TYPE_CHECKING:
+    import yourdfpy
 
 PLAIN = "#b8bcc2"
-"""Colour of a link to which the URDF gives none."""
+"""Colour of a link to which neither the URDF nor the file of its mesh gives one."""
+
+SHAPES = ("box", "cylinder", "sphere", "mesh")
+"""Tags of the geometries that are drawn."""
+
+NUMBERS = {
+    "material/color": {"rgba": 4},
+    "link/visual/material/color": {"rgba": 4},
+    "link/visual/origin": {"xyz": 3, "rpy": 3},
+    "link/visual/geometry/box": {"size": 3},
+    "link/visual/geometry/cylinder": {"radius": 1, "length": 1},
+    "link/visual/geometry/sphere": {"radius": 1},
+    "link/visual/geometry/mesh": {"scale": 3},
+}
+"""Number of values in each attribute. yourdfpy takes other numbers of them, and values that are not finite."""
+
+REQUIRED = ("box", "color", "cylinder", "sphere")
+"""Tags of elements that must have all of these attributes."""
 
 
 class LinkVisuals(NamedTuple):
@@ -27,7 +45,7 @@ class LinkVisuals(NamedTuple):
 
     Attributes:
         by_link: Visuals in the link's frame, by the name of each link that has any.
-        notes: One sentence for each mesh that is missing.
+        notes: One sentence for each visual that cannot be drawn.
     """
 
     by_link: dict[str, list[Visual]]
@@ -40,7 +58,7 @@ def read_visuals(description: Description, links: Sequence[str], folder: Path | 
     Args:
         description: The URDF.
         links: Names of the requested links.
-        folder: Folder in which meshes are searched; see :func:`.meshes.find_mesh`.
+        folder: Folder in which meshes are searched; see :func:`.mesh_search.find_mesh`.
 
     Returns:
         Visuals by link, and notes on missing meshes.
@@ -48,89 +66,102 @@ def read_visuals(description: Description, links: Sequence[str], folder: Path | 
     Raises:
         ExoidError: An attribute of a ``<visual>`` is not a number.
     """
-    root = description.parse()
-    colours = {m.get("name", ""): _colour(m, description.name) for m in root.findall("material")}
     by_link: dict[str, list[Visual]] = {}
     notes: list[str] = []
-    for link in root.findall("link"):
-        name = link.get("name", "")
-        if name not in links:
-            continue
-        where = f"{description.name}, link {name!r}"
-        for element in link.findall("visual"):
+    root, unknown = _drawn_elements(description.parse(), links)
+    shapes = f"{', '.join(SHAPES[:-1])} or {SHAPES[-1]}"
+    notes += [f"{description.name}, link {name!r}: a <visual> that is no {shapes}, left out" for name in unknown]
+    check_numbers(root, NUMBERS, REQUIRED, description.name)
+    robot = _read(root)
+    named = {material.name: material for material in robot.materials}
+    for link in robot.links:
+        for visual in link.visuals:
             try:
-                visuals = list(_geometries(element, _material(element, colours, where), folder, where))
+                drawn = _shapes(visual, named, folder)
             except FileNotFoundError as missing:
-                notes.append(f"{where}: {missing}, left out")
+                notes.append(f"{description.name}, link {link.name!r}: {missing}, left out")
                 continue
-            by_link.setdefault(name, []).extend(visual.placed(_origin(element, where)) for visual in visuals)
+            origin = np.eye(4) if visual.origin is None else visual.origin
+            by_link.setdefault(link.name, []).extend(shape.placed(origin) for shape in drawn)
     return LinkVisuals(by_link, tuple(notes))
 
 
-def _geometries(element: etree._Element, material: Material, folder: Path | None, where: str) -> Iterator[Visual]:
-    """Geometries of a ``<visual>`` element, in its own frame."""
-    geometry = element.find("geometry")
-    for shape in () if geometry is None else geometry:
-        if shape.tag == "box":
-            yield box(_numbers(shape, "size", 3, where), material)
-        elif shape.tag == "cylinder":
-            radius, length = (_numbers(shape, name, 1, where)[0] for name in ("radius", "length"))
-            yield cylinder(radius, length, material)
-        elif shape.tag == "sphere":
-            yield ellipsoid(_numbers(shape, "radius", 1, where)[0], material)
-        elif shape.tag == "mesh":
-            yield _mesh(shape, material, folder, where)
+def _drawn_elements(root: etree._Element, links: Sequence[str]) -> tuple[etree._Element, list[str]]:
+    """Copy materials and visuals of links, without all else, whose faults are of no consequence here.
+
+    Args:
+        root: Root of the URDF.
+        links: Names of the links.
+
+    Returns:
+        Root of a URDF with these elements, and the links of visuals without a known shape.
+    """
+    robot, unknown = etree.Element("robot", name=root.get("name", "")), []
+    robot.extend(root.findall("material"))
+    for link in [link for link in root.findall("link") if link.get("name") in links]:
+        copy = etree.SubElement(robot, "link", name=link.get("name", ""))
+        for visual in link.findall("visual"):
+            geometry = visual.find("geometry")
+            shape = next((each for each in (() if geometry is None else geometry) if each.tag in SHAPES), None)
+            if geometry is None or shape is None:
+                unknown.append(link.get("name", ""))
+                continue
+            geometry[:] = [shape]  # the first child is the one that yourdfpy reads
+            copy.append(visual)
+    return robot, unknown
 
 
-def _mesh(shape: etree._Element, material: Material, folder: Path | None, where: str) -> Visual:
-    """Read a ``<mesh>``; raise FileNotFoundError if it is missing or not a mesh."""
-    name = shape.get("filename", "")
-    path, scale = find_mesh(name, folder), _numbers(shape, "scale", 3, where, "1 1 1")
+def _read(root: etree._Element) -> yourdfpy.Robot:
+    """Read the elements of a URDF by yourdfpy, without the files to which they refer."""
+    import yourdfpy  # noqa: PLC0415 - takes a second, with trimesh
+
+    return yourdfpy.URDF.load(BytesIO(etree.tostring(root)), build_scene_graph=False, load_meshes=False).robot
+
+
+def _shapes(visual: yourdfpy.Visual, named: dict[str, yourdfpy.Material], folder: Path | None) -> Iterable[Visual]:
+    """Shapes of a visual, in its own frame.
+
+    Args:
+        visual: The visual.
+        named: Materials of the robot.
+        folder: Folder in which meshes are searched.
+
+    Returns:
+        The shapes: one, or one for each colour of a mesh.
+
+    Raises:
+        FileNotFoundError: The mesh is missing, or is not a mesh.
+    """
+    material, geometry = _material(visual.material, named), visual.geometry
+    if geometry.mesh is not None:
+        return _mesh(geometry.mesh, material, folder)
+    material = material or Material(PLAIN)
+    if geometry.box is not None:
+        return [box(geometry.box.size, material)]
+    if geometry.cylinder is not None:
+        return [cylinder(geometry.cylinder.radius, geometry.cylinder.length, material)]
+    return [ellipsoid(geometry.sphere.radius, material)]
+
+
+def _mesh(mesh: yourdfpy.Mesh, material: Material | None, folder: Path | None) -> list[Visual]:
+    """Read a mesh, in the material of the URDF or in its own colours; raise FileNotFoundError if there is none."""
+    path = find_mesh(mesh.filename or "", folder)
     try:
-        mesh = load_mesh(path, scale)
+        parts = load_mesh(path, np.ones(3) if mesh.scale is None else mesh.scale)
     except Exception as error:  # the reader of meshes raises errors of several kinds
-        raise FileNotFoundError(f"mesh {name!r} cannot be read ({error})") from error
-    return triangle_mesh(mesh.points, mesh.normals, mesh.triangles, material)
+        raise FileNotFoundError(f"mesh {mesh.filename!r} cannot be read ({error})") from error
+    return [
+        triangle_mesh(part.points, part.normals, part.triangles, material or Material(part.colour or PLAIN))
+        for part in parts
+    ]
 
 
-def _material(element: etree._Element, colours: dict[str, Material | None], where: str) -> Material:
-    """Material of a ``<visual>`` element, or that of its name among the robot's materials."""
-    material = element.find("material")
+def _material(material: yourdfpy.Material | None, named: dict[str, yourdfpy.Material]) -> Material | None:
+    """Material of a visual, or that of its name among the robot's materials; None if neither has a colour."""
     if material is None:
-        return Material(PLAIN)
-    return _colour(material, where) or colours.get(material.get("name", "")) or Material(PLAIN)
-
-
-def _colour(material: etree._Element, where: str) -> Material | None:
-    """Material of a ``<color>`` element, or None."""
-    colour = material.find("color")
-    if colour is None:
         return None
-    rgba = np.clip(_numbers(colour, "rgba", 4, where), 0.0, 1.0)
-    red, green, blue = (round(255.0 * float(value)) for value in rgba[:3])
-    return Material(f"#{red:02x}{green:02x}{blue:02x}", float(rgba[3]))
-
-
-def _origin(element: etree._Element, where: str) -> FloatArray:
-    """Transform of a ``<visual>`` element's ``<origin>``, (4, 4)."""
-    origin = element.find("origin")
-    if origin is None:
-        return np.eye(4)
-    rotation = pin.rpy.rpyToMatrix(_numbers(origin, "rpy", 3, where, "0 0 0"))
-    return homogeneous(_numbers(origin, "xyz", 3, where, "0 0 0"), rotation)
-
-
-def _numbers(element: etree._Element, attribute: str, count: int, where: str, default: str = "") -> FloatArray:
-    """Read finite numbers from an attribute, (count,)."""
-    text = element.get(attribute, default)
-    try:
-        values = np.array([float(word) for word in text.split()])
-    except ValueError:
-        values = np.empty(0)
-    if len(values) != count or not np.isfinite(values).all():
-        raise ExoidError(
-            f"<{element.tag} {attribute}={text!r}> of a <visual> is not {count} finite number{'s' * (count > 1)}",
-            where=where,
-            remedy="write decimal numbers, separated by spaces",
-        )
-    return values
+    given = [each for each in (material, named.get(material.name)) if each is not None and each.color is not None]
+    if not given:
+        return None
+    rgba = np.clip(given[0].color.rgba, 0.0, 1.0)
+    return Material(hex_colour(*(round(255.0 * float(value)) for value in rgba[:3])), float(rgba[3]))

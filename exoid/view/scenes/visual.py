@@ -179,6 +179,11 @@ def to_threejs(visuals: Sequence[Visual], *, shadows: bool = True) -> dict[str, 
     }
 
 
+def hex_colour(red: int, green: int, blue: int) -> str:
+    """Write a colour of three numbers from 0 to 255 as "#rrggbb"."""
+    return f"#{red:02x}{green:02x}{blue:02x}"
+
+
 def _corners(size: Iterable[float]) -> FloatArray:
     """Corners of a box centred at the origin, (8, 3)."""
     x, y, z = size

@@ -134,6 +134,7 @@ def better_experiments(
     loop = WornLoop.of_amplifications(lambda amplification: law(estimate, amplification), wearer, at, delay, most)
 
     def evaluate(covariance: FloatArray) -> Amplification:
+        """Find the stable amplification for a covariance of the estimate."""
         return amplification_of_draws(loop, estimate, covariance, share, draws, most, seed)
 
     after = {name: evaluate(covariance_after(estimate, each, of_noise)) for name, each in candidates.items()}
@@ -187,6 +188,7 @@ def _planned(estimate: Estimate, noise: TorqueNoise, duration: float, seed: int)
     values = dict(zip(estimate.names, estimate.values.tolist(), strict=True))
 
     def plan(highest: float, tilts: Sequence[float]) -> Plan:
+        """Plan a motion up to a frequency [Hz], with tilts of the torso [rad]."""
         return plan_excitation(
             leg,
             terms,

@@ -68,6 +68,7 @@ def limiting_shares(
         return np.zeros(len(mean))
 
     def radius(parameters: FloatArray, share: FloatArray) -> FloatArray:
+        """Spectral radius of the loop for parameters and shares of the model."""
         return loop.table.radius(loop.legs(model, parameters), share)
 
     return np.asarray(

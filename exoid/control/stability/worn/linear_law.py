@@ -93,6 +93,7 @@ def _derivatives_at(law: StatefulLaw, q: FloatArray, speed: float, step: float) 
     operating = np.concatenate([reading, _numbers(memory), torque])
 
     def after(numbers: FloatArray) -> FloatArray:
+        """Torque, memory and last torque after a step, as one vector."""
         state = _state(numbers[: len(reading)])._replace(last=numbers[-len(q) :])
         applied, then = law.step(_with_numbers(memory, iter(numbers[len(reading) :])), state, target)
         return np.concatenate([applied, _numbers(then), applied])

@@ -96,6 +96,7 @@ class _Neighbours(NamedTuple):
 
     @classmethod
     def of(cls, q: FloatArray) -> _Neighbours:
+        """Make the neighbours of the angles (n,) at rest [rad]."""
         steps = STEP * np.vstack([np.eye(len(q)), -np.eye(len(q))])
         still = np.zeros_like(steps)
         at = q + np.vstack([steps, still, still])

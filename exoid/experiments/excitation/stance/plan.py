@@ -247,6 +247,7 @@ class _Machine:
     ground: GroundLimits | None
 
     def demands(self, supports: Sequence[StanceSupport]) -> tuple[Demands, ...]:
+        """Demands of the legs on drives and ground."""
         ground = self.ground or GroundLimits()
         return tuple(Demands(one, self.model, self.expected, self.limits.torque, ground) for one in supports)
 

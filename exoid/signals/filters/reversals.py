@@ -1,0 +1,276 @@
+"""Reversals of joints with sharp friction: pulses of unknown friction, and the rows without them."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left, bisect_right
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import scipy  # its parts load when they are first used
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+
+from .parallel_filter import ParallelFilter
+
+LONGEST_REVERSAL = 1.0
+"""A longer stay below the reversal speed is a rest [s]: its rows are kept."""
+
+PIECE = 256
+"""Rows that are projected together, about, if they are as far apart as the filter allows."""
+
+LONGEST_PIECE = 2
+"""Such a piece is never longer than so many times that."""
+
+LARGEST_SHARE = 0.7
+"""Share of the independent samples of a piece that pulses may take; where there are more, the rows stay."""
+
+NEGLIGIBLE = 1e-4
+"""Part of the largest response below which a response is over."""
+
+
+def around_stops(slow: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.bool_]:
+    """Widen the reversals of joints, and leave out rests.
+
+    The kinematics filter has about twice the cut-off f of the parallel filter, and rounds the corner that a stop makes
+    in the angle over 1 / (4π f).
+
+    Args:
+        slow: Whether each joint is slower than its reversal speed, (N, n).
+        parallel: Filter of the rows.
+
+    Returns:
+        Whether the friction of each joint is unknown, (N, n).
+    """
+    widened = np.zeros(slow.shape, dtype=np.bool_, order="F")
+    grown = math.ceil(parallel.rate / (4.0 * math.pi * parallel.cutoff))
+    for joint in range(slow.shape[1]):
+        for start, end in _runs(slow[:, joint]):
+            if end - start <= LONGEST_REVERSAL * parallel.rate:
+                widened[max(0, start - grown) : end + grown, joint] = True
+    return widened
+
+
+def reversal_pulses(unknown: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.intp]:
+    """Place pulses from end to end of each reversal, at most a quarter of the cut-off's period apart.
+
+    Args:
+        unknown: Whether the friction of a joint is unknown, for all samples, (N,).
+        parallel: Filter of the rows.
+
+    Returns:
+        Samples of the pulses in ascending order, (M,).
+    """
+    start, end = _runs(unknown).T
+    gaps = np.ceil((end - start) * (4.0 * parallel.cutoff / parallel.rate)).astype(np.intp)
+    run = np.repeat(np.arange(len(start)), gaps + 1)
+    number = np.arange(len(run)) - np.repeat(np.cumsum(gaps + 1) - (gaps + 1), gaps + 1)
+    return np.unique(np.rint(start[run] + number * ((end - 1 - start) / gaps)[run]).astype(np.intp))
+
+
+class Projected(NamedTuple):
+    """Signals of a joint without the pulses at its reversals.
+
+    Attributes:
+        signals: What is left of them, (K, R).
+        taken: What was taken out, in an orthonormal basis, (K, M).
+        noise_left: Share of the energy of filtered white noise that is left.
+    """
+
+    signals: FloatArray
+    taken: FloatArray
+    noise_left: float
+
+
+def without_reversals(
+    signals: Sequence[FloatArray],
+    pulses: Sequence[NDArray[np.intp]],
+    rows: range,
+    parallel: ParallelFilter,
+    block: int | None = None,
+) -> list[Projected]:
+    """Project the filtered columns and torque of each joint onto the complement of the pulses at its reversals.
+
+    A joint with sharp friction sticks where it turns round. Its friction is then what holds it, anywhere between −c0
+    and c0, and no term says how much. Doc. 1, sec. III-G, leaves such samples out. Behind a low-pass they cannot be
+    left out: the filter has spread their torque over the rows around them. But it is linear. Unknown friction is a sum
+    of pulses at the reversal, and behind the filter a sum of its impulse responses h:
+
+        (h * τ)_k = (h * W)_k β + Σ_i p_i h(t_k − t_i).
+
+    Both sides are projected onto the complement of these pulses, which is the same as to fit every p_i. Pulses are so
+    close together that the filter could not tell more of them apart.
+
+    Args:
+        signals: Filtered signals of each joint at some samples, (K, R).
+        pulses: Samples of the pulses of each joint, see :func:`reversal_pulses`.
+        rows: These samples, R of them.
+        parallel: The filter.
+        block: Number of rows that are cut into pieces by themselves, so that the pieces do not depend on how many rows
+            there are; None for all.
+
+    Returns:
+        Projected signals of each joint.
+    """
+    left = [of_joint.copy() for of_joint in signals]
+    taken = [[np.zeros((len(of_joint), 0))] for of_joint in signals]
+    energy = np.zeros(len(left))
+    size = max(1, PIECE * parallel.stride // rows.step)
+    blocks = range(0, len(rows), block or max(1, len(rows)))
+    clusters = [
+        _Cluster(joint, slice(first + piece.start, first + piece.stop), together)
+        for joint, of_joint in enumerate(pulses)
+        for first in blocks
+        for piece, together in _clusters(rows[first : first + blocks.step], of_joint, size, parallel)
+    ]
+    correlation = _noise_correlations(parallel, rows.step, LONGEST_PIECE * size)
+    for alike, bases in _bases(clusters, rows, size, parallel):
+        length = bases.shape[1]
+        energies = np.einsum("clm,clm->c", bases, correlation[:length, :length] @ bases)
+        for (joint, piece, _), basis, of_noise in zip(alike, bases, energies.tolist(), strict=True):
+            part = left[joint][:, piece]
+            Q = basis[: part.shape[1]]
+            taken[joint].append(part @ Q)
+            part -= taken[joint][-1] @ Q.T
+            energy[joint] += of_noise
+    shares = 1.0 - energy / max(len(rows), 1)
+    return [Projected(x, np.hstack(y), share) for x, y, share in zip(left, taken, shares.tolist(), strict=True)]
+
+
+class _Cluster(NamedTuple):
+    """Pulses whose responses overlap: the space of other pulses is orthogonal to theirs.
+
+    Attributes:
+        joint: Index of the joint.
+        piece: Rows that they reach.
+        pulses: Samples of the pulses.
+    """
+
+    joint: int
+    piece: slice
+    pulses: list[int]
+
+
+def _clusters(
+    rows: range, pulses: NDArray[np.intp], size: int, parallel: ParallelFilter
+) -> Iterator[tuple[slice, list[int]]]:
+    """Go over clusters of pulses, and the rows that they reach, piece by piece, but for pieces with too many."""
+    reach = len(_impulse_response(parallel)) // 2
+    pulses = pulses[slice(*np.searchsorted(pulses, [rows.start - reach, rows.stop + reach]))]
+    places, most = pulses.tolist(), LARGEST_SHARE * min(1.0, parallel.independent_fraction * rows.step)
+    for start, stop in pairwise(_cuts(rows, pulses, size)):
+        near = places[bisect_left(places, rows[start] - reach) : bisect_right(places, rows[stop - 1] + reach)]
+        if not 0 < len(near) <= most * (stop - start):
+            continue
+        gaps = [k for k, (before, after) in enumerate(pairwise(near), 1) if after - before > 2 * reach]
+        for first, end in pairwise([0, *gaps, len(near)]):
+            together = near[first:end]
+            earliest = max(start, -((rows.start + reach - together[0]) // rows.step))
+            latest = min(stop, (together[-1] + reach - rows.start) // rows.step + 1)
+            yield slice(earliest, latest), together
+
+
+def _bases(
+    clusters: Iterable[_Cluster], rows: range, size: int, parallel: ParallelFilter
+) -> Iterator[tuple[list[_Cluster], FloatArray]]:
+    """Find orthonormal bases of the filtered pulses of clusters, for all of as many pulses at once.
+
+    Args:
+        clusters: Clusters of pulses.
+        rows: Filtered samples.
+        size: Number of rows of a piece, about.
+        parallel: The filter.
+
+    Yields:
+        C clusters, and their bases, zero behind the last row of each, (C, L, M).
+    """
+    responses = _responses(parallel, rows.step, LONGEST_PIECE * size)
+    by_count: defaultdict[int, list[_Cluster]] = defaultdict(list)
+    for cluster in clusters:
+        by_count[len(cluster.pulses)].append(cluster)
+    for alike in by_count.values():
+        start, stop = np.array([(cluster.piece.start, cluster.piece.stop) for cluster in alike]).T[..., np.newaxis]
+        later, phase = np.divmod(rows.start + rows.step * start - [cluster.pulses for cluster in alike], rows.step)
+        inside = np.arange((stop - start).max()) < stop - start
+        B = responses[phase, later + responses.shape[1] // 2, : inside.shape[1]].transpose(0, 2, 1)
+        yield alike, np.linalg.qr(B * inside[..., np.newaxis]).Q * inside[..., np.newaxis]
+
+
+def _cuts(rows: range, pulses: NDArray[np.intp], size: int) -> list[int]:
+    """Cut rows into pieces of half to one and a half times a size, as far from pulses as possible.
+
+    A pulse near a cut is fitted in both pieces, which takes out more than is unknown.
+    """
+    k = np.arange(rows.start, rows.stop, rows.step)
+    after = np.searchsorted(pulses, k)
+    around = np.concatenate([[-np.inf], pulses, [np.inf]])
+    distance = np.minimum(k - around[after], around[after + 1] - k)
+    cuts = [0]
+    while len(k) - cuts[-1] > 3 * size // 2:
+        first = cuts[-1] + max(1, size // 2)
+        cuts.append(first + int(np.argmax(distance[first : cuts[-1] + 3 * size // 2])))
+    return [*cuts, len(k)]
+
+
+@lru_cache(maxsize=4)
+def _noise_correlations(parallel: ParallelFilter, step: int, count: int) -> FloatArray:
+    """Correlation of filtered white noise between so many samples, ``step`` apart, (``count``, ``count``)."""
+    correlation = np.zeros(count)
+    later = _noise_correlation(parallel, step)[:count]
+    correlation[: len(later)] = later
+    return np.asarray(scipy.linalg.toeplitz(correlation))
+
+
+@lru_cache(maxsize=16)
+def _noise_correlation(parallel: ParallelFilter, step: int) -> FloatArray:
+    """Correlation of filtered white noise with that 0, ``step``, 2 ``step``, … samples later, (M + 1,)."""
+    response = _impulse_response(parallel)
+    later = scipy.signal.fftconvolve(response, response)[len(response) - 1 :: step]
+    return np.asarray(later / later[0])
+
+
+def _runs(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """First sample of each run, and the first behind it, (M, 2)."""
+    inner = np.flatnonzero(mask[1:] != mask[:-1]) + 1
+    first, last = (np.flatnonzero(mask[edge]) for edge in (slice(0, 1), slice(-1, None)))
+    return np.concatenate([first, inner, last + len(mask)]).reshape(-1, 2)
+
+
+@lru_cache(maxsize=16)
+def _impulse_response(parallel: ParallelFilter) -> FloatArray:
+    """Impulse response of the filter, its largest value in the middle, cut off where it is over, (2 M + 1,)."""
+    reach = parallel.reach
+    impulse = np.zeros((1, 2 * reach + 1))
+    impulse[0, reach] = 1.0
+    response = parallel(impulse, range(2 * reach + 1))[0]
+    lasting = np.flatnonzero(np.abs(response) > NEGLIGIBLE * response.max())
+    half = int(np.abs(lasting - reach).max())
+    return np.asarray(response[reach - half : reach + half + 1])
+
+
+@lru_cache(maxsize=16)
+def _responses(parallel: ParallelFilter, step: int, count: int) -> FloatArray:
+    """Impulse response at every ``step``-th sample from each of so many first ones, zero where it is over.
+
+    Args:
+        parallel: The filter.
+        step: Step.
+        count: Largest number of samples that are wanted at once.
+
+    Returns:
+        View of the response at the lags ``step`` k + phase, ``step`` (k + 1) + phase, …
+        for each phase and k from −M, (``step``, 2 M, ``count``).
+    """
+    response = _impulse_response(parallel)
+    reach = len(response) // 2
+    half = count + -(-reach // step) + 1
+    padded = np.zeros((2 * half + count - 1) * step)
+    padded[half * step - reach : half * step + reach + 1] = response
+    by_phase = np.ascontiguousarray(padded.reshape(-1, step).T)
+    return sliding_window_view(by_phase, count, axis=1)

@@ -1,0 +1,245 @@
+"""Meshes of every format are read with their colours; names and files that are not as they should be become notes."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+import trimesh
+import yourdfpy.urdf
+from drawings import meshes, objects
+
+import exoid
+from exoid import ExoidError, Leg
+from exoid.description import describe
+from exoid.view import scene
+from exoid.view.scenes.mesh_search import find_mesh
+from exoid.view.scenes.meshes import LARGEST_MESH, MAX_TRIANGLES, mesh_arrays
+from exoid.view.scenes.urdf_visuals import PLAIN
+
+SHANK = "/exoid/left leg/left_hip/body/left_knee/body/shape"
+RED, BLUE = (200, 30, 40), (10, 60, 220)
+
+
+def leg_with(visual, materials=""):
+    """BLEEX's left leg whose shank has these elements instead of its own visuals."""
+    text = exoid.load_leg("bleex").description.text
+    shank = r'(<link name="left_shank">).*?(<inertial>.*?</inertial>).*?</link>'
+    text = re.sub(shank, lambda found: f"{found[1]}{found[2]}{visual}</link>", text, flags=re.DOTALL)
+    text = re.sub(r"(<robot [^>]*>)", lambda found: found[1] + materials, text, count=1)
+    return Leg.from_description(describe(text), ("left_hip", "left_knee", "left_ankle"))
+
+
+def mesh_visual(filename, inside=""):
+    return f'<visual><geometry><mesh filename="{filename}"/></geometry>{inside}</visual>'
+
+
+def two_boxes():
+    """A red box above a blue one, of materials that files can hold."""
+    parts = trimesh.Scene()
+    for name, colour, height in (("upper", RED, 0.3), ("lower", BLUE, 0.0)):
+        part = trimesh.creation.box((0.1, 0.2, 0.3), trimesh.transformations.translation_matrix((0.0, 0.0, height)))
+        part.visual = trimesh.visual.TextureVisuals(
+            uv=np.zeros((8, 2)), material=trimesh.visual.material.PBRMaterial(name, baseColorFactor=(*colour, 255))
+        )
+        parts.add_geometry(part, geom_name=name)
+    return parts
+
+
+def hexadecimal(colour):
+    return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
+def write(path, parts):
+    """Write meshes, with a file of materials where the format has one."""
+    if path.suffix == ".dae":
+        path.write_bytes(trimesh.exchange.dae.export_collada(parts.dump()))
+    else:
+        parts.export(path)
+
+
+@pytest.mark.parametrize("ending", ["obj", "dae", "glb", "stl", "ply"])
+def test_every_format_is_read_in_its_place_and_colours(ending, tmp_path):
+    write(tmp_path / f"leg.{ending}", two_boxes())
+    content = mesh_arrays(str(tmp_path / f"leg.{ending}"), [2.0, 1.0, -1.0])
+    points = np.vstack([content.arrays[f"points {k}"] for k in range(len(content.facts["colours"]))])
+    np.testing.assert_allclose(points.min(axis=0), [-0.1, -0.1, -0.45], atol=1e-6)
+    np.testing.assert_allclose(points.max(axis=0), [0.1, 0.1, 0.15], atol=1e-6)
+    if ending in ("obj", "dae", "glb"):
+        assert set(content.facts["colours"]) == {hexadecimal(RED), hexadecimal(BLUE)}
+    if ending == "stl":
+        assert content.facts["colours"] == [None]
+
+
+def test_a_mirrored_mesh_has_outward_normals(tmp_path):
+    trimesh.creation.icosphere(radius=0.1).export(tmp_path / "ball.stl")
+    content = mesh_arrays(str(tmp_path / "ball.stl"), [-1.0, 1.0, 1.0])
+    points, normals = content.arrays["points 0"], content.arrays["normals 0"]
+    assert (np.einsum("ij,ij->i", points, normals) > 0.09).all()
+
+
+@pytest.mark.parametrize(
+    ("material", "colours"),
+    [
+        ("", {hexadecimal(RED), hexadecimal(BLUE)}),
+        ('<material name="unknown"/>', {hexadecimal(RED), hexadecimal(BLUE)}),
+        ('<material name="green"/>', {"#00ff00"}),
+        ('<material name=""><color rgba="1 1 0 1"/></material>', {"#ffff00"}),
+    ],
+)
+def test_a_material_of_the_urdf_comes_before_the_colours_of_the_file(material, colours, tmp_path):
+    write(tmp_path / "shank.glb", two_boxes())
+    green = '<material name="green"><color rgba="0 1 0 1"/></material>'
+    drawn = scene(leg_with(mesh_visual("shank.glb", material), green), meshes=tmp_path)
+    assert drawn.notes == ()
+    assert {f"#{material['color']:06x}" for _, material, _ in meshes(objects(drawn)[SHANK])} == colours
+
+
+def test_a_mesh_without_any_colour_is_grey(tmp_path):
+    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "shank.stl")
+    drawn = scene(leg_with(mesh_visual("shank.stl")), meshes=tmp_path)
+    assert [f"#{material['color']:06x}" for _, material, _ in meshes(objects(drawn)[SHANK])] == [PLAIN]
+
+
+def test_a_texture_becomes_its_mean_colour(tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    box = trimesh.creation.box((0.1, 0.1, 0.1))
+    picture = image.fromarray(np.array([[[255, 0, 0], [0, 0, 255]]] * 2, dtype=np.uint8))
+    box.visual = trimesh.visual.TextureVisuals(
+        uv=np.zeros((8, 2)), material=trimesh.visual.material.PBRMaterial(baseColorTexture=picture)
+    )
+    box.export(tmp_path / "box.glb")
+    (colour,) = mesh_arrays(str(tmp_path / "box.glb"), [1.0, 1.0, 1.0]).facts["colours"]
+    np.testing.assert_allclose([int(colour[k : k + 2], 16) for k in (1, 3, 5)], [127.5, 0.0, 127.5], atol=2.0)
+
+
+def test_a_mesh_takes_no_material_from_outside_of_its_folder(tmp_path):
+    (tmp_path / "leg").mkdir()
+    write(tmp_path / "leg" / "shank.obj", two_boxes())
+    assert (tmp_path / "leg" / "material.mtl").rename(tmp_path / "secret.mtl").is_file()
+    text = (tmp_path / "leg" / "shank.obj").read_text(encoding="utf-8")
+    (tmp_path / "leg" / "shank.obj").write_text(text.replace("material.mtl", "../secret.mtl"), encoding="utf-8")
+    colours = mesh_arrays(str(tmp_path / "leg" / "shank.obj"), [1.0, 1.0, 1.0]).facts["colours"]
+    assert not {hexadecimal(RED), hexadecimal(BLUE)} & set(colours)
+
+
+def test_a_dae_whose_materials_do_not_exist_is_read_by_assimp(tmp_path):
+    """Its triangles are lost in trimesh; exporters of CAD programs write such files."""
+    write(tmp_path / "shank.dae", two_boxes())
+    text = (tmp_path / "shank.dae").read_text(encoding="utf-8")
+    broken = re.sub(r"<library_effects>.*</library_effects>", "", text, flags=re.DOTALL)
+    assert broken != text
+    (tmp_path / "shank.dae").write_text(broken, encoding="utf-8")
+    assert not trimesh.load_scene(tmp_path / "shank.dae").geometry
+    content = mesh_arrays(str(tmp_path / "shank.dae"), [1.0, 1.0, 1.0])
+    np.testing.assert_allclose(np.ptp(content.arrays["points 0"], axis=0), [0.1, 0.2, 0.6], atol=1e-6)
+    assert content.facts["colours"] == [None]
+
+
+def test_a_mesh_of_many_triangles_is_simplified_and_keeps_its_shape(tmp_path):
+    ball = trimesh.creation.icosphere(subdivisions=5, radius=0.1)
+    ball.export(tmp_path / "ball.stl")
+    arrays = mesh_arrays(str(tmp_path / "ball.stl"), [1.0, 1.0, 1.0]).arrays
+    assert len(arrays["triangles 0"]) <= MAX_TRIANGLES < len(ball.faces)
+    np.testing.assert_allclose(np.linalg.norm(arrays["points 0"], axis=1), 0.1, rtol=1e-6)
+    smaller = trimesh.Trimesh(arrays["points 0"], arrays["triangles 0"])
+    assert smaller.volume == pytest.approx(ball.volume, rel=5e-3)
+
+
+@pytest.mark.parametrize("index", [-1, 3, 2**31])
+def test_triangles_of_vertices_that_do_not_exist_are_refused(index, monkeypatch, tmp_path):
+    """Found by mutated PLY files."""
+    bad = trimesh.Trimesh(np.eye(3), [[0, 1, 2], [0, 1, index]], process=False)
+    monkeypatch.setattr("exoid.view.scenes.meshes._by_trimesh", lambda _: [bad])
+    with pytest.raises(ExoidError, match="cannot be read as a mesh: triangles of vertices that do not exist"):
+        mesh_arrays(str(tmp_path / "a.ply"), [1.0, 1.0, 1.0])
+
+
+def test_a_mesh_far_larger_than_a_machine_is_refused(tmp_path):
+    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "box.stl")
+    with pytest.raises(ExoidError, match="its size is 1e"):
+        mesh_arrays(str(tmp_path / "box.stl"), [100.0 * LARGEST_MESH, 1.0, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("filename", "said"),
+    [
+        ("http://example.com/shank.stl", "http:// is not opened"),
+        ("https://example.com/shank.stl", "save the file beside the URDF"),
+        ("C:\\exo\\gone.stl", "gone.stl"),
+        ("", "not found"),
+        ("fold", "not found"),
+    ],
+)
+def test_names_that_lead_to_no_file_become_a_bar_and_a_note(filename, said, tmp_path):
+    (tmp_path / "fold").mkdir()
+    drawn = scene(leg_with(mesh_visual(filename)), meshes=tmp_path)
+    (note,) = drawn.notes
+    assert said in note
+    assert "left_shank" in note
+    assert "BoxGeometry" in {geometry["type"] for geometry, _, _ in meshes(objects(drawn)[SHANK])}
+
+
+@pytest.mark.parametrize(
+    "filename", ["meshes\\shänk ½.stl", "C:\\meshes\\shänk ½.stl", "package://éxo/meshes/shänk ½.stl"]
+)
+def test_paths_of_windows_and_names_beyond_ascii_are_found(filename, tmp_path):
+    folder = tmp_path / "éxo"
+    (folder / "meshes").mkdir(parents=True)
+    trimesh.creation.box((0.1, 0.1, 0.1)).export(folder / "meshes" / "shänk ½.stl")
+    drawn = scene(leg_with(mesh_visual(filename)), meshes=folder)
+    assert drawn.notes == ()
+    assert [geometry["type"] for geometry, _, _ in meshes(objects(drawn)[SHANK])] == ["BufferGeometry"]
+
+
+def test_a_link_in_the_folder_does_not_lead_out_of_it(tmp_path):
+    (tmp_path / "leg").mkdir()
+    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "secret.stl")
+    (tmp_path / "leg" / "link.stl").symlink_to(tmp_path / "secret.stl")
+    for name in ("link.stl", "../link.stl", "/link.stl"):
+        with pytest.raises(FileNotFoundError, match="outside"):
+            find_mesh(name, tmp_path / "leg")
+
+
+def test_the_search_of_yourdfpy_leaves_the_folder_and_ignores_the_package(tmp_path):
+    """Two reasons for a search of our own."""
+    (tmp_path / "leg").mkdir()
+    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "secret.stl")
+    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "leg" / "a.stl")
+    search = yourdfpy.urdf.filename_handler_magic
+    assert search("../secret.stl", str(tmp_path / "leg")).endswith("secret.stl")
+    assert search("package://another_robot/a.stl", str(tmp_path / "leg")).endswith("leg/a.stl")
+    for name in ("../secret.stl", "package://another_robot/a.stl"):
+        with pytest.raises(FileNotFoundError):
+            find_mesh(name, tmp_path / "leg")
+
+
+def test_a_shape_that_urdf_does_not_know_becomes_a_note(tmp_path):
+    capsule = "<visual><geometry><capsule radius='0.1' length='0.2'/></geometry></visual><visual/>"
+    drawn = scene(leg_with(capsule), meshes=tmp_path)
+    assert len(drawn.notes) == 2
+    assert all("'left_shank': a <visual> that is no box, cylinder, sphere or mesh" in note for note in drawn.notes)
+
+
+@pytest.mark.parametrize(
+    ("visual", "said"),
+    [
+        ('<visual><geometry><box size="1 2"/></geometry></visual>', "<box size='1 2'> is not 3 finite numbers"),
+        ("<visual><geometry><sphere/></geometry></visual>", "<sphere radius=None> is not 1 finite number"),
+        (
+            '<visual><origin rpy="0 inf 0"/><geometry><sphere radius="1"/></geometry></visual>',
+            "<origin rpy='0 inf 0'> is not 3 finite numbers",
+        ),
+        (
+            '<visual><geometry><sphere radius="1"/></geometry><material><color rgba="1 1 1"/></material></visual>',
+            "<color rgba='1 1 1'> is not 4 finite numbers",
+        ),
+        (mesh_visual('a.stl" scale="1e300 1 1'), "is not plausible"),
+    ],
+)
+def test_numbers_of_a_visual_that_are_none_are_one_error(visual, said):
+    """The first three are none of yourdfpy's errors."""
+    with pytest.raises(ExoidError, match=re.escape(said)) as error:
+        scene(leg_with(visual))
+    assert "left_shank" in str(error.value)
