@@ -9,6 +9,9 @@ harmonics of 0.3 Hz under a servo) and one worn log: "active", a wearer who walk
 exoskeleton carries its own weight; "passive", a limb that the servo moves. Cuffs have 1000 N·m/rad and
 30 N·m·s/rad. Sensors: angles 2e-5 rad and 16 bits; torques 0.5, 0.4 and 0.2 N·m. Estimated and true torque pass the
 same filter. NRMSE is the RMS error over the standard deviation of the true torque.
+
+The torque in a log is the one that was held until the sample, and so late by half a control period, 0.5 ms. With --limb
+the logs are corrected by that, except where "torques late" is said.
 """
 
 from __future__ import annotations
@@ -24,13 +27,22 @@ from study_bands import log as log_of_form
 
 import exoid
 from exoid.rig import Wearer, plant_with_payloads, sandbags
+from exoid.signals import without_torque_delay
 from exoid.tables import make_table, to_text
 from exoid.wearer import LimbComparison, compare_limb, identify_limb, limb_parameters
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-from worn_rig import active, alone, at, cad_torque, gait, machine, nrmse, passive
+from worn_rig import RATES, active, alone, at, cad_torque, gait, machine, nrmse, passive
 
 LEGS = ("bleex", "cuhk")
+
+CUFFS = (
+    ("limb, cuffs known", (1000.0, 30.0), 0.0),
+    ("limb, cuffs ± 20 %", (1000.0, 30.0), 0.2),
+    ("limb, cuffs 20 % too stiff ± 20 %", (1200.0, 36.0), 0.2),
+    ("limb, cuffs 20 % too soft ± 20 %", (800.0, 24.0), 0.2),
+)
+"""Stated stiffness and damping of the cuffs, and their relative standard deviation."""
 
 
 def torques(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
@@ -63,24 +75,30 @@ def torques(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
     return rows
 
 
+def in_time(log: exoid.Recording) -> exoid.Recording:
+    """Shift the torques of a log by half a control period."""
+    return without_torque_delay(log, dict.fromkeys(range(len(log.joint_names)), 0.5 / RATES.control))
+
+
 def limbs(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
     """Error and coverage of the parameters of a passive limb and of sandbags, one row a parameter."""
     one, rows = machine(name), []
     leg, bags = one.plant.leg, sandbags()
     before, worn = alone(one, seeds), passive(one, seeds, Wearer.build(leg))
     loads = alone(replace(one, plant=plant_with_payloads(one.plant, bags)), seeds, draw=3)
-    first = [exoid.identify(leg, before.recording(k), one.terms) for k in range(len(seeds))]
     limb, sand = limb_parameters(leg), limb_parameters(leg, bodies=bags)
     found: dict[str, list[LimbComparison]] = {}
-    for k, estimate in enumerate(first):
-        log = worn.recording(k)
-        rigid, weighed = (exoid.identify(leg, run.recording(k), one.terms) for run in (worn, loads))
-        found.setdefault("limb, cuffs known", []).append(identify_limb(estimate, log, 1000.0, 30.0, expected=limb))
-        found.setdefault("limb, cuffs 20 % too stiff", []).append(
-            identify_limb(estimate, log, 1200.0, 36.0, expected=limb)
+    for k in seeds:
+        log = in_time(worn.recording(k))
+        first, rigid, weighed = (
+            exoid.identify(leg, in_time(run.recording(k)), one.terms) for run in (before, worn, loads)
         )
-        found.setdefault("limb as if rigid", []).append(compare_limb(estimate, rigid, limb))
-        found.setdefault("sandbags", []).append(compare_limb(estimate, weighed, sand))
+        late = [exoid.identify(leg, run.recording(k), one.terms) for run in (before, loads)]
+        for kind, cuffs, std in CUFFS:
+            found.setdefault(kind, []).append(identify_limb(first, log, *cuffs, cuff_std=std, expected=limb))
+        found.setdefault("limb as if rigid", []).append(compare_limb(first, rigid, limb))
+        found.setdefault("sandbags", []).append(compare_limb(first, weighed, sand))
+        found.setdefault("sandbags, torques late", []).append(compare_limb(*late, sand))
     for kind, each in found.items():
         truth, names = each[0].expected, each[0].names
         error = np.array([one_.values - truth for one_ in each])
@@ -91,6 +109,7 @@ def limbs(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
         sizes = np.sqrt((error**2).mean(axis=0)) / scale, error.mean(axis=0) / scale, std, inside
         for j, parameter in enumerate(names):
             rows.append((name, kind, parameter, f"{truth[j]:.4g}", *(f"{100 * x[j]:.2f}" for x in sizes)))
+        rows.append((name, kind, "all", "", "", "", "", f"{100 * inside.mean():.1f}"))
     return rows
 
 

@@ -1,23 +1,28 @@
-"""Recursive estimation on the virtual rig: a payload while walking, standing still, friction that doubles, an hour.
+"""Recursive estimation on the virtual rig: payload, friction, drift, rest, hours without a change, and inside the loop.
 
     python scripts/study_online.py payload --seeds 16     # 1.5 kg on the shank: its mass 5 s later, P95 of the errors
     python scripts/study_online.py standing               # ten minutes at rest: does a parameter move?
     python scripts/study_online.py friction --seeds 16    # Coulomb and viscous friction of one joint doubles
-    python scripts/study_online.py quiet --minutes 60     # walking without any change: false alarms
+    python scripts/study_online.py drift --seeds 4        # a seal wears in, grease warms up
+    python scripts/study_online.py quiet --minutes 60     # moving without any change: false alarms
+    python scripts/study_online.py loop --seeds 16        # the payload again, with a controller that uses the estimate
     python scripts/study_online.py memory --minutes 30    # memory of 30 min at 500 Hz, and time of a step
 
-The three segments of BLEEX walk on the rig, under PD control at 500 Hz, with friction, encoders of 65 536 counts, and
-torque sensors with noise, which see the mean of the torques held before and after a sample. The estimator knows the
-geometry, and what the first half minute says.
+``--scene NAME`` takes another leg, motion or rig (``--scene all``: every one); without it, three segments of BLEEX walk
+under PD control at 500 Hz, with friction, encoders of 65 536 counts, and torque sensors with noise, which see the mean
+of the torques held before and after a sample. The estimator knows the geometry, and what the first half minute says.
 """
 
 from __future__ import annotations
 
 import argparse
 import gc
+import os
+import sys
 import time
 import tracemalloc
-from collections.abc import Mapping
+from collections.abc import Callable
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -25,74 +30,23 @@ import pinocchio as pin
 
 import exoid
 from exoid._typing import FloatArray
-from exoid.experiments import gait_for_leg, norm_gait
-from exoid.experiments.references import Hold
+from exoid.control import ControlModel, adaptive, default_gains, feedforward_pd, mean_pose, self_tuning
+from exoid.control.stateful import AnyLaw
 from exoid.online import RecursiveEstimator, load_change
-from exoid.rig import PlanarStepper, Plant, ProportionalDerivative, Sensors, plant_with_payloads
-from exoid.rig.controllers import Reference
+from exoid.rig import plant_with_payloads
 
-RATE = 500.0
-PERIOD = 1.2
-STEP = 1e-3
-SETTLING = 1.0
-"""Time from which on readings count [s]."""
-FRICTION = {"c0_hip": 2.0, "c0_knee": 1.5, "c0_ankle": 0.8, "d_hip": 0.5, "d_knee": 0.3, "d_ankle": 0.2}
-TORQUE_NOISE = (0.5, 0.4, 0.2)
-GAINS = (np.array([[600.0], [400.0], [150.0]]), np.array([[25.0], [15.0], [4.0]]))
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from online_scenes import SCENES, Machine, Scene, Stream, scene
+
 PAYLOAD = exoid.Payload("knee", 1.5, (0.0, 0.0, -0.2))
-TERMS = (exoid.Coulomb(), exoid.Viscous())
-
-
-class Stream(NamedTuple):
-    """Readings of B rigs, (N, n, B)."""
-
-    q: FloatArray
-    tau: FloatArray
-
-
-def leg() -> exoid.Leg:
-    """The leg."""
-    return exoid.load_leg("bleex", inertias="cad")
-
-
-class Machine:
-    """Rigs under PD control that go on from piece to piece, whatever changes between two samples."""
-
-    def __init__(self, plant: Plant, seed: int) -> None:
-        """Begin in the stride."""
-        self.gait = gait_for_leg(plant.leg, norm_gait("Free", period=PERIOD))
-        torque_noise = np.array(TORQUE_NOISE)[:, None]
-        self._rng, self._sensors = np.random.default_rng(seed), Sensors(torque_noise=torque_noise)
-        start = self.gait.at(0.0)
-        self._q, self._v = (np.tile(x, (1, plant.count)) for x in (start.q, start.v))
-        self._torque, self._done = np.zeros_like(self._q), 0
-        self.walk(plant, SETTLING)
-
-    def walk(self, plant: Plant, seconds: float) -> Stream:
-        """Walk for so long."""
-        return self.go(plant, self.gait, seconds)
-
-    def stand(self, plant: Plant, seconds: float) -> Stream:
-        """Stand still in the pose in which the stride begins."""
-        return self.go(plant, Hold(self.gait.at(0.0).q), seconds)
-
-    def go(self, plant: Plant, reference: Reference, seconds: float) -> Stream:
-        """Follow a motion for so long."""
-        controller, rig, samples = ProportionalDerivative(*GAINS), PlanarStepper(plant, self._q, self._v, STEP), []
-        for _ in range(round(seconds * RATE)):
-            reading = self._sensors.angle(rig.q, self._rng)
-            before, self._torque = self._torque, controller.command(reference.at(self._done / RATE), reading, rig.v)
-            samples.append((reading, self._sensors.torque(0.5 * (before + self._torque), self._rng)))
-            for _ in range(round(1.0 / (RATE * STEP))):
-                rig.step(self._torque, np.zeros_like(self._torque))
-            self._done += 1
-        self._q, self._v = rig.q, rig.v
-        return Stream(*(np.array(x) for x in zip(*samples, strict=True)))
-
-
-def plants(count: int, friction: Mapping[str, float] = FRICTION) -> Plant:
-    """So many equal rigs."""
-    return Plant.build(leg(), friction, end_stops=False).repeat(count)
+WARM = 36.0
+"""Time before something changes [s]."""
+WORN, WORN_IN = 0.7, 600.0
+"""Share of the friction that is left in the end, and time constant of the change [s]."""
+SHORT = 4.0
+"""Time for which controllers move before the payload that need not learn the leg without it [s]."""
+PIECE = 20.0
+"""Time for which friction is constant while it drifts [s]."""
 
 
 def feed(online: RecursiveEstimator, stream: Stream, rig: int) -> None:
@@ -100,98 +54,217 @@ def feed(online: RecursiveEstimator, stream: Stream, rig: int) -> None:
     online.update(stream.q[..., rig], None, None, stream.tau[..., rig])
 
 
-class PayloadError(NamedTuple):
-    """Error of the mass that was found [kg], its standard deviation, and what was detected after how long [s]."""
+class Found(NamedTuple):
+    """What was detected, and after how long [s]; the error of the mass and its standard deviation [kg]."""
 
-    error: float
-    std: float
     detected: str
     after: float
+    error: float = np.nan
+    std: float = np.nan
 
 
-def payload(seeds: int, before: float = 36.0, after: float = 5.0) -> list[PayloadError]:
+def first_change(online: RecursiveEstimator, before: Stream, rate: float) -> Found:
+    """First change that was detected."""
+    if not online.changes:
+        return Found("none", np.nan)
+    event = online.changes[0]
+    return Found(f"{event.kind} at {event.joint}", event.time - len(before.q) / rate)
+
+
+def payload(seeds: int, where: str = "walk", before: float = WARM, after: float = 5.0) -> list[Found]:
     """Strap the payload on, and estimate its mass so much later."""
-    plain = plants(seeds)
-    machine = Machine(plain, 1)
+    at = scene(where)
+    plain, machine = at.plants(seeds), Machine(at, seeds, 1)
     first, loaded = machine.walk(plain, before), machine.walk(plant_with_payloads(plain, (PAYLOAD,)), after)
     found = []
     for rig in range(seeds):
-        online = RecursiveEstimator(leg(), TERMS, rate=RATE)
+        online = at.estimator()
         feed(online, first, rig)
         known = online.estimate
         feed(online, loaded, rig)
         change = load_change(known, online.estimate, "knee", PAYLOAD.position)
-        event = online.changes[0] if online.changes else None
-        name = "none" if event is None else f"{event.kind} at {event.joint}"
-        late = np.nan if event is None else event.time - len(first.q) / RATE
-        found.append(PayloadError(change.mass - PAYLOAD.mass, change.std, name, late))
+        found.append(first_change(online, first, at.rate)._replace(error=change.mass - PAYLOAD.mass, std=change.std))
     return found
 
 
-class FrictionError(NamedTuple):
-    """What was detected after friction doubled, and after how long [s]."""
-
-    detected: str
-    after: float
-
-
-def friction(seeds: int, joint: str = "knee", before: float = 36.0, after: float = 4.0) -> list[FrictionError]:
+def friction(
+    seeds: int, joint: str = "knee", where: str = "walk", before: float = WARM, after: float = 4.0
+) -> list[Found]:
     """Double the friction of one joint."""
-    doubled = {name: value * (2.0 if name.endswith(joint) else 1.0) for name, value in FRICTION.items()}
-    machine = Machine(plants(seeds), 3)
-    first, then = machine.walk(plants(seeds), before), machine.walk(plants(seeds, doubled), after)
+    at = scene(where)
+    machine = Machine(at, seeds, 3)
+    first = machine.walk(at.plants(seeds), before)
+    then = machine.walk(at.plants(seeds, {f"c0_{joint}": 2.0, f"d_{joint}": 2.0}), after)
     found = []
     for rig in range(seeds):
-        online = RecursiveEstimator(leg(), TERMS, rate=RATE)
+        online = at.estimator()
         feed(online, first, rig)
         feed(online, then, rig)
-        event = online.changes[0] if online.changes else None
-        name = "none" if event is None else f"{event.kind} at {event.joint}"
-        found.append(FrictionError(name, np.nan if event is None else event.time - len(first.q) / RATE))
+        found.append(first_change(online, first, at.rate))
+    return found
+
+
+class Drifted(NamedTuple):
+    """Drifts by parameter: time until the first [s], and its size over the change so far; false ones, changes."""
+
+    after: dict[str, float]
+    others: tuple[str, ...]
+    changes: int
+
+
+def drift(seeds: int, where: str = "walk", minutes: float = 15.0) -> list[Drifted]:
+    """Let the seal of the knee wear in (c0), and the grease of the hip warm up (d)."""
+    at = scene(where)
+    machine, online = Machine(at, seeds, 5), [at.estimator() for _ in range(seeds)]
+    drifting = ("c0_knee", "d_hip")
+    for k in range(round(60.0 * minutes / PIECE)):
+        factor = WORN + (1.0 - WORN) * np.exp(-(k + 0.5) * PIECE / WORN_IN)
+        stream = machine.walk(at.plants(seeds, dict.fromkeys(drifting, float(factor))), PIECE)
+        for rig, one in enumerate(online):
+            feed(one, stream, rig)
+    found = []
+    for one in online:
+        first = {name: next((d.time for d in one.drifts if d.parameter == name), np.nan) for name in drifting}
+        others = tuple(d.parameter for d in one.drifts if d.parameter not in drifting)
+        found.append(Drifted(first, others, len(one.changes)))
     return found
 
 
 def standing(minutes: float = 10.0, seed: int = 5) -> FloatArray:
     """Walk, stand, and return how far each parameter moved while standing, in standard deviations, (P,)."""
-    one = plants(1)
-    machine, online = Machine(one, seed), RecursiveEstimator(leg(), TERMS, rate=RATE)
-    feed(online, machine.walk(one, 36.0), 0)
+    at = scene("walk")
+    one, machine, online = at.plants(), Machine(at, 1, seed), at.estimator()
+    feed(online, machine.walk(one, WARM), 0)
     feed(online, machine.stand(one, 1.0), 0)  # the last steps pass the filters
     before = online.estimate
-    for _ in range(round(minutes)):
-        feed(online, machine.stand(one, 60.0), 0)
+    for _ in range(max(1, round(6.0 * minutes))):
+        feed(online, machine.stand(one, 10.0), 0)
     return np.asarray(np.abs(online.estimate.values - before.values) / before.std)
 
 
-def quiet(minutes: float, seed: int = 9, rigs: int = 10) -> int:
-    """Walk without any change, so many minutes in all, shared among rigs: number of changes that are reported."""
-    plant = plants(rigs)
-    machine = Machine(plant, seed)
-    online = [RecursiveEstimator(leg(), TERMS, rate=RATE) for _ in range(rigs)]
-    for _ in range(max(1, round(minutes / rigs))):
-        stream = machine.walk(plant, 60.0)
+class Quiet(NamedTuple):
+    """False alarms: sudden changes and drifts that were reported, and how long the rigs moved [h]."""
+
+    changes: tuple[str, ...]
+    drifts: tuple[str, ...]
+    hours: float
+
+    def __str__(self) -> str:
+        """Write one line."""
+        alarms = ", ".join((*self.changes, *self.drifts)) or "none"
+        rates = f"{len(self.changes) / self.hours:.2f} changes and {len(self.drifts) / self.hours:.2f} drifts an hour"
+        return f"{60.0 * self.hours:.0f} min without a change: {rates} ({alarms})"
+
+
+def quiet(minutes: float, where: str = "walk", seed: int = 9, rigs: int = 10) -> Quiet:
+    """Move without any change, so many minutes in all, shared among rigs."""
+    at = scene(where)
+    plant, machine = at.plants(rigs), Machine(at, rigs, seed)
+    online = [at.estimator() for _ in range(rigs)]
+    each = minutes / rigs
+    for _ in range(max(1, round(each))):
+        stream = machine.walk(plant, 60.0 * min(each, 1.0))
         for rig, estimator in enumerate(online):
             feed(estimator, stream, rig)
-    return sum(len(estimator.changes) for estimator in online)
+    changes = tuple(f"{c.kind} at {c.joint}" for one in online for c in one.changes)
+    return Quiet(changes, tuple(d.parameter for one in online for d in one.drifts), minutes / 60.0)
+
+
+class Loop(NamedTuple):
+    """A controller behind the change: error of the mass [kg], (B,); RMS and peak tracking errors [deg], (n, B)."""
+
+    mass: FloatArray
+    rms: FloatArray
+    peak: FloatArray
+
+
+def loop(seeds: int, where: str = "walk", after: float = 5.0, measured: float = 6.0) -> dict[str, Loop]:
+    """Strap the payload on while a controller with soft gains walks; its errors from so much later on.
+
+    Adaptive controllers begin with the parameters of the leg without the payload; those that knew, with the payload's.
+    Noise of sensors and drives is the same for all controllers from the change on.
+    """
+    at = scene(where)
+    plain = at.plants(seeds)
+    loaded = plant_with_payloads(plain, (PAYLOAD,))
+    light, heavy = (ControlModel.of(plant.take([0])) for plant in (plain, loaded))
+    kp, kd = default_gains(light, mean_pose(at.motion, 12.0))
+    tuning = self_tuning(light, kp, kd, rate=at.rate)
+    laws: dict[str, AnyLaw] = {
+        "feedforward, uninformed": feedforward_pd(light, kp, kd, rate=at.rate),
+        "feedforward that knew": feedforward_pd(heavy, kp, kd, rate=at.rate),
+        "self-tuning": tuning,
+        "adaptive": adaptive(light, kp, kd, rate=at.rate),
+        "adaptive that knew": adaptive(heavy, kp, kd, rate=at.rate),
+    }
+    found = {}
+    for name, law in laws.items():
+        early = WARM - SHORT if name != "self-tuning" else 0.0
+        machine, mass = Machine(at, seeds, 11, early), np.full(seeds, np.nan)
+        machine.drive(plain, law, WARM - early)
+        machine.reseed(12)
+        before = machine.memory
+        machine.drive(loaded, law, after)
+        if name == "self-tuning":
+            pairs = [[tuning.estimate_of(memory, rig) for memory in (before, machine.memory)] for rig in range(seeds)]
+            mass = np.array([load_change(*pair, "knee", PAYLOAD.position).mass - PAYLOAD.mass for pair in pairs])
+        error = np.rad2deg(machine.drive(loaded, law, measured).error)
+        found[name] = Loop(mass, np.sqrt((error**2).mean(axis=0)), np.abs(error).max(axis=0))
+    return found
+
+
+def print_loop(found: dict[str, Loop], at: Scene) -> None:
+    """Print errors, and their ratios to those of the controllers that knew."""
+    print(f"{'':24}{'rms [deg]':>24}{'peak [deg]':>24}   mean over seeds, {', '.join(at.leg.joint_labels)}")
+    for name, one in found.items():
+        cells = ["".join(f"{x:8.3f}" for x in values.mean(axis=1)) for values in (one.rms, one.peak)]
+        print(f"{name:24}{cells[0]:>24}{cells[1]:>24}")
+    for name, knew in (
+        ("self-tuning", "feedforward that knew"),
+        ("adaptive", "feedforward that knew"),
+        ("adaptive", "adaptive that knew"),
+    ):
+        for kind in ("rms", "peak"):
+            ratio = getattr(found[name], kind) / getattr(found[knew], kind)
+            each = "".join(f"{x:7.2f}" for x in np.quantile(ratio, 0.95, axis=1))
+            print(f"{name} over {knew}, {kind}, P95 of {ratio.shape[1]}:{each}")
+    errors = np.abs(found["self-tuning"].mass)
+    print(f"payload of {PAYLOAD.mass} kg, 5 s later: P95 of the errors {np.quantile(errors, 0.95):.3f} kg")
 
 
 class Cost(NamedTuple):
-    """Memory that updates add [bytes], time of a step and of one call of ``pin.rnea`` [s]."""
+    """Memory over time, and time of a step and of one call of ``pin.rnea`` [s].
 
-    memory: int
+    Attributes:
+        resident: Resident memory of the process at the beginning, and after each tenth [bytes].
+        traced: Memory of Python's objects in a second run [bytes], likewise.
+    """
+
+    resident: tuple[int, ...]
+    traced: tuple[int, ...]
     step: float
     longest: float
     rnea: float
 
 
+def resident() -> int:
+    """Resident memory of this process [bytes]; 0 where the system does not say."""
+    try:
+        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    except OSError:
+        return 0
+    return pages * os.sysconf("SC_PAGE_SIZE")
+
+
 def cost(minutes: float) -> Cost:
     """Update with walking sample by sample, and measure memory and processor time."""
-    stream = Machine(plants(1), 7).walk(plants(1), 12.0)
+    at = scene("walk")
+    stream = Machine(at, 1, 7).walk(at.plants(), 12.0)
     q, tau = stream.q[..., 0], stream.tau[..., 0]
-    online = RecursiveEstimator(leg(), TERMS, rate=RATE)
+    online = at.estimator()
     online.update(q, None, None, tau)
-    count, longest = round(minutes * 60.0 * RATE), 0.0
-    data, model = leg().model.createData(), leg().model
+    count = round(minutes * 60.0 * at.rate)
+    data, model = at.leg.model.createData(), at.leg.model
     begin = time.process_time()
     for k in range(20_000):
         pin.rnea(model, data, q[k % len(q)], q[0], q[0])
@@ -199,55 +272,87 @@ def cost(minutes: float) -> Cost:
     begin = time.process_time()
     for k in range(20_000):
         online.update(q[k % len(q)], None, None, tau[k % len(q)])
-    step = (time.process_time() - begin) / 20_000
+    step, longest = (time.process_time() - begin) / 20_000, 0.0
     for k in range(2_000):
         before = time.process_time()
         online.update(q[k % len(q)], None, None, tau[k % len(q)])
         longest = max(longest, time.process_time() - before)
+
+    def curve(read: Callable[[], int]) -> tuple[int, ...]:
+        readings = []
+        for tenth in range(11):
+            gc.collect()
+            readings.append(read())
+            for k in range(count // 10 if tenth < 10 else 0):
+                online.update(q[k % len(q)], None, None, tau[k % len(q)])
+        return tuple(readings)
+
+    of_process = curve(resident)
     tracemalloc.start()
     for k in range(len(q)):  # what is allocated before is not traced
         online.update(q[k], None, None, tau[k])
-    gc.collect()
-    before_bytes, _ = tracemalloc.get_traced_memory()
-    for k in range(count):
-        online.update(q[k % len(q)], None, None, tau[k % len(q)])
-    gc.collect()
-    after_bytes, _ = tracemalloc.get_traced_memory()
+    of_python = curve(lambda: tracemalloc.get_traced_memory()[0])
     tracemalloc.stop()
-    return Cost(after_bytes - before_bytes, step, longest, rnea)
+    return Cost(of_process, of_python, step, longest, rnea)
+
+
+def print_cost(found: Cost, minutes: float) -> None:
+    """Print memory and time."""
+    for name, curve, size in (("resident", found.resident, 1e6), ("traced", found.traced, 1e3)):
+        unit = "MB" if size == 1e6 else "kB"
+        line = " ".join(f"{x / size:.1f}" for x in curve)
+        print(f"{name} memory over {minutes:g} min, every {minutes / 10.0:g} min [{unit}]: {line}")
+    print(
+        f"a step takes {1e6 * found.step:.1f} µs on average and {1e3 * found.longest:.2f} ms at most, one pin.rnea "
+        f"{1e6 * found.rnea:.2f} µs: {found.step / found.rnea:.0f} ×"
+    )
+
+
+def print_study(name: str, where: str, given: argparse.Namespace) -> None:
+    """Run one study on one scene, and print it."""
+    print(f"{name}, {where}:", flush=True)
+    if name == "payload":
+        masses = payload(given.seeds, where)
+        errors = np.abs([one.error for one in masses])
+        latest = max(one.after for one in masses)
+        kinds = ", ".join(sorted({one.detected for one in masses}))
+        print(f"  P95 of the errors of {PAYLOAD.mass} kg, 5 s later: {np.quantile(errors, 0.95):.3f} kg")
+        print(f"  {kinds}, {latest:.2f} s later at most")
+    elif name == "friction":
+        found = friction(given.seeds, given.joint, where)
+        kinds = ", ".join(sorted({one.detected for one in found}))
+        print(f"  {given.joint}: {kinds}, {max(one.after for one in found):.2f} s later at most")
+    elif name == "drift":
+        for one in drift(given.seeds, where, given.minutes or 15.0):
+            times = ", ".join(f"{key} after {at / 60.0:.1f} min" for key, at in one.after.items())
+            print(f"  {times}; others: {', '.join(one.others) or 'none'}; sudden changes: {one.changes}")
+    elif name == "quiet":
+        print(f"  {quiet(given.minutes or 60.0, where, rigs=given.rigs)}", flush=True)
+    else:
+        print_loop(loop(given.seeds, where, measured=given.measured), scene(where))
 
 
 def main() -> None:
     """Read the command line, and print what was found."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("study", choices=("payload", "friction", "standing", "quiet", "memory"))
+    names = ("payload", "friction", "drift", "standing", "quiet", "loop", "memory")
+    parser.add_argument("study", choices=names)
     parser.add_argument("--seeds", type=int, default=4)
     parser.add_argument("--minutes", type=float, default=None)
+    parser.add_argument("--measured", type=float, default=6.0, help="time over which tracking errors count [s]")
+    parser.add_argument("--rigs", type=int, default=10, help="rigs among which quiet minutes are shared")
     parser.add_argument("--joint", default="knee", choices=("hip", "knee", "ankle"))
+    parser.add_argument("--scene", default="walk", choices=(*SCENES, "all"))
     given = parser.parse_args()
-    if given.study == "payload":
-        masses = payload(given.seeds)
-        errors = np.abs([one.error for one in masses])
-        for one in masses:
-            print(f"error {one.error:+.3f} kg, std {one.std:.3f} kg, {one.detected} after {one.after:.2f} s")
-        print(f"payload of {PAYLOAD.mass} kg, 5 s later: P95 of the errors {np.quantile(errors, 0.95):.3f} kg")
-    elif given.study == "friction":
-        for of_seed in friction(given.seeds, given.joint):
-            print(f"{of_seed.detected} after {of_seed.after:.2f} s")
-    elif given.study == "standing":
+    if given.study == "standing":
         moved = standing(given.minutes or 10.0)
         print(f"standing still: the parameter that moved most moved by {moved.max():.3g} standard deviations")
-    elif given.study == "quiet":
-        minutes = given.minutes or 60.0
-        print(f"{quiet(minutes)} changes reported in {minutes:g} min without a change")
-    else:
+    elif given.study == "memory":
         minutes = given.minutes or 30.0
-        found = cost(minutes)
-        print(f"{minutes:g} min at {RATE:g} Hz: memory grew by {found.memory} bytes")
-        print(
-            f"a step takes {1e6 * found.step:.1f} µs on average and {1e3 * found.longest:.2f} ms at most, one pin.rnea "
-            f"{1e6 * found.rnea:.2f} µs: {found.step / found.rnea:.0f} ×"
-        )
+        print_cost(cost(minutes), minutes)
+    else:
+        for where in SCENES if given.scene == "all" else (given.scene,):
+            print_study(given.study, where, given)
 
 
 if __name__ == "__main__":

@@ -16,6 +16,9 @@ import exoid
 ROOT = Path(__file__).resolve().parents[1]
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
+SHELL = ("bash", "console")
+"""Languages of blocks of commands."""
+
 PROGRAM = "import sys; exec(compile(sys.stdin.read(), sys.argv[1], 'exec'), {'__name__': '__main__'})"
 
 COMMANDS = """
@@ -66,7 +69,7 @@ class Page(NamedTuple):
             if language == "python":
                 lines_above = text.count("\n", 0, block.start(2))
                 python += "\n" * (lines_above - python.count("\n")) + content
-            if language in ("bash", "console", "sh"):
+            if language in SHELL:
                 commands += exoid_commands(content)
             if language == "text":
                 shown.append(content)
@@ -81,11 +84,16 @@ class Page(NamedTuple):
         return run_commands(self.commands, folder)
 
 
+def shell_commands(block: str) -> list[str]:
+    """Commands of a block, those after ``&&`` included, without prompts and comments."""
+    lines = [line.removeprefix("$ ").partition(" #")[0] for line in block.splitlines() if not line.startswith("#")]
+    parts = [part.strip() for line in lines for part in line.split("&&")]
+    return [part for part in parts if part]
+
+
 def exoid_commands(block: str) -> list[str]:
     """Commands of a block that start with exoid, those after ``&&`` included."""
-    lines = [line.removeprefix("$ ") for line in block.splitlines() if not line.startswith("#")]
-    parts = [part.strip() for line in lines for part in line.split("&&")]
-    return [part for part in parts if part.startswith("exoid ")]
+    return [part for part in shell_commands(block) if part.startswith("exoid ")]
 
 
 def run_commands(commands: tuple[str, ...] | list[str], folder: Path) -> str:

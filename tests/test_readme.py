@@ -6,17 +6,17 @@ import re
 
 import numpy as np
 import pytest
-from doc_pages import FENCE, ROOT, Page, exoid_commands, own_leg, run_commands
+from doc_pages import FENCE, ROOT, SHELL, Page, exoid_commands, own_leg, run_commands, shell_commands
 
 import exoid
 
 README = ROOT / "README.md"
 PAGE = Page.read("README.md")
 BLOCKS = FENCE.findall(README.read_text(encoding="utf-8")) if README.is_file() else []
-SHELL = [text for language, text in BLOCKS if language in ("bash", "console", "sh")]
+SHOWN = [text for language, text in BLOCKS if language in SHELL]
 COMMANDS = [
     pytest.param(block, id=commands[0][6:], marks=[pytest.mark.slow] if "exoid reproduce bleex" in commands else [])
-    for block in SHELL
+    for block in SHOWN
     if (commands := exoid_commands(block))
 ]
 
@@ -53,12 +53,17 @@ def test_the_commands_run(block, folder):
 
 def test_all_output_that_is_shown_is_tested():
     assert len(PAGE.shown) == 1
-    assert len(COMMANDS) == 5
+    assert len(COMMANDS) == 6
 
 
-def test_the_first_lines_of_the_readme_have_the_two_commands():
-    assert SHELL[0].splitlines()[1] == "pip install . && exoid reproduce bleex"
-    assert SHELL[1].splitlines()[1] == "pip install '.[test]' && pytest"
+def test_the_first_block_installs_and_draws_the_readers_leg():
+    assert shell_commands(SHOWN[0]) == ["pip install .", "exoid view my_leg.urdf"]
+
+
+def test_one_line_replays_the_documents_and_one_runs_the_tests():
+    lines = [line.partition("  ")[0] for block in SHOWN for line in block.splitlines()]
+    assert "pip install . && exoid reproduce bleex" in lines
+    assert "pip install '.[test]' && pytest" in lines
 
 
 def test_links_to_files_lead_somewhere():

@@ -13,11 +13,17 @@ from exoid.experiments import gait_for_leg, norm_gait
 from exoid.experiments.bench import stiff_servo
 from exoid.experiments.references import Harmonics
 from exoid.rig import IdealTorque, Plant, Rates, Run, Sensors, Target, Wearer, simulate
+from exoid.signals import without_torque_delay
 from exoid.torques import Term
 
 Array = NDArray[np.float64]
 
-RATES = Rates(control=1000.0, log=500.0, step=1e-3)
+RATES = Rates(control=500.0, log=500.0, step=1e-3)
+"""The log has every torque that the controller commands: every second one would alias the ripple of a stiff servo."""
+
+HELD = 0.5 / RATES.control
+"""Lag of logged torques behind angles [s]: the rig logs the torque of the interval before each sample."""
+
 DRY = Coulomb(smoothing=0.015, reversal_speed=0.03)
 """Coulomb friction as in the default terms."""
 
@@ -140,6 +146,11 @@ def _run(one, motion, law, seconds, count, seed, wearer=None) -> Run:
     if wearer is not None:
         options["wearer"] = wearer
     return simulate(one.plant.repeat(count), motion, law, IdealTorque(), seconds, **options)
+
+
+def log(run: Run, k: int) -> Recording:
+    """Readings of a rig, with torques at the time of the angles."""
+    return without_torque_delay(run.recording(k), dict.fromkeys(range(run.plant.n), HELD))
 
 
 def cad_torque(one: Machine, estimate: Estimate, recording: Recording, time: Array) -> Array:

@@ -101,7 +101,7 @@ def export(
         float | None,
         typer.Option(
             metavar="HZ",
-            help="--law sensitivity_amplification (default 20), momentum_observer (8); cut-off of --recursive (8).",
+            help="--law sensitivity_amplification (default 20), observers (8); cut-off of --recursive (8).",
         ),
     ] = None,
     recursive: Annotated[
@@ -124,8 +124,8 @@ def export(
     """Write an identified leg as a URDF, with LEG.exoid.json for what a URDF cannot hold, for MuJoCo or in C.
 
     With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr;
-    for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or momentum_observer, which gives
-    the torque of the wearer. With --ros2, it is a package for ROS 2 around that C.
+    for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or momentum_observer or
+    kalman_observer, which give the torque of the wearer. With --ros2, it is a package for ROS 2 around that C.
 
     With --recursive, the C is a recursive estimator of the parameters of this estimate, without forgetting.
 

@@ -46,7 +46,9 @@ Names = Annotated[
 Format = Annotated[
     str | None,
     typer.Option(
-        "--format", metavar="NAME:JOINT", help="Log of one actuator: dephy or moteus, and its joint, e.g. moteus:knee."
+        "--format",
+        metavar="NAME:JOINT",
+        help="Log of one actuator: dephy, moteus or openexo, and its joint, e.g. moteus:knee.",
     ),
 ]
 Passive = Annotated[

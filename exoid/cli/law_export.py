@@ -28,8 +28,8 @@ AMPLIFICATION = 2.0
 WORN = ("gravity_support", "sensitivity_amplification", "impedance")
 """Names of the laws for a leg with a wearer."""
 
-OBSERVER = "momentum_observer"
-"""Name of the observer, which gives the torque of the wearer in place of a command."""
+OBSERVERS = {"momentum_observer": control.MomentumObserver, "kalman_observer": control.KalmanObserver}
+"""Observers, which give the torque of the wearer in place of a command."""
 
 OBSERVED = 8.0
 """Bandwidth of the observer [Hz]."""
@@ -44,7 +44,7 @@ def export_law(
 
     Args:
         estimate: The estimate.
-        name: Name of the law, out of :data:`exoid.control.LAWS` and :data:`WORN`, or :data:`OBSERVER`.
+        name: Name of the law, out of :data:`exoid.control.LAWS` and :data:`WORN`, or :data:`OBSERVERS`.
         path: Source to write; None if a folder is given.
         options: Options.
         precision: "double" or "float".
@@ -62,7 +62,9 @@ def export_law(
     )
     _refuse_foreign(name, options)
     law = (
-        _observer(estimate, options) if name == OBSERVER else _limited(_law(estimate, name, options), estimate, options)
+        _observer(estimate, name, options)
+        if name in OBSERVERS
+        else _limited(_law(estimate, name, options), estimate, options)
     )
     origin, warnings = provenance(estimate), estimate.warnings
     if folder is not None:
@@ -83,22 +85,22 @@ def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
         bandwidth = 20.0 if options.bandwidth is None else options.bandwidth
         return control.sensitivity_amplification(model, amplification, bandwidth=bandwidth, rate=_rate(options, 500.0))
     if name not in (*control.LAWS, *WORN):
-        raise ExoidError(f"no controller {name}", remedy=f"use one of {', '.join((*control.LAWS, *WORN, OBSERVER))}")
+        raise ExoidError(f"no controller {name}", remedy=f"use one of {', '.join((*control.LAWS, *WORN, *OBSERVERS))}")
     return _with_gains(model, name, options)
 
 
-def _observer(estimate: Estimate, options: LawOptions) -> control.MomentumObserver:
+def _observer(estimate: Estimate, name: str, options: LawOptions) -> control.TorqueObserver:
     """Observer with measured velocities, whose channels are aligned where they are read."""
     if estimate.torque_delays.any():
         lags = zip(estimate.leg.joint_labels, estimate.torque_delays.tolist(), strict=True)
         raise ExoidError(
-            f"{OBSERVER}: the measured torques lag ({', '.join(f'{joint} {1e3 * lag:g} ms' for joint, lag in lags)}), "
+            f"{name}: the measured torques lag ({', '.join(f'{joint} {1e3 * lag:g} ms' for joint, lag in lags)}), "
             "and C has no form for lags",
             remedy="where the machine's software takes them out, write the observer in Python: "
-            "exoid.control.in_c.write_c(path, MomentumObserver(est, ..., torque_delay=0.0))",
+            f"exoid.control.in_c.write_c(path, {OBSERVERS[name].__name__}(est, ..., torque_delay=0.0))",
         )
     bandwidth = OBSERVED if options.bandwidth is None else options.bandwidth
-    return control.MomentumObserver(estimate, bandwidth, _rate(options, 100.0), torque_delay=0.0)
+    return OBSERVERS[name](estimate, bandwidth, _rate(options, 100.0), torque_delay=0.0)
 
 
 def _with_gains(model: ControlModel, name: str, options: LawOptions) -> AnyLaw:
@@ -142,6 +144,6 @@ def _refuse_foreign(name: str, options: LawOptions) -> None:
     foreign = {
         "gravity_support": (*gains, "amplification", "bandwidth"),
         "sensitivity_amplification": (*gains, "share"),
-        OBSERVER: (*gains, *limits, "share", "amplification"),
+        **dict.fromkeys(OBSERVERS, (*gains, *limits, "share", "amplification")),
     }.get(name, ("share", "amplification", "bandwidth"))
     refuse({f"--{option}": getattr(options, option) for option in foreign}, f"{name} has none")

@@ -45,6 +45,22 @@ def urdf_of_robot(name: str) -> Path:
         raise ExoidError(f"no URDF of {name!r} ({error})", remedy=f"install its data: {INSTALL}") from None
 
 
+def folder_of_robot(name: str) -> Path:
+    """Find the folder with the meshes of a robot.
+
+    Args:
+        name: Name in example-robot-data, for which :func:`is_robot` holds.
+
+    Returns:
+        The folder that holds those of its URDF and its meshes.
+
+    Raises:
+        ExoidError: The installed data lack the robot's URDF.
+    """
+    inside = Path(_robots()[name].urdf_subpath, _robots()[name].urdf_filename)
+    return urdf_of_robot(name).parents[len(inside.parts) - 1]
+
+
 def how_to_name_one() -> str:
     """Say what makes robots known by name.
 

@@ -70,7 +70,7 @@ def study(
         typer.Option(
             metavar="A,B",
             help="Controllers to run with estimates: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr, "
-            "adaptive.",
+            "adaptive, self_tuning.",
         ),
     ] = None,
     course: Annotated[

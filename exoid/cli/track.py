@@ -97,7 +97,7 @@ class DryRunOptions(NamedTuple):
         typer.Option(
             metavar="NAME",
             help="Controller of --dry-run: gravity_support (default), transparent, pd, pd_gravity_friction, "
-            "pd_feedforward, computed_torque, lqr, adaptive.",
+            "pd_feedforward, computed_torque, lqr, adaptive, self_tuning.",
         ),
     ] = None
     limit: Annotated[str | None, typer.Option(metavar="A,B", help="--dry-run: largest torques [N·m].")] = None

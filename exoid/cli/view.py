@@ -26,6 +26,7 @@ from .option_groups import expand_options
 from .outputs import check_outputs
 from .progress import status
 from .refusals import is_readable, refuse
+from .robots import folder_of_robot, is_robot
 
 
 @expand_options()
@@ -77,7 +78,7 @@ def view(
             ghost=ghost,
             ghost_label=label,
             identified=shown.identified,
-            meshes=Path(leg).parent if meshes is None else meshes,
+            meshes=_folder_of(leg) if meshes is None else meshes,
         )
     for each in drawn.notes:
         note(f"note: {each}")
@@ -106,10 +107,12 @@ def _shown(name: str, choice: LegOptions, logged: Sequence[str]) -> _Shown:
         each = [choice._replace(side=side) for side in sides]
         legs = [one._replace(inertias=None).find(name, logged) for one in each]
         return _Shown(legs, [] if choice.inertias is None else [one.find(name, logged) for one in each])
-    if is_readable(name) and choice.joints is None and not logged:
-        refuse({"--side": choice.side, "--inertias": choice.inertias}, f"{name!r} is no built-in leg")
-        return _Shown([Leg.from_urdf(name)])
-    return _Shown([choice.find(name, logged)])
+    return _Shown([choice.find(name, logged or None)])
+
+
+def _folder_of(leg: str) -> Path:
+    """Folder of the meshes, unless the caller names one: that of the file, or of a robot known by name."""
+    return folder_of_robot(leg) if not is_readable(leg) and is_robot(leg) else Path(leg).parent
 
 
 def _predicted(shown: _Shown, recording: Recording, horizon: float) -> Recording | None:

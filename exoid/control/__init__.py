@@ -24,6 +24,7 @@ from .parameter_cone import ParameterCone
 from .passive_friction import PassiveFriction
 from .pd import p, pd
 from .replay import LawReplay, replay_law
+from .self_tuning import SelfTuning, self_tuning
 from .sensitivity_amplification import sensitivity_amplification
 from .side_by_side import SideBySide
 from .standard_laws import LAWS, default_gains, standard_laws
@@ -50,6 +51,7 @@ __all__ = [
     "MotionFilter",
     "ParameterCone",
     "PassiveFriction",
+    "SelfTuning",
     "SensorNoise",
     "SideBySide",
     "State",
@@ -73,6 +75,7 @@ __all__ = [
     "p",
     "pd",
     "replay_law",
+    "self_tuning",
     "sensitivity_amplification",
     "simulate",
     "simulate_many",

@@ -15,7 +15,7 @@ from exoid.rig import Target
 
 from .law import RATE, State, acceleration, gains, refuse_rate
 from .model import ModelSource
-from .parameter_change import ExpectedChange
+from .parameter_change import ExpectedChange, regular
 from .parameter_cone import FLOOR, ParameterCone
 from .slotine_li import SlotineLiModel, refuse_unknown_covariance
 from .torque_prediction import PredictionMemory, TorquePrediction
@@ -37,9 +37,6 @@ CHANGE = ExpectedChange()
 
 PREDICTION = TorquePrediction()
 """Default prediction error."""
-
-LEAST_STD = 1e-6
-"""Smallest standard deviation of a combination of parameters, over the largest, each in its own."""
 
 
 class AdaptiveMemory(NamedTuple):
@@ -267,20 +264,11 @@ def adaptive(
     model = SlotineLiModel.of(source, change)
     cone = ParameterCone.of(model.model.leg, model.positive)
     refuse_unknown_covariance(model.covariance)
-    model = replace(model, covariance=_regular(model.covariance, model.values))
+    model = replace(model, covariance=regular(model.covariance, model.values))
     law = Adaptive(model, gains(kp, "kp"), gains(kd, "kd"), cone, prediction, time_constant, dead_zone, still, rate)
     nearest, count = law._start, len(model.model.leg.parameter_names)
     floor = np.append(FLOOR * nearest[:count], np.zeros(len(nearest) - count))
     return replace(law, model=replace(model, values=nearest), cone=cone.above(floor))
-
-
-def _regular(covariance: FloatArray, values: FloatArray) -> FloatArray:
-    """Make a covariance positive definite: combinations that are known exactly get a very small variance."""
-    std = np.sqrt(np.diagonal(covariance))
-    scale = np.where(std > 0.0, std, LEAST_STD * np.maximum(np.abs(values), LEAST_STD))
-    eigenvalues, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
-    clipped = np.maximum(eigenvalues, LEAST_STD**2 * max(float(eigenvalues[-1]), 1.0))
-    return np.asarray((axes * clipped) @ axes.T * np.outer(scale, scale))
 
 
 def _columns(state: State) -> State:

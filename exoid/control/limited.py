@@ -23,7 +23,8 @@ class Limited(Wrapped):
     Attributes:
         law: The other controller, with or without memory.
         limit: Largest torque [N·m], a number or (n,); inf for none.
-        slew: Largest rate of change of the torque [N·m/s], likewise. It does not apply to the first sample.
+        slew: Largest rate of change of the torque [N·m/s], likewise. The torque before the first sample is zero: the
+            drives carry nothing yet, and a first command that jumps is what the limit is for.
 
     Raises:
         ExoidError: A limit is not positive.
@@ -56,8 +57,8 @@ class Limited(Wrapped):
         Returns:
             Torque within the limits [N·m], of the same shape.
         """
-        if state.last is not None:
-            change = spread(np.asarray(self.slew), torque) / self.rate
-            torque = np.clip(torque, state.last - change, state.last + change)
+        last = np.zeros_like(torque) if state.last is None else state.last
+        change = spread(np.asarray(self.slew), torque) / self.rate
+        torque = np.clip(torque, last - change, last + change)
         limit = spread(np.asarray(self.limit), torque)
         return np.clip(torque, -limit, limit)

@@ -16,6 +16,9 @@ from exoid.lift.pseudo_inertia import make_consistent, pseudo_inertias
 AXES = np.array([d for d in product((-1, 0, 1), repeat=3) if np.abs(d).sum() in (1, 2)], dtype=np.float64)
 """Directions of the places of a payload, (18, 3)."""
 
+LEAST_STD = 1e-6
+"""Smallest standard deviation of a combination of parameters, over the largest, each in its own."""
+
 SPREAD = np.sqrt(3.0)
 """Distance of these places from the centre of mass, in standard deviations of the link's own mass distribution."""
 
@@ -74,3 +77,20 @@ def point_masses(leg: Leg, link: int, places: FloatArray) -> FloatArray:
     own = leg.reduction.collect[:, 10 * link : 10 * link + 10]
     bodies = [pin.Inertia(1.0, place, np.zeros((3, 3))).toDynamicParameters() for place in places]
     return np.asarray(own @ np.transpose(bodies))
+
+
+def regular(covariance: FloatArray, values: FloatArray) -> FloatArray:
+    """Make a covariance positive definite: combinations that are known exactly get a very small variance.
+
+    Args:
+        covariance: Covariance, (P, P).
+        values: Values of the parameters, (P,).
+
+    Returns:
+        Covariance, (P, P).
+    """
+    std = np.sqrt(np.diagonal(covariance))
+    scale = np.where(std > 0.0, std, LEAST_STD * np.maximum(np.abs(values), LEAST_STD))
+    eigenvalues, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
+    clipped = np.maximum(eigenvalues, LEAST_STD**2 * max(float(eigenvalues[-1]), 1.0))
+    return np.asarray((axes * clipped) @ axes.T * np.outer(scale, scale))

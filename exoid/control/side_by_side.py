@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from exoid.errors import ExoidError
 from exoid.rig import Target
 
 from .law import State
-from .stateful import AnyLaw, Memory, stateful, torque_without_memory
+from .stateful import AnyLaw, Memory, StatefulLaw, stateful, torque_without_memory
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class SideBySide:
         Raises:
             ExoidError: The number of rigs is not that of the controllers.
         """
-        return tuple(stateful(law).begin(one) for law, one in zip(self.laws, self._states(state), strict=True))
+        return tuple(law.begin(one) for law, one in zip(self._stateful, self._states(state), strict=True))
 
     def step(self, memory: tuple[Memory, ...], state: State, target: Target) -> tuple[FloatArray, tuple[Memory, ...]]:
         """Compute the torque of each controller for its rig, and the memories.
@@ -86,8 +87,13 @@ class SideBySide:
             ExoidError: The number of rigs is not that of the controllers.
         """
         inputs = self._inputs(state, target)
-        steps = [stateful(law).step(own, *one) for law, own, one in zip(self.laws, memory, inputs, strict=True)]
+        steps = [law.step(own, *one) for law, own, one in zip(self._stateful, memory, inputs, strict=True)]
         return np.array([torque for torque, _ in steps]).T.reshape(state.q.shape), tuple(own for _, own in steps)
+
+    @cached_property
+    def _stateful(self) -> tuple[StatefulLaw, ...]:
+        """All controllers with memory."""
+        return tuple(stateful(law) for law in self.laws)
 
     def _states(self, state: State) -> list[State]:
         """State of each rig."""

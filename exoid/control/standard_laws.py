@@ -19,9 +19,10 @@ from .lqr import lqr
 from .mean_pose import mean_pose
 from .model import ControlModel, ModelSource
 from .pd import pd
+from .self_tuning import self_tuning
 from .stateful import AnyLaw
 
-LAWS = ("pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr", "adaptive")
+LAWS = ("pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr", "adaptive", "self_tuning")
 """Names of the standard controllers."""
 
 BANDWIDTH = 5.0
@@ -41,11 +42,11 @@ def standard_laws(
     rate: float = RATE,
     names: Sequence[str] = LAWS,
 ) -> dict[str, AnyLaw]:
-    """Make PD, PD with gravity and friction, PD with feedforward, computed torque, LQR, and adaptive control.
+    """Make PD, PD with gravity and friction, PD with feedforward, computed torque, LQR, and two adaptive controllers.
 
     Computed torque has the same stiffness as the others: Kp and Kd divided by the diagonal of the mass matrix at the
     mean pose of the reference. The gain of LQR follows from :class:`exoid.control.Weights`. Adaptive control
-    is composite; the covariance of an estimate is part of its metric.
+    is composite; the covariance of an estimate is part of its metric, and of the prior of self-tuning control.
 
     Args:
         source: Source of the controllers' model.
@@ -72,6 +73,7 @@ def standard_laws(
         "computed_torque": lambda: computed_torque(model, *soft, rate=rate),
         "lqr": lambda: lqr(model, reference, period, rate=rate),
         "adaptive": lambda: adaptive(source, kp, kd, rate=rate),
+        "self_tuning": lambda: self_tuning(source, kp, kd, rate=rate),
     }
     refuse_unknown_laws(names)
     return {name: makers[name]() for name in names}

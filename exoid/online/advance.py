@@ -9,12 +9,14 @@ import numpy as np
 
 from exoid._typing import FloatArray
 
+from .belief import belief
 from .correlation import followed, inflations
 from .detection import Detection, confirmed, looked
+from .drift import drift_limit, drifted, without_epochs
 from .information import absorb
 from .rows import Block, Rows, filtered_rows, unfiltered_rows
 from .settings import Settings
-from .solution import current, weighted_stack
+from .solution import current
 from .state import Change, Detector, Information, State, begin
 
 REMEMBERED = 100
@@ -36,10 +38,12 @@ class Recursion(NamedTuple):
     Attributes:
         settings: Settings.
         detection: Hypotheses of the change detection with their thresholds.
+        drift_limit: Threshold of slow changes.
     """
 
     settings: Settings
     detection: Detection
+    drift_limit: float
 
     @classmethod
     def of(cls, settings: Settings) -> Recursion:
@@ -51,7 +55,7 @@ class Recursion(NamedTuple):
         Returns:
             All that a step needs.
         """
-        return cls(settings, Detection.of(settings))
+        return cls(settings, Detection.of(settings), drift_limit(settings))
 
     def begin(self) -> State:
         """Make the state before the first sample.
@@ -93,6 +97,8 @@ def advance(recursion: Recursion, state: State, block: Block) -> State:
     state = _followed(settings, _updated(settings, state, rows), rows)
     if confirmed(settings, state.detector):
         return _changed(recursion, state, ratios)
+    if known and np.isfinite(recursion.drift_limit):
+        state = drifted(settings, recursion.drift_limit, state, rows)
     return _with_checkpoint(settings, state)
 
 
@@ -152,7 +158,7 @@ def _changed(recursion: Recursion, state: State, ratios: FloatArray) -> State:
         state.detector.weights,
     )
     found = current(settings, information, state.weights, inflations(settings, state.correlation))
-    return state._replace(
+    return without_epochs(settings, state)._replace(
         information=information,
         values=state.values if found is None else found.values,
         std=state.std if found is None else found.std,
@@ -179,7 +185,7 @@ def freed(settings: Settings, state: State, information: Information, basis: Flo
         R factors in which all that was known has the place of what was known before the rows.
     """
     inflation = inflations(settings, state.correlation)
-    R = weighted_stack(information, state.weights, inflation) / np.sqrt(inflation.mean())
+    R = belief(settings, state._replace(information=information))
     count, freedom = basis.shape
     others = np.linalg.svd(basis)[0][:, freedom:]
     root, z = R[:-1, :-1], R[:-1, -1:]

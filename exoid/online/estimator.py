@@ -19,10 +19,10 @@ from .advance import Recursion, advance, samples_of
 from .file import read_memory, write_memory
 from .intake import Intake, as_table, findings_of, one_sample, take
 from .memory import Memory
-from .settings import Settings
+from .settings import EPOCH, Settings
 from .solution import estimate_of
 from .start import started
-from .state import Change, State, restarted
+from .state import Change, Drift, State, restarted
 
 
 class RecursiveEstimator:
@@ -45,8 +45,10 @@ class RecursiveEstimator:
         torque_limits: Largest torque of each joint [N·m], (n,); samples that reach it are left out.
         nonnegative: Whether friction and rotor inertia are kept from falling below zero.
         consistent: Whether estimates are those of physically possible links, with M(q) positive definite.
-        false_alarms: Rate of false alarms of the change detection [1/h]; 0 for no detection.
+        false_alarms: Rate of false alarms of the detection of sudden changes, and of that of slow ones [1/h]; 0 for
+            no detection.
         window: Time constant of the change detection [s].
+        epoch: Duration of the epochs whose estimates are compared to detect slow changes [s].
 
     Raises:
         ExoidError: A setting is out of range, terms do not fit, or the start is of another leg.
@@ -76,6 +78,7 @@ class RecursiveEstimator:
         consistent: bool = False,
         false_alarms: float = 0.1,
         window: float = 1.0,
+        epoch: float = EPOCH,
     ) -> None:
         model = _model(leg, terms, start)
         limits = np.full(len(leg.joint_names), np.inf) if torque_limits is None else np.asarray(torque_limits, float)
@@ -92,6 +95,7 @@ class RecursiveEstimator:
             consistent=consistent,
             false_alarms=false_alarms,
             window=window,
+            epoch=epoch,
         )
         recursion = Recursion.of(settings)
         state = recursion.begin()
@@ -171,9 +175,15 @@ class RecursiveEstimator:
         return self._state.changes
 
     @property
+    def drifts(self) -> tuple[Drift, ...]:
+        """Slow changes of parameters that were detected, the last hundred at most."""
+        return self._state.drifts
+
+    @property
     def findings(self) -> tuple[Finding, ...]:
         """Faults of the stream, and changes that were detected, the worst first."""
-        return ordered((*(_as_finding(change) for change in self.changes), *findings_of(self.settings, self._intake)))
+        changed = (*map(_as_finding, self.changes), *map(_of_drift, self.drifts))
+        return ordered((*changed, *findings_of(self.settings, self._intake)))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write settings and state as JSON, whole or not at all; see :meth:`resume`.
@@ -276,4 +286,18 @@ def _as_finding(change: Change) -> Finding:
         f"{', '.join(change.parameters)} changed at {change.time:.2f} s",
         "values before it are in changes; what was known of these parameters was given up",
         parameters=change.parameters,
+    )
+
+
+def _of_drift(drift: Drift) -> Finding:
+    """Describe a slow change as a finding."""
+    return Finding(
+        "changed-slowly",
+        drift.joint,
+        drift.statistic,
+        "",
+        "info",
+        f"{drift.parameter} drifted from {drift.before:.4g} to {drift.after:.4g} until {drift.time:.0f} s",
+        "seals wear in, and grease warms up; the estimate follows within the memory",
+        parameters=(drift.parameter,),
     )

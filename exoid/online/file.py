@@ -20,9 +20,9 @@ from exoid.torques import TorqueModel, term_from_json, term_to_json
 from .intake import Intake
 from .memory import Memory
 from .settings import Settings
-from .state import Change, Correlation, Detector, Information, State
+from .state import Change, Correlation, Detector, Drift, Epochs, Information, State
 
-SCHEMA = "exoid-online-1"
+SCHEMA = "exoid-online-2"
 
 REMEDY = "give the path of a file that RecursiveEstimator.save wrote"
 
@@ -37,6 +37,7 @@ PLAIN = (
     "consistent",
     "false_alarms",
     "window",
+    "epoch",
 )
 """Settings that JSON holds as they are."""
 
@@ -130,20 +131,22 @@ def _memory(memory: Memory) -> dict[str, Any]:
             "samples": state.samples,
             **{name: _record(getattr(state, name)) for name in PARTS},
             "changes": [change._asdict() for change in state.changes],
+            "drifts": [drift._asdict() for drift in state.drifts],
         },
         "intake": {**intake._asdict(), "time": None if math.isnan(intake.time) else intake.time},
         "pending": [list(sample) for sample in memory.pending],
     }
 
 
-PARTS: dict[str, type[Information] | type[Correlation] | type[Detector]] = {
+PARTS: dict[str, type[Information] | type[Correlation] | type[Detector] | type[Epochs]] = {
     "information": Information,
     "correlation": Correlation,
     "detector": Detector,
+    "epochs": Epochs,
 }
 """Records in a state."""
 
-NESTED = (*PARTS, "samples", "changes")
+NESTED = (*PARTS, "samples", "changes", "drifts")
 """Fields of a state that are no arrays."""
 
 
@@ -157,7 +160,15 @@ def _memory_from(data: Mapping[str, Any], settings: Settings) -> Memory:
         Change(**{**one, "parameters": tuple(one["parameters"]), "values": tuple(one["values"])})
         for one in found["changes"]
     )
-    state = State(**{"samples": int(found["samples"]), "changes": changes, **parts, **arrays})
+    state = State(
+        **{
+            "samples": int(found["samples"]),
+            "changes": changes,
+            "drifts": tuple(Drift(**one) for one in found["drifts"]),
+            **parts,
+            **arrays,
+        }
+    )
     P, n = settings.count, settings.n
     if state.values.shape != (P,) or state.information.R.shape != (n + 1, P + 1, P + 1):
         raise ValueError("shapes of the state do not fit the settings")
@@ -174,7 +185,7 @@ def _memory_from(data: Mapping[str, Any], settings: Settings) -> Memory:
     return Memory(state, intake, tuple(tuple(sample) for sample in data["pending"]))
 
 
-def _record(record: Information | Correlation | Detector) -> dict[str, Any]:
+def _record(record: Information | Correlation | Detector | Epochs) -> dict[str, Any]:
     return {key: _array(x) if isinstance(x, np.ndarray) else x for key, x in record._asdict().items()}
 
 

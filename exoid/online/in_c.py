@@ -1,16 +1,19 @@
-"""The core of the recursive estimator as C99: filters, regressor of a planar leg, R factors and their solution.
+"""The recursive estimator as C99: filters, regressor of a planar leg, R factors, forgetting and change detection.
 
-What it mirrors of :func:`exoid.online.advance`: ``filtered_rows`` for angles and torques, ``absorb`` without
-forgetting, and ``current``: values, standard deviations and weights of :class:`exoid.online.State`. Intake, forgetting,
-change detection and bounds are not mirrored.
+It mirrors :func:`exoid.online.advance` for angles and torques: rows behind the filters, forgetting, change detection,
+and values, standard deviations and weights of :class:`exoid.online.State`. Intake, the intervals of an estimate, and
+bounds are not mirrored. The work on a block is cut into units, which the samples of the next block share.
 """
 
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +21,7 @@ import numpy as np
 
 from exoid._version import __version__
 from exoid.codegen import Dialect
+from exoid.codegen.arrays import initializer
 from exoid.codegen.constants import constants_of_bodies
 from exoid.codegen.dialect import identifier
 from exoid.codegen.forms import c_form
@@ -29,17 +33,25 @@ from exoid.reduction.planar import GRAVITY
 from exoid.tables import to_text
 from exoid.torques import DryFriction, Term
 
+from .advance import CHECKPOINT, FREED, SETTLED
+from .correlation import FEWEST, MEMORY, NEGLIGIBLE
+from .detection import CLIPPED, DECISION, LEVEL, PENALTY, SETTLING, SLOWLY, WARM_UP, Detection
+from .detection import RIDGE as RIDGE_OF_TEST
 from .estimator import RecursiveEstimator
+from .information import EXCITED, EXCITED_BLOCK, RIDGE, ROUNDING
 from .intake import FARTHEST
 from .rows import TOUCHED
-from .settings import ROWS, Settings
+from .settings import LAGS, ROWS, Settings
 from .solution import DETERMINED, FEWEST_ROWS, NOISELESS
-from .state import STICKING, UNKNOWN
+from .state import CHECKPOINTS, STICKING, UNKNOWN, State
 
 SCHEMA = "exoid-recursive-in-c-1"
 
 ABSURD = 1e9
 """Torque [N·m] from which a sample is absurd, and limit of torque that stands for none."""
+
+SWEEPS = 8
+"""Largest number of sweeps of one-sided Jacobi; convergence is quadratic, and three to five are enough."""
 
 DOUBLE = Dialect("double")
 
@@ -83,13 +95,16 @@ class RecursiveSource:
             "rate": self.settings.rate,
             "cutoff": self.settings.cutoff,
             "estimator": self.settings.estimator,
+            "forgetting": self.settings.forgetting,
+            "false_alarms": self.settings.false_alarms if detects(self.settings) else 0.0,
         }
 
     def __str__(self) -> str:
         """Print files, functions and what they estimate."""
         where, settings = self.path or Path(f"{self.prefix}.c"), self.settings
         return to_text(
-            f"{where} and {where.with_name(f'{self.prefix}.h')}: recursive {settings.estimator} without forgetting",
+            f"{where} and {where.with_name(f'{self.prefix}.h')}: recursive {settings.estimator}",
+            forgets(settings),
             f"double precision, C99, needs <math.h> only; joints: {', '.join(settings.model.leg.joint_names)}",
             f"functions: {', '.join(self.functions)}, {settings.rate:g} times a second; cut-off {settings.cutoff} Hz",
             f"parameters: {', '.join(settings.model.names)}",
@@ -97,9 +112,9 @@ class RecursiveSource:
 
 
 def recursive_source(estimator: RecursiveEstimator, name: str = "online") -> RecursiveSource:
-    """Turn the core of a recursive estimator into C99, in double precision, without writing files.
+    """Turn a recursive estimator into C99, in double precision, without writing files.
 
-    The C begins with nothing; what the estimator has learnt is not written.
+    The C begins with the start of the estimator, or with nothing; what it has learnt since is not written.
 
     Args:
         estimator: The estimator, of which the settings are written.
@@ -113,13 +128,13 @@ def recursive_source(estimator: RecursiveEstimator, name: str = "online") -> Rec
 
     Example:
         >>> data = exoid.datasets.bleex_swing()
-        >>> online = RecursiveEstimator(data.leg, rate=100.0, cutoff=6.0, forgetting="none", false_alarms=0.0)
+        >>> online = RecursiveEstimator(data.leg, rate=100.0, cutoff=6.0)
         >>> recursive_source(online).functions
         ('online_init', 'online_update', 'online_solve')
     """
     settings, prefix = estimator.settings, identifier(name)
-    _refuse(settings, bool(estimator.state.information.R[-1].any()))
-    values = {"p": prefix, "header": f"{prefix}.h", "version": __version__, **_values(settings)}
+    _refuse(settings, estimator.state)
+    values = {"p": prefix, "header": f"{prefix}.h", "version": __version__, **_values(settings, estimator.state)}
     header, source = (fill(f"recursive/recursive.{kind}.jinja", DOUBLE, **values) for kind in ("h", "c"))
     return RecursiveSource(header, source, prefix, settings)
 
@@ -144,15 +159,15 @@ def write_recursive(path: str | os.PathLike[str], estimator: RecursiveEstimator)
     return RecursiveSource(written.header, written.source, written.prefix, written.settings, Path(path))
 
 
-def _refuse(settings: Settings, started: bool) -> None:
+def _refuse(settings: Settings, state: State) -> None:
     """Refuse what is not mirrored, by name."""
     reasons = {
-        f"forgetting={settings.forgetting!r} (use 'none')": settings.forgetting != "none",
-        f"false_alarms={settings.false_alarms:g}, the change detection (use 0)": settings.false_alarms > 0.0,
         "cutoff=None (give a cut-off)": settings.cutoff is None,
         "nonnegative": settings.nonnegative,
         "consistent": settings.consistent,
-        "an estimate to start with": started,
+        "what a start and samples gave (write it before the first sample)": bool(
+            state.samples and state.information.R[-1].any()
+        ),
     }
     found = [reason for reason, given in reasons.items() if given]
     if found:
@@ -172,7 +187,34 @@ def _refuse(settings: Settings, started: bool) -> None:
             )
 
 
-def _values(settings: Settings) -> dict[str, Any]:
+def detects(settings: Settings) -> bool:
+    """Say whether changes are detected.
+
+    Args:
+        settings: Settings.
+
+    Returns:
+        Whether they ask for it, and rows are forgotten.
+    """
+    return settings.false_alarms > 0.0 and settings.forgetting != "none"
+
+
+def forgets(settings: Settings) -> str:
+    """Say in words how rows are forgotten.
+
+    Args:
+        settings: Settings.
+
+    Returns:
+        The words.
+    """
+    if settings.forgetting == "none":
+        return "rows are never forgotten"
+    where = "in the directions that new rows excite" if settings.forgetting == "directional" else "while rows excite"
+    return f"rows are forgotten {where}, with a time constant of {settings.memory:g} s"
+
+
+def _values(settings: Settings, state: State) -> dict[str, Any]:
     """Values of the templates."""
     model, leg = settings.model, settings.model.leg
     known = dict.fromkeys(leg.parameter_names, 0.0)
@@ -181,28 +223,37 @@ def _values(settings: Settings) -> dict[str, Any]:
     for block in model.blocks:
         if isinstance(block.term, DryFriction) and block.term.dead_band > 0.0:
             dead[list(block.joints)] = np.maximum(dead[list(block.joints)], block.term.dead_band)
-    parameters, joints = (index.tolist() for index in settings.acting)
+    parameters, joints = settings.acting
+    started = bool(state.information.R[-1].any())
+    prior = started or detects(settings)
     return {
+        "initial": partial(initializer, dialect=DOUBLE),
         "title": leg.description.name,
         "rate": settings.rate,
         "joints": leg.joint_names,
+        "n_joints": settings.n,
         "parameters": list(zip(model.names, model.units, strict=True)),
         "weighted": settings.estimator == "wls",
-        "wide": settings.wide.smooth.tolist(),
-        "first": settings.wide.first.tolist(),
-        "second": settings.wide.second.tolist(),
-        "narrow": settings.narrow.smooth.tolist(),
-        "acting": list(zip(parameters, joints, strict=True)),
+        "forgetting": settings.forgetting,
+        "forgets": forgets(settings)[0].upper() + forgets(settings)[1:],
+        "wide": np.array([settings.wide.smooth, settings.wide.first, settings.wide.second]),
+        "narrow": settings.narrow.smooth,
+        "joints_of_columns": joints,
+        "parameters_of_columns": parameters,
         "delay": settings.delay,
         "stride": settings.stride,
+        "block": settings.block,
         "block_rows": ROWS,
+        "block_time": settings.block_time,
+        "budget": work_of_a_sample(settings, prior),
         "gravity": GRAVITY,
         "cumulative": leg.cumulative,
         "tables": tables,
         "terms": list(_columns(settings)),
-        "limits": np.minimum(settings.torque_limits, ABSURD).tolist(),
-        "reversal": np.where(settings.sticking, settings.reversal_speed, 0.0).tolist(),
-        "dead": dead.tolist(),
+        "limits": np.minimum(settings.torque_limits, ABSURD),
+        "reversal": np.where(settings.sticking, settings.reversal_speed, 0.0),
+        "dead": dead,
+        "rounding": ROUNDING,
         "unknown": UNKNOWN,
         "sticking": STICKING,
         "touched": TOUCHED,
@@ -211,7 +262,119 @@ def _values(settings: Settings) -> dict[str, Any]:
         "determined": DETERMINED,
         "absurd": ABSURD,
         "farthest": FARTHEST,
+        "started": started,
+        "start": _start(state),
+        "prior": prior,
+        "correlated": prior,
+        **_of_correlation(settings),
+        **_of_forgetting(settings),
+        **(_of_detection(settings) if detects(settings) else {"detection": False}),
     }
+
+
+def _start(state: State) -> dict[str, Any]:
+    """What is known before the first row."""
+    information = state.information
+    return {
+        "R": information.R[-1] * np.where(np.diag(information.R[-1]) < 0.0, -1.0, 1.0)[:, None],
+        "count": float(information.rows[-1]),
+        "values": state.values,
+        "std": state.std,
+        "weights": state.weights,
+    }
+
+
+def _of_correlation(settings: Settings) -> dict[str, Any]:
+    """Constants of the autocorrelation of residuals."""
+    return {
+        "lags": LAGS,
+        "negligible": NEGLIGIBLE,
+        "fewest_pairs": FEWEST,
+        "filter_inflation": settings.filter_inflation,
+        "discount_of_pairs": float(np.exp(-ROWS * settings.row_time / MEMORY)),
+    }
+
+
+def _of_forgetting(settings: Settings) -> dict[str, Any]:
+    """Constants of the forgetting."""
+    return {
+        "shares": 1.0 - np.exp(-np.arange(ROWS + 1.0) * settings.row_time / settings.memory),
+        "excited": EXCITED,
+        "excited_block": EXCITED_BLOCK,
+        "ridge": RIDGE,
+        "sweeps": SWEEPS,
+    }
+
+
+def _of_detection(settings: Settings) -> dict[str, Any]:
+    """Constants of the change detection."""
+    found, K = Detection.of(settings), settings.count
+    over = settings.block_time / settings.window
+    places = np.zeros((len(found.hypotheses), K), dtype=np.int64)
+    touched, bases = [], []
+    for row, one in zip(places, found.hypotheses, strict=True):
+        acting = np.flatnonzero(one.basis.any(axis=1))
+        row[: len(acting)] = acting
+        touched.append(len(acting))
+        bases.append(np.hstack([one.basis, np.linalg.svd(one.basis)[0][:, one.basis.shape[1] :]]))
+    return {
+        "detection": True,
+        "false_alarms": settings.false_alarms,
+        "hypotheses": found.hypotheses,
+        "change": {
+            "limits": found.limits,
+            "dimensions": found.dimensions,
+            "touched": np.array(touched),
+            "places": places,
+            "bases": np.array(bases),
+            "widest": int(found.dimensions.max()),
+        },
+        "kept": CHECKPOINTS,
+        "settled_rows": SETTLED * K,
+        "checkpoint_blocks": max(1, round(CHECKPOINT / over)),
+        "last_crossing": next(k for k in count() if (k + 1) * settings.block_time > DECISION * settings.window),
+        "discount": math.exp(-over),
+        "slow_discount": math.exp(-over / LEVEL),
+        "slow_part": over / SLOWLY,
+        "block_over_window": over,
+        "settling": SETTLING,
+        "warm_up": WARM_UP,
+        "clip": CLIPPED,
+        "penalty": PENALTY,
+        "ridge_of_test": RIDGE_OF_TEST,
+        "freed": FREED,
+    }
+
+
+def work_of_a_sample(settings: Settings, prior: bool) -> int:
+    """Compute what a sample has to do of the work after a block, so that it is complete before the next one.
+
+    Args:
+        settings: Settings.
+        prior: Whether there is an R factor of what was known before the rows.
+
+    Returns:
+        Work in multiplications or so, as the units in C count it.
+    """
+    n, K = settings.n, settings.count
+    rotation, column = 2 * K * K + 30 * K, K * K // 2 + 10 * K
+    stack = K * K + (n + prior) * (K + 1) * rotation // 2
+    solve = stack + K * K + K * column + n * K * K
+    total = 30 * n + n * ROWS * rotation + solve + 2 * ROWS * LAGS * n
+    heights = [ROWS] * n + [n * ROWS] * prior
+    if settings.forgetting != "none":
+        total += sum(height * (K * K + 10 * K + n * ROWS * K) for height in heights)
+    if settings.forgetting == "directional":
+        total += sum(SWEEPS * height * (height - 1) // 2 * (8 * K + 40) for height in heights)
+        total += sum(height * (rotation + 2 * K * height) for height in heights)
+    if detects(settings):
+        found = Detection.of(settings)
+        sizes = [(np.count_nonzero(one.basis.any(axis=1)), one.basis.shape[1]) for one in found.hypotheses]
+        total += ROWS * n * K * K + sum(rows * rows * d + rows * d * d + 40 * d for rows, d in sizes)
+        total += 20 * len(sizes) + (1 + CHECKPOINTS) * (n + 1) * K * K
+        total += stack + solve + K * (2 * K * K + 3 * rotation)
+    calls = settings.block - ROWS if settings.stride > 1 else settings.block
+    return math.ceil(total / calls)
 
 
 def _columns(settings: Settings) -> Iterator[tuple[int, int, str]]:

@@ -34,7 +34,10 @@ EXCITED = 0.05
 EXCITED_BLOCK = 0.2
 """Exponential forgetting waits for a block whose gain, over all directions, is this part of what balances it."""
 
-RIDGE = 1e-9
+ROUNDING = 1e-11
+"""Part of a column, or of an entry, that is left by rounding where nothing should be left."""
+
+RIDGE = 1e-7
 """Share of a column's size that stands in for information where there is none, to find directions only."""
 
 
@@ -59,8 +62,22 @@ def absorb(settings: Settings, information: Information, rows: Rows, weights: Fl
         share = 1.0 - np.exp(-counts * settings.row_time / settings.memory)
         R, number = _forgotten(settings.forgetting, R, number, table, share, weights)
     out = R.copy()
-    out[:-1] = np.linalg.qr(np.concatenate([R[:-1], table], axis=1), mode="r")
+    out[:-1] = _without_rounding(np.linalg.qr(np.concatenate([R[:-1], table], axis=1), mode="r"))
     return Information(out, number + np.append(counts, 0))
+
+
+def _without_rounding(R: FloatArray) -> FloatArray:
+    """R factors of which rows without information are zero, as of Coulomb friction and offset before a reversal.
+
+    Rounding has residuals end in such a row. They belong in the last row, of which a share is forgotten in every block.
+    """
+    size = ROUNDING * np.sqrt((R[:, :, :-1] ** 2).sum(axis=1, keepdims=True))
+    empty = (np.abs(R[:, :-1, :-1]) <= size).all(axis=2)
+    if not R[:, :-1, -1][empty].any():
+        return R
+    R[:, -1, -1] = np.sqrt(R[:, -1, -1] ** 2 + (R[:, :-1, -1] ** 2 * empty).sum(axis=1))
+    R[:, :-1] *= ~empty[:, :, None]
+    return R
 
 
 def _forgotten(
@@ -100,5 +117,6 @@ def _directions(R: FloatArray, table: FloatArray) -> tuple[FloatArray, FloatArra
     regular = root / size
     regular = regular + RIDGE * np.diag(np.where(np.diag(regular) < 0.0, -1.0, 1.0))
     G = np.linalg.solve(regular.T, (rows / size).T).T
+    G[np.abs(G * np.diag(regular)) <= ROUNDING * np.abs(rows / size)] = 0.0
     _, s, V = np.linalg.svd(G, full_matrices=False)
     return s**2, V

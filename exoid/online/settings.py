@@ -33,6 +33,9 @@ KINEMATICS_MULTIPLE = 2.0
 FORGETTING = ("none", "exponential", "directional")
 ESTIMATORS = ("wls", "ols")
 
+EPOCH = 60.0
+"""Default duration of an epoch of the detection of slow changes [s]."""
+
 LAGS = 25
 """Rows over which the correlation of residuals is followed."""
 
@@ -56,6 +59,7 @@ class Settings:
         consistent: Whether the values are those of physically possible links.
         false_alarms: Rate of false alarms of the change detection [1/h]; 0 for no detection.
         window: Time constant of the change detection [s].
+        epoch: Duration of rows whose estimates are compared to detect slow changes [s].
 
     Raises:
         ExoidError: A setting is out of range, or the model cannot be estimated online.
@@ -73,6 +77,7 @@ class Settings:
     consistent: bool
     false_alarms: float
     window: float
+    epoch: float = EPOCH
 
     def __post_init__(self) -> None:
         """Check the settings."""
@@ -81,7 +86,7 @@ class Settings:
         for name, options in (("forgetting", FORGETTING), ("estimator", ESTIMATORS)):
             if getattr(self, name) not in options:
                 raise ExoidError(f"{name}={getattr(self, name)!r}", remedy=f"use one of {', '.join(options)}")
-        for name in ("rate", "memory", "window"):
+        for name in ("rate", "memory", "window", "epoch"):
             if not 0.0 < getattr(self, name) < math.inf:
                 raise ExoidError(f"{name}={getattr(self, name)}", remedy="pass a positive number, in Hz or s")
         for name in ("reversal_speed", "false_alarms"):

@@ -19,6 +19,9 @@ UNKNOWN = 1e6
 STICKING = 1.0
 """of one at which a joint may stick."""
 
+LAST = 3
+"""Number of epochs that are compared with the first ones."""
+
 
 class Information(NamedTuple):
     """R factors of the rows so far: R β = z with noise of the size of the rows'.
@@ -98,6 +101,68 @@ class Change(NamedTuple):
         return f"{self.time:.2f} s: {self.kind}{where} changed ({', '.join(self.parameters)})"
 
 
+class Epochs(NamedTuple):
+    """Estimates of consecutive epochs, of which those of the first are the reference.
+
+    Attributes:
+        R: R factors [R z] of the rows of each joint in this epoch, (n, P + 1, P + 1).
+        rows: Number of rows of each joint in it, (n,).
+        time: Time of rows in it [s].
+        values: Estimates of the last epochs, the latest first, (K, P).
+        variances: Their variances, (K, P).
+        number: Number of epochs so far.
+        score: Sum of the estimates of the reference over their variances, (P,).
+        precision: Sum of the inverse variances, (P,).
+        references: Number of epochs in the reference, (P,).
+        behind: Number of epochs behind it, (P,).
+        scatter: Sum of squared second differences of consecutive epochs over their variances, (P,).
+        bends: Number of these differences.
+    """
+
+    R: FloatArray
+    rows: FloatArray
+    time: float
+    values: FloatArray
+    variances: FloatArray
+    number: int
+    score: FloatArray
+    precision: FloatArray
+    references: FloatArray
+    behind: FloatArray
+    scatter: FloatArray
+    bends: float
+
+
+class Drift(NamedTuple):
+    """Slow change of a parameter that was detected.
+
+    Attributes:
+        sample: Samples that had been received when it was detected.
+        time: The same [s].
+        joint: Joint of the parameter; "" for none.
+        parameter: Name of the parameter.
+        before: Its mean over the epochs of the reference.
+        after: Its mean over the last epochs.
+        std: Standard deviation of the difference.
+        statistic: Statistic over its threshold.
+    """
+
+    sample: int
+    time: float
+    joint: str
+    parameter: str
+    before: float
+    after: float
+    std: float
+    statistic: float
+
+    def __str__(self) -> str:
+        """Write one sentence."""
+        return (
+            f"{self.time:.0f} s: {self.parameter} drifted from {self.before:.4g} to {self.after:.4g} ± {self.std:.2g}"
+        )
+
+
 class State(NamedTuple):
     """All that a recursive estimator knows.
 
@@ -114,6 +179,8 @@ class State(NamedTuple):
         checkpoints: R factors one, two and three seconds ago, (3, n + 1, P + 1, P + 1).
         checkpoint_rows: Rows of each, (3, n + 1).
         changes: Changes that were detected, the last :data:`exoid.online.advance.REMEMBERED` at most.
+        epochs: Estimates of consecutive epochs.
+        drifts: Slow changes that were detected, the last :data:`exoid.online.drift.REMEMBERED` at most.
     """
 
     samples: int
@@ -128,6 +195,23 @@ class State(NamedTuple):
     checkpoints: FloatArray
     checkpoint_rows: FloatArray
     changes: tuple[Change, ...]
+    epochs: Epochs
+    drifts: tuple[Drift, ...]
+
+
+def no_epochs(n: int, count: int) -> Epochs:
+    """Begin without any epoch.
+
+    Args:
+        n: Number of joints.
+        count: Number of parameters P.
+
+    Returns:
+        Epochs that know nothing.
+    """
+    none, last = np.zeros(count), np.zeros((LAST, count))
+    R = np.zeros((n, count + 1, count + 1))
+    return Epochs(R, np.zeros(n), 0.0, last, last + np.inf, 0, none, none, none, none, none, 0.0)
 
 
 def begin(settings: Settings, hypotheses: int) -> State:
@@ -157,6 +241,8 @@ def begin(settings: Settings, hypotheses: int) -> State:
         checkpoints=np.tile(R, (CHECKPOINTS, 1, 1, 1)),
         checkpoint_rows=np.zeros((CHECKPOINTS, n + 1)),
         changes=(),
+        epochs=no_epochs(n, P),
+        drifts=(),
     )
     return restarted(settings, state)
 

@@ -8,7 +8,7 @@ Quantity(value=3.783, unit='kg·m', printed='3.783')
 """
 
 from .document import Assumption, Document, Erratum, PublishedTable, Quantity, bleex, cuhk
-from .parameters import bleex_parameters, bleex_resistances, cuhk_parameters, cuhk_resistances
+from .parameters import bleex_parameters, bleex_resistances, cuhk_cad_parameters, cuhk_parameters, cuhk_resistances
 
 __all__ = [
     "Assumption",
@@ -20,6 +20,7 @@ __all__ = [
     "bleex_parameters",
     "bleex_resistances",
     "cuhk",
+    "cuhk_cad_parameters",
     "cuhk_parameters",
     "cuhk_resistances",
 ]

@@ -47,6 +47,31 @@ def cuhk_parameters() -> dict[str, float]:
     return {name: cuhk().assumption(name).value for name in CUHK_PARAMETERS}
 
 
+def cuhk_cad_parameters() -> dict[str, float]:
+    """Return an assumed CAD model of the CUHK-EXO plant: document 2 prints none.
+
+    The plant errs as BLEEX's design model does (doc. 1, Table V against the mean of both legs of Tables II and III).
+    With the thigh as segment 1, and shank and foot as segment 2, of which J1 without J2:
+
+        X' = X (X_cad / X_id),   J' = J (J_cad / J_id),   Y' = Y + X (Y_cad − Y_id) / X_id.
+
+    Y is too small for a ratio. It errs by an angle of the centre of mass instead. Hoses, cables and fasteners, which
+    design models lack, are a likely cause; document 1 names none.
+
+    Returns:
+        X1, Y1 [kg·m], J1 [kg·m²], X2, Y2, J2 by name, as of :func:`cuhk_parameters`.
+    """
+    design, left, right = (_without_lower_inertia(bleex_parameters(which)) for which in BLEEX_SETS)
+    found = {name: 0.5 * (left[name] + right[name]) for name in left}
+    values = cuhk_parameters()
+    for k in "12":
+        X, Y, J = f"X{k}", f"Y{k}", f"J{k}"
+        values[Y] += values[X] * (design[Y] - found[Y]) / found[X]
+        values[X] *= design[X] / found[X]
+        values[J] *= design[J] / found[J]
+    return values
+
+
 def bleex_resistances(side: str) -> dict[str, float]:
     """Return stiffness and kinetic friction of Tables I and IV (doc. 1) as resistances.
 
@@ -93,6 +118,11 @@ def cuhk_resistances() -> dict[str, float]:
         "d_knee": "knee_viscous",
     }
     return {name: cuhk().assumption(source).value for name, source in sources.items()}
+
+
+def _without_lower_inertia(cumulative: dict[str, float]) -> dict[str, float]:
+    """Take J2 out of the J1 of document 1."""
+    return {**cumulative, "J1": cumulative["J1"] - cumulative["J2"]}
 
 
 def _one_of(name: str, known: tuple[str, ...], kind: str) -> None:

@@ -2,7 +2,8 @@
 
 On Linux the system bounds data (RLIMIT_DATA), not addresses: allocators and threads of polars reserve far more of these
 than they use. Other systems of the POSIX family have a bound on addresses (RLIMIT_AS), which macOS accepts and ignores.
-So elsewhere than on Linux the caller also looks at the resident size, a few times a second.
+So elsewhere than on Linux the caller also looks at the resident size, a few times a second. Where no size is known (a
+container without /proc and ps), only the time is bounded.
 """
 
 from __future__ import annotations
@@ -17,8 +18,11 @@ from pathlib import Path
 if sys.platform != "win32":
     import resource
 
+STATM = Path("/proc/self/statm")
+"""File in which Linux tells the sizes of this process [pages]."""
+
 RESIDENT = 1
-"""Place of the resident size among the numbers of /proc/self/statm [pages]."""
+"""Place of the resident size among the numbers of /proc/self/statm."""
 
 DATA = 5
 """Place of the size of the data among the numbers of /proc/self/statm."""
@@ -88,4 +92,8 @@ def size_of_process(pid: int | None, kind: str = "rss") -> int:
 
 
 def _pages(place: int) -> int:
-    return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[place])
+    """Read a size of this process; 0 where /proc is not mounted, as in some containers."""
+    try:
+        return int(STATM.read_text(encoding="ascii").split()[place])
+    except (OSError, ValueError, IndexError):
+        return 0

@@ -116,6 +116,31 @@ def reproduce_bleex(
     return replays
 
 
+def identify_bleex(
+    seed: int = 0, progress: Callable[[float], None] | None = None, extent: Extent | None = None
+) -> Estimate:
+    """Identify the left leg from all its rows at once, without the other methods and the other leg.
+
+    Args:
+        seed: Seed of random poses and sensor noise.
+        progress: Function that receives the completed share, 0 to 1.
+        extent: Duration of the motions and number of poses; None for those of the document.
+
+    Returns:
+        The joint estimate of the left leg, equal to that of :func:`reproduce_bleex`.
+    """
+    report, rng = progress or (lambda _: None), np.random.default_rng(seed)
+    data = measure_bleex("left", rng, 1, extent or Extent(), report)[0]
+    return _joint_estimate(load_leg("bleex", side="left"), data)
+
+
+def _joint_estimate(leg: Leg, data: Measurements) -> Estimate:
+    """Identify from all rows at once, torso tilts included."""
+    recordings = [recording for swings in data.swings for recording in swings]
+    rows: list[Recording | Poses] = [data.upright.averaged, *data.tilted, *recordings]
+    return identify(leg, rows, JOINT_TERMS, preparation=JOINT_PREPARATION)
+
+
 def _report_part(report: Callable[[float], None], done: float, part: float, share: float) -> None:
     report(done + part * share)
 
@@ -126,7 +151,7 @@ def _identify_side(side: str, data: Measurements) -> SideReplay:
     model = steps.document_model(leg)
     recordings = [recording for swings in data.swings for recording in swings]
     upright = data.upright.averaged
-    joint = identify(leg, [upright, *data.tilted, *recordings], JOINT_TERMS, preparation=JOINT_PREPARATION)
+    joint = _joint_estimate(leg, data)
     no_tilt = identify(leg, [upright, *recordings], JOINT_TERMS, preparation=JOINT_PREPARATION)
     sequential = sequential_bleex(model, data.sets, upright, data.swings)
     truth, cad = truth_values(side), bleex_parameters("cad")

@@ -158,15 +158,40 @@ def reproduce_cuhk(
     return replays
 
 
+def identify_cuhk(
+    seed: int = 0, progress: Callable[[float], None] | None = None, duration: float = DURATION
+) -> Estimate:
+    """Identify the leg from a multisine, without the experiments of Table II.
+
+    Args:
+        seed: Seed of motion and noise.
+        progress: Function that receives the completed share, 0 to 1.
+        duration: Duration of the motion [s].
+
+    Returns:
+        An estimate like the one from the multisine of :func:`reproduce_cuhk`, with other noise.
+    """
+    rng, leg = np.random.default_rng(seed), load_leg("cuhk")
+    motions = {"rich": ("smooth", cuhk.multisine(leg, rng))}
+    plant = Plant.build(leg, truth_values())
+    log = _record(plant, motions, duration, rng, progress or (lambda _: None))["rich"][0]
+    return identify(leg, log, TERMS, preparation=PREPARATION)
+
+
+def truth_with_rotor() -> dict[str, float]:
+    """Return the true parameters by name, the rotor of the hip merged into J1, as no motion separates the two."""
+    truth = truth_values()
+    truth["J1"] += truth.pop("Ia_hip")
+    return truth
+
+
 def _replay(leg: Leg, static: list[Poses], logs: Mapping[str, Recording], seed: int) -> CuhkReplay:
     """Identify the leg by all methods and compare."""
     rich, independent, document = logs["rich"], logs["independent"], logs["document"]
     estimate = identify(leg, rich, TERMS, preparation=PREPARATION)
     no_rotor = identify(leg, rich, WITHOUT_ROTOR, preparation=PREPARATION)
     delayed, zero_phase = (_table_ii(leg, static, logs, each) for each in (MovingAverage(), ZeroPhase()))
-    truth = truth_values()
-    truth["J1"] += truth.pop("Ia_hip")
-    model = estimate.model
+    truth, model = truth_with_rotor(), estimate.model
     models = {
         "table_ii": delayed.as_dict(),
         "multisine": by_name(estimate),

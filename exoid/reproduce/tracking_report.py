@@ -26,6 +26,7 @@ LABELS = {
     "computed_torque": "computed torque",
     "lqr": "LQR",
     "adaptive": "adaptive",
+    "self_tuning": "self-tuning",
 }
 """Labels of the laws in figures."""
 

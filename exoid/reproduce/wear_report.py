@@ -69,6 +69,8 @@ def wear_notes(study: WearStudy) -> list[str]:
     notes = [
         f"The identified model leaves {100.0 * felt['identified'] / felt['cad']:.0f} % of what is felt with CAD, and "
         f"{felt['identified'] / felt['truth']:.2f} times what is felt with the true model.",
+        f"1/α of inertia and friction alone are {study.floor_of_all:.3g} N·m, without lag, noise and model error: "
+        f" {100.0 * study.floor_of_all / felt['cad']:.0f} % of what is felt with CAD.",
         f"α is {MARGIN:g} of the largest stable one, at most {max(_used(study)):.3g}; 95 % of the distribution of the "
         "identified model are stable.",
     ]
@@ -94,6 +96,7 @@ def wear_json(study: WearStudy) -> dict[str, Any]:
         "felt_rms_by_joint": {
             name: dict(zip(study.joint_names, each.rms.tolist(), strict=True)) for name, each in study.felt.items()
         },
+        "floor_rms": study.floor_of_all,
         "amplification": {name: each.amplification for name, each in study.felt.items() if name != "off"},
         "largest_amplification": {name: min(each.largest, each.most) for name, each in study.largest.items()},
         "largest_tried": study.largest["identified"].most,

@@ -9,20 +9,17 @@ from functools import partial
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.catalog import load_leg
 from exoid.control import ControlModel, SideBySide, Tracking, pd, sensitivity_amplification, simulate_many
 from exoid.control.model import ModelSource
 from exoid.control.stability import Amplification, largest_amplification
-from exoid.control.stability.worn.draws import draw_truths
+from exoid.control.stability.worn import AmplifiedLaw
 from exoid.control.stateful import AnyLaw
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
 from exoid.experiments import gait_for_leg, healthy_gait, refuse_motion_beyond_limits
-from exoid.leg import Leg
-from exoid.rig import Plant, Sensors, Wearer
+from exoid.rig import Plant, Reference, Sensors, Wearer
 
-from .bleex import reproduce_bleex
-from .cuhk import reproduce_cuhk
+from .wear_models import WornModels, worn_models
 
 MODELS = ("off", "cad", "identified", "truth")
 """What the controller knows; "off" is no torque at all."""
@@ -45,8 +42,11 @@ SENSORS = Sensors(velocity_noise=0.002, delay=1)
 PERIOD, SCALE = 4.0, 0.8
 """Default period of the stride [s], and factor of its amplitude: within the limits of both legs."""
 
-STRIDES = 3
+STRIDES = 2
 """Strides of a run; the first is not evaluated."""
+
+SAMPLES = 400
+"""Samples of a stride, at which inertia and friction are evaluated."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,6 +84,8 @@ class WearStudy:
         joint_names: Names of the joints, (n,).
         felt: What is felt with each of :data:`MODELS`.
         largest: Largest stable amplification with "cad", "identified" and "truth".
+        floor: RMS of 1/α of the true leg's inertia and friction over the intended stride, with the α of "truth"
+            [N·m], (n,): what is felt with an exact model, without lag and noise.
         period: Period of the stride [s].
         seed: Seed of noise and draws.
     """
@@ -92,8 +94,14 @@ class WearStudy:
     joint_names: tuple[str, ...]
     felt: Mapping[str, Felt]
     largest: Mapping[str, Amplification]
+    floor: FloatArray
     period: float
     seed: int
+
+    @property
+    def floor_of_all(self) -> float:
+        """Root of the mean square of :attr:`floor` over all joints [N·m]."""
+        return float(np.sqrt(np.mean(self.floor**2)))
 
     @property
     def limited_by(self) -> str | None:
@@ -107,7 +115,7 @@ class WearStudy:
 
 
 def wear(
-    source: str | Estimate,
+    source: str | Estimate | WornModels,
     *,
     period: float = PERIOD,
     bandwidth: float = BANDWIDTH,
@@ -115,6 +123,7 @@ def wear(
     most: float = MOST,
     height: float = 1.75,
     mass: float = 70.0,
+    largest: Mapping[str, Amplification] | None = None,
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> WearStudy:
@@ -124,17 +133,18 @@ def wear(
     amplification. Its model is the CAD, the identified one, or the truth, each with the largest stable amplification,
     less a margin of 10 %, and at most ``most``. The same wearer also walks with the leg off.
 
-    * "bleex", "cuhk": the rig is that of the document's replay, which also identifies the model.
-    * An estimate: it is the identified model. The rig is drawn from its distribution, CAD is its URDF.
+    See :func:`.wear_models.worn_models` for the models.
 
     Args:
-        source: "bleex", "cuhk", or an estimate.
+        source: "bleex", "cuhk", an estimate, or models of one leg.
         period: Period of the stride [s].
         bandwidth: Bandwidth of the controller's motion filter [Hz].
         rate: Rate of the controller [Hz].
         most: Largest amplification.
         height: Height of the wearer [m].
         mass: Mass of the wearer [kg].
+        largest: Largest stable amplifications of the same models, controller and wearer, as of another stride, on which
+            they do not depend; None to find them.
         seed: Seed of noise and draws.
         progress: Function that receives the completed share, 0 to 1.
 
@@ -156,20 +166,15 @@ def wear(
             remedy="give a positive period in s, and a largest amplification above 1",
         )
     report = progress or (lambda _: None)
-    cad, identified, truth = _models(source, seed, lambda share: report(0.5 * share))
+    cad, identified, truth = worn_models(source, seed, lambda share: report(0.5 * share))
     intention = gait_for_leg(truth.leg, healthy_gait(SCALE, period))
     refuse_motion_beyond_limits(truth.leg, intention, period)
     wearer = Wearer.build(truth.leg, height, mass, intention=intention)
     law = partial(sensitivity_amplification, bandwidth=bandwidth, rate=rate)
     sources: dict[str, ModelSource] = {"cad": cad, "identified": identified, "truth": ControlModel.of(truth)}
-    largest = {}
-    for k, (name, model) in enumerate(sources.items()):
-        given = None if name == "identified" else truth
-        largest[name] = largest_amplification(
-            model, wearer=wearer, truth=given, law=law, delay=SENSORS.delay, most=TRIED * most, seed=seed
-        )
-        report(0.5 + 0.1 * (k + 1))
-    _refuse_unstable(largest)
+    if largest is None:
+        largest = _largest(sources, truth, wearer, law, TRIED * most, seed)
+    report(0.8)
     amplifications = {name: float(np.clip(MARGIN * each.largest, 1.0, most)) for name, each in largest.items()}
     laws: list[AnyLaw] = [pd(0.0, 0.0, rate=rate), *(law(sources[name], each) for name, each in amplifications.items())]
     runs = simulate_many(
@@ -186,21 +191,31 @@ def wear(
     )
     felt = {run.law: Felt(run.law, amplifications.get(run.law), run) for run in runs}
     report(1.0)
-    leg = truth.leg
-    return WearStudy(leg.description.name, leg.joint_names, felt, largest, period, seed)
+    leg, floor = truth.leg, _inertia_and_friction(truth, intention, period) / amplifications["truth"]
+    return WearStudy(leg.description.name, leg.joint_names, felt, largest, floor, period, seed)
 
 
-def _models(source: str | Estimate, seed: int, progress: Callable[[float], None]) -> tuple[Leg, Estimate, Plant]:
-    """Provide CAD, identified model and true leg."""
-    if isinstance(source, Estimate):
-        return source.model.leg, source, _drawn(source, seed)
-    if source == "bleex":
-        side = reproduce_bleex(seed, progress=progress)[0].left
-        return load_leg("bleex", side="left", inertias="cad"), side.joint, _plant(side.joint.model.leg, side.truth)
-    if source == "cuhk":
-        replay = reproduce_cuhk(seed, progress=progress)[0]
-        return load_leg("cuhk"), replay.multisine, _plant(replay.multisine.model.leg, replay.truth)
-    raise ExoidError(f"nobody wears {source!r}", remedy="name bleex or cuhk, or give an estimate")
+def _largest(
+    sources: Mapping[str, ModelSource], truth: Plant, wearer: Wearer, law: AmplifiedLaw, most: float, seed: int
+) -> dict[str, Amplification]:
+    """Find the largest stable amplification of each model: the identified one over its distribution, others exactly."""
+    found = {}
+    for name, model in sources.items():
+        given = None if name == "identified" else truth
+        found[name] = largest_amplification(
+            model, wearer=wearer, truth=given, law=law, delay=SENSORS.delay, most=most, seed=seed
+        )
+    _refuse_unstable(found)
+    return found
+
+
+def _inertia_and_friction(truth: Plant, intention: Reference, period: float) -> FloatArray:
+    """RMS of M q̈ + C q̇ + F over a stride [N·m], (n,)."""
+    model = ControlModel.of(truth)
+    targets = [intention.at(period * k / SAMPLES) for k in range(SAMPLES)]
+    q, v, a = (np.column_stack([getattr(target, name)[:, 0] for target in targets]) for name in ("q", "v", "a"))
+    torque = model.inverse_dynamics(q, v, a) - model.statics(q) + model.friction(q, v, 0.0)
+    return np.asarray(np.sqrt((torque**2).mean(axis=1)))
 
 
 def _refuse_unstable(largest: Mapping[str, Amplification]) -> None:
@@ -211,15 +226,3 @@ def _refuse_unstable(largest: Mapping[str, Amplification]) -> None:
                 f"with the {name} model the worn leg is unstable even without amplification",
                 remedy="raise the rate or the bandwidth of the controller, or check the model's masses",
             )
-
-
-def _plant(leg: Leg, truth: Mapping[str, float]) -> Plant:
-    """Build the true leg, which walks between its end stops."""
-    return Plant.build(leg, truth, end_stops=False)
-
-
-def _drawn(estimate: Estimate, seed: int) -> Plant:
-    """Draw a true leg from the distribution of an estimate."""
-    model = estimate.model.loaded_by(estimate.values)
-    drawn = draw_truths(model, estimate.values, estimate.covariance, 1, seed)
-    return ControlModel.of_parameters(estimate.model, drawn.parameters[0]).plant(end_stops=False)

@@ -427,7 +427,7 @@ class Recording(RecordingData):
           ``q``, ``v``, ``a``, ``tau`` of (samples, joints) and text ``joint_names``, or one array per column. If the
           file has no ``joint_names``, the argument names the columns of the matrices. Columns of other matrices are
           called ``pos[0]``, ``pos[1]``, …; fields in structs ``log.pos[0]``.
-        * Logs of one actuator of Dephy or moteus, which ``format`` or the header tells, in their own units.
+        * Logs of one actuator of Dephy, moteus or OpenExo, which ``format`` or the header tells, in their own units.
         * OpenSim ``.mot`` and ``.sto``; the header says whether q, v and a are in degrees. ``columns`` names the
           coordinates. :func:`exoid.signals.read_opensim` reads forces and pelvis too.
         * ``sensor_msgs/JointState`` in a rosbag2 (folder, ``.mcap`` or ``.db3``) or a ROS 1 bag (needs ``exoid[io]``),

@@ -1,6 +1,7 @@
 """The wearer in recordings: torque between wearer and leg, its test, gait profile, and the limb within the leg."""
 
 from .action import ALLOWANCE, LEVEL, JointAction
+from .cuffs import Cuffs
 from .gait import GaitProfile
 from .interaction import Interaction, interaction
 from .limb import LimbComparison, compare_limb, limb_parameters
@@ -9,6 +10,7 @@ from .limb_in_cuffs import identify_limb, limb_recording
 __all__ = [
     "ALLOWANCE",
     "LEVEL",
+    "Cuffs",
     "GaitProfile",
     "Interaction",
     "JointAction",

@@ -38,7 +38,7 @@ class Evaluation(NamedTuple):
         torque: Filtered predicted less filtered measured torque [N·m], (N, n).
         predicted: Filtered predicted torque [N·m], (N, n).
         variance: Variance of the torque where nothing acts [N²·m²], (N, n). Where a joint turns round or rests, its
-            friction may have any value up to that of sliding.
+            friction may have another value, up to that of sliding.
         noise: Part of it that is noise of the measurement [N²·m²], (n,).
         ranges: Ranges of the motion; None for a leg on the ground.
         bodies: What a change of the leg's bodies explains; None for a leg on the ground.
@@ -117,20 +117,29 @@ def _settled(prepared: Prepared, stretch: range) -> BoolArray:
     return np.asarray((gain > 1.0 - SETTLED)[counted])
 
 
-def _unknown_friction(estimate: EstimateData, prepared: Prepared) -> BoolArray | None:
-    """Samples at which a joint turns round or rests, so that its friction is not a function of its velocity, (n, N)."""
-    slow = estimate.model.reversing(prepared.motion.v)
+def _unknown_friction(estimate: EstimateData, prepared: Prepared) -> FloatArray | None:
+    """How unknown friction is at each sample, (n, N): 1 where a joint turns round or rests, 0 from the reversal speed.
+
+    A joint that rests may have any friction up to that of sliding. The faster it moves, the less likely it sticks.
+    """
+    v = prepared.motion.v
+    slow = estimate.model.reversing(v)
     if slow is None or prepared.parallel is None:
         return None
-    return np.ascontiguousarray(slow.T)
+    turns = np.zeros(v.shape, dtype=np.bool_)
+    turns[1:] = v[1:] * v[:-1] < 0.0
+    turns[:-1] |= turns[1:]
+    highest = np.max(np.abs(v), axis=0, where=slow & ~turns, initial=1e-12)
+    share = np.where(turns, 1.0, np.clip(1.0 - np.abs(v) / highest, 0.0, 1.0))
+    return np.ascontiguousarray(np.where(slow, share, 0.0).T)
 
 
-def _share(prepared: Prepared, unknown: BoolArray | None, stretch: range) -> FloatArray:
+def _share(prepared: Prepared, unknown: FloatArray | None, stretch: range) -> FloatArray:
     """Share of a filtered torque that comes of samples with unknown friction, (N, n)."""
     counted = prepared.inside[stretch.start : stretch.stop]
     if unknown is None or prepared.parallel is None:
         return np.zeros((int(counted.sum()), prepared.tau.shape[1]))
-    return prepared.parallel.among_zeros(unknown.astype(np.float64), stretch, prepared.inside).T[counted]
+    return prepared.parallel.among_zeros(unknown, stretch, prepared.inside).T[counted]
 
 
 def _sliding_friction(friction: FloatArray, share: FloatArray) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -29,9 +29,10 @@ from exoid.signals.csv_writer import write_csv
 from exoid.tables import DataTable, make_table, to_html, to_text
 
 from .action import LEVEL, Evidence, JointAction, judge, together
+from .cutoffs import AUTO, automatic_filter, evaluate_at_best, with_cutoff
 from .evaluation import Evaluation, evaluate
 from .gait import GaitProfile, Phase, find_phase, profile
-from .interaction_checks import body_like, constant_torques, rough_estimate, too_few_samples
+from .interaction_checks import body_like, constant_torques, lower_cutoffs, rough_estimate, too_few_samples
 
 HEADERS = ("joint", "RMS [N·m]", "peak [N·m]", "mean [N·m]", "power [W]", "outside band", "p", "acts", "least")
 """Columns of :meth:`Interaction.rows`; the last is the smallest RMS that the test would notice [N·m]."""
@@ -64,7 +65,9 @@ class Interaction:
         phase_source: What begins a cycle; "" for no phase.
         parts: Interaction of each recording where there are several; samples of all follow each other above.
         findings: What else than a wearer may explain the torque, and where the estimate is not supported by data.
-        filter: Filter of the torque.
+        filter: Filter of the torque; with ``cutoff="auto"`` that of the estimate, above which no cut-off is chosen.
+        cutoffs: Cut-off of each joint's torque [Hz], (n,), the lowest of several recordings; not a number for a
+            preparation without one.
     """
 
     joint_names: tuple[str, ...]
@@ -80,10 +83,11 @@ class Interaction:
     parts: tuple[Interaction, ...] = ()
     findings: tuple[Finding, ...] = ()
     filter: TorqueFilter = field(kw_only=True)
+    cutoffs: FloatArray = field(kw_only=True)
 
     def __post_init__(self) -> None:
         """Forbid changes."""
-        for array in (self.time, self.torque, self.band, self.velocity, self.phase):
+        for array in (self.time, self.torque, self.band, self.velocity, self.phase, self.cutoffs):
             array.flags.writeable = False
 
     @property
@@ -148,10 +152,11 @@ class Interaction:
             are several.
         """
         joints = {}
-        columns = (self.joint_names, self.rms, self.peak, self.outside_band, self.mean, self.power, self.actions)
-        for name, rms, peak, outside, mean, power, action in zip(*columns, strict=True):
+        means = (self.rms, self.peak, self.outside_band, self.mean, self.power)
+        columns = (self.joint_names, *means, self.cutoffs, self.actions)
+        for name, rms, peak, outside, mean, power, cutoff, action in zip(*columns, strict=True):
             figures = {"rms": rms, "peak": peak, "outside_band": outside, "mean": mean, "power": power}
-            figures |= {"p_value": action.p_value, "least_rms": action.least}
+            figures |= {"p_value": action.p_value, "least_rms": action.least, "cutoff": cutoff}
             joints[name] = {key: _number(value) for key, value in figures.items()} | {"acts": action.acts}
         gait = {} if np.isnan(self.phase).all() or self.parts else {"gait": self._gait()}
         parts = {"recordings": [part.to_json() for part in self.parts]} if self.parts else {}
@@ -228,10 +233,19 @@ class Interaction:
         return [
             f"Torque of the wearer on the leg in {self.source}",
             *tables,
-            f"{len(self.time)} samples, {self.filter}{phase}",
+            f"{len(self.time)} samples, {self._filtered}{phase}",
             *finding_lines(self.findings),
             f"{conclusion} ({alarm})",
         ]
+
+    @property
+    def _filtered(self) -> str:
+        """Filter in one phrase."""
+        own = self.filter.cutoff
+        if own is None or (self.cutoffs == own).all():
+            return str(self.filter)
+        each = ", ".join(f"{name} {cutoff:.3g}" for name, cutoff in zip(self.joint_names, self.cutoffs, strict=True))
+        return f"low-passed at {each} Hz (least expected error, at most the estimate's {own:.4g} Hz)"
 
     def rows(self) -> list[tuple[str, ...]]:
         """Write the figures of each joint as a row of a table.
@@ -269,7 +283,7 @@ def interaction(
     recordings: Recording | Iterable[Recording],
     *,
     strides: ArrayLike | None = None,
-    cutoff: float | None = None,
+    cutoff: float | Literal["auto"] | None = None,
     preparation: Preparation | None = None,
     actuators: Mapping[str, Drive | Coupling] | Actuators | None = None,
 ) -> Interaction:
@@ -283,7 +297,8 @@ def interaction(
         estimate: Estimate of the leg without a wearer.
         recordings: Motions with torques, or with currents and drives.
         strides: Times at which strides begin [s], of one recording; None for touch-downs or the period of the motion.
-        cutoff: Cut-off frequency of both torques [Hz]; None for the estimate's own preparation.
+        cutoff: Cut-off frequency of both torques [Hz]; None for the estimate's own preparation. "auto" chooses that of
+            each joint by its spectrum and the noise, see :func:`.choose_cutoffs`: at most the estimate's.
         preparation: Another way from a recording to filtered torques; ``cutoff`` then does not apply.
         actuators: Drives of the recordings, as for :func:`exoid.identify`; None for those of the estimate.
 
@@ -292,7 +307,8 @@ def interaction(
 
     Raises:
         ExoidError: There is no recording, or one lacks a joint or any torque, is too short for the filter, or stands on
-            the ground throughout by unknown wrenches; or both cutoff and preparation are given.
+            the ground throughout by unknown wrenches; or both cutoff and preparation are given; or a cut-off is to be
+            chosen for an estimate without one.
 
     Example:
         >>> data = exoid.datasets.bleex_swing()
@@ -311,8 +327,11 @@ def interaction(
         raise ExoidError("strides of several recordings", remedy="pass one recording at a time with its strides")
     if actuators is not None:
         estimate = replace(estimate, actuators=Actuators.of(estimate.model.leg, actuators))
-    chosen = TorqueFilter.of(estimate, cutoff, preparation)
-    parts = tuple(_of_recording(estimate, each, chosen, strides) for each in several)
+    auto = cutoff == AUTO
+    if isinstance(cutoff, str) and not auto:
+        raise ExoidError(f"a cut-off of {cutoff!r}", remedy='pass a number in Hz, or "auto"')
+    chosen = TorqueFilter.of(estimate, None if isinstance(cutoff, str) else cutoff, preparation)
+    parts = tuple(_of_recording(estimate, each, chosen, strides, auto=auto) for each in several)
     if len(parts) == 1:
         return parts[0]
     time, torque, band, velocity, phase = (
@@ -331,11 +350,12 @@ def interaction(
         parts=parts,
         findings=ordered([finding for part in parts for finding in part.findings]),
         filter=chosen,
+        cutoffs=np.min([part.cutoffs for part in parts], axis=0),
     )
 
 
 def _of_recording(
-    estimate: EstimateData, recording: Recording, chosen: TorqueFilter, strides: ArrayLike | None
+    estimate: EstimateData, recording: Recording, chosen: TorqueFilter, strides: ArrayLike | None, *, auto: bool
 ) -> Interaction:
     """Compute the interaction in one recording."""
     recording = for_leg(estimate.model, as_trained(estimate, recording))
@@ -343,11 +363,10 @@ def _of_recording(
     measured = recording.measured
     even = recording.resampled()
     rate, preparation = even.sample_rate, chosen.preparation
-    bandwidth = preparation.independent_fraction(rate) / estimate.preparation.independent_fraction(rate)
-    found = evaluate(estimate, recording, preparation, bandwidth)
+    found, cutoffs, lost, independent = _evaluated(estimate, recording, chosen, rate, auto=auto)
     used = np.clip(np.searchsorted(even.time, found.time - 0.5 / rate), 0, len(even) - 1)
     torque = np.where(measured, found.torque, np.nan)
-    evidence = _evidence(estimate, found, torque, len(found.time) * preparation.independent_fraction(rate))
+    evidence = _evidence(estimate, found, torque, len(found.time) * independent)
     actions = judge(evidence)
     phase = find_phase(even, strides) or Phase(np.full(len(even), np.nan), np.nan, "")
     findings = [
@@ -355,6 +374,7 @@ def _of_recording(
         *channel_findings(recording, {}, name),
         *([] if found.ranges is None else extrapolations(estimate, found.ranges, name)),
         *unmeasured_torques(estimate, measured, name),
+        *lower_cutoffs(estimate.joint_names, np.where(measured, cutoffs, np.nan), lost, chosen.cutoff, name),
         *too_few_samples(estimate, evidence, name),
         *rough_estimate(estimate, found.predicted, name),
         *constant_torques(estimate, evidence, actions, name),
@@ -373,13 +393,30 @@ def _of_recording(
         phase.source,
         findings=ordered(findings),
         filter=chosen,
+        cutoffs=cutoffs,
     )
 
 
-def _evidence(estimate: EstimateData, found: Evaluation, torque: FloatArray, independent: float) -> Evidence:
+def _evaluated(
+    estimate: EstimateData, recording: Recording, chosen: TorqueFilter, rate: float, *, auto: bool
+) -> tuple[Evaluation, FloatArray, FloatArray, FloatArray]:
+    """Torque, cut-offs [Hz], torque that they leave out [N·m], and independent share of the samples, (n,) each."""
+    joints = len(estimate.joint_names)
+    if auto:
+        own = automatic_filter(chosen)
+        found, best = evaluate_at_best(estimate, recording, own, rate)
+        shares = [with_cutoff(own, cutoff, rate).independent_fraction(rate) for cutoff in best.cutoff.tolist()]
+        return found, best.cutoff, best.lost, np.array(shares)
+    share = chosen.preparation.independent_fraction(rate)
+    found = evaluate(estimate, recording, chosen.preparation, share / estimate.preparation.independent_fraction(rate))
+    cutoff = np.nan if chosen.cutoff is None else chosen.cutoff
+    return found, np.full(joints, cutoff), np.zeros(joints), np.full(joints, share)
+
+
+def _evidence(estimate: EstimateData, found: Evaluation, torque: FloatArray, independent: FloatArray) -> Evidence:
     """Sum up a recording for the test; joints without torque in the training are not tested."""
     joints = range(len(estimate.joint_names))
-    effective = np.array([independent * effective_share(estimate, joint) for joint in joints])
+    effective = independent * np.array([effective_share(estimate, joint) for joint in joints])
     behind = [noise.effective_samples for noise in estimate.noise] or [estimate.dof] * len(joints)
     noise = np.where(estimate.trained, found.noise, np.nan)
     systematic = np.maximum(found.variance.mean(axis=0) - found.noise, 0.0)

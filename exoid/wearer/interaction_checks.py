@@ -141,3 +141,33 @@ def too_few_samples(estimate: EstimateData, evidence: Evidence, source: str = ""
             "record longer",
             recording=source,
         )
+
+
+def lower_cutoffs(
+    joints: Sequence[str], cutoffs: FloatArray, lost: FloatArray, own: float | None, source: str = ""
+) -> Iterator[Finding]:
+    """Say which torques are low-passed below the cut-off of the estimate, as noise is larger beyond.
+
+    Args:
+        joints: Joints.
+        cutoffs: Cut-offs [Hz], (n,); not a number for a joint without torque.
+        lost: RMS of the torque between both cut-offs [N·m], (n,).
+        own: Cut-off of the estimate or the one that was given [Hz].
+        source: Name of the recording.
+
+    Yields:
+        One finding for each joint whose cut-off is lower.
+    """
+    for joint, cutoff, rms in zip(joints, cutoffs.tolist(), lost.tolist(), strict=True):
+        if own is not None and cutoff < own:
+            yield Finding(
+                "lower-cutoff",
+                joint,
+                cutoff,
+                "Hz",
+                "info",
+                f"the torque is low-passed at {cutoff:.3g} Hz, not {own:.3g} Hz: noise is larger than the torque "
+                f"beyond, of about {rms:.2g} N·m RMS",
+                "pass no cut-off for all that the estimate's filter passes",
+                recording=source,
+            )

@@ -17,8 +17,14 @@ from exoid.payload import Payload
 from exoid.tables import DataTable, make_table, to_html, to_text, with_error
 from exoid.torques.payloads import payload_parameters
 
+from .cuffs import Cuffs
+
 HEADERS = ("parameter", "limb", "± std", "95 % from", "to", "unit")
 """Columns of :meth:`LimbComparison.rows`; that of expected values follows if there are any."""
+
+
+CUFF_HEADERS = ("cuff", "stiffness [N·m/rad]", "± std", "damping [N·m·s/rad]", "± std")
+"""Columns of the table of cuffs."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -32,6 +38,8 @@ class LimbComparison:
         std: Standard deviations, (P,).
         interval: 95 % intervals, (P, 2).
         expected: Values by anthropometry or of weighed bodies, (P,); not a number where there are none.
+        notes: What intervals do not contain.
+        cuffs: Cuffs as estimated, or as stated where they are known; None for a body that is fixed to the leg.
     """
 
     names: tuple[str, ...]
@@ -40,6 +48,8 @@ class LimbComparison:
     std: FloatArray
     interval: FloatArray
     expected: FloatArray
+    notes: tuple[str, ...] = ()
+    cuffs: Cuffs | None = None
 
     def __post_init__(self) -> None:
         """Forbid changes."""
@@ -99,7 +109,9 @@ class LimbComparison:
     def _report(self) -> list[DataTable | str]:
         """Title and table."""
         headers = HEADERS if np.isnan(self.expected).all() else (*HEADERS, "expected")
-        return ["Limb within the leg: worn less alone", make_table(headers, self.rows())]
+        cuffs = [] if self.cuffs is None else [make_table(CUFF_HEADERS, self.cuffs.rows())]
+        notes = (f"note: {note}" for note in self.notes)
+        return ["Limb within the leg: worn less alone", make_table(headers, self.rows()), *cuffs, *notes]
 
 
 def limb_parameters(
@@ -162,4 +174,31 @@ def compare_limb(
     beside = np.array([(expected or {}).get(name, np.nan) for name in names], dtype=np.float64)
     units = tuple(compared.units[k] for k in places)
     interval = compared.interval()[places]
-    return LimbComparison(names, units, compared.difference[places], compared.std[places], interval, beside)
+    notes = late_torque_notes(alone, worn)
+    return LimbComparison(names, units, compared.difference[places], compared.std[places], interval, beside, notes)
+
+
+def late_torque_notes(*estimates: EstimateData) -> tuple[str, ...]:
+    """Say that torques of a log are late, an error of parameters that intervals do not contain.
+
+    Half a millisecond is enough, as of a torque that is held over a control period of 1 ms: errors of X and Y of the
+    leg alone are then two to four times their standard deviations.
+
+    Args:
+        estimates: Estimates of the leg.
+
+    Returns:
+        A note, or none.
+    """
+    late = [
+        finding.value
+        for estimate in estimates
+        for finding in estimate.findings
+        if finding.kind == "torque-delay" and finding.severity != "info"
+    ]
+    if not late:
+        return ()
+    return (
+        f"torques come up to {1e3 * max(late, key=abs):.2g} ms after the motion, an error that the intervals do not "
+        'contain: correct the time stamps, or identify with delay="auto"',
+    )

@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import numpy as np
+import pytest
 from public_robots import urdf_of
 
 import exoid
@@ -55,6 +56,14 @@ def test_robots_without_a_urdf_are_none():
     assert robots.is_robot("panda")
     assert not robots.is_robot("cassie")
     assert robots.urdf_of_robot("panda") == urdf_of("panda")
+
+
+@pytest.mark.slow
+def test_a_robot_is_drawn_with_its_meshes(exoid_, tmp_path):
+    done = exoid_("view", "panda", "--html", "panda.html")
+    assert done.code == 0, done.err
+    assert "not found" not in done.err
+    assert (tmp_path / "panda.html").stat().st_size > 1e6
 
 
 def test_the_package_is_imported_only_for_a_robots_name():

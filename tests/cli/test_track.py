@@ -15,7 +15,7 @@ from exoid.rig import Plant
 from exoid.signals import ZeroPhase
 from exoid.torques import Armature, Coulomb, Offset, TorqueModel, Viscous
 
-NAMES = ["pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr", "adaptive"]
+NAMES = ["pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr", "adaptive", "self_tuning"]
 METRICS = ["peak_deg", "rms_deg", "rms_torque", "torque_variation"]
 
 

@@ -27,6 +27,7 @@ from exoid.control import (
     pd,
     sensitivity_amplification,
 )
+from exoid.control.observers import KalmanObserver, MomentumObserver, SensorNoise, TorqueObserver
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.rig import Target
 from exoid.torques import Cable, CouplingSpring, Stribeck
@@ -81,6 +82,16 @@ def gait():
     return gait_for_leg(model().leg, healthy_gait(0.8, PERIOD))
 
 
+@cache
+def observers() -> dict[str, TorqueObserver]:
+    """Both observers, with measured velocities."""
+    noise = SensorNoise(0.05, 0.05)
+    return {
+        "momentum_observer": MomentumObserver(model(), 8.0, 200.0, noise=noise, torque_delay=0.0),
+        "kalman_observer": KalmanObserver(model(), 8.0, 200.0, noise=noise, torque_delay=0.0),
+    }
+
+
 def random_values(count: int, seed: int = 0) -> dict[str, np.ndarray]:
     """States and targets within and beyond what a leg does, float numbers exactly."""
     rng = np.random.default_rng(seed)
@@ -89,6 +100,7 @@ def random_values(count: int, seed: int = 0) -> dict[str, np.ndarray]:
     v[::7, 0], v_d[::5, 1] = 0.0, 0.0
     values = {"q": q, "v": v, "q_d": q_d, "v_d": v_d, "a_d": rng.normal(0.0, 20.0, (count, 3))}
     values |= {"interaction": rng.normal(0.0, 10.0, (count, 3)), "time": rng.uniform(-3.0, 30.0, count)}
+    values["tau_m"] = values["interaction"]
     return {name: x.astype(np.float32).astype(np.float64) for name, x in values.items()}
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import shutil
 import subprocess
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ from compiled import COMPILER, needs_compiler
 from compiled_laws import CompiledLaw, build, record_type, records, write_all
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from laws_of_bleex import KD, LIMIT, SLEW, gait, laws, model, random_values, target_of
+from laws_of_bleex import KD, LIMIT, SLEW, gait, laws, model, observers, random_values, target_of
 
 import exoid
 from exoid.codegen.laws import Safety
@@ -45,6 +44,7 @@ def library(tmp_path_factory):
     """All laws in both precisions, compiled once."""
     folder = tmp_path_factory.mktemp("laws")
     sources = [source_of(name, precision) for name in NAMES for precision in ("double", "float")]
+    sources += [c_source(one, name=f"{name}_double") for name, one in observers().items()]
     path = build(COMPILER, ("-O0", "-shared", "-fPIC"), write_all(sources, folder), folder / "laws.so")
     return {source.prefix: CompiledLaw(source, ctypes.CDLL(str(path))) for source in sources}
 
@@ -94,24 +94,6 @@ def test_a_law_computes_the_same_on_recorded_input(library, recorded, name):
     assert_relative(tau, torques_in_python(laws()[name], recorded), EXACT)
 
 
-@dataclass(frozen=True)
-class FromZero:
-    """A law whose torque before the first sample is zero, as in C."""
-
-    law: object
-
-    @property
-    def rate(self):
-        return self.law.rate
-
-    def begin(self, state):
-        return stateful(self.law).begin(state)
-
-    def step(self, memory, state, target):
-        state = state if state.last is not None else state._replace(last=np.zeros(3))
-        return stateful(self.law).step(memory, state, target)
-
-
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in NAMES]
 )
@@ -121,7 +103,7 @@ def test_in_the_closed_loop_on_the_rig_c_tracks_like_python(library, name):
     wearer = Wearer.build(plant.leg) if name in ("admittance", "sensitivity_amplification") else None
     runs = [
         simulate(plant, law, gait(), 0.5, sensors=SENSORS, seed=1, wearer=wearer)
-        for law in (FromZero(laws()[name]), library[f"{name}_double"])
+        for law in (laws()[name], library[f"{name}_double"])
     ]
     in_python, in_c = ([run.rms_deg, run.peak_deg, run.rms_torque] for run in runs)
     np.testing.assert_allclose(in_c, in_python, rtol=1e-6)
@@ -138,7 +120,7 @@ def test_sanitizers_find_nothing_and_every_compiler_computes_the_same(library, t
         pytest.skip(f"needs {compiler}")
     flags = SANITIZERS if has_sanitizers(compiler, tmp_path) else ()
     rng, inputs = np.random.default_rng(1), {}
-    for name in NAMES:
+    for name in (*NAMES, *observers()):
         rows = records(library[f"{name}_double"].source, 60, random_values(60, seed=2))
         for row in rows[::4]:
             spoil(row, rng)

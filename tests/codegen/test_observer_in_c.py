@@ -1,4 +1,4 @@
-"""The momentum observer in C reads the torque that it reads in Python."""
+"""Observers in C read the torque that they read in Python."""
 
 from __future__ import annotations
 
@@ -10,15 +10,20 @@ from compiled import COMPILER, needs_compiler
 from compiled_laws import CompiledLaw, build, records, write_all
 from laws_of_bleex import model, random_values
 
+import exoid
 from exoid import ExoidError
 from exoid.codegen.laws import Safety
 from exoid.control.in_c import c_source
-from exoid.control.observers import MomentumObserver, SensorNoise
+from exoid.control.observers import KalmanObserver, MomentumObserver, SensorNoise
 
 NOISE = SensorNoise(1e-4, 1e-2, 0.1)
 OBSERVERS = {
     "observer": MomentumObserver(model(), 8.0, 200.0, noise=NOISE, torque_delay=0.0),
     "unfiltered": MomentumObserver(model(), (5.0, 8.0, 12.0), 100.0, noise=NOISE, torque_delay=0.0, cutoff=np.inf),
+    "kalman": KalmanObserver(model(), 8.0, 200.0, noise=SensorNoise(0.05, 0.05), torque_delay=0.0),
+    "walking": KalmanObserver(
+        model(), None, 100.0, drift=(40.0, 20.0, 10.0), noise=SensorNoise(0.5, 0.02), torque_delay=0.0, cutoff=np.inf
+    ),
 }
 
 
@@ -71,8 +76,9 @@ def test_a_moving_leg(library, name, precision, tolerance):
 
 
 @needs_compiler
-def test_random_readings(library):
-    law, observer = library["observer_double"], OBSERVERS["observer"]
+@pytest.mark.parametrize("name", ["observer", "kalman"])
+def test_random_readings(library, name):
+    law, observer = library[f"{name}_double"], OBSERVERS[name]
     values = random_values(100)
     values["q"] = 0.02 * np.cumsum(values["q"], axis=0)  # angles that do not jump
     values = {"q": values["q"], "v": values["v"], "tau_m": 10.0 * values["q_d"]}
@@ -82,8 +88,20 @@ def test_random_readings(library):
 
 
 @needs_compiler
-def test_a_reading_that_is_not_finite_is_zero_and_the_observer_begins_again(library):
-    law, observer = library["observer_double"], OBSERVERS["observer"]
+@pytest.mark.parametrize("name", ["observer", "kalman"])
+def test_recorded_readings(library, name):
+    law, observer, log = library[f"{name}_double"], OBSERVERS[name], exoid.datasets.bleex_swing().train
+    values = {"q": log.q[:300], "v": np.gradient(log.q[:300], log.time[:300], axis=0), "tau_m": log.tau[:300]}
+    tau, status, _ = law.run(records(law.source, 300, values))
+    assert not status.any()
+    expected = in_python(observer, values)
+    np.testing.assert_allclose(tau, expected, atol=1e-12 * np.abs(expected).max())
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", ["observer", "kalman"])
+def test_a_reading_that_is_not_finite_is_zero_and_the_observer_begins_again(library, name):
+    law, observer = library[f"{name}_double"], OBSERVERS[name]
     values, _ = motion(60, observer.rate)
     spoilt = {name: x.copy() for name, x in values.items()}
     spoilt["tau_m"][30, 2] = np.nan
@@ -92,6 +110,29 @@ def test_a_reading_that_is_not_finite_is_zero_and_the_observer_begins_again(libr
     assert not tau[30].any()
     after = in_python(observer, {name: x[31:] for name, x in values.items()})
     np.testing.assert_allclose(tau[31:], after, atol=1e-10)
+
+
+@needs_compiler
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, 1e300])
+@pytest.mark.parametrize("field", ["q", "v", "tau_m"])
+def test_the_kalman_observer_is_finite_whatever_it_reads(library, field, wrong):
+    law = library["kalman_double"]
+    values, _ = motion(12, 200.0)
+    rows = records(law.source, 12, values)
+    rows[field][5, 1] = wrong
+    rows["reading"][8:] = rows["reading"][7]
+    tau, status, _ = law.run(rows)
+    assert status.tolist() == [0] * 5 + [1] + [0] * 6
+    assert np.isfinite(tau).all()
+    assert not tau[5].any()
+
+
+@needs_compiler
+def test_the_kalman_observer_counts_its_operations(library):
+    """For each of three joints one product, one difference and one sign more than the momentum observer."""
+    kalman, momentum = (library[f"{name}_double"].source.operations.by_kind for name in ("kalman", "observer"))
+    assert {kind: kalman[kind] - momentum[kind] for kind in ("×", "÷")} == {"×": 3, "÷": 0}
+    assert kalman["+ −"] - momentum["+ −"] == 6
 
 
 def test_channels_that_lag_are_refused():

@@ -87,10 +87,7 @@ class InC:
 
     def update(self, q, tau):
         """Take a sample in, and solve where a block is complete."""
-        result = self.library.online_update(self.state, pointer(q), pointer(tau))
-        if result == 1:
-            self.library.online_solve(self.state)
-        return result
+        return self.library.online_update(self.state, pointer(q), pointer(tau))
 
     def get(self):
         """Values, their standard deviations, weights and numbers of rows."""

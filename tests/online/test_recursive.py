@@ -179,7 +179,7 @@ def test_resuming_with_another_leg_is_refused(leg, tmp_path):
     RecursiveEstimator(leg, TERMS, rate=RATE).save(tmp_path / "online.json")
     with pytest.raises(exoid.ExoidError, match="not of this leg"):
         RecursiveEstimator.resume(tmp_path / "online.json", exoid.load_leg("cuhk"))
-    (tmp_path / "online.json").write_text('{"schema": "exoid-online-1"}')
+    (tmp_path / "online.json").write_text('{"schema": "exoid-online-2"}')
     with pytest.raises(exoid.ExoidError, match="damaged"):
         RecursiveEstimator.resume(tmp_path / "online.json", leg)
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import ast
+import email
 import os
+import re
 import shutil
 import subprocess
 import sys
 import sysconfig
 import tarfile
 import zipfile
+import zlib
 from pathlib import Path
 
 import pytest
@@ -16,8 +20,29 @@ import pytest
 import exoid
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCES = ("exoid", "urdf", "tests", "scripts", "docs", "pyproject.toml", "README.md", "LICENSE", ".gitignore")
-MORE_SOURCES = ("BENCHMARKS.md", "CHANGELOG.md", "CONTRIBUTING.md", "CITATION.cff")
+SOURCES = (
+    "exoid",
+    "urdf",
+    "tests",
+    "scripts",
+    "docs",
+    "pyproject.toml",
+    "README.md",
+    "LICENSE",
+    ".gitignore",
+    "hatch_build.py",
+)
+MORE_SOURCES = (
+    "BENCHMARKS.md",
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "CITATION.cff",
+    ".zenodo.json",
+    "mkdocs.yml",
+    "recipe",
+)
+LARGEST_WHEEL = 1_600_000
+"""Alarm for the size of the wheel [bytes]. The aim is a million; CONTRIBUTING.md, "Release", says why it is more."""
 URDFS = ("bleex.urdf", "bleex_identified.urdf", "cuhk.urdf", "dfki_double_pendulum.urdf")
 
 CHECK = """
@@ -149,6 +174,63 @@ def test_the_source_distribution_can_be_tested_and_rebuilt(built):
     assert {"pyproject.toml", "README.md", "LICENSE", "scripts/make_urdfs.py", "docs/legs.md"} <= names
     assert {f"urdf/{name}" for name in URDFS} <= names
     assert "tests/packaging/test_packaging.py" in names
+
+
+@pytest.mark.slow
+def test_the_source_distribution_holds_files_of_the_repository_only(built):
+    _, sdist = built
+    with tarfile.open(sdist) as archive:
+        names = {Path(*Path(member.name).parts[1:]).as_posix() for member in archive if member.isfile()}
+    in_git = subprocess.run(["git", "ls-files"], capture_output=True, text=True, check=False, cwd=ROOT)
+    if in_git.returncode or not in_git.stdout:
+        pytest.skip("needs a clone")
+    assert names - set(in_git.stdout.splitlines()) == {"PKG-INFO"}
+
+
+def deflated(text):
+    """Size in a wheel [bytes]."""
+    return len(zlib.compress(text, 9))
+
+
+def without_docstrings(source):
+    """Source of a module with empty lines in place of docstrings."""
+    lines = source.decode().splitlines()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node) is not None:
+            lines[node.body[0].lineno - 1 : node.body[0].end_lineno] = [""] * (
+                node.body[0].end_lineno - node.body[0].lineno + 1
+            )
+    return "\n".join(lines).encode()
+
+
+@pytest.mark.slow
+def test_the_wheel_is_small(built):
+    """It prints what the size consists of; CONTRIBUTING.md states these figures."""
+    wheel, _ = built
+    with zipfile.ZipFile(wheel) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    modules = [content for name, content in files.items() if name.endswith(".py")]
+    logs = [content for name, content in files.items() if name.endswith(".csv")]
+    sizes = {"wheel": wheel.stat().st_size, "modules": sum(map(deflated, modules)), "logs": sum(map(deflated, logs))}
+    sizes["headers"] = sizes["wheel"] - sum(map(deflated, files.values()))
+    sizes["modules without docstrings"] = sum(deflated(without_docstrings(each)) for each in modules)
+    print(f"\n{len(files)} files; " + ", ".join(f"{what} {size / 1e6:.2f} MB" for what, size in sizes.items()))
+    assert sizes["wheel"] <= LARGEST_WHEEL
+    assert sizes["modules without docstrings"] < sizes["modules"] < sizes["wheel"]
+
+
+@pytest.mark.slow
+def test_the_index_page_has_no_link_into_the_repository(built):
+    wheel, _ = built
+    with zipfile.ZipFile(wheel) as archive:
+        metadata = email.message_from_bytes(archive.read(f"exoid-{exoid.__version__}.dist-info/METADATA"))
+    page = metadata.get_payload()
+    assert metadata["Description-Content-Type"] == "text/markdown"
+    links = re.findall(r"\]\(([^)]*)\)", page)
+    assert links
+    assert all(link.startswith("https://") for link in links)
+    assert "exoid identify bleex bleex_swing:train -o bleex.json" in page
+    assert "pip install exoid &&" in page
 
 
 @pytest.mark.slow

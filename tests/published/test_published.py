@@ -114,6 +114,18 @@ def test_the_cuhk_plant_is_the_assumed_one_and_not_table_iii():
     assert tuple(published.cuhk_parameters()) == ("X1", "Y1", "J1", "X2", "Y2", "J2")
 
 
+def test_the_assumed_cad_of_cuhk_errs_as_that_of_bleex_does():
+    """Mass moments and inertias in the ratio of Table V to the mean of Tables II and III; Y as an angle."""
+    cad, true = published.cuhk_cad_parameters(), published.cuhk_parameters()
+    assert tuple(cad) == tuple(true)
+    assert cad["X1"] / true["X1"] == pytest.approx(3.783 / 4.01465)
+    assert cad["X2"] / true["X2"] == pytest.approx(2.055 / 1.958)
+    assert cad["J1"] / true["J1"] == pytest.approx((2.497 - 0.8939) / (2.489 - 0.7865))
+    assert cad["J2"] / true["J2"] == pytest.approx(0.8939 / 0.7865)
+    assert (cad["Y1"] - true["Y1"]) / true["X1"] == pytest.approx((0.45365 - 0.1601) / 4.01465)
+    assert (cad["Y2"] - true["Y2"]) / true["X2"] == pytest.approx((0.05778 + 0.01775) / 1.958)
+
+
 def test_bleex_resistances_have_the_opposite_sign_of_the_printed_torques():
     assert published.bleex_resistances("left") == {
         "b2_knee": -0.6263,

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from exoid.reproduce.bleex import identify_bleex
+
 pytestmark = pytest.mark.slow
 
 PARAMETERS = ("X1", "Y1", "J1", "X2", "Y2", "J2", "X3", "Y3", "J3")
@@ -134,3 +136,9 @@ def test_every_figure_is_as_wide_as_a_column(bleex):
         with Image.open(path) as image:
             assert image.width == 700
             assert np.asarray(image.convert("L")).std() > 5.0
+
+
+def test_the_joint_estimate_alone_is_that_of_the_replay(bleex):
+    """``exoid wear`` identifies the left leg without the rest of the replay."""
+    alone = identify_bleex()
+    assert dict(zip(alone.names, alone.values.tolist(), strict=True)) == bleex["json"]["left"]["joint"]["values"]

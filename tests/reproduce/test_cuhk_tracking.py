@@ -109,7 +109,16 @@ def test_the_report_shows_every_law_beside_the_document(tracking, laws, wrong):
 def test_the_figures_are_as_promised(tracking):
     data = tracking["json"]
     assert list(data) == ["laws", "gains", "seed", "wrong"]
-    names = ["pd_30hz", "pd", "pd_gravity_friction", "pd_feedforward", "computed_torque", "lqr", "adaptive"]
+    names = [
+        "pd_30hz",
+        "pd",
+        "pd_gravity_friction",
+        "pd_feedforward",
+        "computed_torque",
+        "lqr",
+        "adaptive",
+        "self_tuning",
+    ]
     assert list(data["laws"]) == names
     for law in data["laws"].values():
         assert list(law) == ["peak_deg", "rms_deg", "rms_torque", "torque_variation"]

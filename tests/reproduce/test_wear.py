@@ -8,10 +8,13 @@ import pytest
 from typer.testing import CliRunner
 
 import exoid
-from exoid import ExoidError, reproduce
+from exoid import ExoidError, published, reproduce
 from exoid.cli import app
 from exoid.control.stability import largest_amplification
-from exoid.reproduce.wear_study import _refuse_unstable
+from exoid.experiments import gait_for_leg, healthy_gait
+from exoid.reproduce import wear_models
+from exoid.reproduce.wear_study import _inertia_and_friction, _refuse_unstable
+from exoid.rig import Plant
 
 
 @pytest.fixture(scope="module")
@@ -29,8 +32,9 @@ def test_the_identified_model_is_felt_like_the_truth_and_far_less_than_cad(bleex
 
 @pytest.mark.slow
 def test_the_true_leg_lets_less_than_a_fifth_of_its_torque_be_felt(bleex):
-    """A tenth, and what filter, delay and reversals of friction add."""
+    """A tenth of inertia and friction, and what filter, delay and reversals of friction add."""
     assert bleex.felt["truth"].amplification == 10.0
+    assert 1.0 < bleex.felt["truth"].rms_of_all / bleex.floor_of_all < 1.4
     assert 0.03 < bleex.felt["truth"].rms_of_all / bleex.felt["off"].rms_of_all < 0.2
 
 
@@ -58,13 +62,49 @@ def test_an_estimate_is_worn_on_a_rig_of_its_own_distribution(tmp_path):
     data = exoid.datasets.bleex_swing()
     exoid.identify(data.leg, data.train).save(tmp_path / "est.json")
     done = CliRunner().invoke(
-        app, ["wear", str(tmp_path / "est.json"), "--json", "--figures", str(tmp_path / "figures")]
+        app,
+        ["wear", str(tmp_path / "est.json"), "--json", "--figures", str(tmp_path / "figures"), "--period", "2.5"],
     )
     assert done.exit_code == 0, done.output
-    felt = json.loads(done.stdout)["felt_rms"]
+    found = json.loads(done.stdout)
+    felt = found["felt_rms"]
+    assert {"cad", "identified"} <= set(found["largest_amplification"])
+    assert "limited_by" in found
     assert list(felt) == ["off", "cad", "identified", "truth"]
     assert felt["identified"] <= 1.3 * felt["truth"]
     assert (tmp_path / "figures" / "felt_torque.png").stat().st_size > 1e4
+
+
+def test_the_floor_is_the_torque_that_pinocchio_says():
+    leg = exoid.load_leg("bleex")
+    plant = Plant.build(leg, {"d_knee": 0.5}, end_stops=False)
+    motion = gait_for_leg(leg, healthy_gait(0.8, 3.0))
+    times = np.linspace(0.0, 3.0, 2000, endpoint=False)
+    q, v, a = (np.array([getattr(motion.at(t), name)[:, 0] for t in times]) for name in ("q", "v", "a"))
+    still = np.zeros_like(q)
+    torque = leg.inverse_dynamics(q, v, a) - leg.inverse_dynamics(q, still, still) + v * [0.0, 0.5, 0.0]
+    rms = np.sqrt((torque**2).mean(axis=0))
+    assert np.allclose(_inertia_and_friction(plant, motion, 3.0), rms, rtol=1e-3)
+
+
+def test_the_cad_of_cuhk_lacks_friction_and_errs_in_its_bodies(monkeypatch):
+    monkeypatch.setattr(wear_models, "identify_cuhk", lambda *_: exoid.identify(*_short_cuhk()))
+    models = wear_models.worn_models("cuhk", 0, lambda _: None)
+    assert dict(zip(models.cad.parameter_names, models.cad.parameters, strict=True)) == pytest.approx(
+        published.cuhk_cad_parameters()
+    )
+    assert models.truth.parameters[2, 0] == pytest.approx(published.cuhk_parameters()["J1"] + 0.8, rel=0.02)
+    assert wear_models.worn_models(models, 0, lambda _: None) is models
+
+
+def _short_cuhk():
+    """Leg and a short log of it, for an estimate of any quality."""
+    leg, time = exoid.load_leg("cuhk"), np.arange(0.0, 10.0, 0.01)
+    speed = np.array([4.0, 7.0])
+    phase = np.outer(time, speed)
+    q, v, a = np.sin(phase), speed * np.cos(phase), -(speed**2) * np.sin(phase)
+    tau = leg.inverse_dynamics(q, v, a) + 0.1 * np.random.default_rng(0).standard_normal(q.shape)
+    return leg, exoid.Recording(time, q, tau=tau, joint_names=leg.joint_names), ()
 
 
 @pytest.mark.parametrize(

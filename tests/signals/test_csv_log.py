@@ -241,11 +241,16 @@ def test_a_pipe_is_refused_instead_of_waited_for(tmp_path):
         (b"# made today\n0.0,0.1\n0.1,0.2\n", r"log\.csv, line 2: no header line"),
         (b"time,q_hip\n", r"log\.csv: too few samples: 0"),
         (b"time,q_hip\n" + b"\n".join(b"%d,0.1" % k for k in range(9)), "too few samples: 9"),
-        (b"time,q_hip,q_hip\n0,1,2\n", r"log\.csv: 2 columns are headed 'q_hip'"),
+        (b"time,q_hip,q_hip\n" + b"0,1,2\n" * 10, r"log\.csv: 2 columns are headed 'q_hip'"),
     ],
 )
 def test_a_file_that_is_no_log_is_refused_by_name(log, content, match):
     refused(log(content), match)
+
+
+def test_two_columns_of_one_name_that_nobody_reads_do_no_harm(log):
+    path = log(["time,q_hip,Unused,Unused", *(f"{k / 100},0.1,text,0" for k in range(10))])
+    assert len(Recording.from_csv(path)) == 10
 
 
 # --- what is refused: the columns ---------------------------------------------------------------------------

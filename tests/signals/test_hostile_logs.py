@@ -19,8 +19,11 @@ from log_writers import WRITERS, messages, write_bag, write_bag1
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from exoid import ExoidError, Recording
-from exoid.reader_process import bounds, child, read_in_child
+from exoid.reader_process import bounds, child, memory, read_in_child
 from exoid.signals.formats.bounds import MOST_COLUMNS
+
+if sys.platform != "win32":
+    import resource
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 linux = pytest.mark.skipif(sys.platform != "linux", reason="only Linux bounds the memory of a process")
@@ -113,6 +116,48 @@ def test_the_system_bounds_the_memory_beyond_the_present_one(platform):
     )
     done = subprocess.run([sys.executable, "-c", code, platform], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["refused", str(2**25)]
+
+
+@linux
+@pytest.mark.parametrize("content", [None, "", "no numbers here at all\n"])
+def test_without_proc_nothing_is_bounded_and_reading_goes_on(monkeypatch, tmp_path, content):
+    """As in a container that mounts no /proc."""
+    if content is not None:
+        (tmp_path / "statm").write_text(content)
+    monkeypatch.setattr(memory, "STATM", tmp_path / "statm")
+    before = resource.getrlimit(resource.RLIMIT_DATA)
+    with memory.limited_memory(2**20):
+        assert resource.getrlimit(resource.RLIMIT_DATA) == before
+    assert memory.keeps_little()
+
+
+@posix
+def test_without_ps_a_process_has_no_known_size(monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    assert memory.size_of_process(None) == 0
+
+
+@posix
+@pytest.mark.parametrize("platform", ["darwin", "freebsd14"])
+def test_a_system_that_refuses_the_bound_reads_without_it(monkeypatch, platform):
+    """As macOS on ARM, whose addresses exceed any bound from the start."""
+
+    def refuse(kind, limits):
+        raise ValueError("current limit exceeds maximum limit")
+
+    monkeypatch.setattr(sys, "platform", platform)
+    monkeypatch.setattr(resource, "setrlimit", refuse)
+    with memory.limited_memory(2**20):
+        assert np.ones(2**18).sum() == 2**18
+    assert memory.keeps_little(), "its caller looks at its size"
+
+
+def test_windows_has_no_bound_and_needs_no_module_of_posix(monkeypatch):
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.delattr(memory, "resource", raising=False)
+    with memory.limited_memory(2**20):
+        assert np.ones(2**18).sum() == 2**18
+    assert memory.keeps_little()
 
 
 def test_a_reader_that_hangs_is_killed(monkeypatch):

@@ -11,7 +11,6 @@ import pytest
 import exoid
 from exoid import ExoidError, Recording
 from exoid.signals import Column
-from exoid.signals.formats.loggers import LOGGERS
 
 ACTPACK = [
     "rigid", "id", "state_time", "accelx", "accely", "accelz", "gyrox", "gyroy",
@@ -23,7 +22,16 @@ ACTPACK = [
 """Fields of ActPackState in their order: DephyInc/Actuator-Package, ActPackState.py at commit 1b035be, all whole."""
 
 MOTEUS = ["time", "MODE", "POSITION", "VELOCITY", "TORQUE", "VOLTAGE", "TEMPERATURE", "FAULT"]
-"""Header of csv_output.py, mjbots/moteus at commit 4496cc9, for the registers that are queried by default."""
+"""Header of csv_output.py, mjbots/moteus at commit 4496cc9, for the registers that are queried by default:
+``QueryResolution`` of lib/python/moteus/moteus.py, the same at commits 029e82c (integers) and 9756fc0 (floats)."""
+
+OPENEXO = [
+    "epoch", "mark", "Unused", "Ankle Angle", "Unused", "Measured Torque (R)", "Unused", "Unused",
+    "Toe FSR (R)", "Heel FSR (R)", "Channel 8", "Exoskeleton time (seconds)",
+]  # fmt: skip
+"""Header of naubiomech/OpenExo, Python_GUI/Saved_Data/trial_20260226_151930.csv at commit e8cefd0: epoch, mark, and ten
+titles of ExoCode/src/PlottingTitles.h at commit 0bff1c5. MainWindow.py at commit 0e9b70b
+writes them, with six decimals."""
 
 TIME = np.arange(500) / 250.0
 ANGLE = 0.6 * np.sin(2.0 * np.pi * TIME)
@@ -75,6 +83,26 @@ def moteus(tmp_path):
     return write(tmp_path / "moteus.csv", MOTEUS, rows)
 
 
+@pytest.fixture
+def openexo(tmp_path):
+    """As OpenExo sends them: hundredths of every quantity, so that the clock of 111 Hz repeats some of its stamps."""
+    path = tmp_path / "openexo.csv"
+    return write_openexo(path, OPENEXO, 26.15 + np.arange(500) * 0.009, np.rad2deg(ANGLE), TORQUE)
+
+
+def write_openexo(path, titles, clock, angle, torque):
+    """Write epoch [s], mark, and the ten values of a frame, each a hundredth of a whole number, with six decimals."""
+    values = {"Exoskeleton time (seconds)": clock, "Ankle Angle": angle}
+    values |= {title: torque for title in titles if title.startswith("Measured Torque")}
+    columns = [np.round(100.0 * np.asarray(values.get(title, 0.0 * clock))) / 100.0 for title in titles[2:]]
+    lines = [
+        ",".join([f"{1772144371.75 + 0.03 * (k // 3):.6f}", "0", *(f"{value:.6f}" for value in row)])
+        for k, row in enumerate(zip(*columns, strict=True))
+    ]
+    path.write_text("\n".join([",".join(titles), *lines]) + "\n", encoding="utf-8")
+    return path
+
+
 def test_an_actpack_is_read_in_si(dephy):
     log = Recording.from_file(dephy, format="dephy:knee")
     assert log.joint_names == ("knee",)
@@ -94,9 +122,39 @@ def test_a_moteus_is_read_in_si(moteus):
     np.testing.assert_allclose(log.tau[:, 0], TORQUE, atol=0.005)
 
 
-@pytest.mark.parametrize("name", LOGGERS)
-def test_the_header_tells_the_format_where_one_joint_is_asked_for(name, request):
-    path = request.getfixturevalue(name)
+def test_an_openexo_trial_is_read_in_si_without_repeated_stamps(openexo):
+    log = Recording.from_file(openexo, format="openexo-right:ankle")
+    clock = np.round(26.15 + np.arange(500) * 0.009, 2)
+    rows = np.flatnonzero(np.diff(clock, prepend=0.0))
+    assert len(rows) < 500
+    np.testing.assert_array_equal(log.time, clock[rows])
+    np.testing.assert_allclose(log.q[:, 0], ANGLE[rows], atol=math.radians(0.0051))
+    np.testing.assert_allclose(log.tau[:, 0], TORQUE[rows], atol=0.0051)
+    assert log.v is None
+
+
+def test_an_openexo_trial_of_two_sides_needs_the_side(tmp_path):
+    titles = [title.replace("Channel 8", "Measured Torque (L)") for title in OPENEXO]
+    path = write_openexo(tmp_path / "both.csv", titles, 26.15 + 5.0 * TIME, np.rad2deg(ANGLE), TORQUE)
+    with pytest.raises(ExoidError, match=r'openexo-left or openexo-right.*format="openexo-left:ankle"'):
+        Recording.from_file(path, ["ankle"])
+    np.testing.assert_allclose(Recording.from_file(path, format="openexo-left:ankle").tau[:, 0], TORQUE, atol=0.0051)
+
+
+def test_an_openexo_trial_whose_titles_were_cut_is_refused(openexo):
+    """Titles that a lost packet cut name the wrong columns, and what is called the clock runs backwards."""
+    lines = openexo.read_text(encoding="utf-8").splitlines()
+    titles = ["epoch", "mark", "Ankle Angle", "Exoskeleton time (seconds)", "Measured Torque (R)"]
+    openexo.write_text(
+        "\n".join([",".join(titles), *(",".join(x.split(",")[:5]) for x in lines[1:])]), encoding="utf-8"
+    )
+    with pytest.raises(ExoidError, match="runs backwards"):
+        Recording.from_file(openexo, format="openexo-right:ankle")
+
+
+@pytest.mark.parametrize(("fixture", "name"), [("dephy", "dephy"), ("moteus", "moteus"), ("openexo", "openexo-right")])
+def test_the_header_tells_the_format_where_one_joint_is_asked_for(fixture, name, request):
+    path = request.getfixturevalue(fixture)
     told, named = Recording.from_file(path, ["knee"]), Recording.from_file(path, format=f"{name}:knee")
     np.testing.assert_array_equal(told.q, named.q)
     with pytest.raises(ExoidError, match=rf'one actuator \({name}\).*format="{name}:knee"'):
@@ -118,7 +176,7 @@ def test_mapped_columns_are_read_as_they_stand(moteus):
 @pytest.mark.parametrize(
     ("format", "words"),
     [
-        ("odrive:knee", "no format 'odrive'.*dephy or moteus"),
+        ("odrive:knee", "no format 'odrive'.*dephy, moteus, openexo"),
         ("dephy:knee", "no column ank_ang, mot_ang.*of the format"),
     ],
 )

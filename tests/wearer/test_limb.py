@@ -1,6 +1,7 @@
 """X, Y, J of a limb or of sandbags follow from estimates of the machine alone and worn."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -91,9 +92,9 @@ def test_intervals_of_a_comparison_are_those_of_students_t(alone):
     assert np.array_equal(significant, compared.p_values < 0.05)
 
 
-def worn_log(leg, limb, stiffness, damping, seed=70):
+def worn_log(leg, limb, stiffness, damping, seed=70, base=0.2):
     """The limb follows a swing, and the leg hangs in its cuffs: q = q_l − x with k x + d ẋ = τ_w = −RNEA_limb(q_l)."""
-    motion = swing(leg, seed, seconds=60.0, base=0.2)
+    motion = swing(leg, seed, seconds=60.0, base=base)
     torque = -limb.inverse_dynamics(*motion.motion)
     spectrum = np.fft.rfft(torque, axis=0)
     s = 2j * np.pi * np.fft.rfftfreq(len(torque), 1.0 / motion.rate)[:, None]
@@ -120,7 +121,7 @@ def test_a_limb_in_cuffs_is_found_where_a_rigid_one_is_not(leg, alone, damping):
         np.abs(log.q - there)[inner].max()
         < 0.15 * np.abs(recording.q[np.searchsorted(recording.time, log.time - 5e-3)] - there)[inner].max() + 2e-3
     )
-    found = identify_limb(alone[0], recording, 1000.0, damping, expected=expected)
+    found = identify_limb(alone[0], recording, 1000.0, damping, cuff_std=0.0, expected=expected)
     as_rigid = compare_limb(alone[0], exoid.identify(leg, recording, TERMS, check=False), expected)
     for name in ("X1", "X2"):
         k = found.names.index(name)
@@ -142,3 +143,34 @@ def test_a_limb_needs_one_segment(leg, alone):
     parts = log(swing(leg, 3)).segments([(5.0, 12.0), (20.0, 30.0)])
     with pytest.raises(ExoidError, match="one segment"):
         identify_limb(alone[0], parts, 1000.0)
+
+
+@pytest.mark.parametrize("base", [0.2, 0.05], ids=["walking speed", "slow"])
+def test_cuffs_that_are_20_percent_softer_than_stated_are_found_beside_the_limb(leg, alone, base):
+    """Least squares without instruments would find a slow hip damped by 17 ± 2 instead of 30 N·m·s/rad."""
+    expected = limb_parameters(leg)
+    recording, _ = worn_log(leg, limb_of(leg), 1000.0, 30.0, base=base)
+    found = identify_limb(alone[0], recording, 1200.0, 36.0, expected=expected)
+    cuffs = found.cuffs
+    off = np.concatenate([np.log(cuffs.stiffness / 1000.0), np.log(cuffs.damping / 30.0)])
+    std = np.concatenate([cuffs.stiffness_std, cuffs.damping_std])
+    assert (np.abs(off) < 2.5 * std).all()
+    assert std[0] < 0.1  # the hip carries the whole limb, so that its cuff bends most
+    assert (std < 0.35).all()
+    assert (np.abs(found.values - found.expected) < 3.0 * found.std).all()
+    assert "stiffness" in str(found)
+
+
+def test_late_torques_are_named_as_an_error_that_intervals_lack(leg):
+    logs = [log(swing(leg, seed, seconds=60.0, base=0.2), seed=seed) for seed in (1, 2)]
+    late = [replace(one, tau=np.roll(one.tau, 1, axis=0)) for one in logs]
+    first, second = (exoid.identify(leg, one, TERMS) for one in late)
+    (note,) = compare_limb(first, second).notes
+    assert "ms after the motion" in note
+    assert "note: torques" in str(compare_limb(first, second))
+    assert not compare_limb(*(exoid.identify(leg, one, TERMS) for one in logs)).notes
+
+
+def test_a_negative_uncertainty_of_the_cuffs_is_refused(leg, alone):
+    with pytest.raises(ExoidError, match="standard deviation"):
+        identify_limb(alone[0], log(swing(leg, 3)), 1000.0, cuff_std=-0.1)

@@ -11,6 +11,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid._version import __version__
+from exoid.codegen.arrays import initializer
 from exoid.codegen.constants import Constants, constants_of_bodies
 from exoid.codegen.dialect import Dialect, identifier
 from exoid.codegen.templates import fill
@@ -135,7 +136,7 @@ def law_source(
         "cumulative": law.leg is not None and law.leg.leg.cumulative,
         "tables": [] if law.leg is None else list(_tables(law.leg, needed, dialect)),
         "arrays": [*law.tables, *_settings(law, damping, n)],
-        "initial": lambda array: _initial(array.values, dialect),
+        "initial": lambda array: initializer(array.values, dialect),
         "initial_memory": "".join(_at_first(law.memory, dialect)),
         "plausible": lambda origin: _plausible(law, origin, prefix),
     }
@@ -189,17 +190,6 @@ def _settings(law: LawInC, damping: FloatArray, n: int) -> Iterator[ArrayInC]:
 
 def _dimensions(array: ArrayInC) -> str:
     return "".join(f"[{size}]" for size in array.values.shape)
-
-
-def _initial(values: FloatArray, dialect: Dialect, indent: str = "") -> str:
-    """Initialiser of a table of any dimension."""
-    if values.ndim == 0:
-        return dialect.number(float(values))
-    if values.ndim == 1:
-        return "{" + ", ".join(dialect.number(float(value)) for value in values) + "}"
-    inner = f"{indent}    "
-    rows = ",\n".join(f"{inner}{_initial(row, dialect, inner)}" for row in values)
-    return f"{{\n{rows}\n{indent}}}"
 
 
 def _at_first(memory: Sequence[ArrayInC], dialect: Dialect) -> Iterator[str]:

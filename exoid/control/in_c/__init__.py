@@ -8,6 +8,7 @@ from .forms import law_in_c, register_law_in_c
 from .gravity_friction_pd import gravity_friction_pd_in_c
 from .gravity_support import gravity_support_in_c
 from .impedance import impedance_in_c
+from .kalman_observer import kalman_observer_in_c
 from .leg import leg_in_c
 from .limited import limited_in_c
 from .lqr import lqr_in_c
@@ -26,6 +27,7 @@ __all__ = [
     "gravity_friction_pd_in_c",
     "gravity_support_in_c",
     "impedance_in_c",
+    "kalman_observer_in_c",
     "law_in_c",
     "leg_in_c",
     "limited_in_c",

@@ -15,7 +15,7 @@ from .forms import law_in_c, register_law_in_c
 
 @register_law_in_c(Limited)
 def limited_in_c(law: Limited, dialect: Dialect) -> LawInC:
-    """Describe a law within limits. In C the first torque is limited too: the one before it is zero.
+    """Describe a law within limits; as in Python, the torque before the first sample is zero.
 
     Args:
         law: The law.

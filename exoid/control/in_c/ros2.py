@@ -10,7 +10,7 @@ from pathlib import Path
 from exoid.codegen.laws import Safety
 from exoid.codegen.ros2 import Ros2Package, ros2_package, write_folder
 from exoid.codegen.ros2.package import package_name
-from exoid.control.observers import MomentumObserver
+from exoid.control.observers import TorqueObserver
 from exoid.control.stateful import AnyLaw
 
 from .write import c_source
@@ -18,7 +18,7 @@ from .write import c_source
 
 def write_ros2(
     folder: str | os.PathLike[str],
-    law: AnyLaw | MomentumObserver,
+    law: AnyLaw | TorqueObserver,
     *,
     precision: str = "double",
     safety: Safety | None = None,

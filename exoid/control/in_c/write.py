@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from exoid.codegen import Dialect
 from exoid.codegen.laws import LawSource, Safety, law_source, write_law
-from exoid.control.observers import MomentumObserver
+from exoid.control.observers import TorqueObserver
 from exoid.control.stateful import AnyLaw
 
 from .forms import law_in_c
@@ -15,7 +15,7 @@ from .forms import law_in_c
 
 def write_c(
     path: str | os.PathLike[str],
-    law: AnyLaw | MomentumObserver,
+    law: AnyLaw | TorqueObserver,
     *,
     precision: str = "double",
     safety: Safety | None = None,
@@ -46,7 +46,7 @@ def write_c(
 
 
 def c_source(
-    law: AnyLaw | MomentumObserver,
+    law: AnyLaw | TorqueObserver,
     *,
     precision: str = "double",
     name: str = "law",

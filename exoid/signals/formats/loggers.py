@@ -1,10 +1,13 @@
-"""Logs of actuators whose public code defines the columns: headers and units of Dephy ActPacks and of moteus.
+"""Logs of actuators whose public code defines the columns: headers and units of Dephy ActPacks, moteus and OpenExo.
 
 * ``dephy``: fields of DephyInc/Actuator-Package, ``Python/flexsea/flexsea/dev_spec/ActPackState.py`` at commit 1b035be,
   as ``Device.read`` returns them. Counts, degrees and milliamperes are those of neurobionics/opensourceleg,
   ``opensourceleg/actuators/dephy.py`` at commit 002120f. ``ank_vel`` is not read: public programs disagree on its unit.
 * ``moteus``: names of registers as mjbots/moteus, ``lib/python/examples/csv_output.py`` at commit 4496cc9 writes them;
   units of ``docs/protocol/registers.md`` at commit 17fbf26.
+* ``openexo``: files of naubiomech/OpenExo, ``Python_GUI/MainWindow.py`` at commit 0e9b70b: ``epoch``, ``mark`` and the
+  titles of ``ExoCode/src/PlottingTitles.h`` (0bff1c5, ca74efe). Ankle angles are in degrees as the range of motion in
+  ``SDCard/config.ini`` (185eb8c) that scales them. Log: ``Python_GUI/Saved_Data/trial_20260226_151930.csv`` (e8cefd0).
 """
 
 from __future__ import annotations
@@ -37,12 +40,21 @@ class Logger:
         time: Header of the time stamps, and seconds per unit.
         columns: Header and factor to SI, by quantity of exoid's column. A file may lack any but those of ``marks``.
         marks: Headers by which a file is recognised.
+        repeats: Whether its clock is coarser than its rows. Of rows with one stamp the first is read.
     """
 
     name: str
     time: tuple[str, float]
     columns: Mapping[str, tuple[str, float]]
     marks: frozenset[str]
+    repeats: bool = False
+
+
+def _openexo(name: str, torque: str) -> Logger:
+    """Logger of OpenExo's program, by the title of the torque that is read. Titles have one ankle angle, of no side."""
+    clock, angle = "Exoskeleton time (seconds)", "Ankle Angle"
+    columns = {"q": (angle, math.radians(1.0)), "tau": (torque, 1.0)}
+    return Logger(name, (clock, 1.0), columns, frozenset({"epoch", "mark", clock, angle, torque}), repeats=True)
 
 
 LOGGERS = {
@@ -71,6 +83,9 @@ LOGGERS = {
             },
             frozenset({"time", "MODE", "POSITION", "TORQUE"}),
         ),
+        _openexo("openexo", "Measured Torque"),
+        _openexo("openexo-left", "Measured Torque (L)"),
+        _openexo("openexo-right", "Measured Torque (R)"),
     )
 }
 """Loggers by name."""
@@ -90,7 +105,7 @@ def logger_of(text: str) -> tuple[Logger, str | None]:
     """
     name, _, joint = text.partition(":")
     if name not in LOGGERS:
-        raise ExoidError(f"no format {name!r}", remedy=f"use {' or '.join(LOGGERS)}, with a joint: moteus:knee")
+        raise ExoidError(f"no format {name!r}", remedy=f"use one of {', '.join(LOGGERS)}, with a joint: moteus:knee")
     return LOGGERS[name], joint.strip() or None
 
 
@@ -112,7 +127,7 @@ def in_si(table: Table, options: ReadOptions) -> Table:
     named, joint = (None, None) if options.format is None else logger_of(options.format)
     if named is None and (options.columns or any(name.startswith("q_") for name in table.header)):
         return table
-    logger = named or next((each for each in LOGGERS.values() if each.marks <= set(table.header)), None)
+    logger = named or _recognised(table)
     if logger is None:
         return table
     missing = sorted(logger.marks - set(table.header))
@@ -124,6 +139,20 @@ def in_si(table: Table, options: ReadOptions) -> Table:
             command="leave out --format, and map the columns with --column",
         )
     return _converted(table, logger, _joint(table, logger, joint, options))
+
+
+def _recognised(table: Table) -> Logger | None:
+    """Logger whose headers the file has; None if there is none."""
+    found = [each for each in LOGGERS.values() if each.marks <= set(table.header)]
+    if len(found) > 1:
+        names = " or ".join(each.name for each in found)
+        raise ExoidError(
+            f"the header is that of {names}",
+            where=table.file,
+            remedy=f'name one, with the joint: format="{found[0].name}:ankle"',
+            command=f"name one, with the joint: --format {found[0].name}:ankle",
+        )
+    return found[0] if found else None
 
 
 def _joint(table: Table, logger: Logger, named: str | None, options: ReadOptions) -> str:
@@ -146,8 +175,12 @@ def _converted(table: Table, logger: Logger, joint: str) -> ArrayTable:
     found = {f"{quantity}_{joint}": each for quantity, each in logger.columns.items() if each[0] in table.header}
     headers = [header, *(each for each, _ in found.values())]
     numbers = table.numbers(headers) * np.array([second, *(factor for _, factor in found.values())])
+    lines = table.lines
+    if logger.repeats:
+        first = np.diff(numbers[:, 0], prepend=-np.inf) != 0.0
+        numbers, lines = numbers[first], None if lines is None else lines[first]
     columns = dict(zip(("time", *found), numbers.T, strict=True))
-    return ArrayTable(table.file, table.source, columns, table.lines, table.row_name)
+    return ArrayTable(table.file, table.source, columns, lines, table.row_name)
 
 
 def read_with_format(table: Table, options: ReadOptions) -> Table:

@@ -83,8 +83,10 @@ class TextTable:
             Numbers, (N, k), which may be NaN or infinite.
 
         Raises:
-            ExoidError: A row has a wrong number of cells, or a cell is empty or not a number; names line and column.
+            ExoidError: A row has a wrong number of cells, a cell is empty or not a number (names line and column), or
+                two columns have the name of one that is read.
         """
+        refuse_repeated([name for name in self.header if name in columns], self.file)
         self._refuse_ragged()
         places = [self.header.index(column) for column in columns]
         try:
@@ -159,7 +161,7 @@ def read_text_table(path: str | os.PathLike[str], names: Sequence[str] | None = 
         The table.
 
     Raises:
-        ExoidError: The file is missing, empty or not text, or its header is missing or has repeated names.
+        ExoidError: The file is missing, empty or not text, or its header is missing.
     """
     file = os.fsdecode(path)
     text, source = read_text(file)
@@ -188,7 +190,6 @@ def read_text_table(path: str | os.PathLike[str], names: Sequence[str] | None = 
     else:
         content = content[1:]
     refuse_columns(len(header), file)
-    refuse_repeated(header, file)
     rows = [(number, line) for number, line in content if line.strip(f'{delimiter}" \t')]
     lines = np.array([number for number, _ in rows], dtype=np.int64)
     data_line = rows[0][0] if rows else number
@@ -198,7 +199,7 @@ def read_text_table(path: str | os.PathLike[str], names: Sequence[str] | None = 
 
 
 def refuse_repeated(header: Sequence[str], file: str) -> None:
-    """Refuse two columns of one name.
+    """Refuse two columns of one name; such as are not read may have one ("Unused").
 
     Args:
         header: Names of the columns, "" for one without a name.

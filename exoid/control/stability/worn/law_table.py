@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -124,18 +124,6 @@ class LawTable:
             for leg, table in zip(legs, self.poses, strict=True)
         ]
 
-    def stable(self, legs: Sequence[HeldLeg], share: FloatArray) -> NDArray[np.bool_]:
-        """Tell which loops are stable at every pose.
-
-        Args:
-            legs: B legs at each pose.
-            share: Share of each leg, (B,).
-
-        Returns:
-            Whether the spectral radius is at most 1, (B,).
-        """
-        return np.asarray(self.radius(legs, share) <= 1.0 + NEUTRAL)
-
     def largest(self, legs: Sequence[HeldLeg]) -> FloatArray:
         """Find the largest stable amplification: the first unstable one from 1 upward, by nodes and then by bisection.
 
@@ -146,11 +134,16 @@ class LawTable:
             Amplifications, (B,): 0 if even 1 is unstable, inf if all nodes are stable.
         """
         count, last = len(legs[0].A), len(self.scanned)
+        unstable = np.zeros(
+            len(legs), dtype=np.int64
+        )  # legs that became unstable at each pose, the worst is tried first
         first = np.full(count, last)
         for node, amplification in enumerate(self.scanned):
             open_ = np.flatnonzero(first == last)
-            stable = self.stable([leg.take(open_) for leg in legs], np.full(len(open_), 1.0 - 1.0 / amplification))
-            first[open_[~stable]] = node
+            taken, share = [leg.take(open_) for leg in legs], np.full(len(open_), 1.0 - 1.0 / amplification)
+            pose = self._unstable_pose(taken, share, np.argsort(-unstable, kind="stable").tolist())
+            first[open_[pose >= 0]] = node
+            unstable += np.bincount(pose[pose >= 0], minlength=len(legs))
         found = np.where(first == 0, 0.0, np.inf)
         between = np.flatnonzero((first > 0) & (first < last))
         if len(between):
@@ -158,9 +151,22 @@ class LawTable:
             below, above = self.scanned[first[between] - 1], self.scanned[first[between]]
             for _ in range(BISECTIONS):
                 middle = np.sqrt(below * above)
-                stable = self.stable(taken, 1.0 - 1.0 / middle)
-                below, above = np.where(stable, middle, below), np.where(stable, above, middle)
+                pose = self._unstable_pose(taken, 1.0 - 1.0 / middle, np.argsort(-unstable, kind="stable").tolist())
+                below, above = np.where(pose < 0, middle, below), np.where(pose < 0, above, middle)
+                unstable += np.bincount(pose[pose >= 0], minlength=len(legs))
             found[between] = np.sqrt(below * above)
+        return found
+
+    def _unstable_pose(self, legs: Sequence[HeldLeg], share: FloatArray, order: Iterable[int]) -> NDArray[np.int64]:
+        """Index of the first pose, in an order, at which each leg is unstable, (B,); −1 for none."""
+        found = np.full(len(share), -1)
+        for pose in order:
+            open_ = np.flatnonzero(found < 0)
+            if not len(open_):
+                break
+            law = self._law(self.poses[pose], share[open_])
+            eigenvalues = np.linalg.eigvals(loop_matrices(legs[pose].take(open_), law, self.delay))
+            found[open_[np.abs(eigenvalues).max(axis=-1) > 1.0 + NEUTRAL]] = pose
         return found
 
     def _is_linear(self) -> bool:

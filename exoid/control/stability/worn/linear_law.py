@@ -91,18 +91,31 @@ def _derivatives_at(law: StatefulLaw, q: FloatArray, speed: float, step: float) 
     memory = law.begin(_state(reading))
     torque, _ = law.step(memory, _state(reading), target)
     operating = np.concatenate([reading, _numbers(memory), torque])
+    sizes = step * np.maximum(1.0, np.abs(operating))
+    tried = operating + np.vstack([np.diag(sizes), -np.diag(sizes)])
+    after = _after_all if _is_of_joints(memory, q.shape) else _after_each
+    ahead, behind = np.split(after(law, memory, tried, target), 2)
+    return np.asarray((ahead - behind).T / (2.0 * sizes))
 
-    def after(numbers: FloatArray) -> FloatArray:
-        """Torque, memory and last torque after a step, as one vector."""
-        state = _state(numbers[: len(reading)])._replace(last=numbers[-len(q) :])
-        applied, then = law.step(_with_numbers(memory, iter(numbers[len(reading) :])), state, target)
-        return np.concatenate([applied, _numbers(then), applied])
 
-    columns = []
-    for k, size in enumerate(step * np.maximum(1.0, np.abs(operating))):
-        change = size * np.eye(len(operating))[k]
-        columns.append((after(operating + change) - after(operating - change)) / (2.0 * size))
-    return np.array(columns).T
+def _after_each(law: StatefulLaw, memory: Memory, tried: FloatArray, target: Target) -> FloatArray:
+    """Torque, next memory and torque after each of many readings and memories, (B, n + r), one by one."""
+    return np.array([_after(law, memory, numbers, target) for numbers in tried])
+
+
+def _after_all(law: StatefulLaw, memory: Memory, tried: FloatArray, target: Target) -> FloatArray:
+    """The same in one step of B legs."""
+    spread = (None if x is None else np.broadcast_to(x[:, None], (len(x), len(tried))) for x in target)
+    columns = Target(*spread)  # type: ignore[arg-type]
+    return _after(law, memory, np.ascontiguousarray(tried.T), columns).T
+
+
+def _after(law: StatefulLaw, memory: Memory, numbers: FloatArray, target: Target) -> FloatArray:
+    """Torque, next memory and torque after readings, memory and last torque, (n + r,) or (n + r, B)."""
+    n = len(target.q)
+    state = _state(numbers[: 3 * n])._replace(last=numbers[-n:])
+    applied, then = law.step(_with_numbers(memory, iter(numbers[3 * n :])), state, target)
+    return np.concatenate([applied, _numbers(then, numbers.shape[1:]), applied])
 
 
 def _state(reading: FloatArray) -> State:
@@ -110,21 +123,29 @@ def _state(reading: FloatArray) -> State:
     return State(q, v, interaction=interaction)
 
 
-def _numbers(memory: Memory) -> FloatArray:
-    """All floating-point numbers of a memory in order, (r,)."""
+def _numbers(memory: Memory, legs: tuple[int, ...] = ()) -> FloatArray:
+    """All floating-point numbers of a memory in order, (r,), or (r, B) of B legs."""
     if isinstance(memory, tuple):
-        return np.concatenate([np.zeros(0), *map(_numbers, memory)])
-    return np.ravel(memory) if _is_float(memory) else np.zeros(0)
+        return np.concatenate([np.zeros((0, *legs)), *(_numbers(part, legs) for part in memory)])
+    return np.reshape(memory, (-1, *legs)) if _is_float(memory) else np.zeros((0, *legs))
 
 
-def _with_numbers(memory: Memory, numbers: Iterator[float]) -> Memory:
+def _with_numbers(memory: Memory, numbers: Iterator[FloatArray]) -> Memory:
     """Copy of a memory with other floating-point numbers."""
     if isinstance(memory, tuple):
         parts = [_with_numbers(part, numbers) for part in memory]
         return type(memory)(*parts) if hasattr(memory, "_fields") else tuple(parts)
     if not _is_float(memory):
         return memory
-    return np.array([next(numbers) for _ in range(np.size(memory))]).reshape(np.shape(memory))
+    found = np.array([next(numbers) for _ in range(np.size(memory))])
+    return found.reshape(*np.shape(memory), *found.shape[1:])
+
+
+def _is_of_joints(memory: Memory, shape: tuple[int, ...]) -> bool:
+    """Whether a memory holds nothing but numbers of joints, so that it may hold those of many legs."""
+    if isinstance(memory, tuple):
+        return all(_is_of_joints(part, shape) for part in memory)
+    return _is_float(memory) and np.shape(memory) == shape
 
 
 def _is_float(value: object) -> bool:

@@ -1,0 +1,249 @@
+"""Stiffness and damping of the cuffs of a passive limb, estimated beside the limb's parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from exoid._typing import ArrayLike, FloatArray
+from exoid.errors import ExoidError
+from exoid.estimate import EstimateData
+from exoid.estimate.validation_checks import effective_share
+from exoid.regression.model import RegressorModel
+from exoid.regression.rows import each_row, prepare
+from exoid.signals import Preparation, Recording
+
+STEP = 0.02
+"""Step of the logarithm of a stiffness or damping for its derivative."""
+
+ITERATIONS = 4
+"""Steps from the stated cuffs."""
+
+FAR = 3.0
+"""Standard deviations from the stated value beyond which a note says so."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Cuffs:
+    """Stiffness and damping of the cuffs at each joint.
+
+    Attributes:
+        joint_names: Names of the joints, (n,).
+        stiffness: Stiffness k [N·m/rad], (n,).
+        damping: Damping d [N·m·s/rad], (n,).
+        stiffness_std: Relative standard deviation of the stiffness, (n,).
+        damping_std: Relative standard deviation of the damping, (n,); 0 where no damping was stated.
+    """
+
+    joint_names: tuple[str, ...]
+    stiffness: FloatArray
+    damping: FloatArray
+    stiffness_std: FloatArray
+    damping_std: FloatArray
+
+    def __post_init__(self) -> None:
+        """Check the values and forbid changes."""
+        k, d = self.stiffness, self.damping
+        if not (np.isfinite(k).all() and np.isfinite(d).all() and k.min() > 0.0 and d.min() >= 0.0):
+            raise ExoidError(
+                f"cuffs of {k.tolist()} N·m/rad and {d.tolist()} N·m·s/rad",
+                remedy="give a positive stiffness, such as 1000",
+            )
+        if not all((np.isfinite(each) & (each >= 0.0)).all() for each in (self.stiffness_std, self.damping_std)):
+            raise ExoidError(
+                "a relative standard deviation of the cuffs that is negative or not finite",
+                remedy="give a number such as 0.2, or 0 for cuffs that are known exactly",
+            )
+        for array in (k, d, self.stiffness_std, self.damping_std):
+            array.flags.writeable = False
+
+    @classmethod
+    def of(cls, joint_names: tuple[str, ...], stiffness: ArrayLike, damping: ArrayLike, std: float) -> Cuffs:
+        """Make cuffs from one number or one for each joint.
+
+        Args:
+            joint_names: Names of the joints, (n,).
+            stiffness: Stiffness [N·m/rad], one or (n,).
+            damping: Damping [N·m·s/rad], one or (n,).
+            std: Relative standard deviation of both.
+
+        Returns:
+            The cuffs.
+
+        Raises:
+            ExoidError: A value is impossible.
+        """
+        n = len(joint_names)
+        k, d = (np.array(np.broadcast_to(np.asarray(x, dtype=np.float64), n)) for x in (stiffness, damping))
+        return cls(joint_names, k, d, np.full(n, float(std)), np.where(d > 0.0, float(std), 0.0))
+
+    @property
+    def known(self) -> bool:
+        """Whether all values are known exactly."""
+        return not (self.stiffness_std.any() or self.damping_std.any())
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """Write each cuff as a row of a table.
+
+        Returns:
+            One row a joint: stiffness and damping with standard deviations.
+        """
+        columns = (self.joint_names, self.stiffness, self.stiffness_std, self.damping, self.damping_std)
+        return [
+            (name, f"{k:.4g}", f"{k * k_std:.2g}", f"{d:.3g}", f"{d * d_std:.2g}")
+            for name, k, k_std, d, d_std in zip(*columns, strict=True)
+        ]
+
+
+class FoundCuffs(NamedTuple):
+    """Estimated cuffs, and how the limb's parameters depend on them.
+
+    Attributes:
+        cuffs: The cuffs.
+        limb_covariance: Covariance of the limb's parameters due to the errors of the cuffs, (P, P).
+        far: Joints whose cuffs differ from what was stated by more than :data:`FAR` standard deviations.
+    """
+
+    cuffs: Cuffs
+    limb_covariance: FloatArray
+    far: tuple[str, ...]
+
+
+class LimbLogs(NamedTuple):
+    """Logs of the limb for given cuffs, on one grid of times.
+
+    Attributes:
+        measured: Function that bends the cuffs by the torque of the log.
+        predicted: Function that bends them by the torque that the limb needs, with parameters β, if it moves as the leg
+            does. Noise of the torque is not part of it.
+    """
+
+    measured: Callable[[Cuffs], Recording]
+    predicted: Callable[[Cuffs, FloatArray], Recording]
+
+
+def estimate_cuffs(stated: Cuffs, limb: EstimateData, alone: EstimateData, logs: LimbLogs) -> FoundCuffs:
+    """Estimate cuffs and limb together, with the stated cuffs as prior.
+
+    The limb obeys −τ_w = W(q_l(θ)) β, with θ the logarithms of stiffness and damping. About θ,
+
+        −τ_w ≈ W β + D δθ,      D = ∂(W β)/∂θ.
+
+    Noise of τ_w bends the cuffs of the model too, so that it is in W and D: least squares would choose the cuffs that
+    hide it. W and D of a predicted torque are therefore the instruments Z (instrumental variables, Söderström and Stoica 1989):
+
+        Zᵀ Ω (−τ_w − W β − D δθ) = 0.
+
+    Rows are weighted by residuals and count by their independent samples. The prior of θ is normal about the stated
+    values. Errors δ of the leg's own parameters add W_leg δ to −τ_w; they are not fitted, but their effect is part of
+    the covariance of θ.
+
+    Args:
+        stated: Cuffs as stated, with relative standard deviations.
+        limb: Estimate of the limb with these cuffs.
+        alone: Estimate of the leg alone.
+        logs: Logs of the limb as functions of the cuffs.
+
+    Returns:
+        The cuffs, and the covariance that their errors add to the limb's parameters.
+    """
+    spread = np.concatenate([stated.stiffness_std, stated.damping_std])
+    free = np.flatnonzero(spread)
+    values = np.concatenate([stated.stiffness, stated.damping])
+    spread, centre = spread[free], np.log(values[free])
+
+    def cuffs_at(theta: FloatArray, std: FloatArray) -> Cuffs:
+        at, widths = values.copy(), np.zeros_like(values)
+        at[free], widths[free] = np.exp(theta), std
+        return Cuffs(stated.joint_names, *np.split(at, 2), *np.split(widths, 2))
+
+    def rows_at(theta: FloatArray, beta: FloatArray | None = None, model: RegressorModel = limb.model) -> _Rows:
+        cuffs = cuffs_at(theta, spread)
+        log = logs.measured(cuffs) if beta is None else logs.predicted(cuffs, beta)
+        return _rows(model, log, limb.preparation)
+
+    def with_slopes(theta: FloatArray, beta: FloatArray, given: FloatArray | None = None) -> FloatArray:
+        W = rows_at(theta, given).W
+        slopes = [(rows_at(theta + STEP * unit, given).W - W) @ beta / STEP for unit in np.eye(len(free))]
+        return np.concatenate([W, np.stack(slopes, axis=-1)], axis=-1)
+
+    theta, beta, counts = centre, limb.values, _independent(limb, logs.measured(stated))
+    tau = rows_at(theta).tau
+    for _ in range(ITERATIONS):
+        A, Z = with_slopes(theta, beta), with_slopes(theta, beta, beta)
+        weights = np.sqrt(counts) / (tau - A[..., : len(beta)] @ beta).std(axis=0)
+        found = _step(A, Z, tau, weights, theta, centre, spread)
+        theta, beta = found.theta, found.beta
+    of_leg = found.gain @ _stacked(rows_at(theta, model=alone.model).W, weights)  # error of θ by errors of the leg
+    covariance = found.covariance + of_leg @ alone.covariance @ of_leg.T
+    beyond = free[np.abs(theta - centre) > FAR * spread]
+    far = dict.fromkeys(stated.joint_names[k % len(stated.joint_names)] for k in beyond)
+    slope = found.slope
+    return FoundCuffs(cuffs_at(theta, np.sqrt(np.diag(covariance))), slope @ covariance @ slope.T, tuple(far))
+
+
+def _independent(limb: EstimateData, log: Recording) -> FloatArray:
+    """Share of the samples behind the filter that are independent, (n,)."""
+    shares = [effective_share(limb, joint) for joint in range(len(limb.joint_names))]
+    return limb.preparation.independent_fraction(log.sample_rate) * np.array(shares)
+
+
+class _Rows(NamedTuple):
+    """Columns and torque of a log behind the filter, (N, n, P) and (N, n)."""
+
+    W: FloatArray
+    tau: FloatArray
+
+
+def _rows(model: RegressorModel, log: Recording, preparation: Preparation) -> _Rows:
+    parts = list(each_row(model, prepare(model, log, preparation, every=True)))
+    return _Rows(np.concatenate([part.W for part in parts]), np.concatenate([part.tau for part in parts]))
+
+
+def _stacked(columns: FloatArray, weights: FloatArray) -> FloatArray:
+    """Weighted rows of all joints below each other, (N n, P)."""
+    return np.asarray((columns * weights[:, None]).reshape(-1, columns.shape[-1]))
+
+
+class _Step(NamedTuple):
+    """Solution of the linearised problem.
+
+    Attributes:
+        theta: θ, (p,).
+        beta: β, (P,).
+        covariance: Covariance of θ by noise and prior, (p, p).
+        gain: θ by weighted torques, (p, N n).
+        slope: ∂β/∂θ, (P, p).
+    """
+
+    theta: FloatArray
+    beta: FloatArray
+    covariance: FloatArray
+    gain: FloatArray
+    slope: FloatArray
+
+
+def _step(
+    columns: FloatArray,
+    instruments: FloatArray,
+    tau: FloatArray,
+    weights: FloatArray,
+    theta: FloatArray,
+    centre: FloatArray,
+    spread: FloatArray,
+) -> _Step:
+    """Solve τ = W β + D δθ, columns (W, D), with instruments and the prior θ + δθ ~ N(centre, spread²)."""
+    A, Z, P = _stacked(columns, weights), _stacked(instruments, weights), columns.shape[-1] - len(theta)
+    prior, pull = np.zeros((A.shape[1],) * 2), np.zeros(A.shape[1])
+    prior[P:, P:] = np.diag(spread**-2.0)
+    pull[P:] = (centre - theta) / spread**2
+    scale = 1.0 / np.linalg.norm(Z, axis=0)
+    each = np.outer(scale, scale)
+    inverse = np.linalg.inv((Z.T @ A + prior) * each) * each
+    found = inverse @ (Z.T @ (tau * weights).ravel() + pull)
+    covariance = inverse @ (Z.T @ Z + prior) @ inverse.T
+    slope = np.asarray(-np.linalg.solve(Z[:, :P].T @ A[:, :P], Z[:, :P].T @ A[:, P:]))
+    return _Step(theta + found[P:], found[:P], covariance[P:, P:], inverse[P:] @ Z.T, slope)
