@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -46,7 +46,7 @@ def wear(
     check_outputs({"--report": report}, [what])
     source = what if what in ("bleex", "cuhk") else Estimate.load(what)
     given = {"period": period, "most": most, "bandwidth": bandwidth, "rate": rate}
-    options = {name: value for name, value in given.items() if value is not None}
+    options: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     with progress_bar("walking") as progress:
         study = reproduce.wear(source, height=height, mass=mass, seed=seed, progress=progress, **options)
     if figures is not None:
