@@ -70,7 +70,7 @@ def wear_notes(study: WearStudy) -> list[str]:
         f"The identified model leaves {100.0 * felt['identified'] / felt['cad']:.0f} % of what is felt with CAD, and "
         f"{felt['identified'] / felt['truth']:.2f} times what is felt with the true model.",
         f"1/α of inertia and friction alone are {study.floor_of_all:.3g} N·m, without lag, noise and model error: "
-        f" {100.0 * study.floor_of_all / felt['cad']:.0f} % of what is felt with CAD.",
+        f"{100.0 * study.floor_of_all / felt['cad']:.0f} % of what is felt with CAD.",
         f"α is {MARGIN:g} of the largest stable one, at most {max(_used(study)):.3g}; 95 % of the distribution of the "
         "identified model are stable.",
     ]
@@ -144,7 +144,7 @@ def wear_page(study: WearStudy) -> Page:
         The page.
     """
     caption = "Torque of the wearer on the leg over one stride"
-    pictures = [Picture.of(figure, caption, caption) for figure in wear_figures(study).values()]
+    pictures = [Picture.of(figure, caption, caption, full=True) for figure in wear_figures(study).values()]
     first, *others = wear_notes(study)
     sections = [Section("Findings", [Text(others)]), Section("Felt torque", [*pictures, wear_table(study)])]
     return Page(f"What the wearer of {study.name} feels (seed {study.seed})", [first], sections)
