@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import html
 import io
+import textwrap
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass
+from unicodedata import combining, east_asian_width
 
 WIDTH = 110
 """Longest line of a text, unless a terminal is narrower."""
@@ -61,9 +63,7 @@ def to_text(*parts: DataTable | str) -> str:
         :data:`COMPACT` gets narrower gaps. If it is still too wide, it is cut into tables of some of its columns, each
         with the first column.
     """
-    from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - a leg and an estimate need Rich only when they are printed
-    from rich.console import Console  # noqa: PLC0415
-    from rich.table import Table  # noqa: PLC0415
+    from rich.console import Console  # noqa: PLC0415 - a leg and an estimate need Rich only when they are printed
 
     file = io.StringIO()
     console = Console(
@@ -75,50 +75,96 @@ def to_text(*parts: DataTable | str) -> str:
         markup=False,
         emoji=False,
     )
-
-    unlimited = console.options.update(max_width=10 * WIDTH)
-
-    def spaced(headers: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> Table:
-        """Make a table with so many spaces left of each column."""
-        table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, left))
-        for index, column in enumerate(zip(headers, *rows, strict=True)):
-            least = max(map(_unbroken, column), default=0)
-            table.add_column(
-                headers[index], justify="left" if index == 0 else "right", overflow="fold", min_width=least
-            )
-        for row in rows:
-            table.add_row(*row)
-        return table
-
-    def drawn(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
-        """Make a table for the terminal, with narrow gaps if it is wide."""
-        table = spaced(headers, rows, 1)
-        fits = console.measure(table, options=unlimited).maximum <= min(COMPACT, console.width)
-        return table if fits else spaced(headers, rows, 0)
-
     for part in parts:
         if isinstance(part, str):
             console.print(part)
             continue
         if part.caption:
             console.print(part.caption)
-        first, last = 1, len(part.headers)
-        while first < last:  # columns that do not fit beside each other go into a table below
-            table = drawn(*_columns(part, first, last))
-            if last == first + 1 or console.measure(table, options=unlimited).minimum <= console.width:
-                console.print(table)
-                first, last = last, len(part.headers)
-            else:
-                last -= 1
-        if len(part.headers) == 1:
-            console.print(drawn(part.headers, part.rows))
+        for piece in _pieces(part, console.width):
+            file.write("\n".join(("", *piece, "", "")))
     text = "\n".join(line.rstrip() for line in file.getvalue().splitlines()).strip("\n")
     return text.replace("\n\n\n", "\n\n")  # a table has an empty line above and below
 
 
+def _pieces(table: DataTable, most: int) -> Iterator[list[str]]:
+    """Cut a table into tables of at most so many characters a line, each with the first column."""
+    first, last = 1, len(table.headers)
+    while first < last:  # columns that do not fit beside each other go into a table below
+        columns = _columns(table, first, last)
+        lines = _drawn(*columns, min(COMPACT, most), 3, _width) or _drawn(*columns, most, 2, _unbroken)
+        if lines is not None or last == first + 1:
+            yield lines or _drawn(*columns, most, 2, _letter) or []
+            first, last = last, len(table.headers)
+        else:
+            last -= 1
+    if len(table.headers) == 1:
+        yield _drawn(table.headers, table.rows, most, 3, _letter) or []
+
+
+def _drawn(
+    headers: Sequence[str], rows: Sequence[Sequence[str]], most: int, gap: int, kept: Callable[[str], int]
+) -> list[str] | None:
+    """Lay out a table: the first column is aligned left, the others right.
+
+    Args:
+        headers: Headers of the columns.
+        rows: Cells, one sequence a row.
+        most: Largest number of characters of a line.
+        gap: Number of blanks between columns.
+        kept: Function that tells how much of a cell has to stay on one line.
+
+    Returns:
+        Lines; None if the table does not fit.
+    """
+    columns = list(zip(headers, *rows, strict=True))
+    widths = [max(map(_width, column)) for column in columns]
+    least = [max(map(kept, column)) for column in columns]
+    room = most - 2 - gap * (len(widths) - 1)
+    if sum(least) > room:
+        return None
+    while sum(widths) > room:
+        widest = max(range(len(widths)), key=lambda k: (widths[k] > least[k], widths[k]))
+        widths[widest] -= 1
+    rule = " " + "─" * (sum(widths) + gap * (len(widths) - 1))
+    return [
+        *_row(headers, widths, gap, below=True),
+        rule,
+        *(line for row in rows for line in _row(row, widths, gap, below=False)),
+    ]
+
+
+def _row(cells: Sequence[str], widths: Sequence[int], gap: int, *, below: bool) -> list[str]:
+    """Lines of a row; cells of fewer lines stand below or above."""
+    wrapped = [
+        [cell] if _width(cell) <= width else textwrap.wrap(cell, width, break_on_hyphens=False)
+        for cell, width in zip(cells, widths, strict=True)
+    ]
+    count = max(map(len, wrapped))
+    missing = [[""] * (count - len(lines)) for lines in wrapped]
+    filled = [none + lines if below else lines + none for none, lines in zip(missing, wrapped, strict=True)]
+    lines = []
+    for parts in zip(*filled, strict=True):
+        blanks = [" " * (width - _width(part)) for part, width in zip(parts, widths, strict=True)]
+        first = parts[0] + blanks[0]
+        others = (blank + part for blank, part in zip(blanks[1:], parts[1:], strict=True))
+        lines.append(" " + (" " * gap).join((first, *others)))
+    return lines
+
+
+def _width(text: str) -> int:
+    """Number of places that a text takes on a terminal."""
+    return sum(0 if combining(letter) else 1 + (east_asian_width(letter) in "WF") for letter in text)
+
+
+def _letter(cell: str) -> int:
+    """Length of what stays on one line where even words are broken."""
+    return min(1, len(cell))
+
+
 def _unbroken(cell: str) -> int:
     """Length of what of a cell stays on one line: its longest word, or all of it if it is a number."""
-    return max(map(len, cell.split()), default=0) if any(map(str.isalpha, cell)) else len(cell)
+    return max(map(_width, cell.split()), default=0) if any(map(str.isalpha, cell)) else _width(cell)
 
 
 def _columns(table: DataTable, first: int, last: int) -> tuple[Sequence[str], Sequence[Sequence[str]]]:

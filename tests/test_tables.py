@@ -99,3 +99,17 @@ def test_a_table_too_wide_for_a_terminal_is_cut_between_columns():
     assert all(number in text.split() for row in numbers for number in row)
     assert text.count("joint 1") >= 2
     assert max(map(len, to_text(table).splitlines())) > NARROWEST
+
+
+def test_a_table_at_60_columns_loses_no_letter_of_a_cell():
+    headers = ("joint", "RMS [N·m]", "peak [N·m]", "mean [N·m]", "power [W]", "outside band", "p", "acts", "least")
+    cells = ("left_ankle", "0.04134", "0.1274", "0.003155", "0.0003411", "3.8 %", "0.93", "no", "0.17")
+    for width in (110, 80, 70, 60):
+        token = line_width.set(width)
+        try:
+            text = to_text(make_table(headers, [cells]))
+        finally:
+            line_width.reset(token)
+        assert max(map(len, text.splitlines())) <= width
+        words = text.split()
+        assert all(word in words for cell in (*headers, *cells) for word in cell.split())

@@ -234,7 +234,7 @@ def stance_page(replay: StanceReplay) -> Page:
     """
     notes = stance_notes(replay)
     caption = "Vertical ground force: force plate, and prediction from joint torques by the estimate without plates"
-    pictures = [Picture.of(figure, caption, caption) for figure in stance_figures(replay).values()]
+    pictures = [Picture.of(figure, caption, caption, full=True) for figure in stance_figures(replay).values()]
     parameters = [stance_summary(replay), stance_parameters(replay)]
     sections = [
         Section("Findings", [Text(notes)]),

@@ -30,6 +30,9 @@ LABELS = {
 }
 """Labels of the laws in figures."""
 
+WIDTH = 1.1 * COLUMN
+"""Width of a figure [inches]: its text is readable on a phone."""
+
 CLOSE = 3.0
 """Peak error below which laws are also drawn in a separate figure [deg]."""
 
@@ -172,7 +175,7 @@ def _figure(
     colours: Sequence[str] = LAW_COLOURS,
 ) -> Figure:
     labels = _labels(runs)
-    figure = Figure(figsize=(1.4 * COLUMN, 0.55 * COLUMN * (len(labels) + 0.3)))
+    figure = Figure(figsize=(WIDTH, 0.55 * COLUMN * (len(labels) + 0.3)))
     plot(figure.subplots(len(labels), 1, sharex=True, squeeze=False)[:, 0], runs, names=labels, colours=colours)
     return figure
 
@@ -188,13 +191,13 @@ def law_replay_figure(replay: LawReplay) -> Figure:
     """
     count = len(replay.joint_names)
     with paper():
-        figure = Figure(figsize=(1.4 * COLUMN, 0.55 * COLUMN * (count + 0.3)))
+        figure = Figure(figsize=(WIDTH, 0.55 * COLUMN * (count + 0.3)))
         plot_law_replay(list(figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]), replay)
     return figure
 
 
 def _peaks(runs: Mapping[str, Tracking]) -> Figure:
-    figure = Figure(figsize=(1.4 * COLUMN, 0.8 * COLUMN))
+    figure = Figure(figsize=(WIDTH, 0.8 * COLUMN))
     plot_peak_errors(figure.add_subplot(), runs, names=_labels(runs))
     return figure
 

@@ -144,7 +144,7 @@ def wear_page(study: WearStudy) -> Page:
         The page.
     """
     caption = "Torque of the wearer on the leg over one stride"
-    pictures = [Picture.of(figure, caption, caption) for figure in wear_figures(study).values()]
+    pictures = [Picture.of(figure, caption, caption, full=True) for figure in wear_figures(study).values()]
     first, *others = wear_notes(study)
     sections = [Section("Findings", [Text(others)]), Section("Felt torque", [*pictures, wear_table(study)])]
     return Page(f"What the wearer of {study.name} feels (seed {study.seed})", [first], sections)

@@ -75,9 +75,9 @@ def plot_torques(
         The axes.
     """
     for joint, (ax, label) in enumerate(zip(axes, labels, strict=True)):
+        ax.plot(time, measured[:, joint], color=MEASURED, lw=2.4, label="measured")
         for name, torque, colour in predictions:
-            ax.plot(time, torque[:, joint], color=colour, lw=1.6, label=name)
-        ax.plot(time, measured[:, joint], color=MEASURED, lw=0.7, label="measured")
+            ax.plot(time, torque[:, joint], color=colour, lw=0.9, label=name)
         ax.set(ylabel=f"{label} torque [N·m]")
         ax.yaxis.set_label_coords(-0.14, 0.5)  # the same for all
     legend_above(axes[0])

@@ -103,7 +103,7 @@ def plot_correlation(ax: Axes, estimate: Estimate) -> Axes:
     ax.set_xticks(range(len(names)), names, rotation=90, fontsize=size)
     ax.set_yticks(range(len(names)), names, fontsize=size)
     ax.grid(visible=False)
-    ax.figure.colorbar(image, ax=ax, shrink=0.8, label="correlation [–]")
+    ax.figure.colorbar(image, ax=ax, shrink=0.5, fraction=0.05, pad=0.02, aspect=30, label="correlation [–]")
     return ax
 
 

@@ -103,6 +103,6 @@ def _plot_runs(
             time, value = run.time[settled] - run.settle, values(run)[settled, joint]
             ax.plot(time, value, color=colour, lw=width, label=label)
         ax.set(ylabel=f"{name} {quantity}")
-    legend_above(axes[0])
+    legend_above(axes[0], columns=2)
     axes[-1].set(xlabel="time [s]")
     return axes

@@ -136,7 +136,7 @@ def test_nonlinear_parameters_stand_below_the_linear_ones(particular):
 
 def test_the_influence_of_every_recording_is_listed(particular):
     estimate, page = particular
-    tables = {table.findtext("caption"): table for table in check(page.html()).iter("table")}
+    tables = {table.get("aria-label"): table for table in check(page.html()).iter("table")}
     rows = [[cell.text for cell in row] for row in tables["Influence of each recording"].find("tbody")]
     assert [row[0] for row in rows] == ["run0.csv", "run1.csv"]
     for row, change in zip(rows, estimate.influence.change, strict=True):

@@ -20,6 +20,7 @@ from .pictures import (
     parameter_pictures,
     prediction_pictures,
     residual_pictures,
+    shown_part,
 )
 from .recording_prediction import RecordingPrediction, predict_recording
 
@@ -105,7 +106,8 @@ def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:
         yield Text([f"The leg cannot be drawn: {error.what}."])
         return
     source = recording.source.name if recording.source else "array"
-    yield Text([f"The first {SHOWN_SECONDS:.0f} s of {source}; {note}. Drag to turn the view, scroll to zoom."])
+    part = shown_part(recording.time, source)
+    yield Text([f"Shown: {part}; {note}. Drag to turn the view, scroll to zoom."])
     yield EmbeddedPage(replay.html(), f"{replay.title} in three dimensions")
 
 

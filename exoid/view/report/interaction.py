@@ -21,7 +21,7 @@ from exoid.wearer import Interaction
 from exoid.wearer.interaction import HEADERS
 
 from .page import Block, EmbeddedPage, Page, Section, Text, draw_picture
-from .pictures import MAX_LINE_POINTS, SHOWN_SECONDS
+from .pictures import MAX_LINE_POINTS, SHOWN_SECONDS, shown_part
 from .text import sentence
 
 SIGN = (
@@ -76,7 +76,7 @@ def _over_time(estimate: Estimate, parts: Sequence[Interaction]) -> Iterator[Blo
                 yield draw_picture(
                     partial(_draw_time, part=part, joint=joint, label=label),
                     f"Torque of the wearer at the {label} over time with its 95 % band",
-                    f"{label}, the first {SHOWN_SECONDS:.0f} s of {part.source}",
+                    f"{label}, {shown_part(part.time, part.source)}",
                 )
 
 
@@ -101,7 +101,7 @@ def _replay(estimate: Estimate, part: Interaction, recording: Recording) -> Iter
     except ExoidError as error:
         yield Text([f"The leg cannot be drawn: {error.what}."])
         return
-    yield Text([f"The first {SHOWN_SECONDS:.0f} s of {part.source}, with the torque of the wearer around each joint."])
+    yield Text([f"Shown: {shown_part(part.time, part.source)}. Arrows are the torque of the wearer at each joint."])
     yield EmbeddedPage(replay.html(), f"{replay.title} in three dimensions")
 
 

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 
+from exoid._typing import FloatArray
 from exoid.estimate import Estimate
 from exoid.view.coverage import plot_coverage, plot_excitation
 from exoid.view.friction import plot_friction_fit
@@ -23,6 +24,21 @@ SHOWN_SECONDS = 20.0
 
 MAX_LINE_POINTS = 1000
 """Largest number of samples of a line: 50 per second."""
+
+
+def shown_part(time: FloatArray, source: str) -> str:
+    """Name the part of a recording that is drawn.
+
+    Args:
+        time: Time stamps of the recording [s], (N,).
+        source: Its name.
+
+    Returns:
+        "the first 20 s of log.csv", or "log.csv (15 s)" if all of it is drawn.
+    """
+    duration = float(time[-1] - time[0])
+    whole = duration <= SHOWN_SECONDS
+    return f"{source} ({duration:.0f} s)" if whole else f"the first {SHOWN_SECONDS:.0f} s of {source}"
 
 
 def parameter_pictures(estimate: Estimate, other_values: Mapping[str, Mapping[str, float]]) -> Iterator[Picture]:
@@ -41,19 +57,20 @@ def parameter_pictures(estimate: Estimate, other_values: Mapping[str, Mapping[st
         f"Correlation matrix of the errors of {len(estimate.names)} parameters",
         "Correlation of the errors; strong colours mark pairs that are hard to separate",
         columns=2.0,
-        aspect=1.6,
+        aspect=1.75,
         full=True,
     )
 
 
 def prediction_pictures(estimate: Estimate, prediction: RecordingPrediction) -> Iterator[Picture]:
     """Draw the torque of each joint at the beginning of a recording, and the residual on its own scale."""
+    part = shown_part(prediction.validation.time, prediction.validation.source)
     for joint, label in enumerate(estimate.model.leg.joint_labels):
         yield draw_picture(
             partial(_draw_prediction, prediction=prediction, joint=joint, label=label),
             f"Measured and predicted {label} torque over time with a 95 % band and the residual",
-            f"{label}, the first {SHOWN_SECONDS:.0f} s of {prediction.validation.source}, and the residual enlarged",
-            aspect=0.9,
+            f"{label}, {part}, and the residual enlarged",
+            aspect=1.0,
         )
 
 
@@ -124,6 +141,7 @@ def _draw_prediction(figure: Figure, prediction: RecordingPrediction, joint: int
     measured, predicted = validation.measured[shown, joint], validation.predicted[shown, joint]
     half = prediction.band_half_width[shown, joint]
     band = np.column_stack([predicted - half, predicted + half])
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.4, 1.0))
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
     plot_prediction(above, time[shown], measured, predicted, label, band).set_xlabel("")
     plot_residual_band(below, time[shown], measured - predicted, half)
+    figure.align_ylabels()
