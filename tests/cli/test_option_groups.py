@@ -81,3 +81,14 @@ def test_every_verb_that_reads_logs_has_the_same_options_for_them(name):
     own = {"--payload", "--base-position", "--wrench"} if name == "track" else set()  # there, the payload of the rig
     assert set(LogOptions().given()) - own <= options
     assert name in VERBS
+
+
+def test_an_option_without_default_value_keeps_its_short_name():
+    """Python 3.10 makes Optional[Annotated[...]] of such a hint, and the option would lose its names."""
+
+    @expand_options()
+    def verb(output: Annotated[str | None, typer.Option("--output", "-o")] = None) -> None:
+        """Do nothing."""
+
+    annotation = inspect.signature(verb).parameters["output"].annotation
+    assert annotation.__metadata__[0].param_decls == ("--output", "-o")
