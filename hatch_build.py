@@ -16,10 +16,10 @@ NOTE = """> Pages, notebooks and tests that are named here, such as `docs/logs.m
 
 """
 
-INSTALL = {
-    ", pip and a copy of this repository": " and pip",
-    "pip install . &&": "pip install exoid &&",
-}
+INSTALL = (
+    (re.compile(r",? pip,? and a copy of this repository"), " and pip"),
+    (re.compile(r"pip install \.(?=\s)"), "pip install exoid"),
+)
 """What a reader of the index does instead of what a reader of the repository does."""
 
 
@@ -33,14 +33,9 @@ def index_page(readme: str, version: str) -> str:
     Returns:
         README with absolute links only: a relative link becomes its text with the file in code, a relative image is
         left out.
-
-    Raises:
-        ValueError: The README has changed where this function changes it.
     """
-    for there, here in INSTALL.items():
-        if there not in readme:
-            raise ValueError(f"README.md no longer says {there!r}: change hatch_build.py")
-        readme = readme.replace(there, here)
+    for there, here in INSTALL:
+        readme = there.sub(here, readme)
     title, _, rest = IMAGE.sub("", readme).partition("\n\n")
     return f"{title}\n\n{NOTE.format(version=version)}{LINK.sub(_plain, rest)}"
 

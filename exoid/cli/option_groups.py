@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import wraps
-from inspect import Parameter, signature
+from inspect import Parameter, get_annotations, signature
 from types import MappingProxyType
 from typing import Any, get_type_hints
 
@@ -25,7 +25,7 @@ def expand_options(without: Mapping[str, Sequence[str]] = NOTHING) -> Callable[[
     """
 
     def decorate(verb: Verb) -> Verb:
-        hints = get_type_hints(verb, include_extras=True)
+        hints = get_annotations(verb, eval_str=True)  # get_type_hints of 3.10 changes a default None
         parameters = list(signature(verb).parameters.values())
         groups = {each.name: hints[each.name] for each in parameters if _is_group(hints[each.name])}
         fields = {

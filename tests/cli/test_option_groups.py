@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, get_origin
 
 import pytest
 import typer
@@ -81,3 +81,13 @@ def test_every_verb_that_reads_logs_has_the_same_options_for_them(name):
     own = {"--payload", "--base-position", "--wrench"} if name == "track" else set()  # there, the payload of the rig
     assert set(LogOptions().given()) - own <= options
     assert name in VERBS
+
+
+def test_an_option_without_default_value_keeps_its_short_name():
+    """Python 3.10 makes Optional[Annotated[...]] of such a hint, and the option would lose its names."""
+
+    @expand_options()
+    def verb(output: Annotated[str | None, typer.Option("--output", "-o")] = None) -> None:
+        """Do nothing."""
+
+    assert get_origin(inspect.signature(verb).parameters["output"].annotation) is Annotated

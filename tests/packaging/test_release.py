@@ -109,8 +109,10 @@ def test_the_index_page_turns_relative_links_into_text():
     assert "Python and pip" in shown
 
 
-def test_a_readme_that_the_page_cannot_follow_fails_the_build():
+def test_the_index_page_installs_from_the_index():
     pytest.importorskip("hatchling")
     page = runpy.run_path(str(ROOT / "hatch_build.py"))["index_page"]
-    with pytest.raises(ValueError, match=r"change hatch_build\.py"):
-        page("# exoid\n\nInstall it.\n", "9.9")
+    shown = page((ROOT / "README.md").read_text(encoding="utf-8"), exoid.__version__)
+    assert "pip install exoid" in shown
+    assert not re.search(r"pip install \.\s|copy of this repository", shown)
+    assert all(link.startswith("https://") for link in re.findall(r"\]\(([^)]*)\)", shown))
