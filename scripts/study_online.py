@@ -209,7 +209,7 @@ def loop(seeds: int, where: str = "walk", after: float = 5.0, measured: float = 
         machine.drive(loaded, law, after)
         if name == "self-tuning":
             pairs = [[tuning.estimate_of(memory, rig) for memory in (before, machine.memory)] for rig in range(seeds)]
-            mass = np.array([load_change(*pair, "knee", PAYLOAD.position).mass - PAYLOAD.mass for pair in pairs])
+            mass = np.array([load_change(a, b, "knee", PAYLOAD.position).mass - PAYLOAD.mass for a, b in pairs])
         error = np.rad2deg(machine.drive(loaded, law, measured).error)
         found[name] = Loop(mass, np.sqrt((error**2).mean(axis=0)), np.abs(error).max(axis=0))
     return found
