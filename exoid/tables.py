@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import io
 import textwrap
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -186,6 +187,42 @@ def to_html(*parts: DataTable | str) -> str:
         else f"<p>{html.escape(part)}</p>"
         for part in parts
     )
+
+
+class Report(ABC):
+    """Result that prints as tables and lines, and as HTML in a notebook."""
+
+    @abstractmethod
+    def _report(self) -> Sequence[DataTable | str]:
+        """Tables and lines, from top to bottom."""
+
+    def __str__(self) -> str:
+        """Print tables and lines."""
+        return to_text(*self._report())
+
+    def _repr_html_(self) -> str:
+        """Tables and lines for notebooks."""
+        return to_html(*self._report())
+
+
+def with_parts(
+    headers: Sequence[str], rows: Iterable[Sequence[str]], parts: Sequence[tuple[str, Iterable[Sequence[str]]]]
+) -> list[DataTable | str]:
+    """Make a table of several recordings, and one of each recording below it.
+
+    Args:
+        headers: Headers of the columns.
+        rows: Rows of all recordings together.
+        parts: Name and rows of each recording; none for a single recording.
+
+    Returns:
+        One table, or two with a line between them.
+    """
+    table = make_table(headers, rows)
+    if not parts:
+        return [table]
+    of_parts = [(name, *row) for name, rows in parts for row in rows]
+    return [table, "each recording:", make_table(("recording", *headers), of_parts)]
 
 
 def html_table(headers: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:

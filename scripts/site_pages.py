@@ -8,6 +8,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import pkgutil
+import posixpath
 import re
 from pathlib import Path
 from types import ModuleType
@@ -27,6 +28,9 @@ PROJECT = ("BENCHMARKS.md", "CHANGELOG.md", "CONTRIBUTING.md")
 
 LINK = re.compile(r"(?<!!)\[([^\]]+)\]\(([^)\s]+)\)")
 """A link in Markdown: its text and its target."""
+
+LINK_IN_HTML = re.compile(r'href="(?!\w+:)([^"#]+\.(?:md|ipynb))(#[^"]*)?"')
+"""A link in HTML to a source of a page: the file, and the place in it."""
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
@@ -66,9 +70,30 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         here = "" if page.file.src_uri.count("/") == 0 else "../"
         if files.get_file_from_path(inside) is None:
             return text  # a file of the repository that is no page
+        text = text.removesuffix(".md").replace("-", " ") if text.endswith(".md") else text
         return f"[{text}]({here}{inside}{mark}{place})"
 
     return LINK.sub(to_page, markdown)
+
+
+def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Turn links of notebooks into links between pages of the site: they are HTML before links are checked.
+
+    Raises:
+        FileNotFoundError: A link leads nowhere.
+    """
+    if not page.file.src_uri.endswith(".ipynb"):
+        return html
+
+    def to_page(found: re.Match[str]) -> str:
+        path, place = found[1], found[2] or ""
+        inside = posixpath.normpath(posixpath.join(posixpath.dirname(page.file.src_uri), path)).removeprefix("docs/")
+        target = files.get_file_from_path(inside)
+        if target is None:
+            raise FileNotFoundError(f"{page.file.src_uri} links to {path}")
+        return f'href="{target.url_relative_to(page.file)}{place}"'
+
+    return LINK_IN_HTML.sub(to_page, html)
 
 
 def on_post_page(output: str, page: Page, config: MkDocsConfig) -> str:

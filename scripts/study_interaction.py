@@ -1,17 +1,16 @@
 """How well is the torque of a wearer found, does its band hold the truth, and is an unworn leg called worn?
 
     python scripts/study_interaction.py --seeds 16            # torque of active and passive wearers, some minutes
+    python scripts/study_interaction.py --parts --seeds 4     # what the error comes of
     python scripts/study_interaction.py --limb --seeds 16     # X, Y, J of a passive limb, and of sandbags
     python scripts/study_interaction.py --unworn --seeds 40   # false alarms; friction of other forms, fast motion
 
 BLEEX and CUHK-EXO on the rig, with friction that sticks. Each seed is one training of 60 s without a wearer (five
 harmonics of 0.3 Hz under a servo) and one worn log: "active", a wearer who walks at 2.4 s a stride while the
 exoskeleton carries its own weight; "passive", a limb that the servo moves. Cuffs have 1000 N·m/rad and
-30 N·m·s/rad. Sensors: angles 2e-5 rad and 16 bits; torques 0.5, 0.4 and 0.2 N·m. Estimated and true torque pass the
-same filter. NRMSE is the RMS error over the standard deviation of the true torque.
-
-The torque in a log is the one that was held until the sample, and so late by half a control period, 0.5 ms. With --limb
-the logs are corrected by that, except where "torques late" is said.
+30 N·m·s/rad. Sensors: angles 2e-5 rad and 16 bits; torques 0.5, 0.4 and 0.2 N·m; controller and log at 500 Hz. The
+rig logs the torque of the interval before a sample: half an interval is taken out. NRMSE is the RMS error over the
+standard deviation of the true torque. In the rows "torques late" of --limb, nothing is taken out.
 """
 
 from __future__ import annotations
@@ -22,62 +21,144 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from study_bands import FORMS
 from study_bands import log as log_of_form
 
 import exoid
-from exoid.rig import Wearer, plant_with_payloads, sandbags
-from exoid.signals import without_torque_delay
+from exoid.rig import Run, Wearer, plant_with_payloads, sandbags
 from exoid.tables import make_table, to_text
 from exoid.wearer import LimbComparison, compare_limb, identify_limb, limb_parameters
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-from worn_rig import RATES, active, alone, at, cad_torque, gait, machine, nrmse, passive
+from worn_rig import (
+    Machine,
+    active,
+    alone,
+    at,
+    at_samples,
+    behind,
+    cad_torque,
+    gait,
+    log,
+    machine,
+    nrmse,
+    passive,
+    true_values,
+)
 
 LEGS = ("bleex", "cuhk")
 
 CUFFS = (
     ("limb, cuffs known", (1000.0, 30.0), 0.0),
     ("limb, cuffs ± 20 %", (1000.0, 30.0), 0.2),
+    ("limb, cuffs 20 % too stiff, taken for exact", (1200.0, 36.0), 0.0),
     ("limb, cuffs 20 % too stiff ± 20 %", (1200.0, 36.0), 0.2),
     ("limb, cuffs 20 % too soft ± 20 %", (800.0, 24.0), 0.2),
 )
 """Stated stiffness and damping of the cuffs, and their relative standard deviation."""
 
+WHO = ("leg", "wearer", "joint")
+OWN = ("RMS [N·m]", "error [N·m]", "NRMSE", "largest", "noise alone", "unfiltered", "CAD", "in band [%]", "worn [%]")
+AUTO = ("cut-off [Hz]", "error [N·m]", "NRMSE", "largest", "estimate's filter", "unfiltered", "in band [%]", "worn [%]")
+"""Columns: NRMSE against the truth behind the same filter, its largest of all seeds, the part that the noise of the
+torque sensor alone has, NRMSE against the truth behind the estimate's filter and against the truth unfiltered."""
 
-def torques(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
-    """Error and coverage of the torque of active and passive wearers, one row a kind and joint."""
+Array = NDArray[np.float64]
+
+
+def torques(name: str, seeds: list[int]) -> tuple[list[tuple[str, ...]], list[tuple[str, ...]]]:
+    """Error and coverage of the torque of active and passive wearers, one row a kind and joint.
+
+    Behind the filter of the estimate, and with ``cutoff="auto"``.
+    """
     one = machine(name)
     trained = alone(one, seeds)
-    estimates = [exoid.identify(one.plant.leg, trained.recording(k), one.terms) for k in range(len(seeds))]
+    estimates = [exoid.identify(one.plant.leg, log(trained, k), one.terms) for k in range(len(seeds))]
     limb = Wearer.build(one.plant.leg)
-    rows = []
+    runs = {"active": active(one, seeds), "passive": passive(one, seeds, limb, 30.0, motion=gait(one, seeds))}
+    own, auto = [], []
+    for kind, run in runs.items():
+        of_own = [_own(one, estimate, run, k) for k, estimate in enumerate(estimates)]
+        of_auto = [_auto(one, estimate, run, k) for k, estimate in enumerate(estimates)]
+        for rows, each in ((own, of_own), (auto, of_auto)):
+            for j, joint in enumerate(one.plant.leg.joint_labels):
+                figures = {key: np.array([found[key][j] for found in each]) for key in each[0]}
+                rows.append((name, kind, joint, *_cells(figures)))
+    return own, auto
+
+
+def _own(one: Machine, estimate: exoid.Estimate, run: Run, k: int) -> dict[str, Array]:
+    """Figures of one log behind the filter of the estimate, (n,) each."""
+    recording, whole = log(run, k), run.interaction[..., k]
+    found = exoid.interaction(estimate, recording)
+    truth = at(estimate, recording, whole, found.time)
+    noise = one.noise * np.sqrt(estimate.preparation.independent_fraction(recording.sample_rate))
+    return {
+        "RMS [N·m]": np.sqrt((truth**2).mean(axis=0)),
+        "error [N·m]": np.sqrt(((found.torque - truth) ** 2).mean(axis=0)),
+        "NRMSE": nrmse(found.torque, truth),
+        "largest": nrmse(found.torque, truth),
+        "noise alone": noise / truth.std(axis=0),
+        "unfiltered": nrmse(found.torque, at_samples(recording, whole, found.time)),
+        "CAD": nrmse(cad_torque(one, estimate, recording, found.time), truth),
+        "in band [%]": 100.0 * (np.abs(found.torque - truth) <= found.band).mean(axis=0),
+        "worn [%]": np.full(len(one.noise), 100.0 * found.worn),
+    }
+
+
+def _auto(one: Machine, estimate: exoid.Estimate, run: Run, k: int) -> dict[str, Array]:
+    """The same with ``cutoff="auto"``: against the truth behind that filter, behind that of the estimate, and bare."""
+    recording, whole = log(run, k), run.interaction[..., k]
+    found = exoid.interaction(estimate, recording, cutoff="auto")
+    alike = behind(estimate, recording, found.cutoffs, whole, found.time)
+    return {
+        "cut-off [Hz]": found.cutoffs,
+        "error [N·m]": np.sqrt(((found.torque - alike) ** 2).mean(axis=0)),
+        "NRMSE": nrmse(found.torque, alike),
+        "largest": nrmse(found.torque, alike),
+        "estimate's filter": nrmse(found.torque, at(estimate, recording, whole, found.time)),
+        "unfiltered": nrmse(found.torque, at_samples(recording, whole, found.time)),
+        "in band [%]": 100.0 * (np.abs(found.torque - alike) <= found.band).mean(axis=0),
+        "worn [%]": np.full(len(one.noise), 100.0 * found.worn),
+    }
+
+
+def _cells(figures: dict[str, Array]) -> list[str]:
+    """Write the mean of each figure over the seeds, and the largest where asked for."""
+    digits = {"in band [%]": 1, "worn [%]": 0, "CAD": 2, "cut-off [Hz]": 1}
+    return [
+        f"{(values.max() if key == 'largest' else values.mean()):.{digits.get(key, 3)}f}"
+        for key, values in figures.items()
+    ]
+
+
+def parts(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
+    """Error of the torque with exact sensors, with true parameters, and with both, one row a kind and joint [N·m]."""
+    one, rows = machine(name), []
+    trained, limb = alone(one, seeds), Wearer.build(one.plant.leg)
+    estimates = [exoid.identify(one.plant.leg, log(trained, k), one.terms) for k in range(len(seeds))]
     for kind, run in (
         ("active", active(one, seeds)),
         ("passive", passive(one, seeds, limb, 30.0, motion=gait(one, seeds))),
     ):
-        assert run.interaction is not None
-        errors, of_cad, inside, worn, sizes = [], [], [], [], []
+        exact = replace(run, q_measured=run.q, tau_measured=run.tau)
+        each = []
         for k, estimate in enumerate(estimates):
-            recording = run.recording(k)
-            found = exoid.interaction(estimate, recording)
-            truth = at(estimate, recording, run.interaction[..., k], found.time)
-            errors.append(nrmse(found.torque, truth))
-            of_cad.append(nrmse(cad_torque(one, estimate, recording, found.time), truth))
-            inside.append((np.abs(found.torque - truth) <= found.band).mean(axis=0))
-            worn.append(found.worn)
-            sizes.append(np.sqrt((truth**2).mean(axis=0)))
-        for j, joint in enumerate(one.plant.leg.joint_labels):
-            figures = (np.mean(sizes, axis=0)[j], np.mean(errors, axis=0)[j], np.max(errors, axis=0)[j])
-            cad, share = np.mean(of_cad, axis=0)[j], np.mean(inside, axis=0)[j]
-            cells = (*(f"{x:.3f}" for x in figures), f"{cad:.2f}", f"{100 * share:.1f}", f"{100 * np.mean(worn):.0f}")
-            rows.append((name, kind, joint, *cells))
+            true = replace(estimate, values=true_values(one, estimate.names))
+            errors = []
+            for source, model in ((run, estimate), (exact, estimate), (run, true), (exact, true)):
+                found = exoid.interaction(model, log(source, k))
+                truth = at(estimate, log(run, k), run.interaction[..., k], found.time)
+                errors.append(np.sqrt(((found.torque - truth) ** 2).mean(axis=0)))
+            noise = one.noise * np.sqrt(estimate.preparation.independent_fraction(1.0 / np.diff(run.time).mean()))
+            each.append([*errors, noise])
+        mean = np.mean(each, axis=0).T
+        rows += [
+            (name, kind, joint, *(f"{x:.3f}" for x in of_joint))
+            for joint, of_joint in zip(one.plant.leg.joint_labels, mean, strict=True)
+        ]
     return rows
-
-
-def in_time(log: exoid.Recording) -> exoid.Recording:
-    """Shift the torques of a log by half a control period."""
-    return without_torque_delay(log, dict.fromkeys(range(len(log.joint_names)), 0.5 / RATES.control))
 
 
 def limbs(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
@@ -89,13 +170,11 @@ def limbs(name: str, seeds: list[int]) -> list[tuple[str, ...]]:
     limb, sand = limb_parameters(leg), limb_parameters(leg, bodies=bags)
     found: dict[str, list[LimbComparison]] = {}
     for k in seeds:
-        log = in_time(worn.recording(k))
-        first, rigid, weighed = (
-            exoid.identify(leg, in_time(run.recording(k)), one.terms) for run in (before, worn, loads)
-        )
+        of_limb = log(worn, k)
+        first, rigid, weighed = (exoid.identify(leg, log(run, k), one.terms) for run in (before, worn, loads))
         late = [exoid.identify(leg, run.recording(k), one.terms) for run in (before, loads)]
         for kind, cuffs, std in CUFFS:
-            found.setdefault(kind, []).append(identify_limb(first, log, *cuffs, cuff_std=std, expected=limb))
+            found.setdefault(kind, []).append(identify_limb(first, of_limb, *cuffs, cuff_std=std, expected=limb))
         found.setdefault("limb as if rigid", []).append(compare_limb(first, rigid, limb))
         found.setdefault("sandbags", []).append(compare_limb(first, weighed, sand))
         found.setdefault("sandbags, torques late", []).append(compare_limb(*late, sand))
@@ -120,17 +199,17 @@ def unworn(seeds: int) -> list[tuple[str, ...]]:
         one, numbers = machine(name), list(range(seeds))
         trained, again = alone(one, numbers), alone(one, [100 + k for k in numbers], draw=4)
         walk = alone(one, numbers, 30.0, motion=gait(one, numbers), draw=5)
-        estimates = [exoid.identify(one.plant.leg, trained.recording(k), one.terms) for k in numbers]
+        estimates = [exoid.identify(one.plant.leg, log(trained, k), one.terms) for k in numbers]
         for kind, run in (("rig, other harmonics", again), ("rig, gait", walk)):
-            rows.append(
-                _alarms(f"{name}, {kind}", [exoid.interaction(e, run.recording(k)) for k, e in enumerate(estimates)])
-            )
+            for cutoff in (None, "auto"):
+                found = [exoid.interaction(e, log(run, k), cutoff=cutoff) for k, e in enumerate(estimates)]
+                rows.append(_alarms(f"{name}, {kind}{', cutoff auto' if cutoff else ''}", found))
         leg = one.cad
         for form in FORMS:
             models = [exoid.identify(leg, log_of_form(leg, form, 0.1, seed)) for seed in range(min(seeds, 5))]
             for times in (1.0, 2.0):
-                logs = [log_of_form(leg, form, 0.1 * times, 100 + seed) for seed in range(len(models))]
-                found = [exoid.interaction(model, log) for model, log in zip(models, logs, strict=True)]
+                tests = [log_of_form(leg, form, 0.1 * times, 100 + seed) for seed in range(len(models))]
+                found = [exoid.interaction(model, one_log) for model, one_log in zip(models, tests, strict=True)]
                 rows.append(_alarms(f"{name}, {form}, {times:g} × speed", found))
     return rows
 
@@ -152,17 +231,24 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=16)
     parser.add_argument("--limb", action="store_true", help="parameters of the limb instead")
+    parser.add_argument("--parts", action="store_true", help="parts of the error instead")
     parser.add_argument("--unworn", action="store_true", help="false alarms instead")
     options = parser.parse_args()
     seeds = list(range(options.seeds))
     if options.unworn:
         headers, rows = ("logs", "number", "called worn", "mean torque / least", "largest"), unworn(options.seeds)
+    elif options.parts:
+        headers = (*WHO, "error [N·m]", "exact sensors", "true parameters", "both", "noise alone")
+        rows = [row for name in LEGS for row in parts(name, seeds)]
     elif options.limb:
         headers = ("leg", "kind", "parameter", "truth", "error [%]", "bias [%]", "std [%]", "in 95 % interval [%]")
         rows = [row for name in LEGS for row in limbs(name, seeds)]
     else:
-        headers = ("leg", "wearer", "joint", "RMS [N·m]", "NRMSE", "largest", "CAD", "in band [%]", "worn [%]")
-        rows = [row for name in LEGS for row in torques(name, seeds)]
+        tables = [torques(name, seeds) for name in LEGS]
+        print("Both torques behind the filter of the estimate")
+        print(to_text(make_table((*WHO, *OWN), [row for own, _ in tables for row in own])))
+        print('cutoff="auto"')
+        headers, rows = (*WHO, *AUTO), [row for _, auto in tables for row in auto]
     print(to_text(make_table(headers, rows)))
 
 

@@ -2,7 +2,7 @@
 
     python scripts/study_online.py payload --seeds 16     # 1.5 kg on the shank: its mass 5 s later, P95 of the errors
     python scripts/study_online.py standing               # ten minutes at rest: does a parameter move?
-    python scripts/study_online.py friction --seeds 16    # Coulomb and viscous friction of one joint doubles
+    python scripts/study_online.py friction --seeds 16    # Coulomb and viscous friction of each joint doubles
     python scripts/study_online.py drift --seeds 4        # a seal wears in, grease warms up
     python scripts/study_online.py quiet --minutes 60     # moving without any change: false alarms
     python scripts/study_online.py loop --seeds 16        # the payload again, with a controller that uses the estimate
@@ -21,7 +21,7 @@ import os
 import sys
 import time
 import tracemalloc
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -33,7 +33,7 @@ from exoid._typing import FloatArray
 from exoid.control import ControlModel, adaptive, default_gains, feedforward_pd, mean_pose, self_tuning
 from exoid.control.stateful import AnyLaw
 from exoid.online import RecursiveEstimator, load_change
-from exoid.rig import plant_with_payloads
+from exoid.rig import Plant, plant_with_payloads
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from online_scenes import SCENES, Machine, Scene, Stream, scene
@@ -88,19 +88,21 @@ def payload(seeds: int, where: str = "walk", before: float = WARM, after: float 
 
 
 def friction(
-    seeds: int, joint: str = "knee", where: str = "walk", before: float = WARM, after: float = 4.0
-) -> list[Found]:
-    """Double the friction of one joint."""
+    seeds: int, joints: Sequence[str], where: str = "walk", before: float = WARM, after: float = 4.0
+) -> dict[str, list[Found]]:
+    """Double the friction of a joint, on so many rigs for each of the joints."""
     at = scene(where)
-    machine = Machine(at, seeds, 3)
-    first = machine.walk(at.plants(seeds), before)
-    then = machine.walk(at.plants(seeds, {f"c0_{joint}": 2.0, f"d_{joint}": 2.0}), after)
-    found = []
-    for rig in range(seeds):
+    count = seeds * len(joints)
+    machine = Machine(at, count, 3)
+    first = machine.walk(at.plants(count), before)
+    doubled = [at.plants(seeds, {f"c0_{joint}": 2.0, f"d_{joint}": 2.0}) for joint in joints]
+    then = machine.walk(Plant.concatenate(doubled), after)
+    found: dict[str, list[Found]] = {joint: [] for joint in joints}
+    for rig in range(count):
         online = at.estimator()
         feed(online, first, rig)
         feed(online, then, rig)
-        found.append(first_change(online, first, at.rate))
+        found[joints[rig // seeds]].append(first_change(online, first, at.rate))
     return found
 
 
@@ -319,9 +321,9 @@ def print_study(name: str, where: str, given: argparse.Namespace) -> None:
         print(f"  P95 of the errors of {PAYLOAD.mass} kg, 5 s later: {np.quantile(errors, 0.95):.3f} kg")
         print(f"  {kinds}, {latest:.2f} s later at most")
     elif name == "friction":
-        found = friction(given.seeds, given.joint, where)
-        kinds = ", ".join(sorted({one.detected for one in found}))
-        print(f"  {given.joint}: {kinds}, {max(one.after for one in found):.2f} s later at most")
+        for joint, each in friction(given.seeds, scene(where).leg.joint_labels, where).items():
+            kinds = ", ".join(sorted({one.detected for one in each}))
+            print(f"  {joint}: {kinds}, {max(one.after for one in each):.2f} s later at most")
     elif name == "drift":
         for one in drift(given.seeds, where, given.minutes or 15.0):
             times = ", ".join(f"{key} after {at / 60.0:.1f} min" for key, at in one.after.items())
@@ -341,7 +343,6 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=None)
     parser.add_argument("--measured", type=float, default=6.0, help="time over which tracking errors count [s]")
     parser.add_argument("--rigs", type=int, default=10, help="rigs among which quiet minutes are shared")
-    parser.add_argument("--joint", default="knee", choices=("hip", "knee", "ankle"))
     parser.add_argument("--scene", default="walk", choices=(*SCENES, "all"))
     given = parser.parse_args()
     if given.study == "standing":

@@ -12,6 +12,7 @@ from walking import TORQUE_NOISE, Walk
 from exoid import Coulomb, Estimate, Leg, Offset, Recording, Viscous, identify
 from exoid.control.observers import SensorNoise
 from exoid.experiments import Harmonics, healthy_gait
+from exoid.experiments.bench import stiff_servo
 from exoid.experiments.gait import norm_gait
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Run, Sensors, Target, Wearer, simulate
 from exoid.torques import TorqueModel
@@ -154,15 +155,9 @@ class StopAndGo:
 
 def sticking_run(leg: Leg, rigs: int, seconds: float, seed: int = 0, rate: float = 1000.0) -> Run:
     """Rigs that nobody wears, with friction that sticks; a soft servo leaves each joint at rest under some torque."""
-    friction = {
-        f"{symbol}_{label}": value
-        for symbol, row in FRICTION.items()
-        if symbol != "offset"
-        for label, value in zip(leg.joint_labels, row, strict=False)
-    }
     n = len(leg.joint_names)
     return simulate(
-        Plant.build(leg, friction, pitch=np.zeros(rigs), end_stops=False),
+        _plant(leg, rigs),
         StopAndGo.draw(n, rigs, seed),
         ProportionalDerivative(np.array([[150.0], [120.0], [40.0]])[:n], np.array([[15.0], [8.0], [1.5]])[:n]),
         IdealTorque(),
@@ -180,24 +175,47 @@ def estimate_of(leg: Leg, **changes: float) -> Estimate:
 
 def worn_run(leg: Leg, periods: Array, seconds: float, seed: int = 0, rate: float = 1000.0) -> Run:
     """Rigs whose actuators are off, worn by walkers of several stride times."""
+    gait = walks(leg, periods)
+    law = ProportionalDerivative(0.0, 0.0)
+    return _worn(leg, gait, law, Wearer.build(leg, intention=gait), seconds, seed, rate)
+
+
+def passive_run(leg: Leg, periods: Array, seconds: float, seed: int = 0, rate: float = 1000.0) -> Run:
+    """Rigs whose servo moves them and a passive limb in strides of several times."""
+    plant = _plant(leg, len(periods))
+    return _worn(leg, walks(leg, periods), stiff_servo(plant), Wearer.build(leg), seconds, seed, rate)
+
+
+def walks(leg: Leg, periods: Array) -> Harmonics:
+    """Strides of several times."""
+    healthy = len(leg.joint_names) == 2
+    return Harmonics.concatenate([healthy_gait(1.0, period) if healthy else bleex_gait(period) for period in periods])
+
+
+def _plant(leg: Leg, rigs: int) -> Plant:
+    """Rigs with friction that sticks."""
     friction = {
         f"{symbol}_{label}": value
         for symbol, row in FRICTION.items()
         if symbol != "offset"
         for label, value in zip(leg.joint_labels, row, strict=False)
     }
-    n = len(leg.joint_names)
-    strides = [healthy_gait(1.0, period) if n == 2 else bleex_gait(period) for period in periods]
-    gait = Harmonics.concatenate(strides)
+    return Plant.build(leg, friction, pitch=np.zeros(rigs), end_stops=False)
+
+
+def _worn(
+    leg: Leg, gait: Harmonics, law: ProportionalDerivative, wearer: Wearer, seconds: float, seed: int, rate: float
+) -> Run:
+    n, rigs = gait.centre.shape
     return simulate(
-        Plant.build(leg, friction, pitch=np.zeros(len(periods)), end_stops=False),
+        _plant(leg, rigs),
         gait,
-        ProportionalDerivative(0.0, 0.0),
+        law,
         IdealTorque(),
         seconds,
         sensors=Sensors(torque_noise=TORQUE_NOISE[:n]),
         rates=Rates(rate, rate),
-        wearer=Wearer.build(leg, intention=gait),
+        wearer=wearer,
         seed=seed,
     )
 

@@ -59,6 +59,13 @@ def commands(page):
     return [command for language, text in blocks(page) if language in SHELL for command in shell_commands(text)]
 
 
+def studies(page):
+    """Indented commands: studies of minutes to hours, whose figures the page prints beside them. They are not run."""
+    text = (ROOT / page).read_text(encoding="utf-8").replace("\\\n", " ")
+    lines = re.findall(r"^    (?:\$ )?((?:exoid|python|pytest) .+)$", text, re.M)
+    return [command for line in lines for command in shell_commands(line)]
+
+
 def uncovered(shown):
     """Commands that nothing runs and for which no reason is given."""
     return [each for each in shown if not each.startswith("exoid ") and each not in {**RUN_BY, **NOT_RUN}]
@@ -99,10 +106,19 @@ def test_no_block_is_left_out_by_its_language_or_its_indent(page):
 @pytest.mark.parametrize("page", PAGES)
 def test_every_shown_command_parses(page):
     """In a moment, without a run: verbs, options and their values are those of the command."""
-    for line in (command for language, text in blocks(page) if language in SHELL for command in exoid_commands(text)):
+    for line in exoid_commands("\n".join([*commands(page), *studies(page)])):
         verb, *arguments = shlex.split(line)[1:]
         if arguments != ["--help"]:
             load_verb(verb).make_context(f"exoid {verb}", arguments)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_script_that_a_page_names_exists_and_has_the_options(page):
+    text = (ROOT / page).read_text(encoding="utf-8")
+    for name, options in re.findall(r"python (scripts/\w+\.py)((?: +[^\s`|,;:)#&]+)*)", text):
+        source = (ROOT / name).read_text(encoding="utf-8")
+        for option in re.findall(r" (--[a-z][\w-]*)", options):
+            assert f'"{option}"' in source or option == "--help", f"{name} {option}"
 
 
 def test_a_command_with_a_wrong_option_does_not_parse():

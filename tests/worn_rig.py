@@ -13,7 +13,7 @@ from exoid.experiments import gait_for_leg, norm_gait
 from exoid.experiments.bench import stiff_servo
 from exoid.experiments.references import Harmonics
 from exoid.rig import IdealTorque, Plant, Rates, Run, Sensors, Target, Wearer, simulate
-from exoid.signals import without_torque_delay
+from exoid.signals import without_torque_delay, zero_phase
 from exoid.torques import Term
 
 Array = NDArray[np.float64]
@@ -83,6 +83,16 @@ def machine(name: str) -> Machine:
     terms = (Stiffness(degree=1, joints=("knee",)), DRY, Viscous(), Armature())
     centre, amplitude = np.deg2rad([20.0, 38.0]), np.deg2rad([35.0, 42.0])
     return Machine(Plant.build(leg, CUHK, end_stops=False), leg, terms, centre, amplitude, np.array([0.5, 0.3]))
+
+
+def true_values(one: Machine, names: tuple[str, ...]) -> Array:
+    """True values of the parameters of an estimate; the rotor of CUHK-EXO's hip is part of its J1."""
+    friction = CUHK if "Ia_knee" in names else published.bleex_resistances("left")
+    rigid = zip(one.plant.leg.parameter_names, one.plant.parameters[:, 0].tolist(), strict=True)
+    known = {**friction, **dict(rigid)}
+    if "Ia_hip" in known and "Ia_hip" not in names:
+        known["J1"] += known["Ia_hip"]
+    return np.array([known.get(name, 0.0) for name in names])
 
 
 @dataclass(frozen=True)
@@ -162,9 +172,21 @@ def cad_torque(one: Machine, estimate: Estimate, recording: Recording, time: Arr
 
 def at(estimate: Estimate, recording: Recording, torque: Array, time: Array) -> Array:
     """Pass a torque through the filter of the estimate, at some samples."""
+    return at_samples(recording, estimate.preparation.filter(torque, recording.sample_rate), time)
+
+
+def at_samples(recording: Recording, torque: Array, time: Array) -> Array:
+    """Pick a torque at some samples."""
+    return torque[np.searchsorted(recording.time, time - 0.5 / recording.sample_rate)]
+
+
+def behind(estimate: Estimate, recording: Recording, cutoffs: Array, torque: Array, time: Array) -> Array:
+    """Pass the torque of each joint through a low-pass of its own, at some samples."""
     rate = recording.sample_rate
-    whole = estimate.preparation.filter(torque, rate)
-    return whole[np.searchsorted(recording.time, time - 0.5 / rate)]
+    whole = np.column_stack(
+        [zero_phase(x, rate, c, estimate.preparation.order) for c, x in zip(cutoffs, torque.T, strict=True)]
+    )
+    return at_samples(recording, whole, time)
 
 
 def nrmse(found: Array, truth: Array) -> Array:

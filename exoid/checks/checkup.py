@@ -12,7 +12,8 @@ from exoid.actuators import Actuators
 from exoid.errors import ExoidError
 from exoid.estimate.motion_ranges import MotionRanges
 from exoid.findings import Finding, ordered
-from exoid.regression.rows import Rows, for_leg
+from exoid.regression.row_data import Rows
+from exoid.regression.rows import for_leg
 from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, ZeroPhase
 from exoid.torques import TorqueModel
 

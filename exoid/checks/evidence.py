@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.estimate.motion_ranges import MotionRanges
-from exoid.regression.rows import Rows
+from exoid.regression.row_data import Rows
 
 from .nuisances import Nuisance
 

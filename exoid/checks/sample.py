@@ -14,7 +14,8 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.alternative_friction import AlternativeFriction
 from exoid.estimate.motion_ranges import MotionRanges
-from exoid.regression.rows import Prepared, Rows, chain, decimated, for_leg, form_rows, prepare
+from exoid.regression.row_data import Rows
+from exoid.regression.rows import Prepared, chain, decimated, for_leg, form_rows, prepare
 from exoid.signals import Poses, Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.external import average
 from exoid.torques import TorqueModel

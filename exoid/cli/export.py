@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import typer
 
@@ -25,6 +25,9 @@ from .outputs import check_outputs
 
 if TYPE_CHECKING:
     from exoid.online.in_c import RecursiveSource
+
+Forgetting = Literal["directional", "exponential", "none"]
+"""How a recursive estimator forgets."""
 
 
 class LinkOptions(NamedTuple):
@@ -60,6 +63,7 @@ class Target(NamedTuple):
         ros2: Folder of a package for ROS 2.
         law: Name of the control law in C.
         recursive: Whether the C is a recursive estimator.
+        forgetting: How that forgets.
         precision: Precision of the C.
     """
 
@@ -69,6 +73,7 @@ class Target(NamedTuple):
     ros2: str | None
     law: str | None
     recursive: bool
+    forgetting: Forgetting | None
     precision: str | None
 
     @property
@@ -116,6 +121,12 @@ def export(
             help="Write a recursive estimator of the same parameters into the file of --c, and a header beside it.",
         ),
     ] = False,
+    forgetting: Annotated[
+        Forgetting | None,
+        typer.Option(
+            help="--recursive: how rows are forgotten; default directional. Changes are detected unless it is none."
+        ),
+    ] = None,
     ros2: Annotated[
         str | None,
         typer.Option(
@@ -128,15 +139,16 @@ def export(
 ) -> None:
     """Write an identified leg as a URDF, with LEG.exoid.json for what a URDF cannot hold, for MuJoCo or in C.
 
-    With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr;
-    for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or momentum_observer or
-    kalman_observer, which give the torque of the wearer. With --ros2, it is a package for ROS 2 around that C.
+    With --law, the C is a control law with this model: pd, pd_gravity_friction, pd_feedforward, computed_torque, lqr,
+    adaptive (in double); for a leg with a wearer gravity_support, sensitivity_amplification or impedance; or
+    momentum_observer or kalman_observer, which give the torque of the wearer. With --ros2, it is a package for ROS 2
+    around that C.
 
-    With --recursive, the C is a recursive estimator of the parameters of this estimate, without forgetting.
+    With --recursive, the C is a recursive estimator of the parameters of this estimate, which begins with nothing.
 
     Example: exoid export est.json -o leg.urdf
     """
-    target = Target(output, c, mjcf, ros2, law, recursive, precision)
+    target = Target(output, c, mjcf, ros2, law, recursive, forgetting, precision)
     _refuse_without_effect(target, links, options)
     check_outputs(target.files, [estimate])
     if ros2 is not None:
@@ -167,13 +179,15 @@ def _in_c(
     if target.recursive:
         from .recursive_export import export_recursive  # noqa: PLC0415 - only this needs the estimator
 
-        return export_recursive(found, str(target.c), options.rate, options.bandwidth)
+        return export_recursive(
+            found, str(target.c), options.rate, options.bandwidth, target.forgetting or "directional"
+        )
     return found.to_c(str(target.c), precision=precision)
 
 
 def _refuse_without_effect(target: Target, links: LinkOptions, options: LawOptions) -> None:
     """Refuse options that have no effect on what is written."""
-    output, c, mjcf, ros2, law, recursive, precision = target
+    output, c, mjcf, ros2, law, recursive, forgetting, precision = target
     if sum(each is not None for each in (output, c, mjcf, ros2)) != 1:
         raise ExoidError(
             "one file is written at a time",
@@ -186,6 +200,8 @@ def _refuse_without_effect(target: Target, links: LinkOptions, options: LawOptio
         raise ExoidError(
             "--mass-factor and --pull have no effect on C", remedy="leave them out, or write a URDF with -o LEG.URDF"
         )
+    if forgetting is not None and not recursive:
+        raise ExoidError("--forgetting has no effect without --recursive", remedy="leave it out, or give --recursive")
     if recursive:
         _refuse_beside_recursive(c, law, precision, options)
     elif law is None and options.given():

@@ -9,6 +9,7 @@ from exoid.codegen.laws import LawSource, Safety
 from exoid.codegen.ros2 import Ros2Package
 from exoid.control import ControlModel
 from exoid.control.in_c import write_c, write_ros2
+from exoid.control.observers import TorqueObserver
 from exoid.control.stateful import AnyLaw
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
@@ -28,7 +29,10 @@ AMPLIFICATION = 2.0
 WORN = ("gravity_support", "sensitivity_amplification", "impedance")
 """Names of the laws for a leg with a wearer."""
 
-OBSERVERS = {"momentum_observer": control.MomentumObserver, "kalman_observer": control.KalmanObserver}
+OBSERVERS: dict[str, type[TorqueObserver]] = {
+    "momentum_observer": control.MomentumObserver,
+    "kalman_observer": control.KalmanObserver,
+}
 """Observers, which give the torque of the wearer in place of a command."""
 
 OBSERVED = 8.0
@@ -86,10 +90,10 @@ def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
         return control.sensitivity_amplification(model, amplification, bandwidth=bandwidth, rate=_rate(options, 500.0))
     if name not in (*control.LAWS, *WORN):
         raise ExoidError(f"no controller {name}", remedy=f"use one of {', '.join((*control.LAWS, *WORN, *OBSERVERS))}")
-    return _with_gains(model, name, options)
+    return _with_gains(estimate if name == "adaptive" else model, name, options)
 
 
-def _observer(estimate: Estimate, name: str, options: LawOptions) -> control.TorqueObserver:
+def _observer(estimate: Estimate, name: str, options: LawOptions) -> TorqueObserver:
     """Observer with measured velocities, whose channels are aligned where they are read."""
     if estimate.torque_delays.any():
         lags = zip(estimate.leg.joint_labels, estimate.torque_delays.tolist(), strict=True)
@@ -103,8 +107,9 @@ def _observer(estimate: Estimate, name: str, options: LawOptions) -> control.Tor
     return OBSERVERS[name](estimate, bandwidth, _rate(options, 100.0), torque_delay=0.0)
 
 
-def _with_gains(model: ControlModel, name: str, options: LawOptions) -> AnyLaw:
-    """Law with gains, which has a gait to follow."""
+def _with_gains(source: Estimate | ControlModel, name: str, options: LawOptions) -> AnyLaw:
+    """Law with gains, which has a gait to follow; adaptive control needs the covariance of the estimate."""
+    model = ControlModel.of(source)
     leg, labels = model.leg, model.leg.joint_labels
     period = PERIOD if options.period is None else options.period
     if not 0.0 < period < np.inf:
@@ -119,7 +124,7 @@ def _with_gains(model: ControlModel, name: str, options: LawOptions) -> AnyLaw:
     rate = _rate(options, 100.0)
     if name == "impedance":
         return control.impedance(model, kp, kd, rate=rate)
-    return control.standard_laws(model, kp, kd, reference, period, rate=rate, names=[name])[name]
+    return control.standard_laws(source, kp, kd, reference, period, rate=rate, names=[name])[name]
 
 
 def _rate(options: LawOptions, default: float) -> float:

@@ -10,7 +10,9 @@ RATE, CUTOFF = 500.0, 8.0
 """Sampling rate and cut-off [Hz]: those of :class:`exoid.online.RecursiveEstimator`."""
 
 
-def export_recursive(estimate: Estimate, path: str, rate: float | None, cutoff: float | None) -> RecursiveSource:
+def export_recursive(
+    estimate: Estimate, path: str, rate: float | None, cutoff: float | None, forgetting: str
+) -> RecursiveSource:
     """Write a recursive estimator of the parameters of an estimate as C.
 
     Args:
@@ -18,6 +20,7 @@ def export_recursive(estimate: Estimate, path: str, rate: float | None, cutoff: 
         path: Source to write.
         rate: Sampling rate [Hz]; None for the default.
         cutoff: Cut-off of the filter [Hz]; None for the default.
+        forgetting: "directional", "exponential" or "none". Unless it is "none", changes are detected.
 
     Returns:
         What was written.
@@ -30,7 +33,6 @@ def export_recursive(estimate: Estimate, path: str, rate: float | None, cutoff: 
         estimate.model.terms,
         rate=RATE if rate is None else rate,
         cutoff=CUTOFF if cutoff is None else cutoff,
-        forgetting="none",
-        false_alarms=0.0,
+        forgetting=forgetting,
     )
     return write_recursive(path, online)

@@ -18,7 +18,7 @@ from .lqr import Weights, lqr
 from .mean_pose import mean_pose
 from .model import ControlModel
 from .motion_filter import MotionFilter
-from .observers import KalmanObserver, MomentumObserver, SensorNoise
+from .observers import KalmanObserver, MomentumObserver, SensorNoise, tuned_observer
 from .parameter_change import ExpectedChange
 from .parameter_cone import ParameterCone
 from .passive_friction import PassiveFriction
@@ -83,4 +83,5 @@ __all__ = [
     "stateful",
     "track",
     "transparent",
+    "tuned_observer",
 ]

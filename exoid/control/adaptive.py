@@ -141,8 +141,8 @@ class Adaptive:
             Memory before the first sample.
         """
         columns = _columns(state)
-        values = np.tile(self._start[:, None], columns.q.shape[1])
-        after = None if self.prediction is None else self.prediction.begin(columns, self._information, self.rate)
+        values = np.tile(self.start[:, None], columns.q.shape[1])
+        after = None if self.prediction is None else self.prediction.begin(columns, self.initial_information, self.rate)
         return AdaptiveMemory(values.reshape(-1, *state.q.shape[1:]), np.full_like(state.q, np.nan), after)
 
     def step(self, memory: AdaptiveMemory, state: State, target: Target) -> tuple[FloatArray, AdaptiveMemory]:
@@ -174,7 +174,7 @@ class Adaptive:
         change = self.gain / self.rate * np.einsum("bnp,nb->bp", Y, learning)
         after, P = memory.prediction, self.model.covariance[None]
         if self.prediction is not None and after is not None:
-            found = self.prediction.learn(after, self.model, values, now, self._information, usable, self.rate)
+            found = self.prediction.learn(after, self.model, values, now, self.initial_information, usable, self.rate)
             after, P, change = found.memory, found.covariance, change + found.gradient
         learned = self._project(values - np.einsum("bpr,br->bp", P, change), values, after)
         return torque.reshape(shape), AdaptiveMemory(learned.T.reshape(-1, *shape[1:]), torque.reshape(shape), after)
@@ -207,21 +207,26 @@ class Adaptive:
             )
         found = values.copy()
         for leg in np.flatnonzero((values != before).any(axis=1)):
-            whiten = self._whiten if after is None else np.linalg.cholesky(after.information[leg]).T
+            whiten = self.metric if after is None else np.linalg.cholesky(after.information[leg]).T
             found[leg] = self.cone.nearest(values[leg], whiten)
         return found
 
     @cached_property
-    def _information(self) -> FloatArray:
-        return np.asarray(np.linalg.inv(self.model.covariance))
+    def initial_information(self) -> FloatArray:
+        """Inverse of the covariance, (P, P)."""
+        scale = np.sqrt(np.diagonal(self.model.covariance))  # parameters have different units
+        scale = np.outer(scale, scale)
+        return np.asarray(np.linalg.inv(self.model.covariance / scale) / scale)
 
     @cached_property
-    def _whiten(self) -> FloatArray:
-        return np.asarray(np.linalg.cholesky(self._information).T)
+    def metric(self) -> FloatArray:
+        """Matrix L of the metric at the beginning, upper triangular, LᵀL the inverse of the covariance, (P, P)."""
+        return np.asarray(np.linalg.cholesky(self.initial_information).T)
 
     @cached_property
-    def _start(self) -> FloatArray:
-        return self.cone.nearest(self.model.values, self._whiten)
+    def start(self) -> FloatArray:
+        """Parameters at the beginning, (P,)."""
+        return self.cone.nearest(self.model.values, self.metric)
 
 
 def adaptive(
@@ -266,7 +271,7 @@ def adaptive(
     refuse_unknown_covariance(model.covariance)
     model = replace(model, covariance=regular(model.covariance, model.values))
     law = Adaptive(model, gains(kp, "kp"), gains(kd, "kd"), cone, prediction, time_constant, dead_zone, still, rate)
-    nearest, count = law._start, len(model.model.leg.parameter_names)
+    nearest, count = law.start, len(model.model.leg.parameter_names)
     floor = np.append(FLOOR * nearest[:count], np.zeros(len(nearest) - count))
     return replace(law, model=replace(model, values=nearest), cone=cone.above(floor))
 

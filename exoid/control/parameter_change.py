@@ -91,6 +91,8 @@ def regular(covariance: FloatArray, values: FloatArray) -> FloatArray:
     """
     std = np.sqrt(np.diagonal(covariance))
     scale = np.where(std > 0.0, std, LEAST_STD * np.maximum(np.abs(values), LEAST_STD))
-    eigenvalues, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
+    correlation = covariance / np.outer(scale, scale)
+    np.fill_diagonal(correlation, 1.0)  # also of parameters that are known exactly: their scale is their deviation
+    eigenvalues, axes = np.linalg.eigh(correlation)
     clipped = np.maximum(eigenvalues, LEAST_STD**2 * max(float(eigenvalues[-1]), 1.0))
     return np.asarray((axes * clipped) @ axes.T * np.outer(scale, scale))

@@ -154,4 +154,7 @@ class TorquePrediction:
         gained = weight * np.einsum("bnp,bnr->bpr", W, W)
         information = initial + kept * (memory.information - initial) + gained
         after = PredictionMemory(motion, torque, torque_rate, information, memory.age + period)
-        return Learned(after, weight * np.einsum("bnp,bn->bp", W, error), np.linalg.inv(information))
+        size = np.sqrt(np.diagonal(information, axis1=1, axis2=2))
+        scale = size[:, :, None] * size[:, None, :]  # parameters have different units
+        covariance = np.linalg.inv(information / scale) / scale
+        return Learned(after, weight * np.einsum("bnp,bn->bp", W, error), covariance)

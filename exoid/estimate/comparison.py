@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.regression.intervals import intervals
-from exoid.tables import DataTable, make_table, to_html, to_text, with_error
+from exoid.tables import DataTable, Report, make_table, with_error
 
 from .data import EstimateData
 
@@ -35,7 +35,7 @@ FloatsByName = Mapping[str, FloatArray]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison:
+class Comparison(Report):
     """Wald test of two estimates, parameter by parameter and of all together; prints itself as a table.
 
     Attributes:
@@ -105,14 +105,6 @@ class Comparison:
     def __repr__(self) -> str:
         """Name the parameters that differ."""
         return f"Comparison(p_value={self.p_value:.3g}, different: {', '.join(self._different()) or 'none'})"
-
-    def __str__(self) -> str:
-        """Print as a table and a conclusion."""
-        return to_text(*self._report())
-
-    def _repr_html_(self) -> str:
-        """Table and conclusion for notebooks."""
-        return to_html(*self._report())
 
     def _report(self) -> list[DataTable | str]:
         """Title, table, and conclusion."""

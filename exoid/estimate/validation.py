@@ -12,10 +12,11 @@ from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Coupling, Drive
 from exoid.errors import ExoidError
 from exoid.findings import Finding, finding_lines, findings_to_json, ordered
+from exoid.regression.every_row import each_row
 from exoid.regression.intervals import half_width
-from exoid.regression.rows import each_row, for_leg, prepare
+from exoid.regression.rows import for_leg, prepare
 from exoid.signals import Preparation, Recording
-from exoid.tables import DataTable, make_table, to_html, to_text
+from exoid.tables import DataTable, Report, with_parts
 
 from .data import EstimateData
 from .ground_validation import Compared, compare_on_ground, stands
@@ -40,7 +41,7 @@ LEVEL = 0.95
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Validation:
+class Validation(Report):
     """Measured and predicted torque, filtered alike, and what lies between them.
 
     Attributes:
@@ -133,21 +134,10 @@ class Validation:
         errors = ", ".join(f"{n} not measured" if np.isnan(rms) else f"{n} {e:.3f}" for n, e, rms in each)
         return f"Validation(nrmse: {errors})"
 
-    def __str__(self) -> str:
-        """Print as a table."""
-        return to_text(*self._report())
-
-    def _repr_html_(self) -> str:
-        """Table for notebooks."""
-        return to_html(*self._report())
-
     def _report(self) -> list[DataTable | str]:
         """Title, tables and number of samples."""
         samples = f"{len(self.time)} samples, both torques {self.filter}"
-        tables: list[DataTable | str] = [make_table(HEADERS, self.rows())]
-        if self.parts:
-            of_parts = [(part.source, *row) for part in self.parts for row in part.rows()]
-            tables += ["each recording:", make_table(("recording", *HEADERS), of_parts)]
+        tables = with_parts(HEADERS, self.rows(), [(part.source, part.rows()) for part in self.parts])
         return [
             f"Prediction of {self.source}",
             *tables,

@@ -14,7 +14,8 @@ from exoid.checks.sample import few_of, some_samples
 from exoid.errors import ExoidError
 from exoid.estimate.alternative_friction import COUNT, KINDS, with_alternatives
 from exoid.estimate.model_error import ModelError
-from exoid.regression.rows import Rows, chain, decimated, form_rows, prepare
+from exoid.regression.row_data import Rows
+from exoid.regression.rows import chain, decimated, form_rows, prepare
 from exoid.signals import Poses, Recording
 
 SIZES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1)

@@ -14,7 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.regression.least_squares import RFactor, Solution, refuse_empty_joints, solve, stack
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, ParameterLayout, PriorKnowledge
-from exoid.regression.rows import NoiseKind, RowBlock
+from exoid.regression.row_data import NoiseKind, RowBlock
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import TorqueModel
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.findings import Finding
 from exoid.ground import StandingBase, standing_base
-from exoid.regression.rows import Rows
+from exoid.regression.row_data import Rows
 from exoid.signals import Cluster, Recording
 
 from .fitting import Fitted, Task

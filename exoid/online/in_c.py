@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -50,8 +50,11 @@ SCHEMA = "exoid-recursive-in-c-1"
 ABSURD = 1e9
 """Torque [N·m] from which a sample is absurd, and limit of torque that stands for none."""
 
-SWEEPS = 8
+SWEEPS = 5
 """Largest number of sweeps of one-sided Jacobi; convergence is quadratic, and three to five are enough."""
+
+AT_ONCE = 4
+"""Columns of new rows that a unit of work takes in."""
 
 DOUBLE = Dialect("double")
 
@@ -245,7 +248,8 @@ def _values(settings: Settings, state: State) -> dict[str, Any]:
         "block": settings.block,
         "block_rows": ROWS,
         "block_time": settings.block_time,
-        "budget": work_of_a_sample(settings, prior),
+        "work": Work.of(settings),
+        "at_once": AT_ONCE,
         "gravity": GRAVITY,
         "cumulative": leg.cumulative,
         "tables": tables,
@@ -346,35 +350,75 @@ def _of_detection(settings: Settings) -> dict[str, Any]:
     }
 
 
-def work_of_a_sample(settings: Settings, prior: bool) -> int:
-    """Compute what a sample has to do of the work after a block, so that it is complete before the next one.
+class Work(NamedTuple):
+    """What a sample has to do of the work after a block, in multiplications or so, as the units in C count it.
 
-    Args:
-        settings: Settings.
-        prior: Whether there is an R factor of what was known before the rows.
-
-    Returns:
-        Work in multiplications or so, as the units in C count it.
+    Attributes:
+        plain: Without an R factor of what was known before the rows.
+        prior: With one.
+        change: In a block in which a change is confirmed.
     """
+
+    plain: int
+    prior: int
+    change: int
+
+    @classmethod
+    def of(cls, settings: Settings) -> Work:
+        """Share the work among the samples of the next block that form no row.
+
+        Args:
+            settings: Settings.
+
+        Returns:
+            The shares.
+        """
+        calls = settings.block - ROWS if settings.stride > 1 else settings.block
+        look = _work_of_looking(settings)
+        plain, prior = (look + _work_of_rows(settings, before) for before in (False, True))
+        least = max(1, calls - 1 - math.ceil(look * calls / plain))  # calls after the decision
+        change = prior + _work_of_change(settings)
+        return cls(*(math.ceil(total) for total in (plain / calls, prior / calls, change / least)))
+
+
+def _work_of_solving(settings: Settings, slots: int) -> float:
+    """Common R factor of several, its values and standard deviations."""
+    n, K, column = settings.n, settings.count, np.arange(settings.count)
+    stack = slots * K * K / 2 + (2 * (K - column + 8) * (slots * (column + 1) + 1) + 150).sum()
+    return float(stack + K * K + (column**2 / 2 + 20 * column + 50).sum() + n * K * K)
+
+
+def _work_of_rows(settings: Settings, prior: bool) -> float:
+    """Forgetting, taking rows in, solving, and following the residuals."""
     n, K = settings.n, settings.count
-    rotation, column = 2 * K * K + 30 * K, K * K // 2 + 10 * K
-    stack = K * K + (n + prior) * (K + 1) * rotation // 2
-    solve = stack + K * K + K * column + n * K * K
-    total = 30 * n + n * ROWS * rotation + solve + 2 * ROWS * LAGS * n
-    heights = [ROWS] * n + [n * ROWS] * prior
-    if settings.forgetting != "none":
-        total += sum(height * (K * K + 10 * K + n * ROWS * K) for height in heights)
-    if settings.forgetting == "directional":
-        total += sum(SWEEPS * height * (height - 1) // 2 * (8 * K + 40) for height in heights)
-        total += sum(height * (rotation + 2 * K * height) for height in heights)
-    if detects(settings):
-        found = Detection.of(settings)
-        sizes = [(np.count_nonzero(one.basis.any(axis=1)), one.basis.shape[1]) for one in found.hypotheses]
-        total += ROWS * n * K * K + sum(rows * rows * d + rows * d * d + 40 * d for rows, d in sizes)
-        total += 20 * len(sizes) + (1 + CHECKPOINTS) * (n + 1) * K * K
-        total += stack + solve + K * (2 * K * K + 3 * rotation)
-    calls = settings.block - ROWS if settings.stride > 1 else settings.block
-    return math.ceil(total / calls)
+    absorb = sum(AT_ONCE * (2 * (K - first + 8) * (ROWS + 1) + 100) for first in range(0, K + 1, AT_ONCE))
+    total = 60.0 * n + n * absorb + _work_of_solving(settings, n + 1) + 2 * ROWS * LAGS * n + (n + 1) * K * K
+    for height in [ROWS] * n + [n * ROWS] * prior:
+        if settings.forgetting != "none":
+            total += height * (K * K / 2 + 17 * K) + K * K / 2
+        if settings.forgetting == "directional":
+            total += SWEEPS * (height * (height - 1) / 2 * (5 * K + 50) + height * K)
+            total += height * (2 * K * K + 2 * K * height + 20 * K)
+    return total
+
+
+def _work_of_looking(settings: Settings) -> float:
+    """Statistics of the change detection."""
+    if not detects(settings):
+        return 0.0
+    sizes = [(np.count_nonzero(one.basis.any(axis=1)), one.basis.shape[1]) for one in Detection.of(settings).hypotheses]
+    tests = sum(2 * rows**2 * d + rows * d * d + 150 * d for rows, d in sizes)
+    return float(2 * ROWS * settings.n * settings.count**2 + tests + 20 * len(sizes))
+
+
+def _work_of_change(settings: Settings) -> float:
+    """Forgetting the parameters that changed, and solving again."""
+    if not detects(settings):
+        return 0.0
+    n, K, column = settings.n, settings.count, np.arange(settings.count)
+    turned = K * (column + 5).sum() + (6 * (K - column + 8) * (K - column) + 450).sum()
+    copied = (1 + CHECKPOINTS) * (n + 1) * K * K
+    return float(turned + K**3 + (n + 2) * K * K + copied + 2 * _work_of_solving(settings, n + 1))
 
 
 def _columns(settings: Settings) -> Iterator[tuple[int, int, str]]:

@@ -62,7 +62,7 @@ def absorb(settings: Settings, information: Information, rows: Rows, weights: Fl
         share = 1.0 - np.exp(-counts * settings.row_time / settings.memory)
         R, number = _forgotten(settings.forgetting, R, number, table, share, weights)
     out = R.copy()
-    out[:-1] = _without_rounding(np.linalg.qr(np.concatenate([R[:-1], table], axis=1), mode="r"))
+    out[:-1] = _without_rounding(np.asarray(np.linalg.qr(np.concatenate([R[:-1], table], axis=1), mode="r")))
     return Information(out, number + np.append(counts, 0))
 
 
@@ -91,7 +91,8 @@ def _forgotten(
             number[slot] *= 1.0 - lost
     if R[-1].any():
         weighted = (table * weights[:, None, None]).reshape(-1, table.shape[2])
-        out[-1], _ = _of_one(kind, R[-1], weighted, float(share.max()))
+        changed, _ = _of_one(kind, R[-1], weighted, float(share.max()))
+        out[-1] = np.linalg.qr(changed, mode="r")
     return out, number
 
 

@@ -6,7 +6,7 @@ from .influence import Influence
 from .least_squares import RFactor, Solution, joint_table, stack
 from .parameters import Prior
 from .problem import LeastSquaresProblem, RowProblem
-from .rows import RowBlock, Rows
+from .row_data import RowBlock, Rows
 from .trends import Trend
 
 __all__ = [

@@ -19,7 +19,7 @@ from .noise import LagSums
 from .parameters import PriorKnowledge
 from .problem import RowProblem
 from .residuals import Noises, Point, Series, over_recordings
-from .rows import NoiseKind
+from .row_data import NoiseKind
 
 WELL = 0.1
 """A parameter is well determined if its standard deviation is at most this part of its size,"""

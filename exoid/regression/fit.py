@@ -1,8 +1,9 @@
-"""Fit: the solution of a regression, its covariance under the noise of the residuals, and the samples behind it."""
+"""Fit: ordinary and weighted least squares, the covariance under the noise of residuals, and the samples behind it."""
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -15,9 +16,9 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
-from .least_squares import RFactor, Solution
+from .least_squares import RFactor, Solution, stack
 from .noise import AutoregressiveNoise
-from .problem import RowProblem, RowSource
+from .problem import LeastSquaresProblem, RowProblem, RowSource
 from .residuals import Noises, Point, Sandwich, Series, matrix_root, over_recordings, sandwich
 
 BLOCKS = 20
@@ -38,6 +39,9 @@ ACCURACY = 5e-4
 Residuals of a simulation without noise are smaller, but they are the errors of filters and differences. These are not
 random, and what they do to a parameter is not seen in the residuals.
 """
+
+NOISELESS = 1e-9
+"""Residuals below this fraction of the leg's torque are rounding, not noise, and do not raise a weight further."""
 
 
 class Covariance(NamedTuple):
@@ -82,6 +86,46 @@ class Fit(NamedTuple):
     def point(self) -> Point:
         """Parameters and weights at which residuals are computed."""
         return Point(self.solution.values, self.weights, self.clip)
+
+
+def ols(problem: LeastSquaresProblem) -> Fit:
+    """Weigh every torque row alike, whichever joint it comes from: min Σ ‖W β − τ‖² (doc. 1, eq. (17)).
+
+    Args:
+        problem: The problem.
+
+    Returns:
+        The fit.
+    """
+    return Fit(problem.solve(stack(problem.r_factors)), [1.0] * len(problem.r_factors))
+
+
+def wls(problem: LeastSquaresProblem) -> Fit:
+    """Each joint's rows are divided by that joint's own residual of a first, ordinary, fit.
+
+    A hip whose sensor errs by 1 N·m then no longer drowns an ankle whose sensor errs by 0.1 N·m.
+
+    Args:
+        problem: The problem.
+
+    Returns:
+        The fit.
+    """
+    first = ols(problem).solution.values
+    floor = noise_floor(problem)
+    weights = [1.0 / max(_rms(r_factor, first), floor) for r_factor in problem.r_factors]
+    return Fit(problem.solve(stack(problem.r_factors, weights)), weights)
+
+
+def noise_floor(problem: LeastSquaresProblem) -> float:
+    """Size below which a residual is rounding [N·m]."""
+    torque = max(float(np.linalg.norm(t.R[:, -1])) / math.sqrt(max(t.rows, 1)) for t in problem.r_factors)
+    return NOISELESS * torque
+
+
+def _rms(r_factor: RFactor, values: FloatArray) -> float:
+    """RMS residual of one joint [N·m]."""
+    return r_factor.residual(values) / math.sqrt(max(r_factor.rows, 1))
 
 
 class Uncertainty(NamedTuple):

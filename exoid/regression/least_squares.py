@@ -14,7 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 
 from .parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
-from .rows import Rows
+from .row_data import Rows
 
 UNDETERMINED = 1e-7
 """Singular values of the unit-column regressor below this fraction of the largest count as zero."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .least_squares import RFactor, Solution
-from .rows import NoiseKind, RowBlock
+from .row_data import NoiseKind, RowBlock
 
 T = TypeVar("T")
 

@@ -15,7 +15,7 @@ from exoid._typing import FloatArray
 from .least_squares import Solution
 from .noise import LARGEST_ORDER, AutoregressiveNoise, LagSums, QuadraticForm
 from .problem import RowProblem, RowSource
-from .rows import NoiseKind, RowBlock
+from .row_data import NoiseKind, RowBlock
 
 PASSES = 5
 """Noise and covariance depend on each other, and are computed in turn at most so often."""

@@ -1,4 +1,4 @@
-"""From recordings to the rows of the least-squares problem."""
+"""From recordings to the rows of the least-squares problem, as many as are not redundant."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from exoid.signals import ParallelFilter, Poses, Preparation, Recording, base_du
 from exoid.signals.filters import around_stops, reversal_pulses, without_reversals
 
 from .model import MotionSamples, RegressorModel
+from .row_data import Rows, TakenOut
 
 BLOCK = 16384
 """Samples of a block, in which reversals are taken out by themselves,"""
@@ -26,82 +27,9 @@ BLOCKS = 12
 """Largest number of blocks whose regressor is formed at once, times joints; where rows are decimated."""
 
 
-class TakenOut(NamedTuple):
-    """Part of the rows of a joint that was projected out, as the friction in it is not known.
-
-    Attributes:
-        table: That part of [W τ], in an orthonormal basis, (M, P + 1).
-        noise_left: Share of the noise that is left in the rows.
-    """
-
-    table: FloatArray
-    noise_left: float
-
-
-class Rows(NamedTuple):
-    """Both sides of τ = W β for samples and joints of one recording, filtered alike, ends removed.
-
-    Attributes:
-        time: [s], (N,).
-        W: Regressor, (N, n, P).
-        tau: Measured torque less that of payloads [N·m], (N, n).
-        q: Angle [rad], (N, n).
-        v: Velocity [rad/s], (N, n).
-        usable: Mask of samples of each joint that may be fitted, (N, n).
-        acting: Mask of parameters that can act on each joint, (n, P); the regressor is zero elsewhere.
-        independent_fraction: Share of the rows that carry independent noise; a low-pass leaves fewer.
-        stands_for: Number of rows that each of these stands for; 1 unless decimated.
-        reversals: What was taken out at the reversals of each joint; empty for nothing.
-        payload: Torque of payloads, filtered alike [N·m], (N, n); None without payloads.
-    """
-
-    time: FloatArray
-    W: FloatArray
-    tau: FloatArray
-    q: FloatArray
-    v: FloatArray
-    usable: NDArray[np.bool_]
-    acting: NDArray[np.bool_]
-    independent_fraction: float
-    stands_for: float = 1.0
-    reversals: tuple[TakenOut, ...] = ()
-    payload: FloatArray | None = None
-
-
-class NoiseKind(NamedTuple):
-    """Rows whose torque noise is of one kind.
-
-    Attributes:
-        at_rest: Poses, whose noise is independent from one to the next.
-        rate_class: Logarithm of the sampling interval, in steps of a tenth: recordings of one class share a noise
-            model.
-    """
-
-    at_rest: bool
-    rate_class: int
-
-
 def rate_class(time: FloatArray) -> int:
     """Logarithm of the sampling interval to base 1.1, rounded."""
     return 0 if len(time) < 2 else round(math.log(time[1] - time[0]) / math.log(1.1))
-
-
-class RowBlock(NamedTuple):
-    """Consecutive rows of one recording and the kind of their noise.
-
-    Attributes:
-        kind: Kind of the noise.
-        rows: The rows.
-        begins: Whether these are the first of the recording.
-        ends: Whether these are the last of it.
-        first: Index of the first joint of the rows among those of the problem.
-    """
-
-    kind: NoiseKind
-    rows: Rows
-    begins: bool
-    ends: bool
-    first: int = 0
 
 
 class Prepared(NamedTuple):
@@ -356,49 +284,6 @@ def _distinct(signals: Sequence[FloatArray]) -> tuple[list[FloatArray], list[int
             candidates.append(twin)
             kept.append(signal)
     return kept, twins
-
-
-def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Preparation) -> Rows:
-    """Make a row of each sample of a recording that counts, or of poses, all at once; see :func:`each_row`.
-
-    Args:
-        model: Torque model.
-        data: The recording, or poses.
-        preparation: Filter and differentiation.
-
-    Returns:
-        The rows.
-    """
-    return chain(list(each_row(model, prepare(model, data, preparation, every=True))))
-
-
-def each_row(model: RegressorModel, prepared: Prepared) -> Iterator[Rows]:
-    """Make a row of each sample of a recording that counts, or of poses, stretch by stretch.
-
-    Towards the ends of a segment, both sides of τ = W β fade behind the filter, as it sees zeros beyond. Here they are
-    divided by what the filter makes of ones in all segments. Rows are then weighted means of the torques around them,
-    as one wants to see them, but those near the ends have more noise than others.
-
-    Args:
-        model: Torque model.
-        prepared: The recording, or poses, of which :func:`prepare` made every sample a row.
-
-    Yields:
-        The rows of a stretch, without samples that do not count.
-    """
-    ones = prepared.inside[np.newaxis].astype(np.float64)
-    for stretch in prepared.stretches():
-        rows = form_rows(model, prepared, stretch)
-        counted = prepared.inside[stretch.start : stretch.stop]
-        if prepared.parallel is not None:
-            gain = np.where(counted, prepared.parallel.among_zeros(ones, stretch)[0], 1.0)
-            payload = None if rows.payload is None else rows.payload / gain[:, None]
-            rows = rows._replace(W=rows.W / gain[:, None, None], tau=rows.tau / gain[:, None], payload=payload)
-        if not counted.all():
-            names = ("time", "W", "tau", "q", "v", "usable", *(() if rows.payload is None else ("payload",)))
-            arrays = {name: getattr(rows, name)[counted] for name in names}
-            rows = rows._replace(**arrays)
-        yield rows
 
 
 def decimation(independent_fraction: float) -> int:

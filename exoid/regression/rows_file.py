@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 from exoid.errors import ExoidError
 
-from .rows import Rows
+from .row_data import Rows
 
 
 class RowsFile:

@@ -16,7 +16,7 @@ from .least_squares import Solution
 from .noise import QuadraticForm
 from .problem import RowProblem
 from .residuals import Noises, Point, Series, over_recordings
-from .rows import NoiseKind
+from .row_data import NoiseKind
 
 BINS = 10
 """Equally filled intervals of velocity or angle in which residuals are averaged."""

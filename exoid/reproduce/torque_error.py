@@ -8,7 +8,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate
-from exoid.regression.rows import Rows, make_rows
+from exoid.regression.every_row import make_rows
+from exoid.regression.row_data import Rows
 from exoid.signals import Recording, ZeroPhase
 from exoid.torques import TorqueModel
 

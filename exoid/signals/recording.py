@@ -29,6 +29,9 @@ from .recording_data import RecordingData, absent_columns
 from .source_location import SourceLocation
 from .wrench_frame import WrenchFrame
 
+SMOOTH = ("q", "v", "motor_angle")
+"""Quantities without jumps, which a cubic spline interpolates."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording(RecordingData):
@@ -128,7 +131,9 @@ class Recording(RecordingData):
     @property
     def measured(self) -> BoolArray:
         """Joints whose torque is known, because it was measured or the joint is passive, (n,)."""
-        return np.zeros(self.n_joints, dtype=np.bool_) if self.tau is None else ~absent_columns(self.tau)
+        if self.tau is None:
+            return np.zeros(self.n_joints, dtype=np.bool_)
+        return np.asarray(~np.isnan(self.tau[0]))  # a column is NaN throughout or nowhere
 
     @property
     def driven(self) -> BoolArray:
@@ -301,9 +306,7 @@ class Recording(RecordingData):
         time = self.time[rows]
         grid = timebase.even_grid(time, new)
         arrays = {
-            quantity: timebase.interpolate_measured(
-                time, values[rows], grid, smooth=quantity in ("q", "v", "motor_angle")
-            )
+            quantity: timebase.interpolate_measured(time, values[rows], grid, smooth=quantity in SMOOTH)
             for quantity, values in self._arrays().items()
         }
         mask = None if self.mask is None else timebase.interpolate_mask(self.time, self.mask, grid)

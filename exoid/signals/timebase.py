@@ -141,7 +141,7 @@ def interpolate_measured(time: FloatArray, values: FloatArray, grid: FloatArray,
     Returns:
         Interpolated columns, (M, n).
     """
-    there = ~np.isnan(values).all(axis=0)
+    there = np.asarray(~np.isnan(values).all(axis=0))
     if there.all():
         return interpolate(time, values, grid, smooth=smooth)
     out = np.full((len(grid), len(there)), np.nan)

@@ -12,8 +12,9 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import EstimateData
 from exoid.estimate.validation_checks import effective_share
+from exoid.regression.every_row import each_row
 from exoid.regression.model import RegressorModel
-from exoid.regression.rows import each_row, prepare
+from exoid.regression.rows import prepare
 from exoid.signals import Preparation, Recording
 
 STEP = 0.02
@@ -133,7 +134,7 @@ def estimate_cuffs(stated: Cuffs, limb: EstimateData, alone: EstimateData, logs:
         −τ_w ≈ W β + D δθ,      D = ∂(W β)/∂θ.
 
     Noise of τ_w bends the cuffs of the model too, so that it is in W and D: least squares would choose the cuffs that
-    hide it. W and D of a predicted torque are therefore the instruments Z (instrumental variables, Söderström and Stoica 1989):
+    hide it. W and D of a predicted torque are therefore the instruments Z (Söderström and Stoica 1989):
 
         Zᵀ Ω (−τ_w − W β − D δθ) = 0.
 

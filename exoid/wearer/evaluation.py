@@ -11,7 +11,8 @@ from exoid.errors import ExoidError
 from exoid.estimate import EstimateData
 from exoid.estimate.ground_validation import compare_on_ground, stands
 from exoid.estimate.motion_ranges import MotionRanges
-from exoid.regression.rows import Prepared, each_row, prepare, source_of
+from exoid.regression.every_row import each_row
+from exoid.regression.rows import Prepared, prepare, source_of
 from exoid.signals import Preparation, Recording
 
 SETTLED = 0.05

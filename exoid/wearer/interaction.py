@@ -26,7 +26,7 @@ from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording
 from exoid.signals.csv_writer import write_csv
-from exoid.tables import DataTable, make_table, to_html, to_text
+from exoid.tables import DataTable, Report, with_parts
 
 from .action import LEVEL, Evidence, JointAction, judge, together
 from .cutoffs import AUTO, automatic_filter, evaluate_at_best, with_cutoff
@@ -45,7 +45,7 @@ BAND = 0.95
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Interaction:
+class Interaction(Report):
     """Torque of the wearer on the leg, τ_w = W β − τ, over one or several recordings; prints itself as a table.
 
     Samples near the ends of a recording, in which filters have not settled, are left out.
@@ -211,20 +211,9 @@ class Interaction:
         sizes = ", ".join(f"{name} not measured" if np.isnan(rms) else f"{name} {rms:.3g} N·m" for name, rms in each)
         return f"Interaction({'worn' if self.worn else 'not worn'}; rms: {sizes})"
 
-    def __str__(self) -> str:
-        """Print as a table."""
-        return to_text(*self._report())
-
-    def _repr_html_(self) -> str:
-        """Table for notebooks."""
-        return to_html(*self._report())
-
     def _report(self) -> list[DataTable | str]:
         """Title, tables, findings and conclusion."""
-        tables: list[DataTable | str] = [make_table(HEADERS, self.rows())]
-        if self.parts:
-            of_parts = [(part.source, *row) for part in self.parts for row in part.rows()]
-            tables += ["each recording:", make_table(("recording", *HEADERS), of_parts)]
+        tables = with_parts(HEADERS, self.rows(), [(part.source, part.rows()) for part in self.parts])
         phase = "" if self.period is None else f"; a cycle of {self.period:.3g} s begins at the {self.phase_source}"
         acting = [name for name, action in zip(self.joint_names, self.actions, strict=True) if action.acts]
         alarm = f"false alarms: at most {LEVEL:.0%} of recordings"

@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from exoid.estimate import EstimateData, compare
 from exoid.leg import Leg
 from exoid.payload import Payload
-from exoid.tables import DataTable, make_table, to_html, to_text, with_error
+from exoid.tables import DataTable, Report, make_table, with_error
 from exoid.torques.payloads import payload_parameters
 
 from .cuffs import Cuffs
@@ -28,7 +28,7 @@ CUFF_HEADERS = ("cuff", "stiffness [N·m/rad]", "± std", "damping [N·m·s/rad]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LimbComparison:
+class LimbComparison(Report):
     """Rigid-body parameters of a limb within the leg, beside what anthropometry or scales say; prints itself.
 
     Attributes:
@@ -84,14 +84,6 @@ class LimbComparison:
         """Write the values."""
         values = ", ".join(f"{name} {value:.3g}" for name, value in zip(self.names, self.values, strict=True))
         return f"LimbComparison({values})"
-
-    def __str__(self) -> str:
-        """Print as a table."""
-        return to_text(*self._report())
-
-    def _repr_html_(self) -> str:
-        """Table for notebooks."""
-        return to_html(*self._report())
 
     def rows(self) -> list[tuple[str, ...]]:
         """Write each parameter as a row of a table.
@@ -185,7 +177,7 @@ def late_torque_notes(*estimates: EstimateData) -> tuple[str, ...]:
     leg alone are then two to four times their standard deviations.
 
     Args:
-        estimates: Estimates of the leg.
+        *estimates: Estimates of the leg.
 
     Returns:
         A note, or none.

@@ -107,11 +107,15 @@ def row(peer: str, seeds: int, seconds: dict[str, float]) -> list[str]:
     real = pendulum()
     real_error = nrmse(real, identify(real, real.train).torque)
     inside = np.concatenate([each.inside for each in results])
-    cells += [" / ".join(f"{x:.4f}" for x in errors) for errors in (first[0], real_error)]
+    cells += [_joined(errors) for errors in (first[0], real_error)]
     for errors in zip(*(each[:2] for each in results), strict=True):
         cells.append(f"{100 * np.median(errors):.1f} %")
     cells += [f"{100 * inside.mean():.1f} % of {len(inside)}" if len(inside) else "no intervals"]
     return [*cells, f"{seconds[peer] / seconds['exoid']:.3g}", first[1]]
+
+
+def _joined(errors: FloatArray) -> str:
+    return " / ".join(f"{x:.4f}" for x in errors)
 
 
 def times(peers: list[str]) -> dict[str, float]:
@@ -143,6 +147,9 @@ def main() -> None:
     seconds = times(peers)
     titles = ["", "lines", "swing", "DFKI", "X, J", "c, d", "coverage", "time", "friction in the export"]
     print("| " + " | ".join(titles) + " |\n" + "|---" * len(titles) + "|", flush=True)
+    task = swing(1)
+    assert task.truth is not None
+    print(f"| the true leg | | {_joined(nrmse(task, task.truth))}" + " |" * (len(titles) - 2), flush=True)
     for peer in peers:
         print("| " + " | ".join(row(peer, options.seeds, seconds)) + " |", flush=True)
 

@@ -12,6 +12,7 @@ import exoid
 from exoid.codegen.laws import Safety
 from exoid.control import (
     LAWS,
+    KalmanObserver,
     Limited,
     MomentumObserver,
     default_gains,
@@ -44,7 +45,7 @@ def gait_of(estimate):
     return gait_for_leg(estimate.leg, healthy_gait(0.8, 10.0))
 
 
-@pytest.mark.parametrize("name", [name for name in LAWS if name not in ("adaptive", "self_tuning")])
+@pytest.mark.parametrize("name", [name for name in LAWS if name != "self_tuning"])
 def test_a_law_has_the_gains_of_track_and_the_limits_of_the_urdf(saved, exoid_, tmp_path, name):
     printed = exoid_("export", "est.json", "--law", name, "--c", "law.c").out
     gait = gait_of(saved)
@@ -56,9 +57,9 @@ def test_a_law_has_the_gains_of_track_and_the_limits_of_the_urdf(saved, exoid_, 
         assert words in printed
 
 
-def test_a_law_without_a_form_in_c_is_refused_by_name(saved, exoid_, tmp_path):
-    done = exoid_("export", "est.json", "--law", "adaptive", "--c", "law.c")
-    assert "Adaptive has no form in C" in done.err
+def test_adaptive_control_in_float_is_refused(saved, exoid_, tmp_path):
+    done = exoid_("export", "est.json", "--law", "adaptive", "--c", "law.c", "--precision", "float")
+    assert "adaptive control in float" in done.err
     assert not done.out
     assert not (tmp_path / "law.c").exists()
 
@@ -90,9 +91,12 @@ def test_laws_for_a_wearer(saved, exoid_, tmp_path):
         assert (tmp_path / "law.c").read_text() == c_source(limited, name="law", safety=safety).source
 
 
-def test_the_momentum_observer(saved, exoid_, tmp_path):
-    exoid_("export", "est.json", "--law", "momentum_observer", "--bandwidth", "5", "--rate", "200", "--c", "seen.c")
-    observer = MomentumObserver(saved, 5.0, 200.0, torque_delay=0.0)
+@pytest.mark.parametrize(
+    ("name", "kind"), [("momentum_observer", MomentumObserver), ("kalman_observer", KalmanObserver)]
+)
+def test_the_observers(saved, exoid_, tmp_path, name, kind):
+    exoid_("export", "est.json", "--law", name, "--bandwidth", "5", "--rate", "200", "--c", "seen.c")
+    observer = kind(saved, 5.0, 200.0, torque_delay=0.0)
     expected = c_source(observer, name="seen", provenance=provenance(saved))
     assert (tmp_path / "seen.c").read_text() == expected.source
     assert (tmp_path / "seen.h").read_text() == expected.header
@@ -129,16 +133,21 @@ def test_a_package_for_ros_2_is_that_of_python(saved, exoid_, tmp_path):
     assert (described["package"], described["law"]["inputs"][-1]) == ("leg", "time")
 
 
-def test_a_recursive_estimator_is_that_of_python(saved, exoid_, tmp_path):
-    printed = exoid_("export", "est.json", "--recursive", "--rate", "100", "--bandwidth", "6", "--c", "online.c").out
+@pytest.mark.parametrize(
+    ("forgetting", "words"),
+    [((), "rows are forgotten in the directions that new rows excite"), (("--forgetting", "none"), "rows are never")],
+)
+def test_a_recursive_estimator_is_that_of_python(saved, exoid_, tmp_path, forgetting, words):
+    given = ("--recursive", "--rate", "100", "--bandwidth", "6", "--c", "online.c", *forgetting)
+    printed = exoid_("export", "est.json", *given).out
     online = RecursiveEstimator(
-        saved.leg, saved.model.terms, rate=100.0, cutoff=6.0, forgetting="none", false_alarms=0.0
+        saved.leg, saved.model.terms, rate=100.0, cutoff=6.0, forgetting="none" if forgetting else "directional"
     )
     expected = recursive_source(online, "online")
     assert (tmp_path / "online.c").read_text() == expected.source
     assert (tmp_path / "online.h").read_text() == expected.header
-    for words in ("recursive wls without forgetting", "cut-off 6.0 Hz", ", ".join(online.names[:3])):
-        assert words in printed
+    for each in (words, "recursive wls", "cut-off 6.0 Hz", ", ".join(online.names[:3])):
+        assert each in printed
     described = json.loads(exoid_("export", "est.json", "--recursive", "--c", "online.c", "--json").out)
     assert (described["rate"], described["cutoff"]) == (500.0, 8.0)
 
@@ -159,6 +168,7 @@ def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
         (("--recursive", "--law", "pd", "--c", "x.c"), "--recursive writes C of its own"),
         (("--recursive", "--precision", "float", "--c", "x.c"), "it needs double"),
         (("--recursive", "--kp", "1", "--c", "x.c"), "--kp: only a control law has it"),
+        (("--forgetting", "none", "--c", "x.c"), "--forgetting has no effect"),
         (("--recursive", "--rate", "20", "--c", "x.c"), "a causal low-pass"),
         (("--ros2", "leg"), "--ros2 writes a control law"),
         (("--law", "pd", "--c", "law.c", "--ros2", "leg"), "one file is written at a time"),

@@ -35,6 +35,7 @@ from exoid.lift import check, lift
 from exoid.rig import Payload, Target, plant_with_payloads
 
 KP, KD = (22.0, 55.0), (2.2, 5.5)
+FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
 LOAD = Payload("knee", 1.5, (0.0, 0.0, -0.3))
 COMPOSITE = TorquePrediction()
 STD = np.sqrt(np.diagonal(exact_estimate().covariance))
@@ -239,7 +240,7 @@ def test_an_unknown_payload_is_learned_within_a_stride():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(3 if FULL else 1))
 def test_the_error_is_at_most_a_fifth_above_that_of_a_controller_that_knew(seed):
     """Document 2's gait of 10 s with 1.5 kg on the shank, second stride; without adaptation 2.9 and 3.4 degrees."""
     est = exact_estimate()
@@ -264,27 +265,27 @@ POSE = np.array([[0.4], [0.6]])
 @BOTH
 @pytest.mark.slow
 def test_standing_still_teaches_nothing(prediction):
-    """A minute of noisy readings of ten legs that stand beside their target, and some seconds on the rig."""
+    """Half a minute of noisy readings of ten legs that stand beside their target, and some seconds on the rig."""
     law = adaptive(exact_estimate(), KP, KD, prediction=prediction)
     rng, aim = np.random.default_rng(14), Target(np.tile(POSE, 10), np.zeros((2, 10)), np.zeros((2, 10)))
     q, v = aim.q + rng.normal(0.0, 0.02, (2, 10)), np.zeros((2, 10))
-    states = [State(q, v + rng.normal(0.0, 0.01, (2, 10))) for _ in range(6000)]
+    states = [State(q, v + rng.normal(0.0, 0.01, (2, 10))) for _ in range(3000)]
     _, memory = run_law(law, states, [aim] * len(states))
     watched = _Watched(law)
-    simulate_many(heavy_rig().repeat(2), watched, Hold(POSE), 5.0, sensors=SENSORS, start=POSE + 0.05)
+    simulate_many(heavy_rig().repeat(2), watched, Hold(POSE), 3.0, sensors=SENSORS, start=POSE + 0.05)
     for kept in (memory, watched.last):
         assert np.abs(kept.values - law.model.values[:, None]).max() <= STD.min()
         if prediction is not None:  # nor is anything forgotten, so the gain does not wind up
             np.testing.assert_array_equal(
-                kept.prediction.information, np.broadcast_to(law._information, (kept.values.shape[1], 12, 12))
+                kept.prediction.information, np.broadcast_to(law.initial_information, (kept.values.shape[1], 12, 12))
             )
 
 
 @pytest.mark.slow
-def test_minutes_of_standing_move_no_parameter_by_a_standard_deviation():
+def test_standing_on_the_rig_moves_no_parameter_by_a_standard_deviation():
     law = adaptive(exact_estimate(), KP, KD)
     watched = _Watched(law)
-    duration = 600.0 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 180.0  # [s]
+    duration = 600.0 if FULL else 20.0  # [s]
     simulate_many(heavy_rig(), watched, Hold(POSE), duration, sensors=SENSORS, start=POSE + 0.05)
     assert (np.abs(np.ravel(watched.last.values) - law.model.values) <= STD.min()).all()
 
@@ -293,7 +294,7 @@ def test_without_its_precautions_a_standing_leg_would_drift():
     """The same law without dead zone and threshold of motion takes stiction for weight."""
     law = adaptive(exact_estimate(), KP, KD, prediction=None, dead_zone=0.0, still=0.0)
     watched = _Watched(law)
-    simulate_many(heavy_rig(), watched, Hold(POSE), 20.0, sensors=SENSORS)
+    simulate_many(heavy_rig(), watched, Hold(POSE), 8.0, sensors=SENSORS)
     assert np.abs(np.ravel(watched.last.values) - law.model.values).max() > 10.0 * STD.max()
 
 
@@ -427,3 +428,12 @@ def test_a_target_without_acceleration_raises_an_error():
     state, aim = on_the_move(13)
     with pytest.raises(ExoidError, match="acceleration"):
         law.step(law.begin(state), state, aim._replace(a=None))
+
+
+def test_parameters_that_are_known_exactly_have_a_millionth_of_their_value_as_deviation():
+    """Not a millionth of that: the projection would be rounding."""
+    law = adaptive(cuhk_plant(), KP, KD, change=ExpectedChange(payload=1.0, friction=0.0))
+    friction = np.array([name.startswith(("c0", "d_")) for name in law.names])
+    assert friction.any()
+    std = np.sqrt(np.diagonal(law.model.covariance))[friction]
+    np.testing.assert_allclose(std, 1e-6 * np.abs(law.model.values[friction]), rtol=0.5)

@@ -13,7 +13,7 @@ from unchecked import identify
 
 import exoid
 from exoid import Estimate, ExoidError, Recording, compare
-from exoid.regression.rows import make_rows
+from exoid.regression.every_row import make_rows
 from exoid.signals import FiniteDifference, Poses, Recordings
 from exoid.torques import TorqueModel
 

@@ -12,7 +12,7 @@ import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
 from exoid.catalog import urdf_folder
 from exoid.identification import ESTIMATORS
-from exoid.regression.rows import make_rows
+from exoid.regression.every_row import make_rows
 from exoid.signals import FiniteDifference, ZeroPhase
 from exoid.torques import TorqueModel
 

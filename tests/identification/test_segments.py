@@ -10,8 +10,8 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import ExoidError
+from exoid.regression.every_row import make_rows
 from exoid.regression.noise import AutoregressiveNoise
-from exoid.regression.rows import make_rows
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 

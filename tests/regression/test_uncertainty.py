@@ -11,8 +11,8 @@ from unchecked import identify
 import exoid
 from exoid import ExoidError
 from exoid.identification.estimators import ols, wls
+from exoid.regression.every_row import make_rows
 from exoid.regression.least_squares import RFactor, factorize_rows, solve, stack
-from exoid.regression.rows import make_rows
 from exoid.signals import FiniteDifference, ZeroPhase
 from exoid.torques import TorqueModel
 

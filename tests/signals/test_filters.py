@@ -60,7 +60,7 @@ def test_filtering_in_blocks_of_columns_changes_nothing(monkeypatch):
     whole = zero_phase(x, 100.0, 8.0)
     widths = []
     both_ways = signal.sosfiltfilt
-    monkeypatch.setattr("exoid.signals.filters.butterworth.BLOCK_BYTES", 500 * 8 * 4)
+    monkeypatch.setattr("exoid.signals.filters.low_pass.BLOCK_BYTES", 500 * 8 * 4)
     monkeypatch.setattr(signal, "sosfiltfilt", lambda *a, **k: widths.append(len(a[1])) or both_ways(*a, **k))
     np.testing.assert_array_equal(zero_phase(x, 100.0, 8.0), whole)
     assert widths == [4, 4, 4, 3]

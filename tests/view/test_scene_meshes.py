@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 
 import numpy as np
@@ -239,7 +240,14 @@ def test_a_shape_that_urdf_does_not_know_becomes_a_note(tmp_path):
     ],
 )
 def test_numbers_of_a_visual_that_are_none_are_one_error(visual, said):
-    """The first three are none of yourdfpy's errors."""
     with pytest.raises(ExoidError, match=re.escape(said)) as error:
         scene(leg_with(visual))
     assert "left_shank" in str(error.value)
+
+
+def test_yourdfpy_takes_numbers_that_are_none():
+    """The reason for a check of our own."""
+    for shape in ('<box size="1 2"/>', '<sphere radius="nan"/>'):
+        text = f'<robot name="a"><link name="b"><visual><geometry>{shape}</geometry></visual></link></robot>'
+        read = yourdfpy.URDF.load(io.BytesIO(text.encode()), build_scene_graph=False)
+        assert len(read.robot.links[0].visuals) == 1

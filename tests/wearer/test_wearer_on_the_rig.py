@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from worn_rig import active, alone, at, cad_torque, machine, nrmse, passive
+from worn_rig import active, alone, at, cad_torque, log, machine, nrmse, passive
 
 import exoid
 from exoid.rig import Wearer
@@ -17,11 +17,11 @@ def test_the_torque_of_active_and_passive_wearers_is_found(name):
     one = machine(name)
     leg = one.plant.leg
     trained = alone(one, SEEDS, 40.0)
-    estimates = [exoid.identify(leg, trained.recording(k), one.terms) for k in SEEDS]
+    estimates = [exoid.identify(leg, log(trained, k), one.terms) for k in SEEDS]
     for run in (active(one, SEEDS, 20.0), passive(one, SEEDS, Wearer.build(leg), 20.0)):
         inside = []
         for k, estimate in zip(SEEDS, estimates, strict=True):
-            recording = run.recording(k)
+            recording = log(run, k)
             found = exoid.interaction(estimate, recording)
             truth = at(estimate, recording, run.interaction[..., k], found.time)
             error = nrmse(found.torque, truth)
@@ -33,11 +33,11 @@ def test_the_torque_of_active_and_passive_wearers_is_found(name):
         assert 0.88 < share < 0.995
     limb = limb_parameters(leg)
     for k, estimate in enumerate(estimates):
-        found = identify_limb(estimate, run.recording(k), 1000.0, 30.0, expected=limb)  # of the passive wearer
+        found = identify_limb(estimate, log(run, k), 1000.0, 30.0, expected=limb)  # of the passive wearer
         error = dict(zip(found.names, np.abs(found.values - found.expected), strict=True))
         assert max(error[name] / limb[name] for name in ("X1", "X2")) < 0.02
         assert max(error[name] / limb[name] for name in ("J1", "J2")) < 0.05
         assert np.mean(found.inside) > 0.6
-    assert not any(exoid.interaction(estimate, trained.recording(k)).worn for k, estimate in enumerate(estimates))
+    assert not any(exoid.interaction(estimate, log(trained, k)).worn for k, estimate in enumerate(estimates))
     other = alone(one, [7, 8], 20.0, draw=1)
-    assert not any(exoid.interaction(estimate, other.recording(k)).worn for k, estimate in enumerate(estimates))
+    assert not any(exoid.interaction(estimate, log(other, k)).worn for k, estimate in enumerate(estimates))

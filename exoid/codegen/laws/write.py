@@ -27,6 +27,9 @@ from .source import LawSource
 ABSURD = 1e9
 """Size from which an input or a torque is absurd in any unit; it also stands for a limit that was not given."""
 
+MANY = 32
+"""Size from which an array of zeros is set by loops."""
+
 INSIDE: dict[str, frozenset[str]] = {
     "springs": frozenset({"springs"}),
     "friction": frozenset({"friction"}),
@@ -195,9 +198,23 @@ def _dimensions(array: ArrayInC) -> str:
 def _at_first(memory: Sequence[ArrayInC], dialect: Dialect) -> Iterator[str]:
     """Statements that set the memory."""
     for array in memory:
+        if array.values.size > MANY and not array.values.any():
+            yield _loop_over_zeros(array, dialect)
+            continue
         for index, value in np.ndenumerate(array.values):
             place = "".join(f"[{k}]" for k in index)
             yield f"    state->{array.name}{place} = {dialect.number(float(value))};\n"
+
+
+def _loop_over_zeros(array: ArrayInC, dialect: Dialect) -> str:
+    """Loops that set a large array of the memory to zero."""
+    shape, indices = array.values.shape, [f"k{level}" for level in range(array.values.ndim)]
+    text = f"    {{\n        int {', '.join(indices)};\n"
+    for level, (index, size) in enumerate(zip(indices, shape, strict=True)):
+        text += f"{'    ' * (level + 2)}for ({index} = 0; {index} < {size}; ++{index}) {{\n"
+    place = "".join(f"[{index}]" for index in indices)
+    text += f"{'    ' * (len(shape) + 2)}state->{array.name}{place} = {dialect.number(0.0)};\n"
+    return text + "".join("    " * level + "}\n" for level in range(len(shape) + 1, 0, -1))
 
 
 def _plausible(law: LawInC, source: str, prefix: str) -> str:

@@ -7,11 +7,11 @@ import numpy as np
 from exoid.codegen import Dialect
 from exoid.codegen.laws import ArrayInC, LawInC, Needed
 from exoid.codegen.laws.safety import per_joint
-from exoid.control.motion_filter import MotionFilter
 from exoid.control.sensitivity_amplification import SensitivityAmplification
 
 from .forms import register_law_in_c
 from .leg import damping_of, leg_in_c
+from .motion_filter import filter_tables
 from .passive_friction import friction_of, passive, passive_in_words
 from .steps import step_of
 
@@ -53,22 +53,8 @@ def sensitivity_amplification_in_c(law: SensitivityAmplification, dialect: Diale
         step_of("sensitivity_amplification").replace("{{friction}}", passive(law.friction, "state->v")),
         law.rate,
         damping_of(law.model),
-        tables=(ArrayInC("share", "1 - 1/alpha", share), *_filter_tables(law.filter)),
+        tables=(ArrayInC("share", "1 - 1/alpha", share), *filter_tables(law.filter)),
         memory=tuple(ArrayInC(name, what, np.zeros(n)) for name, what in MEMORY.items()),
         begin=step_of("sensitivity_amplification_begin"),
         leg=leg_in_c(law.model, CALLED, friction_of(law.friction), dialect),
     )
-
-
-def _filter_tables(law: MotionFilter) -> tuple[ArrayInC, ...]:
-    """Constants of the filter."""
-    step = law.pole / law.rate
-    constants = {
-        "filter_delay": (law.delay, "delay 2/lambda of the motion filter [s]"),
-        "filter_rate": (law.rate, "sampling rate [Hz]"),
-        "filter_zz": (np.exp(-step) * (1.0 + step), "exp(-lambda T) (1 + lambda T)"),
-        "filter_zw": (np.exp(-step) / law.rate, "exp(-lambda T) T [s]"),
-        "filter_wz": (-np.exp(-step) * law.pole * step, "-exp(-lambda T) lambda^2 T [1/s]"),
-        "filter_ww": (np.exp(-step) * (1.0 - step), "exp(-lambda T) (1 - lambda T)"),
-    }
-    return tuple(ArrayInC(name, what, np.array(float(value))) for name, (value, what) in constants.items())

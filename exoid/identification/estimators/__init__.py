@@ -1,6 +1,6 @@
 """Estimators: from a problem to parameters."""
 
-from exoid.regression.fit import Fit
+from exoid.regression.fit import Fit, ols, wls
 from exoid.regression.problem import LeastSquaresProblem
 
 from .by_name import ESTIMATORS, Estimator, find_estimator, fit_by, name_of, register_estimator
@@ -8,7 +8,6 @@ from .closed_loop import ClosedLoop
 from .gls import gls
 from .huber import huber
 from .joint_ml import JointML
-from .least_squares import ols, wls
 from .output_error import OutputError
 
 __all__ = [

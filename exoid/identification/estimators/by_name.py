@@ -8,12 +8,11 @@ from typing import TypeVar, overload
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
 from exoid.registry import Registry
-from exoid.regression.fit import Fit
+from exoid.regression.fit import Fit, ols, wls
 
 from .gls import gls
 from .huber import huber
 from .joint_ml import JointML
-from .least_squares import ols, wls
 from .output_error import OutputError
 
 Estimator = Callable[[Problem], Fit]

@@ -5,11 +5,10 @@ from __future__ import annotations
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
+from exoid.regression.fit import wls
 from exoid.regression.rows import for_leg
 from exoid.signals import ZeroPhase, choose_cutoff
 from exoid.torques import TorqueModel
-
-from .least_squares import wls
 
 
 def default_preparation(problem: Problem) -> ZeroPhase:

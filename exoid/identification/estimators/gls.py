@@ -8,12 +8,10 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.regression.fit import Fit
+from exoid.regression.fit import Fit, wls
 from exoid.regression.least_squares import RFactor, Solution, factorize, stack
 from exoid.regression.problem import RowProblem
 from exoid.regression.residuals import Noises, Point, Series, fit_noise, sandwich, series, settled
-
-from .least_squares import wls
 
 ROUNDS = 6
 """Noise and parameters are estimated in turn at most so often."""

@@ -8,12 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.regression.fit import Fit
+from exoid.regression.fit import Fit, noise_floor, wls
 from exoid.regression.least_squares import RFactor, factorize, joint_table, stack
 from exoid.regression.problem import RowProblem
 from exoid.signals.noise_size import robust_std
-
-from .least_squares import noise_floor, wls
 
 TUNING = 1.345
 """Residuals of this many standard deviations start to count less; 95 % efficient for normal noise."""

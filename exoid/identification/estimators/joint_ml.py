@@ -12,15 +12,15 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
-from exoid.regression.fit import Fit
+from exoid.regression.every_row import make_rows
+from exoid.regression.fit import Fit, wls
 from exoid.regression.residuals import Point, fit_noise
-from exoid.regression.rows import for_leg, make_rows
+from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, ZeroPhase, base_during
 from exoid.torques import Term, TorqueModel
 from exoid.torques.terms import DryFriction
 
 from .default_start import default_preparation, default_start, refuse_other_friction
-from .least_squares import wls
 from .motion_fit import MotionFit, fit_motion
 from .motion_system import Moving, Still
 

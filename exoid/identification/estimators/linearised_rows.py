@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.regression.rows import NoiseKind, RowBlock, Rows, rate_class
+from exoid.regression.row_data import NoiseKind, RowBlock, Rows
+from exoid.regression.rows import rate_class
 
 T = TypeVar("T")
 

@@ -11,15 +11,15 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.problem import Problem
-from exoid.regression.fit import Fit, correlated_covariance
+from exoid.regression.every_row import make_rows
+from exoid.regression.fit import Fit, correlated_covariance, wls
 from exoid.regression.least_squares import RFactor, Solution, factorize, solve
 from exoid.regression.residuals import Point, fit_noise
-from exoid.regression.rows import for_leg, make_rows, source_of
+from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses
 
 from .closed_loop import ClosedLoop, as_possible
 from .default_start import default_start, refuse_other_friction
-from .least_squares import wls
 from .linearised_rows import LinearisedRows, linearised_block
 
 ROUNDS = 12

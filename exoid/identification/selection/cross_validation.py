@@ -12,7 +12,8 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.identification.fitting import Start, Task
 from exoid.identification.identify import fit_model
-from exoid.regression.rows import for_leg, make_rows
+from exoid.regression.every_row import make_rows
+from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording, Smoothed, ZeroPhase
 
 GAP = 0.1

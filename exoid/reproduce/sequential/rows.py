@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.leg import Leg
-from exoid.regression.rows import make_rows
+from exoid.regression.every_row import make_rows
 from exoid.signals import FiniteDifference, Poses, Preparation, Recording
 from exoid.torques import Term, TorqueModel
 

@@ -1,7 +1,8 @@
 """Low-pass filters: zero-phase, parallel (at the requested rows only), and moving average; rows without reversals."""
 
-from .butterworth import (
+from .low_pass import (
     TOLERANCE,
+    ParallelFilter,
     both_passes,
     design_frequency,
     edge_length,
@@ -12,7 +13,6 @@ from .butterworth import (
     zero_phase_gain,
 )
 from .moving_average import exponential_moving_average
-from .parallel_filter import ParallelFilter
 from .reversals import around_stops, reversal_pulses, without_reversals
 
 __all__ = [

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
-from .parallel_filter import ParallelFilter
+from .low_pass import ParallelFilter
 
 LONGEST_REVERSAL = 1.0
 """A longer stay below the reversal speed is a rest [s]: its rows are kept."""

@@ -252,6 +252,7 @@ class _Machine:
         return tuple(Demands(one, self.model, self.expected, self.limits.torque, ground) for one in supports)
 
     def boxes(self, supports: Sequence[StanceSupport]) -> tuple[MotionLimits, ...]:
+        """Limits of the coordinates of each support."""
         knee = np.deg2rad((self.ground or GroundLimits()).knee_deg)
         return tuple(one.coordinate_limits(self.limits, knee) for one in supports)
 

@@ -1,0 +1,56 @@
+"""A row of each sample of a recording, as predictions and pictures of it need."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from exoid.signals import Poses, Preparation, Recording
+
+from .model import RegressorModel
+from .row_data import Rows
+from .rows import Prepared, chain, form_rows, prepare
+
+
+def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Preparation) -> Rows:
+    """Make a row of each sample of a recording that counts, or of poses, all at once; see :func:`each_row`.
+
+    Args:
+        model: Torque model.
+        data: The recording, or poses.
+        preparation: Filter and differentiation.
+
+    Returns:
+        The rows.
+    """
+    return chain(list(each_row(model, prepare(model, data, preparation, every=True))))
+
+
+def each_row(model: RegressorModel, prepared: Prepared) -> Iterator[Rows]:
+    """Make a row of each sample of a recording that counts, or of poses, stretch by stretch.
+
+    Towards the ends of a segment, both sides of τ = W β fade behind the filter, as it sees zeros beyond. Here they are
+    divided by what the filter makes of ones in all segments. Rows are then weighted means of the torques around them,
+    as one wants to see them, but those near the ends have more noise than others.
+
+    Args:
+        model: Torque model.
+        prepared: The recording, or poses, of which :func:`prepare` made every sample a row.
+
+    Yields:
+        The rows of a stretch, without samples that do not count.
+    """
+    ones = prepared.inside[np.newaxis].astype(np.float64)
+    for stretch in prepared.stretches():
+        rows = form_rows(model, prepared, stretch)
+        counted = prepared.inside[stretch.start : stretch.stop]
+        if prepared.parallel is not None:
+            gain = np.where(counted, prepared.parallel.among_zeros(ones, stretch)[0], 1.0)
+            payload = None if rows.payload is None else rows.payload / gain[:, None]
+            rows = rows._replace(W=rows.W / gain[:, None, None], tau=rows.tau / gain[:, None], payload=payload)
+        if not counted.all():
+            names = ("time", "W", "tau", "q", "v", "usable", *(() if rows.payload is None else ("payload",)))
+            arrays = {name: getattr(rows, name)[counted] for name in names}
+            rows = rows._replace(**arrays)
+        yield rows

@@ -1,0 +1,78 @@
+"""The comparison with other tools: its judgement reads models rightly, and the page states what the scripts have."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import exoid
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER, PAGE = ROOT / "scripts" / "peers", ROOT / "docs" / "comparison.md"
+
+pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="needs the source tree")
+
+
+@pytest.fixture
+def scripts(monkeypatch):
+    """The modules of the folder, which import each other by their names."""
+    monkeypatch.syspath_prepend(str(FOLDER))
+    names = ("task", "compare", "reversals")
+    yield tuple(importlib.import_module(name) for name in names)
+    for name in names:
+        sys.modules.pop(name, None)
+
+
+def test_a_model_is_read_as_its_own_parameters(scripts):
+    task, *_ = scripts
+    leg = exoid.load_leg("bleex", side="left", inertias="identified")
+    coulomb, viscous = np.array([0.5, 0.4, 0.3]), np.array([0.3, 0.2, 0.1])
+
+    def torque(q, v, a):
+        rotors = np.array([0.0, 0.02, 0.01]) * a
+        return leg.inverse_dynamics(q, v, a) + coulomb * np.sign(v) + viscous * v + rotors + 0.7
+
+    found = task.read_as_parameters(leg, torque)
+    np.testing.assert_allclose(list(found.values()), [*leg.parameters, *coulomb, *viscous], rtol=1e-9, atol=1e-10)
+
+
+def test_a_limb_alone_moves_as_on_its_machine(scripts, tmp_path):
+    task, *_ = scripts
+    leg = exoid.load_leg("bleex", side="left")
+    (tmp_path / "leg.urdf").write_text(task.one_limb(ROOT / "urdf" / "bleex.urdf", leg.joint_names))
+    alone = exoid.Leg.from_urdf(tmp_path / "leg.urdf", leg.joint_names)
+    moved = task.states(3)
+    np.testing.assert_allclose(alone.inverse_dynamics(*moved), leg.inverse_dynamics(*moved), rtol=1e-10)
+
+
+def test_rows_near_a_reversal_are_found(scripts):
+    task, _, reversals = scripts
+    time = np.arange(0.0, 4.0, 0.01)
+    q = np.sin(np.outer(time, [1.0, 2.0]))
+    rows = task.Rows(q, np.cos(np.outer(time, [1.0, 2.0])), -q, q)
+    near = reversals.near_reversals(rows, 100.0)
+    turns = [np.pi / 2, np.pi / 4]
+    for joint, turn in enumerate(turns):
+        assert near[np.abs(time - turn) < 0.08, joint].all()
+        assert not near[np.abs(time - turn - 0.5) < 0.2, joint].any()
+
+
+def test_the_page_counts_the_lines_of_the_scripts(scripts):
+    _, compare, _ = scripts
+    page = PAGE.read_text(encoding="utf-8")
+    for peer, name in compare.PEERS.items():
+        stated = re.findall(rf"^\| {re.escape(compare.TITLES.get(peer, name))} [\d.]+ \| (\d+) \|", page, re.MULTILINE)
+        assert stated, peer
+        assert set(map(int, stated)) == {compare.lines(peer)}
+
+
+def test_the_page_names_the_versions_of_the_requirements():
+    page = PAGE.read_text(encoding="utf-8")
+    for line in (FOLDER / "requirements.txt").read_text(encoding="utf-8").splitlines():
+        if found := re.match(r"([\w-]+)(?:\[\w+\])?==([\d.]+)", line):
+            assert found[2] in page, line
