@@ -55,8 +55,7 @@ def cuhk_cad_parameters() -> dict[str, float]:
 
         X' = X (X_cad / X_id),   J' = J (J_cad / J_id),   Y' = Y + X (Y_cad − Y_id) / X_id.
 
-    Y is too small for a ratio. It errs by an angle of the centre of mass instead. Hoses, cables and fasteners, which
-    design models lack, are a likely cause; document 1 names none.
+    Y is too small for a ratio. It errs by an angle of the centre of mass instead. Document 1 names no cause.
 
     Returns:
         X1, Y1 [kg·m], J1 [kg·m²], X2, Y2, J2 by name, as of :func:`cuhk_parameters`.
