@@ -118,5 +118,6 @@ def test_every_sound_file_of_scipys_own_tests_is_readable():
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             names = {name for name in scipy.io.loadmat(file) if not name.startswith("__")}
-        passed_over = {name for name in names if any(word in name for word in ("sparse", "object", "func"))}
+        objects = ("sparse", "object", "func", "matstring")  # the last are strings as MATLAB's class, of SciPy 1.18
+        passed_over = {name for name in names if any(word in name for word in objects)}
         assert set(found) == names - passed_over, file.name
