@@ -227,7 +227,8 @@ class Adaptive:
         """Inverse of the covariance, (P, P)."""
         scale = np.sqrt(np.diagonal(self.model.covariance))  # parameters have different units
         scale = np.outer(scale, scale)
-        return np.asarray(np.linalg.inv(self.model.covariance / scale) / scale)
+        inverse = np.linalg.inv(self.model.covariance / scale)
+        return np.asarray(0.5 * (inverse + inverse.T) / scale)  # rounding must not depend on the triangle that is read
 
     @cached_property
     def metric(self) -> FloatArray:
