@@ -32,6 +32,9 @@ STILL = 0.05
 LIMITED = 1e-6
 """Difference of requested and held torque at which a limit acts [N·m]."""
 
+FAR = 100.0
+"""Standard deviations between a parameter without bounds and its floor, which is free: from zero rounding is larger."""
+
 CHANGE = ExpectedChange()
 """Default of the expected changes."""
 
@@ -172,11 +175,11 @@ class Adaptive:
         zone = np.asarray(self.dead_zone)[:, None]
         learning = (s - np.clip(s, -zone, zone)) * usable
         change = self.gain / self.rate * np.einsum("bnp,nb->bp", Y, learning)
-        after, P = memory.prediction, self.model.covariance[None]
+        after = memory.prediction
         if self.prediction is not None and after is not None:
             found = self.prediction.learn(after, self.model, values, now, self.initial_information, usable, self.rate)
-            after, P, change = found.memory, found.covariance, change + found.gradient
-        learned = self._project(values - np.einsum("bpr,br->bp", P, change), values, after)
+            after, change = found.memory, change + found.gradient
+        learned = self._project(values - self._gained(change, after), values, after)
         return torque.reshape(shape), AdaptiveMemory(learned.T.reshape(-1, *shape[1:]), torque.reshape(shape), after)
 
     def estimate_of(self, memory: AdaptiveMemory) -> dict[str, float]:
@@ -198,6 +201,14 @@ class Adaptive:
             return moving
         return np.asarray(moving & ~(np.abs(state.last - requested) > LIMITED))
 
+    def _gained(self, change: FloatArray, after: PredictionMemory | None) -> FloatArray:
+        """P times a gradient, (B, P), by a solution: an inverse of the information would be less accurate."""
+        if after is None:
+            return np.asarray(change @ self.model.covariance)
+        scale = np.sqrt(np.diagonal(after.information, axis1=1, axis2=2))  # parameters have different units
+        scaled = after.information / (scale[:, :, None] * scale[:, None, :])
+        return np.asarray(np.linalg.solve(scaled, (change / scale)[..., None])[..., 0] / scale)
+
     def _project(self, values: FloatArray, before: FloatArray, after: PredictionMemory | None) -> FloatArray:
         """Project the parameters of each leg on the cone, (B, P)."""
         if not np.isfinite(values).all():
@@ -216,7 +227,8 @@ class Adaptive:
         """Inverse of the covariance, (P, P)."""
         scale = np.sqrt(np.diagonal(self.model.covariance))  # parameters have different units
         scale = np.outer(scale, scale)
-        return np.asarray(np.linalg.inv(self.model.covariance / scale) / scale)
+        inverse = np.linalg.inv(self.model.covariance / scale)
+        return np.asarray(0.5 * (inverse + inverse.T) / scale)  # rounding must not depend on the triangle that is read
 
     @cached_property
     def metric(self) -> FloatArray:
@@ -272,7 +284,8 @@ def adaptive(
     model = replace(model, covariance=regular(model.covariance, model.values))
     law = Adaptive(model, gains(kp, "kp"), gains(kd, "kd"), cone, prediction, time_constant, dead_zone, still, rate)
     nearest, count = law.start, len(model.model.leg.parameter_names)
-    floor = np.append(FLOOR * nearest[:count], np.zeros(len(nearest) - count))
+    near = nearest - FAR * np.sqrt(np.diagonal(model.covariance))
+    floor = np.append(FLOOR * nearest[:count], np.where(model.positive, 0.0, near[count:]))
     return replace(law, model=replace(model, values=nearest), cone=cone.above(floor))
 
 

@@ -39,6 +39,9 @@ ANGLES = 12
 FLOOR = 0.1
 """Share ε of the initial mass matrix below which M(q) never falls."""
 
+OPTIMAL = 1e-10
+"""Slope of the distance along a column, over the target's size, below which a point is the nearest."""
+
 INSIDE = 1e-7
 """Distance in standard deviations at which a point counts as one of the set."""
 
@@ -93,12 +96,36 @@ class ParameterCone:
         Returns:
             The nearest point of the set, (P,); ``values`` itself if it is inside.
         """
+        found = self.floor + self.generators @ self.masses(values, whiten)
+        return values if np.linalg.norm(whiten @ (values - found)) <= INSIDE else np.asarray(found)
+
+    def masses(self, values: FloatArray, whiten: FloatArray) -> FloatArray:
+        """Find the masses w ≥ 0 of the nearest point of the set.
+
+        Args:
+            values: The point β, (P,).
+            whiten: Matrix L of the metric, C⁻¹ = Lᵀ L, (P, P).
+
+        Returns:
+            Masses of the columns of A, (k,).
+        """
         columns = whiten @ self.generators
         scale = np.linalg.norm(columns, axis=0)
-        masses, distance = scipy.optimize.nnls(columns / scale, whiten @ (values - self.floor))
-        if distance <= INSIDE:
-            return values
-        return np.asarray(self.floor + self.generators @ (masses / scale))
+        return np.asarray(_non_negative(columns / scale, whiten @ (values - self.floor)) / scale)
+
+
+def _non_negative(columns: FloatArray, target: FloatArray) -> FloatArray:
+    """Minimise |A w − b| over w ≥ 0, for columns of length 1.
+
+    SciPy's ``nnls`` of version 1.15 and later sometimes stops elsewhere, with a false distance of zero
+    (github.com/scipy/scipy/issues/25389). So the conditions of Kuhn and Tucker are checked, Aᵀ(b − A w) ≤ 0, and = 0
+    where w > 0; where they fail, bounded least squares by another method take its place.
+    """
+    masses, _ = scipy.optimize.nnls(columns, target)
+    slope, least = columns.T @ (target - columns @ masses), OPTIMAL * np.linalg.norm(target)
+    if slope.max() > least or np.abs(slope[masses > 0.0]).max(initial=0.0) > least:
+        masses = scipy.optimize.lsq_linear(columns, target, (0.0, np.inf), method="bvls", tol=OPTIMAL**2).x
+    return np.asarray(np.maximum(masses, 0.0))
 
 
 def _places(leg: Leg) -> list[FloatArray]:

@@ -48,12 +48,10 @@ class Learned(NamedTuple):
     Attributes:
         memory: Memory for the next sample.
         gradient: T Wᵀ R e, (B, P).
-        covariance: P = I⁻¹, the gain of the adaptation, (B, P, P).
     """
 
     memory: PredictionMemory
     gradient: FloatArray
-    covariance: FloatArray
 
 
 @dataclass(frozen=True)
@@ -137,7 +135,7 @@ class TorquePrediction:
             rate: Sampling rate [Hz].
 
         Returns:
-            Gradient, gain and memory.
+            Gradient and memory.
         """
         lowpass, period = self.filter(rate), 1.0 / rate
         motion = lowpass.step(memory.motion, state.q, state.v)
@@ -154,7 +152,4 @@ class TorquePrediction:
         gained = weight * np.einsum("bnp,bnr->bpr", W, W)
         information = initial + kept * (memory.information - initial) + gained
         after = PredictionMemory(motion, torque, torque_rate, information, memory.age + period)
-        size = np.sqrt(np.diagonal(information, axis1=1, axis2=2))
-        scale = size[:, :, None] * size[:, None, :]  # parameters have different units
-        covariance = np.linalg.inv(information / scale) / scale
-        return Learned(after, weight * np.einsum("bnp,bn->bp", W, error), covariance)
+        return Learned(after, weight * np.einsum("bnp,bn->bp", W, error))

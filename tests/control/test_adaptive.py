@@ -23,7 +23,7 @@ from exoid.control import (
     simulate,
     simulate_many,
 )
-from exoid.control.adaptive import FLOOR
+from exoid.control.adaptive import FAR, FLOOR
 from exoid.control.parameter_change import point_masses
 from exoid.control.parameter_cone import ParameterCone
 from exoid.control.slotine_li import SlotineLiModel
@@ -203,6 +203,44 @@ def test_the_projection_is_the_nearest_point_in_the_metric():
         slope = (whiten @ (outside - p)) @ (whiten @ (inside - p))
         assert slope <= 1e-6 * np.linalg.norm(whiten @ (outside - p)) * np.linalg.norm(whiten @ (inside - p))
         np.testing.assert_allclose(law.cone.nearest(p, whiten), p, atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("columns", "target"),
+    [
+        ([[2, 1, 2, 0, -1, -1], [1, 1, -1, -1, -1, -2], [0, -2, 1, 0, -1, -1]], [-3, 3, 0]),
+        ([[2, -2, -2, 2, 2], [-2, -2, -2, 1, -2], [0, -1, 0, -1, 0], [-2, -2, 0, -1, -2]], [3, -3, -1, 1]),
+    ],
+)
+def test_the_projection_does_not_trust_a_false_optimum_of_scipys_nnls(columns, target):
+    """SciPy 1.17 ends at a point that is farther away here, at a distance that it calls smaller: its issue 25389."""
+    A, b = np.array(columns, dtype=float), np.array(target, dtype=float)
+    cone, floor = ParameterCone(A, np.zeros(len(b))), np.linspace(0.1, 0.4, len(b))
+    for each, point in ((cone, b), (cone.above(floor), b + floor)):
+        nearest = each.nearest(point, np.eye(len(b)))
+        masses = each.masses(point, np.eye(len(b)))
+        rest = point - nearest
+        np.testing.assert_allclose(nearest, each.floor + A @ masses, atol=1e-12)
+        assert (masses >= 0.0).all()
+        assert (A.T @ rest).max() < 1e-12  # no mass would lessen the distance
+        assert np.abs(masses * (A.T @ rest)).max() < 1e-12
+        assert np.linalg.norm(rest) > 3.0
+
+
+def test_the_floor_of_parameters_without_bounds_is_free_and_near():
+    """The set is the same wherever it is; far away, the projection would round 1e4 times more."""
+    estimate = exact_estimate()
+    law = adaptive(estimate, KP, KD)
+    free = np.append(np.zeros(len(law.names) - len(law.model.positive), dtype=bool), ~law.model.positive)
+    std = np.sqrt(np.diagonal(law.model.covariance))
+    assert free.any()
+    np.testing.assert_allclose(law.cone.floor[free], law.model.values[free] - FAR * std[free])
+    far = law.cone.above(np.where(free, 0.0, law.cone.floor))
+    rng = np.random.default_rng(7)
+    for _ in range(5):
+        point = law.model.values + 3.0 * std * rng.normal(size=len(std))
+        moved = (law.cone.nearest(point, law.metric) - far.nearest(point, law.metric)) / std
+        assert np.abs(moved).max() < 1e-5
 
 
 @BOTH
