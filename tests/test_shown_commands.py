@@ -38,12 +38,18 @@ RUN_BY = {
 }
 """Commands other than ``exoid``, each with the file in the repository that runs it."""
 
+COMPARE = "OMP_NUM_THREADS=1 peers/bin/python -W ignore scripts/peers/compare.py --peers"
+
 NOT_RUN = {
     "python3 -m venv .venv": "a folder of its own; .ci/run makes one elsewhere",
     ". .venv/bin/activate": "as above",
     "pip install -e '.[test,lint]'": "changes the installation that the tests run in; .ci/run installs without -e",
     ".ci/run": "it runs these tests",
     "pip install figaroh": "optional, from the network: the comparison is skipped without it",
+    "python -m venv peers": "an environment of its own, for tools that exoid does not need",
+    "peers/bin/pip install . -r scripts/peers/requirements.txt": "other tools from the network, some hundred megabytes",
+    f"{COMPARE} figaroh mujoco_regressor": "needs these tools; tests/packaging/test_peers.py runs what does not",
+    f"{COMPARE} mujoco --seeds 5": "as above",
     "gz sdf -p leg.urdf > leg.sdf": "needs Gazebo, which is no Python package",
 }
 """Commands that nothing runs, each with the reason."""

@@ -34,7 +34,8 @@ def test_the_same_seed_gives_the_same_bytes(command, tmp_path):
 def test_tables_are_printed_and_a_report_is_written_beside_them(command, tmp_path):
     code, out, _ = command("cuhk", "--seed", 1, "--report", "cuhk.html")
     assert code == 0
-    assert out.startswith("CUHK-EXO, Tables II and III")
+    assert out.startswith("On an independent motion")  # findings first
+    assert "\nCUHK-EXO, Tables II and III" in out
     assert "document 2 replayed" in (tmp_path / "cuhk.html").read_text()
 
 

@@ -100,7 +100,7 @@ def test_paper_holds_whole_rows_and_no_empty_page(browser, url, tmp_path):
         pytest.skip("no pdftotext on this machine (Debian: apt-get install poppler-utils)")
     with browser.page(url) as page:
         page.wait_for("[...document.images].every(i => i.complete && i.naturalWidth > 0)")
-        hashes = page.evaluate("[...document.querySelectorAll('td.long')].map(t => t.textContent)")
+        hashes = page.evaluate("[...document.querySelectorAll('td.word')].map(t => t.textContent)")
         data = page.send("Page.printToPDF", preferCSSPageSize=True)["data"]
     (tmp_path / "report.pdf").write_bytes(base64.b64decode(data))
     read = subprocess.run([reader, "-layout", tmp_path / "report.pdf", "-"], capture_output=True, check=True, text=True)
