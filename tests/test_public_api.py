@@ -7,6 +7,8 @@ import importlib
 import inspect
 import pkgutil
 
+import pytest
+
 import exoid
 
 MODULES = sorted(["exoid", *(m.name for m in pkgutil.walk_packages(exoid.__path__, "exoid."))])
@@ -85,6 +87,7 @@ def annotated(function):
     return inspect.Signature.empty not in annotations
 
 
+@pytest.mark.slow
 def test_examples_in_docstrings_are_true(forgetful):
     names, tried = {each: getattr(exoid, each) for each in exoid.__all__}, 0
     for name in MODULES:

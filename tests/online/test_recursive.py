@@ -85,6 +85,7 @@ def test_the_filter_costs_no_phase_error(leg, truth):
     np.testing.assert_allclose(online.estimate.values, batch.values, rtol=0.02, atol=0.02)
 
 
+@pytest.mark.slow
 def test_intervals_contain_the_truth(leg, truth):
     inside = []
     for seed in range(12):

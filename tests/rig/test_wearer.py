@@ -116,6 +116,7 @@ def test_leg_and_limb_move_as_pinocchio_says(kind, stepper):
     np.testing.assert_allclose(run.interaction[..., 0], torque, atol=0.01)
 
 
+@pytest.mark.slow
 @STEPPERS
 def test_half_the_step_quarters_the_error(stepper):
     wearer, errors = WEARERS["active"], []
@@ -153,6 +154,7 @@ def test_a_spatial_leg_may_be_worn():
 # ------------------------------------------------------------------------------------------------ limits
 
 
+@pytest.mark.slow
 def test_a_limb_in_stiff_cuffs_is_a_payload():
     """The motion tends to that of the leg with the limb fixed to it, as 1/k."""
     limb = limb_of(CUHK)

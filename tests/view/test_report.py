@@ -190,6 +190,7 @@ def test_modelled_and_measured_friction_are_those_of_the_leg():
     np.testing.assert_allclose(found.measured_friction, expected, atol=0.08)
 
 
+@pytest.mark.slow
 def test_a_long_recording_is_drawn_by_a_few_thousand_points(swing):
     data, estimate = swing
     fast = data.test

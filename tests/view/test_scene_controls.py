@@ -17,6 +17,8 @@ READY = "window.exoid !== undefined && window.exoid.viewer.renderer.info.render.
 TIME = "window.exoid.viewer.animator.time"
 START = 2.5
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def bleex():

@@ -101,6 +101,7 @@ def test_a_wrench_in_the_laboratory_without_a_pose_is_refused(exo, log):
         scene(exo, recording=replace(log, wrenches={"left_foot": world}))
 
 
+@pytest.mark.slow
 def test_an_estimate_adds_predicted_forces_that_equal_exact_ones(exo, estimate):
     log = standing(exo, "left", seconds=4.0, seed=5)
     drawn = scene(estimate, recording=log.recording)
@@ -114,6 +115,7 @@ def test_an_estimate_adds_predicted_forces_that_equal_exact_ones(exo, estimate):
     assert not [path for path in places(drawn) if "predicted ground force right_foot" in path]
 
 
+@pytest.mark.slow
 def test_forces_that_cannot_be_predicted_are_noted(estimate, log):
     place = np.tile([0.0, 0.0, 1.5], (len(log), 1))
     pose = BaseMotion.from_pose(place, np.tile([0.0, 0.0, 0.0, 1.0], (len(log), 1)), log.time)

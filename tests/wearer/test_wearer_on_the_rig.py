@@ -8,7 +8,7 @@ import exoid
 from exoid.rig import Wearer
 from exoid.wearer import identify_limb, limb_parameters
 
-SEEDS = [0, 1]
+SEEDS = [0]
 
 
 @pytest.mark.slow
@@ -39,5 +39,5 @@ def test_the_torque_of_active_and_passive_wearers_is_found(name):
         assert max(error[name] / limb[name] for name in ("J1", "J2")) < 0.05
         assert np.mean(found.inside) > 0.6
     assert not any(exoid.interaction(estimate, log(trained, k)).worn for k, estimate in enumerate(estimates))
-    other = alone(one, [7, 8], 20.0, draw=1)
+    other = alone(one, [7], 20.0, draw=1)
     assert not any(exoid.interaction(estimate, log(other, k)).worn for k, estimate in enumerate(estimates))
